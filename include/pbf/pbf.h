@@ -1,0 +1,449 @@
+/* pbf: position based fluids behind a stable C ABI.
+ *
+ * The method is that of Macklin & Müller, "Position Based Fluids", ACM TOG 32(4), 2013; "eq. n"
+ * below is their equation n. Particles have unit rest density: what enters is the rest volume of
+ * a particle V = m/rho0 alone, so that every density here is rho/rho0.
+ *
+ * Rules that hold for every declaration:
+ *   structs   start with `struct_size` = sizeof the struct the caller was compiled with, grow only
+ *             at the end, and a new field's zero means the old behaviour. Non-zero bytes beyond
+ *             what the library knows are PBF_ERROR_STRUCT_SIZE, never ignored.
+ *   errors    a call that can fail returns a pbf_status; pbf_last_error() then has a sentence that
+ *             names the argument, its value and what would do. Out-parameters stay untouched, the
+ *             solver stays as it was. The library never prints, aborts, exits or throws.
+ *   threads   functions without a solver may be called from any thread at any time. A solver
+ *             belongs to one thread at a time; different solvers may run in different threads at
+ *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
+ *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
+ *             (count, dimension), in the order in which the particles were added.
+ *   units     any consistent set; lengths, times and accelerations are the caller's own.
+ */
+#ifndef PBF_PBF_H
+#define PBF_PBF_H
+
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define PBF_API
+#else
+#define PBF_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Versions ------------------------------------------------------------------------------ */
+
+#define PBF_VERSION_MAJOR 0
+#define PBF_VERSION_MINOR 1
+#define PBF_VERSION_PATCH 0
+
+/* What pbf_desc.api_version must hold: the header that the caller was compiled with. */
+#define PBF_API_VERSION 1u
+
+/* Version of the library at run time, as MAJOR * 1000000 + MINOR * 1000 + PATCH. */
+PBF_API uint32_t pbf_version(void);
+
+/* ---- Status codes -------------------------------------------------------------------------- */
+
+typedef int32_t pbf_status;
+
+enum {
+  PBF_OK = 0,
+  PBF_ERROR_INVALID_ARGUMENT = -1, /* a null pointer, a value out of range, NaN or infinity */
+  PBF_ERROR_STRUCT_SIZE = -2,      /* struct_size is wrong, or unknown bytes are not zero */
+  PBF_ERROR_OUT_OF_MEMORY = -3,    /* host or device */
+  PBF_ERROR_CAPACITY = -4,         /* more particles than pbf_desc.capacity */
+  PBF_ERROR_NOT_FOUND = -5,        /* no particle, backend or item of that name or number */
+  PBF_ERROR_UNAVAILABLE = -6,      /* no backend can serve this solver; the sentence says why */
+  PBF_ERROR_UNSUPPORTED = -7,      /* this build or backend does not have it */
+  PBF_ERROR_BUSY = -8,             /* another thread is inside this solver */
+  PBF_ERROR_STATE = -9,            /* not now: a view is mapped, for example */
+  PBF_ERROR_DEVICE = -10,          /* a device call failed; the sentence names the call */
+  PBF_ERROR_PLUGIN = -11,          /* a backend broke the plugin rules */
+  PBF_ERROR_DATA = -12             /* a saved state is truncated, damaged or of another kind */
+};
+
+/* The code's name, "PBF_ERROR_CAPACITY"; never null, static storage. */
+PBF_API const char *pbf_status_string(pbf_status status);
+
+/* The sentence for the last failure in this thread; never null, empty before the first one.
+ * Valid until this thread's next call that fails. */
+PBF_API const char *pbf_last_error(void);
+
+/* ---- Solver description: what cannot change ------------------------------------------------ */
+
+typedef struct pbf_solver pbf_solver;
+
+enum { PBF_FLOAT32 = 4, PBF_FLOAT64 = 8 };
+
+enum { PBF_LOG_INFO = 1, PBF_LOG_WARNING = 2 };
+
+/* Called with a complete sentence, without a newline, from whichever thread is in the library. */
+typedef void (*pbf_log_fn)(void *user, int32_t level, const char *message);
+
+/* Every allocation of host memory that a solver makes goes through these two. `allocate` returns
+ * memory aligned to `alignment` (a power of two) or null; `release` gets the same size back.
+ * Both may be called from any thread that calls into the solver. */
+typedef struct pbf_allocator {
+  uint32_t struct_size;
+  uint32_t reserved; /* 0 */
+  void *user;
+  void *(*allocate)(void *user, uint64_t size, uint64_t alignment);
+  void (*release)(void *user, void *memory, uint64_t size, uint64_t alignment);
+} pbf_allocator;
+
+typedef struct pbf_desc {
+  uint32_t struct_size;
+  uint32_t api_version;           /* PBF_API_VERSION */
+  uint32_t dimension;             /* 2 or 3 */
+  uint32_t precision;             /* PBF_FLOAT32 or PBF_FLOAT64 */
+  uint32_t capacity;              /* most particles ever held at once, 1 … PBF_MAX_CAPACITY */
+  uint32_t strict;                /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
+  const char *backend;            /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
+  int32_t device;                 /* which device of that backend; 0 is the first */
+  uint32_t threads;               /* CPU threads; 0: as many as the machine offers */
+  void *stream;                   /* cudaStream_t to work on; null: one of the solver's own */
+  const pbf_allocator *allocator; /* null: malloc; copied by pbf_create */
+  pbf_log_fn log;                 /* null: silence */
+  void *log_user;
+} pbf_desc;
+
+#define PBF_MAX_CAPACITY 0x3fffffffu
+
+/* Fills *desc with the defaults: 3D, float32, capacity 100,000, backend "auto". `struct_size` is
+ * sizeof(pbf_desc). */
+PBF_API pbf_status pbf_desc_init(pbf_desc *desc, uint32_t struct_size);
+
+/* ---- Parameters: what may change between steps --------------------------------------------- */
+
+/* Density kernel with the gradient used for the position change. */
+enum {
+  PBF_KERNEL_WENDLAND_C2 = 0, /* one kernel for both: a symmetric system, see `relaxation` */
+  PBF_KERNEL_POLY6_SPIKY = 1  /* poly6 density, spiky gradient: eqs. 2 and 4 with the kernels of
+                                 Müller et al. 2003, as in the paper */
+};
+
+/* When the domain's walls and the colliders act within a step (bits, at least one). */
+enum {
+  PBF_COLLIDE_AFTER_PREDICTION = 1,
+  PBF_COLLIDE_IN_ITERATION = 2, /* Algorithm 1, line 14 */
+  PBF_COLLIDE_AFTER_SOLVE = 4
+};
+
+/* Indices of the six walls in the arrays below: 2 * axis for the lower wall, + 1 for the upper. */
+enum {
+  PBF_WALL_X_MIN = 0,
+  PBF_WALL_X_MAX = 1,
+  PBF_WALL_Y_MIN = 2,
+  PBF_WALL_Y_MAX = 3,
+  PBF_WALL_Z_MIN = 4,
+  PBF_WALL_Z_MAX = 5
+};
+
+/* In 2D every third component is ignored. */
+typedef struct pbf_params {
+  uint32_t struct_size;
+  uint32_t kernel; /* PBF_KERNEL_… */
+
+  double smoothing_radius; /* h > 0: the kernels vanish at r >= h */
+  double spacing;          /* rest distance of the particles, 0 < spacing < h; 0: h/2 */
+  double particle_volume;  /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
+
+  double time_step;    /* > 0 */
+  uint32_t iterations; /* of the density solve in a step, >= 1 */
+  uint32_t collide;    /* PBF_COLLIDE_… bits */
+
+  double gravity[3];
+  double attraction;           /* a further acceleration -attraction (x - attraction_center), 1/s² */
+  double attraction_center[3];
+
+  double relaxation; /* omega >= 0, a factor on the position change (1 in the paper); 0: from the
+                        largest eigenvalue of the Jacobi iteration on the lattice, always stable */
+  double epsilon;    /* constraint force mixing, eq. 11, without a unit: epsilon * h² */
+
+  double scorr_k;     /* artificial pressure, eq. 13: k; 0: none */
+  double scorr_dq;    /* delta q / h, in (0, 1) */
+  uint32_t scorr_n;   /* exponent, 1 … 8 */
+  uint32_t reserved0; /* 0 */
+
+  double vorticity; /* vorticity confinement, eq. 16; 0: none */
+  double viscosity; /* XSPH, eq. 17, without a unit; 0: none */
+
+  /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
+   * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit. */
+  double domain_min[3];
+  double domain_max[3];
+  double wall_velocity[6];
+  double wall_amplitude[6];
+  double wall_frequency[6];
+  double wall_phase[6];
+
+  double search_cell_width; /* cell width of the neighbour search, >= h; 0: the backend's choice.
+                               Only `reference` obeys it. Never changes which pairs interact. */
+} pbf_params;
+
+/* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
+PBF_API pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size);
+
+/* ---- Life of a solver ---------------------------------------------------------------------- */
+
+/* `params` may be null: the defaults. On success *solver is new and holds no particles.
+ * PBF_ERROR_UNAVAILABLE: no backend, the sentence lists each one's reason. */
+PBF_API pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver);
+
+/* Null is a no-op. Memory behind exported DLPack tensors lives on until their deleter runs. */
+PBF_API void pbf_destroy(pbf_solver *solver);
+
+PBF_API pbf_status pbf_set_params(pbf_solver *solver, const pbf_params *params);
+
+/* Gives what was set last; params->struct_size must be set. */
+PBF_API pbf_status pbf_get_params(pbf_solver *solver, pbf_params *params);
+
+/* Runs `steps` time steps. A step that fails leaves particles and time as they were before it;
+ * the steps before it stand (pbf_info.step tells). A device works on after the call returns:
+ * whatever reads the state waits for it, and pbf_synchronize does just that. */
+PBF_API pbf_status pbf_step(pbf_solver *solver, uint32_t steps);
+
+/* Waits for the device; reports an error that a step met after pbf_step had returned. */
+PBF_API pbf_status pbf_synchronize(pbf_solver *solver);
+
+/* ---- Particles ----------------------------------------------------------------------------- */
+
+PBF_API pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count);
+
+/* Appends particles; `velocities` may be null: at rest. Ids count up from 0 over the solver's life
+ * and are never used again; *first_id (may be null) gets the first new one. Positions must be
+ * finite and inside the domain. */
+PBF_API pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *positions,
+                                     const void *velocities, uint32_t *first_id);
+
+/* Removes the particles with these ids; the others keep ids and order. Nothing is removed when one
+ * id is unknown or stands twice. */
+PBF_API pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids);
+
+/* Particles first … first + count - 1 in the order of adding, those removed left out. Positions and
+ * velocities: shape (count, dimension). Ids: increasing. Densities: rho/rho0 at the present
+ * positions, the particle itself included, shape (count). */
+PBF_API pbf_status pbf_get_positions(pbf_solver *solver, uint32_t first, uint32_t count,
+                                     void *positions);
+PBF_API pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,
+                                     const void *positions);
+PBF_API pbf_status pbf_get_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                                      void *velocities);
+PBF_API pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                                      const void *velocities);
+PBF_API pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids);
+PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count,
+                                     void *densities);
+
+/* ---- Colliders ----------------------------------------------------------------------------- */
+
+enum { PBF_COLLIDER_PLANE = 0, PBF_COLLIDER_SPHERE = 1, PBF_COLLIDER_CAPSULE = 2, PBF_COLLIDER_BOX = 3 };
+
+/* The fluid stays outside (plane: on the side of its normal), or, inverted, inside. Particle
+ * centres are kept out of the surface itself: enlarge the shape by half a spacing for looks.
+ * A collider moves by its velocities through every step, without being set again. */
+typedef struct pbf_collider {
+  uint32_t struct_size;
+  uint32_t shape;             /* PBF_COLLIDER_… */
+  uint32_t inverted;          /* 1: a container */
+  uint32_t reserved;          /* 0 */
+  double position[3];         /* centre; of a plane: any point of it */
+  double orientation[4];      /* unit quaternion x, y, z, w; 2D: a turn about z */
+  double velocity[3];         /* of `position` */
+  double angular_velocity[3]; /* radians a time unit, about `position`; 2D: z only */
+  double axis[3];             /* plane: normal, capsule: direction; before `orientation` turns it */
+  double half_extents[3];     /* box */
+  double radius;              /* sphere, capsule */
+  double half_length;         /* capsule: from the centre to either end of its segment */
+} pbf_collider;
+
+#define PBF_MAX_COLLIDERS 64u
+
+/* Fills *collider: the shape at rest at the origin, axis +y, sizes 1, half_length 1. */
+PBF_API pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
+
+/* Replaces all colliders. `colliders` is an array of `count` structs, each of the size in
+ * colliders[0].struct_size. Poses hold at the solver's present time. */
+PBF_API pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
+
+PBF_API pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count);
+
+/* Collider `index` in its present pose; collider->struct_size must be set. */
+PBF_API pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *collider);
+
+/* ---- Views without a copy ------------------------------------------------------------------ */
+
+enum { PBF_FIELD_POSITION = 1, PBF_FIELD_VELOCITY = 2, PBF_FIELD_ID = 3, PBF_FIELD_DENSITY = 4 };
+
+enum { PBF_DEVICE_CPU = 1, PBF_DEVICE_CUDA = 2 }; /* DLPack's numbers */
+
+enum { PBF_TYPE_FLOAT32 = 4, PBF_TYPE_FLOAT64 = 8, PBF_TYPE_UINT32 = 12 };
+
+/* Element (i, c) of a view is at data + i * particle_stride + c * component_stride bytes. The
+ * order is the backend's own; ids (in the same memory, tightly packed) say who is who. */
+typedef struct pbf_view {
+  uint32_t struct_size;
+  uint32_t field;           /* PBF_FIELD_POSITION, _VELOCITY or _ID */
+  uint32_t device_type;     /* PBF_DEVICE_… */
+  int32_t device_id;
+  uint32_t element_type;    /* PBF_TYPE_… */
+  uint32_t components;      /* dimension, or 1 */
+  uint32_t count;
+  uint32_t reserved;        /* 0 */
+  int64_t particle_stride;  /* bytes */
+  int64_t component_stride; /* bytes */
+  uint64_t generation;      /* changes whenever the particles do */
+  const void *data;
+  const uint32_t *ids;
+} pbf_view;
+
+/* Read-only view of one field. While any view is mapped, calls that change the particles return
+ * PBF_ERROR_STATE. On a device the data is ready in the solver's stream. Each successful map wants
+ * one unmap of the same field. */
+PBF_API pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view);
+PBF_API pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
+
+/* The same as a DLPack tensor of shape (count, components), mapped until its deleter runs (also
+ * after pbf_destroy). Include <dlpack/dlpack.h> for the type. */
+struct DLManagedTensor;
+PBF_API pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field, struct DLManagedTensor **tensor);
+
+/* ---- What happened: on request only -------------------------------------------------------- */
+
+/* Sums over all particles in their present state, particles of unit mass, in float64. */
+typedef struct pbf_stats {
+  uint32_t struct_size;
+  uint32_t count;
+  uint32_t iterations;          /* of the last step */
+  uint32_t neighbors_max;       /* within h, the particle itself not counted */
+  double neighbors_mean;
+  double center_of_mass[3];
+  double position_min[3];
+  double position_max[3];
+  double momentum[3];           /* a particle's mean: sum of v / count */
+  double kinetic_energy;        /* a particle's mean: sum of |v|²/2 / count */
+  double speed_max;
+  double density_error_mean;    /* mean of max(rho/rho0 - 1, 0): a free surface is no error */
+  double density_error_max;     /* largest rho/rho0 - 1, at least 0 */
+  double density_mean;          /* mean of rho/rho0 */
+} pbf_stats;
+
+PBF_API pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);
+
+#define PBF_NAME_SIZE 32
+#define PBF_MAX_STAGES 24
+#define PBF_MAX_ARRAYS 40
+
+typedef struct pbf_stage_time {
+  char name[PBF_NAME_SIZE];
+  double milliseconds; /* since timing was switched on */
+  uint64_t runs;
+} pbf_stage_time;
+
+typedef struct pbf_timings {
+  uint32_t struct_size;
+  uint32_t stage_count;
+  pbf_stage_time stages[PBF_MAX_STAGES];
+} pbf_timings;
+
+/* Per-stage times; off at first. Switching on clears them; while on, a device is synchronised
+ * after every stage, so the sum is more than an untimed step takes. */
+PBF_API pbf_status pbf_set_timing(pbf_solver *solver, uint32_t enabled);
+PBF_API pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings);
+
+/* What this solver runs and holds with its present parameters, and nothing else exists. */
+typedef struct pbf_plan_stage {
+  char name[PBF_NAME_SIZE];
+  uint32_t runs_per_step;
+  uint32_t launches_per_step; /* device launches; 0 on a CPU */
+} pbf_plan_stage;
+
+typedef struct pbf_plan_array {
+  char name[PBF_NAME_SIZE];
+  double bytes_per_particle; /* of capacity */
+  uint64_t bytes;            /* allocated now */
+} pbf_plan_array;
+
+typedef struct pbf_plan {
+  uint32_t struct_size;
+  uint32_t stage_count;
+  uint32_t array_count;
+  uint32_t reserved;          /* 0 */
+  char variant[PBF_NAME_SIZE * 2]; /* "3d-f32-wendland", with what the hot loop was built for */
+  double bytes_per_particle;  /* sum over the arrays */
+  uint64_t bytes;             /* everything allocated now, small tables included */
+  pbf_plan_stage stages[PBF_MAX_STAGES];
+  pbf_plan_array arrays[PBF_MAX_ARRAYS];
+} pbf_plan;
+
+PBF_API pbf_status pbf_get_plan(pbf_solver *solver, pbf_plan *plan);
+
+typedef struct pbf_info {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t precision;
+  uint32_t capacity;
+  uint32_t threads;                /* CPU threads in use; 0 on a device */
+  int32_t device;
+  uint32_t device_type;            /* PBF_DEVICE_… */
+  uint32_t fell_back;              /* 1: not the backend that was asked for */
+  uint64_t step;                   /* steps done */
+  double time;                     /* sum of their time steps */
+  char backend[PBF_NAME_SIZE];
+  char device_name[96];            /* "AMD EPYC … (avx512)", "NVIDIA H200" */
+  char build_id[96];               /* version, compiler and target of the backend's build */
+  char path[256];                  /* file that the backend came from; empty when linked in */
+  char fallback_reason[256];       /* why the backend that was asked for does not serve */
+} pbf_info;
+
+PBF_API pbf_status pbf_get_info(pbf_solver *solver, pbf_info *info);
+
+/* ---- State --------------------------------------------------------------------------------- */
+
+/* Writes parameters, colliders, time and particles, portable between backends. With `buffer` null,
+ * *size gets the bytes needed; else *size is the room there is, and gets the bytes written. On the
+ * same backend and build, a loaded solver continues with the same bits. */
+PBF_API pbf_status pbf_save(pbf_solver *solver, void *buffer, uint64_t *size);
+
+/* Replaces the solver's whole state. PBF_ERROR_DATA for anything that pbf_save did not write, of
+ * another dimension or precision; the solver is then unchanged. */
+PBF_API pbf_status pbf_load(pbf_solver *solver, const void *buffer, uint64_t size);
+
+/* FNV-1a, 64 bit, over step, count and, in the order of adding, ids, positions and velocities. */
+PBF_API pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash);
+
+/* ---- Backends ------------------------------------------------------------------------------ */
+
+typedef struct pbf_backend_info {
+  uint32_t struct_size;
+  uint32_t available;         /* 1: can serve the solver that was asked about */
+  int32_t score;              /* "auto" takes the highest; 0: can't serve */
+  uint32_t device_type;       /* PBF_DEVICE_… */
+  char name[PBF_NAME_SIZE];
+  char device_name[96];
+  char build_id[96];
+  char path[256];
+  char reason[256];           /* why it can't serve: the probe's or the dynamic loader's words */
+} pbf_backend_info;
+
+/* Number of entries: every backend found, and every candidate that failed to load. */
+PBF_API pbf_status pbf_get_backend_count(uint32_t *count);
+
+/* Entry `index`, judged for a solver like `desc` (null: the defaults). info->struct_size must be
+ * set. */
+PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info);
+
+/* Loads a plugin from an absolute path, for the life of the process. The backends that come with
+ * the library need no call: they are found when first wanted, in the folders of
+ * PBF_BACKEND_PATH (colon-separated, absolute; ignored under elevated privileges), beside libpbf,
+ * in pbf/backends/ beside libpbf. */
+PBF_API pbf_status pbf_load_backend(const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

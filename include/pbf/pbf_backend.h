@@ -1,0 +1,168 @@
+/* The plugin ABI: what a backend gives to libpbf. Users of the library need only pbf.h.
+ *
+ * A backend is a shared object with one exported function, PBF_BACKEND_ENTRY, of type
+ * pbf_backend_negotiate_fn. The host has validated everything that it passes: pointers are not
+ * null, numbers are finite and in range, counts fit, structs are complete in the size of
+ * their struct_size. Calls for one solver never overlap.
+ *
+ * On failure a function returns a status other than PBF_OK and has called host->set_error with a
+ * sentence; the solver is then as it was before the call.
+ */
+#ifndef PBF_PBF_BACKEND_H
+#define PBF_PBF_BACKEND_H
+
+#include <pbf/pbf.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PBF_BACKEND_ABI_VERSION 1u
+#define PBF_BACKEND_ENTRY "pbf_backend_negotiate"
+
+/* What the host offers, valid for the life of the process. */
+typedef struct pbf_backend_host {
+  uint32_t struct_size;
+  uint32_t abi_min; /* versions of this header that the host speaks */
+  uint32_t abi_max;
+  uint32_t reserved;
+  void (*set_error)(const char *sentence); /* for pbf_last_error of this thread; copied */
+} pbf_backend_host;
+
+/* The kind of solver that probe is asked about. */
+typedef struct pbf_workload {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t precision;
+  uint32_t capacity;
+  int32_t device;
+  uint32_t threads;
+} pbf_workload;
+
+/* 0: can't serve, `reason` says why. Otherwise, the higher the faster: the scale is millions of
+ * particle-iterations a second in the 5-iteration benchmark at this size on this machine. */
+typedef struct pbf_probe_result {
+  uint32_t struct_size;
+  int32_t score;
+  uint32_t device_type;
+  uint32_t reserved;
+  char device_name[96];
+  char reason[256];
+} pbf_probe_result;
+
+typedef struct pbf_backend_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t precision;
+  uint32_t capacity;
+  int32_t device;
+  uint32_t threads; /* 0: the backend's choice */
+  void *stream;
+  pbf_allocator allocator; /* complete: never null functions */
+  pbf_log_fn log;          /* never null */
+  void *log_user;
+} pbf_backend_desc;
+
+/* New particles. Their ids ascend and are above all ids that the solver has held. */
+typedef struct pbf_particles {
+  uint32_t struct_size;
+  uint32_t count;
+  const uint32_t *ids;
+  const void *positions;  /* (count, dimension), element type of the solver */
+  const void *velocities; /* (count, dimension); null: at rest */
+} pbf_particles;
+
+/* Rows first … first + count - 1 of the solver's particles in ascending order of id. `ids` has all
+ * the solver's ids in that order; null: the ids are 0 … N - 1, so that row and id are the same. */
+typedef struct pbf_rows {
+  uint32_t struct_size;
+  uint32_t first;
+  uint32_t count;
+  uint32_t total; /* particles that the solver holds */
+  const uint32_t *ids;
+} pbf_rows;
+
+/* What pbf_backend_api.describe reports; pbf_info and pbf_plan without what the host knows. */
+typedef struct pbf_backend_state {
+  uint32_t struct_size;
+  uint32_t threads;
+  uint32_t device_type;
+  uint32_t reserved;
+  char device_name[96];
+} pbf_backend_state;
+
+typedef struct pbf_backend_solver pbf_backend_solver;
+
+/* All members must be set, except those marked optional. */
+typedef struct pbf_backend_api {
+  uint32_t struct_size;
+  uint32_t reserved;
+
+  /* Any thread, any time; must not fail nor touch devices' state. */
+  void (*probe)(const pbf_workload *workload, pbf_probe_result *result);
+
+  pbf_status (*create)(const pbf_backend_desc *desc, const pbf_params *params,
+                       pbf_backend_solver **solver);
+  void (*destroy)(pbf_backend_solver *solver);
+
+  pbf_status (*set_params)(pbf_backend_solver *solver, const pbf_params *params);
+
+  /* `time` is when the poses hold. The array has `count` structs of this header's size. */
+  pbf_status (*set_colliders)(pbf_backend_solver *solver, uint32_t count,
+                              const pbf_collider *colliders, double time);
+
+  /* Runs `steps` steps from `time`; the walls and colliders of step k (from 1) stand where they
+   * are at time + k * time_step. *done counts the steps completed, also on failure. */
+  pbf_status (*step)(pbf_backend_solver *solver, double time, uint32_t steps, uint32_t *done);
+
+  pbf_status (*synchronize)(pbf_backend_solver *solver);
+
+  /* `create` has taken the memory for `capacity` particles, so that adding and removing can fail
+   * only with the device. `ids` ascend and are all present. */
+  pbf_status (*add_particles)(pbf_backend_solver *solver, const pbf_particles *particles);
+  pbf_status (*remove_particles)(pbf_backend_solver *solver, uint32_t count, const uint32_t *ids);
+  pbf_status (*remove_all)(pbf_backend_solver *solver);
+
+  /* Copies a field (PBF_FIELD_POSITION, _VELOCITY, _DENSITY), rows ascending by id. */
+  pbf_status (*read)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows, void *out);
+
+  /* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY. */
+  pbf_status (*write)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows,
+                      const void *in);
+
+  /* Fills a view of PBF_FIELD_POSITION, _VELOCITY or _ID; generation is the host's. The view
+   * holds until the particles change: the host sees to that. */
+  pbf_status (*map)(pbf_backend_solver *solver, uint32_t field, pbf_view *view);
+
+  /* The host has zeroed the struct and set struct_size. */
+  pbf_status (*get_stats)(pbf_backend_solver *solver, pbf_stats *stats);
+  pbf_status (*get_plan)(pbf_backend_solver *solver, pbf_plan *plan);
+  pbf_status (*describe)(pbf_backend_solver *solver, pbf_backend_state *state);
+
+  /* Optional, both or neither: per-stage times. */
+  pbf_status (*set_timing)(pbf_backend_solver *solver, uint32_t enabled);
+  pbf_status (*get_timings)(pbf_backend_solver *solver, pbf_timings *timings);
+
+  /* Optional: extensions by name and revision, "pbf.example/1"; null for unknown ones. */
+  const void *(*get_extension)(const char *name);
+} pbf_backend_api;
+
+/* What the plugin answers. */
+typedef struct pbf_backend_answer {
+  uint32_t struct_size;
+  uint32_t abi_version; /* the one it chose, abi_min … abi_max */
+  char name[PBF_NAME_SIZE];
+  char build_id[96];
+  const pbf_backend_api *api; /* static storage */
+} pbf_backend_answer;
+
+/* The host has zeroed *answer and set its struct_size. PBF_ERROR_UNSUPPORTED when no common
+ * version exists. */
+typedef pbf_status (*pbf_backend_negotiate_fn)(const pbf_backend_host *host,
+                                               pbf_backend_answer *answer);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
