@@ -92,17 +92,20 @@ typedef struct pbf_backend_state {
 } pbf_backend_state;
 
 typedef struct pbf_backend_solver pbf_backend_solver;
+typedef struct pbf_backend_api pbf_backend_api;
 
 /* All members must be set, except those marked optional. */
-typedef struct pbf_backend_api {
+struct pbf_backend_api {
   uint32_t struct_size;
   uint32_t reserved;
 
   /* Any thread, any time; must not fail nor touch devices' state. */
   void (*probe)(const pbf_workload *workload, pbf_probe_result *result);
 
+  /* *api gets the table for this solver's other calls: this one, or that of a variant (dimension,
+   * precision, …), static storage too. The host checks it as it checked this one. */
   pbf_status (*create)(const pbf_backend_desc *desc, const pbf_params *params,
-                       pbf_backend_solver **solver);
+                       pbf_backend_solver **solver, const pbf_backend_api **api);
   void (*destroy)(pbf_backend_solver *solver);
 
   pbf_status (*set_params)(pbf_backend_solver *solver, const pbf_params *params);
@@ -145,7 +148,7 @@ typedef struct pbf_backend_api {
 
   /* Optional: extensions by name and revision, "pbf.example/1"; null for unknown ones. */
   const void *(*get_extension)(const char *name);
-} pbf_backend_api;
+};
 
 /* What the plugin answers. */
 typedef struct pbf_backend_answer {

@@ -1,0 +1,139 @@
+/* What follows from the parameters before any particle is looked at: the kernels' normalisation,
+ * the rest volume, the relaxation. Host only, float64. */
+#ifndef PBF_PHYSICS_DERIVE_H
+#define PBF_PHYSICS_DERIVE_H
+
+#include <math.h>
+#include <stdint.h>
+
+#include <pbf/pbf.h>
+
+#define PBF_PI 3.14159265358979323846
+
+/* Everything the pair terms need, in units of 1/h: V W = value_scale * shape(r/h). */
+typedef struct pbf_derived {
+  double h;
+  double spacing;
+  double volume;         /* V */
+  double value_scale;    /* V times the kernel's norm: V W(0) for both kernels */
+  double gradient_scale; /* V times the gradient's norm, see pair.h */
+  double epsilon;        /* 1/length² */
+  double omega;
+  double scorr_k;
+  double scorr_inv_w; /* 1 / (V W(delta q)) */
+  double scorr_dq2;   /* (delta q)² in units of h² */
+  double diagonal;    /* V² sum |grad W|² on the lattice */
+} pbf_derived;
+
+/* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
+static inline double pbf_shape_value(uint32_t kernel, double q) {
+  if (q >= 1) return 0;
+  double u = kernel == PBF_KERNEL_POLY6_SPIKY ? 1 - q * q : 1 - q;
+  return kernel == PBF_KERNEL_POLY6_SPIKY ? u * u * u : u * u * u * u * (4 * q + 1);
+}
+
+/* Magnitude of the gradient at q, over its norm; it points towards the other particle. */
+static inline double pbf_shape_slope(uint32_t kernel, double q) {
+  if (q >= 1) return 0;
+  double u = 1 - q;
+  return kernel == PBF_KERNEL_POLY6_SPIKY ? u * u : q * u * u * u;
+}
+
+static inline double pbf_norm_value(uint32_t kernel, uint32_t dimension, double h) {
+  if (kernel == PBF_KERNEL_POLY6_SPIKY)
+    return dimension == 2 ? 4 / (PBF_PI * h * h) : 315 / (64 * PBF_PI * h * h * h);
+  return dimension == 2 ? 7 / (PBF_PI * h * h) : 21 / (2 * PBF_PI * h * h * h);
+}
+
+static inline double pbf_norm_slope(uint32_t kernel, uint32_t dimension, double h) {
+  if (kernel == PBF_KERNEL_POLY6_SPIKY)
+    return dimension == 2 ? 30 / (PBF_PI * h * h * h) : 45 / (PBF_PI * h * h * h * h);
+  return 20 * pbf_norm_value(kernel, dimension, h) / h;
+}
+
+/* Calls for each point of the square or cubic lattice within h, the origin included; sums
+ *   density   sum W,   slope2   sum |grad W|²,
+ *   symbol[0] sum grad W · k sin(k·r) with W's own gradient, symbol[1] the same with the one that
+ *   moves particles, both along the direction of the wave vector k. */
+typedef struct pbf_lattice_sums {
+  double density, slope2, symbol[2];
+} pbf_lattice_sums;
+
+static inline double pbf_shape_own_slope(uint32_t kernel, double q) {
+  if (kernel != PBF_KERNEL_POLY6_SPIKY) return pbf_shape_slope(kernel, q);
+  double u = q < 1 ? 1 - q * q : 0;
+  return 6 * q * u * u;
+}
+
+static inline pbf_lattice_sums pbf_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
+                                           const double wave[3]) {
+  pbf_lattice_sums sums = {0, 0, {0, 0}};
+  int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
+  double value = pbf_norm_value(kernel, dimension, h), slope = pbf_norm_slope(kernel, dimension, h);
+  double own = kernel == PBF_KERNEL_POLY6_SPIKY ? value / h : slope;
+  double length = sqrt(wave[0] * wave[0] + wave[1] * wave[1] + wave[2] * wave[2]);
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double r = d * sqrt((double)(i * i + j * j + k * k)), q = r / h;
+        if (q >= 1) continue;
+        double g = slope * pbf_shape_slope(kernel, q);
+        sums.density += value * pbf_shape_value(kernel, q);
+        if (r <= 0) continue;
+        sums.slope2 += g * g;
+        if (length <= 0) continue;
+        double phase = d * (wave[0] * i + wave[1] * j + wave[2] * k);
+        double along = phase / (length * r) * sin(phase);
+        sums.symbol[0] += own * pbf_shape_own_slope(kernel, q) * along;
+        sums.symbol[1] += g * along;
+      }
+  return sums;
+}
+
+/* Largest eigenvalue of the Jacobi iteration's matrix over the waves along the lattice's axes and
+ * diagonals. A wave lambda exp(i k·x) moves particles along k by symbol[1], which changes the
+ * density by symbol[0]; the diagonal is slope2. */
+static inline double pbf_lattice_lambda_max(uint32_t kernel, uint32_t dimension, double h, double d) {
+  enum { SAMPLES = 48 };
+  double largest = 0;
+  for (uint32_t axes = 1; axes <= dimension; ++axes)
+    for (int s = 1; s <= SAMPLES; ++s) {
+      double k = PBF_PI / d * s / SAMPLES;
+      double wave[3] = {k, axes > 1 ? k : 0, axes > 2 ? k : 0};
+      pbf_lattice_sums sums = pbf_lattice(kernel, dimension, h, d, wave);
+      double eigenvalue = fabs(sums.symbol[0] * sums.symbol[1]) / sums.slope2;
+      if (eigenvalue > largest) largest = eigenvalue;
+    }
+  return largest;
+}
+
+/* Jacobi is stable below 2 / largest eigenvalue; compression raises the eigenvalue a little. */
+#define PBF_SAFE_RELAXATION 1.5
+
+static inline double pbf_derive_spacing(const pbf_params *params) {
+  return params->spacing > 0 ? params->spacing : 0.5 * params->smoothing_radius;
+}
+
+static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
+  pbf_derived d = {0};
+  uint32_t kernel = params->kernel;
+  double h = params->smoothing_radius, no_wave[3] = {0, 0, 0};
+  d.h = h;
+  d.spacing = pbf_derive_spacing(params);
+  pbf_lattice_sums sums = pbf_lattice(kernel, dimension, h, d.spacing, no_wave);
+  d.volume = params->particle_volume > 0 ? params->particle_volume : 1 / sums.density;
+  d.value_scale = d.volume * pbf_norm_value(kernel, dimension, h);
+  d.gradient_scale = d.volume * pbf_norm_slope(kernel, dimension, h);
+  d.diagonal = d.volume * d.volume * sums.slope2;
+  d.epsilon = params->epsilon / (h * h);
+  d.omega = params->relaxation > 0
+                ? params->relaxation
+                : PBF_SAFE_RELAXATION / pbf_lattice_lambda_max(kernel, dimension, h, d.spacing);
+  d.scorr_k = params->scorr_k;
+  d.scorr_dq2 = params->scorr_dq * params->scorr_dq;
+  if (params->scorr_k > 0)
+    d.scorr_inv_w = 1 / (d.value_scale * pbf_shape_value(kernel, params->scorr_dq));
+  return d;
+}
+
+#endif

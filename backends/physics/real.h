@@ -1,0 +1,51 @@
+/* The real type and dimension of this translation unit's variant, PBF_REAL and PBF_DIM from the
+ * build, and vectors of them. Two dimensions carry no third coordinate. */
+#ifndef PBF_PHYSICS_REAL_H
+#define PBF_PHYSICS_REAL_H
+
+#include <math.h>
+
+#include "physics/features.h"
+
+typedef PBF_REAL pbf_real;
+
+typedef struct pbf_vec {
+  pbf_real c[PBF_DIM];
+} pbf_vec;
+
+/* What curls are: a scalar in two dimensions. */
+enum { PBF_CURL_DIM = PBF_DIM == 3 ? 3 : 1 };
+typedef struct pbf_curl {
+  pbf_real c[PBF_CURL_DIM];
+} pbf_curl;
+
+#if defined(__CUDACC__)
+PBF_FN float pbf_sqrt_of(float a) { return sqrtf(a); }
+PBF_FN double pbf_sqrt_of(double a) { return sqrt(a); }
+PBF_FN pbf_real pbf_real_sqrt(pbf_real a) { return pbf_sqrt_of(a); }
+#else
+PBF_FN pbf_real pbf_real_sqrt(pbf_real a) {
+  return sizeof a == sizeof(float) ? (pbf_real)sqrtf((float)a) : (pbf_real)sqrt((double)a);
+}
+#endif
+PBF_FN pbf_real pbf_real_max(pbf_real a, pbf_real b) { return a > b ? a : b; }
+PBF_FN pbf_real pbf_real_min(pbf_real a, pbf_real b) { return a < b ? a : b; }
+
+PBF_FN pbf_real pbf_dot(pbf_vec a, pbf_vec b) {
+  pbf_real sum = a.c[0] * b.c[0];
+  for (int k = 1; k < PBF_DIM; ++k) sum += a.c[k] * b.c[k];
+  return sum;
+}
+
+PBF_FN pbf_vec pbf_sub(pbf_vec a, pbf_vec b) {
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] -= b.c[k];
+  return a;
+}
+
+/* a + s b */
+PBF_FN pbf_vec pbf_add_scaled(pbf_vec a, pbf_real s, pbf_vec b) {
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] += s * b.c[k];
+  return a;
+}
+
+#endif

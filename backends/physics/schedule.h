@@ -1,0 +1,59 @@
+/* Which stages a scene has, in their order (Algorithm 1): a stage that is not in the schedule is
+ * not run, and what only it needs is not allocated. */
+#ifndef PBF_PHYSICS_SCHEDULE_H
+#define PBF_PHYSICS_SCHEDULE_H
+
+#include <stdio.h>
+#include <string.h>
+
+#include "physics/features.h"
+
+typedef enum pbf_stage {
+  PBF_STAGE_PREDICT,   /* lines 1-4, with walls and colliders when they act there */
+  PBF_STAGE_NEIGHBORS, /* lines 5-7 */
+  PBF_STAGE_LAMBDA,    /* lines 9-11, an iteration */
+  PBF_STAGE_MOVE,      /* lines 12-18, an iteration; lines 13 and 14 with collisions there */
+  PBF_STAGE_VELOCITY,  /* lines 20, 21, 23, with collisions after the solve */
+  PBF_STAGE_CURL,      /* line 22, eq. 15 */
+  PBF_STAGE_CONFINE,   /* line 22, eq. 16 */
+  PBF_STAGE_VISCOSITY, /* line 22, eq. 17 */
+  PBF_STAGE_COUNT
+} pbf_stage;
+
+typedef struct pbf_schedule {
+  uint32_t runs[PBF_STAGE_COUNT]; /* a step */
+  int features;
+  int colliders;
+  int collide_after_prediction, collide_in_iteration, collide_after_solve;
+} pbf_schedule;
+
+static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders) {
+  pbf_schedule s;
+  memset(&s, 0, sizeof s);
+  s.features = pbf_features_of(params);
+  s.colliders = (int)colliders;
+  s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
+  s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
+  s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
+  s.runs[PBF_STAGE_PREDICT] = s.runs[PBF_STAGE_NEIGHBORS] = s.runs[PBF_STAGE_VELOCITY] = 1;
+  s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
+  s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
+  s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
+  return s;
+}
+
+static inline const char *pbf_stage_name(pbf_stage stage) {
+  static const char *const names[PBF_STAGE_COUNT] = {"predict",  "neighbors", "lambda",  "move",
+                                                     "velocity", "curl",      "confine", "viscosity"};
+  return names[stage];
+}
+
+/* "3d-f32-wendland", "2d-f64-poly6-scorr" */
+static inline void pbf_variant_name(char *name, size_t size, int features, uint32_t dimension,
+                                    uint32_t precision) {
+  snprintf(name, size, "%ud-f%u-%s%s", dimension, 8 * precision,
+           features & PBF_FEATURE_POLY6 ? "poly6" : "wendland",
+           features & PBF_FEATURE_SCORR ? "-scorr" : "");
+}
+
+#endif
