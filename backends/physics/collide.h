@@ -1,5 +1,6 @@
 /* Collision response (Algorithm 1, line 14): a position inside a solid goes to the nearest point of
- * its surface. Shapes are prepared once a step in float64 and applied in the particles' precision. */
+ * its surface. Shapes are prepared once a step in float64 and applied in the particles' precision.
+ */
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H
 
@@ -91,7 +92,8 @@ PBF_FN pbf_real pbf_sphere_distance(pbf_vec from_center, pbf_real radius, pbf_ve
   return r - radius;
 }
 
-/* The same for a box, in its own frame: outside, the nearest point of it; inside, its nearest face. */
+/* The same for a box, in its own frame: outside, the nearest point of it; inside, its nearest face.
+ */
 PBF_FN pbf_real pbf_box_distance(pbf_vec p, pbf_vec half, pbf_vec *normal) {
   pbf_real inside = 0, outside2 = 0;
   int face = 0;

@@ -93,7 +93,8 @@ static inline pbf_lattice_sums pbf_lattice(uint32_t kernel, uint32_t dimension, 
 /* Largest eigenvalue of the Jacobi iteration's matrix over the waves along the lattice's axes and
  * diagonals. A wave lambda exp(i k·x) moves particles along k by symbol[1], which changes the
  * density by symbol[0]; the diagonal is slope2. */
-static inline double pbf_lattice_lambda_max(uint32_t kernel, uint32_t dimension, double h, double d) {
+static inline double pbf_lattice_lambda_max(uint32_t kernel, uint32_t dimension, double h,
+                                            double d) {
   enum { SAMPLES = 48 };
   double largest = 0;
   for (uint32_t axes = 1; axes <= dimension; ++axes)

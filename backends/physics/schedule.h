@@ -43,8 +43,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
 }
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
-  static const char *const names[PBF_STAGE_COUNT] = {"predict",  "neighbors", "lambda",  "move",
-                                                     "velocity", "curl",      "confine", "viscosity"};
+  static const char *const names[PBF_STAGE_COUNT] = {
+      "predict", "neighbors", "lambda", "move", "velocity", "curl", "confine", "viscosity"};
   return names[stage];
 }
 

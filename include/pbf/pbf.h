@@ -96,15 +96,15 @@ typedef struct pbf_allocator {
 
 typedef struct pbf_desc {
   uint32_t struct_size;
-  uint32_t api_version;           /* PBF_API_VERSION */
-  uint32_t dimension;             /* 2 or 3 */
-  uint32_t precision;             /* PBF_FLOAT32 or PBF_FLOAT64 */
-  uint32_t capacity;              /* most particles ever held at once, 1 … PBF_MAX_CAPACITY */
-  uint32_t strict;                /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
-  const char *backend;            /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
-  int32_t device;                 /* which device of that backend; 0 is the first */
-  uint32_t threads;               /* CPU threads; 0: as many as the machine offers */
-  void *stream;                   /* cudaStream_t to work on; null: one of the solver's own */
+  uint32_t api_version; /* PBF_API_VERSION */
+  uint32_t dimension;   /* 2 or 3 */
+  uint32_t precision;   /* PBF_FLOAT32 or PBF_FLOAT64 */
+  uint32_t capacity;    /* most particles ever held at once, 1 … PBF_MAX_CAPACITY */
+  uint32_t strict;      /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
+  const char *backend;  /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
+  int32_t device;       /* which device of that backend; 0 is the first */
+  uint32_t threads;     /* CPU threads; 0: as many as the machine offers */
+  void *stream;         /* cudaStream_t to work on; null: one of the solver's own */
   const pbf_allocator *allocator; /* null: malloc; copied by pbf_create */
   pbf_log_fn log;                 /* null: silence */
   void *log_user;
@@ -149,14 +149,14 @@ typedef struct pbf_params {
 
   double smoothing_radius; /* h > 0: the kernels vanish at r >= h */
   double spacing;          /* rest distance of the particles, 0 < spacing < h; 0: h/2 */
-  double particle_volume;  /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
+  double particle_volume; /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
 
   double time_step;    /* > 0 */
   uint32_t iterations; /* of the density solve in a step, >= 1 */
   uint32_t collide;    /* PBF_COLLIDE_… bits */
 
   double gravity[3];
-  double attraction;           /* a further acceleration -attraction (x - attraction_center), 1/s² */
+  double attraction; /* a further acceleration -attraction (x - attraction_center), 1/s² */
   double attraction_center[3];
 
   double relaxation; /* omega >= 0, a factor on the position change (1 in the paper); 0: from the
@@ -240,7 +240,12 @@ PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_
 
 /* ---- Colliders ----------------------------------------------------------------------------- */
 
-enum { PBF_COLLIDER_PLANE = 0, PBF_COLLIDER_SPHERE = 1, PBF_COLLIDER_CAPSULE = 2, PBF_COLLIDER_BOX = 3 };
+enum {
+  PBF_COLLIDER_PLANE = 0,
+  PBF_COLLIDER_SPHERE = 1,
+  PBF_COLLIDER_CAPSULE = 2,
+  PBF_COLLIDER_BOX = 3
+};
 
 /* The fluid stays outside (plane: on the side of its normal), or, inverted, inside. Particle
  * centres are kept out of the surface itself: enlarge the shape by half a spacing for looks.
@@ -267,7 +272,8 @@ PBF_API pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_siz
 
 /* Replaces all colliders. `colliders` is an array of `count` structs, each of the size in
  * colliders[0].struct_size. Poses hold at the solver's present time. */
-PBF_API pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
+PBF_API pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count,
+                                     const pbf_collider *colliders);
 
 PBF_API pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count);
 
@@ -286,11 +292,11 @@ enum { PBF_TYPE_FLOAT32 = 4, PBF_TYPE_FLOAT64 = 8, PBF_TYPE_UINT32 = 12 };
  * order is the backend's own; ids (in the same memory, tightly packed) say who is who. */
 typedef struct pbf_view {
   uint32_t struct_size;
-  uint32_t field;           /* PBF_FIELD_POSITION, _VELOCITY or _ID */
-  uint32_t device_type;     /* PBF_DEVICE_… */
+  uint32_t field;       /* PBF_FIELD_POSITION, _VELOCITY or _ID */
+  uint32_t device_type; /* PBF_DEVICE_… */
   int32_t device_id;
-  uint32_t element_type;    /* PBF_TYPE_… */
-  uint32_t components;      /* dimension, or 1 */
+  uint32_t element_type; /* PBF_TYPE_… */
+  uint32_t components;   /* dimension, or 1 */
   uint32_t count;
   uint32_t reserved;        /* 0 */
   int64_t particle_stride;  /* bytes */
@@ -309,7 +315,8 @@ PBF_API pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
 /* The same as a DLPack tensor of shape (count, components), mapped until its deleter runs (also
  * after pbf_destroy). Include <dlpack/dlpack.h> for the type. */
 struct DLManagedTensor;
-PBF_API pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field, struct DLManagedTensor **tensor);
+PBF_API pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field,
+                                     struct DLManagedTensor **tensor);
 
 /* ---- What happened: on request only -------------------------------------------------------- */
 
@@ -317,18 +324,18 @@ PBF_API pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field, struct 
 typedef struct pbf_stats {
   uint32_t struct_size;
   uint32_t count;
-  uint32_t iterations;          /* of the last step */
-  uint32_t neighbors_max;       /* within h, the particle itself not counted */
+  uint32_t iterations;    /* of the last step */
+  uint32_t neighbors_max; /* within h, the particle itself not counted */
   double neighbors_mean;
   double center_of_mass[3];
   double position_min[3];
   double position_max[3];
-  double momentum[3];           /* a particle's mean: sum of v / count */
-  double kinetic_energy;        /* a particle's mean: sum of |v|²/2 / count */
+  double momentum[3];    /* a particle's mean: sum of v / count */
+  double kinetic_energy; /* a particle's mean: sum of |v|²/2 / count */
   double speed_max;
-  double density_error_mean;    /* mean of max(rho/rho0 - 1, 0): a free surface is no error */
-  double density_error_max;     /* largest rho/rho0 - 1, at least 0 */
-  double density_mean;          /* mean of rho/rho0 */
+  double density_error_mean; /* mean of max(rho/rho0 - 1, 0): a free surface is no error */
+  double density_error_max;  /* largest rho/rho0 - 1, at least 0 */
+  double density_mean;       /* mean of rho/rho0 */
 } pbf_stats;
 
 PBF_API pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);
@@ -371,10 +378,10 @@ typedef struct pbf_plan {
   uint32_t struct_size;
   uint32_t stage_count;
   uint32_t array_count;
-  uint32_t reserved;          /* 0 */
+  uint32_t reserved;               /* 0 */
   char variant[PBF_NAME_SIZE * 2]; /* "3d-f32-wendland", with what the hot loop was built for */
-  double bytes_per_particle;  /* sum over the arrays */
-  uint64_t bytes;             /* everything allocated now, small tables included */
+  double bytes_per_particle;       /* sum over the arrays */
+  uint64_t bytes;                  /* everything allocated now, small tables included */
   pbf_plan_stage stages[PBF_MAX_STAGES];
   pbf_plan_array arrays[PBF_MAX_ARRAYS];
 } pbf_plan;
@@ -386,17 +393,17 @@ typedef struct pbf_info {
   uint32_t dimension;
   uint32_t precision;
   uint32_t capacity;
-  uint32_t threads;                /* CPU threads in use; 0 on a device */
+  uint32_t threads; /* CPU threads in use; 0 on a device */
   int32_t device;
-  uint32_t device_type;            /* PBF_DEVICE_… */
-  uint32_t fell_back;              /* 1: not the backend that was asked for */
-  uint64_t step;                   /* steps done */
-  double time;                     /* sum of their time steps */
+  uint32_t device_type; /* PBF_DEVICE_… */
+  uint32_t fell_back;   /* 1: not the backend that was asked for */
+  uint64_t step;        /* steps done */
+  double time;          /* sum of their time steps */
   char backend[PBF_NAME_SIZE];
-  char device_name[96];            /* "AMD EPYC … (avx512)", "NVIDIA H200" */
-  char build_id[96];               /* version, compiler and target of the backend's build */
-  char path[256];                  /* file that the backend came from; empty when linked in */
-  char fallback_reason[256];       /* why the backend that was asked for does not serve */
+  char device_name[96];      /* "AMD EPYC … (avx512)", "NVIDIA H200" */
+  char build_id[96];         /* version, compiler and target of the backend's build */
+  char path[256];            /* file that the backend came from; empty when linked in */
+  char fallback_reason[256]; /* why the backend that was asked for does not serve */
 } pbf_info;
 
 PBF_API pbf_status pbf_get_info(pbf_solver *solver, pbf_info *info);
@@ -419,14 +426,14 @@ PBF_API pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash);
 
 typedef struct pbf_backend_info {
   uint32_t struct_size;
-  uint32_t available;         /* 1: can serve the solver that was asked about */
-  int32_t score;              /* "auto" takes the highest; 0: can't serve */
-  uint32_t device_type;       /* PBF_DEVICE_… */
+  uint32_t available;   /* 1: can serve the solver that was asked about */
+  int32_t score;        /* "auto" takes the highest; 0: can't serve */
+  uint32_t device_type; /* PBF_DEVICE_… */
   char name[PBF_NAME_SIZE];
   char device_name[96];
   char build_id[96];
   char path[256];
-  char reason[256];           /* why it can't serve: the probe's or the dynamic loader's words */
+  char reason[256]; /* why it can't serve: the probe's or the dynamic loader's words */
 } pbf_backend_info;
 
 /* Number of entries: every backend found, and every candidate that failed to load. */
@@ -434,7 +441,8 @@ PBF_API pbf_status pbf_get_backend_count(uint32_t *count);
 
 /* Entry `index`, judged for a solver like `desc` (null: the defaults). info->struct_size must be
  * set. */
-PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info);
+PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index,
+                                        pbf_backend_info *info);
 
 /* Loads a plugin from an absolute path, for the life of the process. The backends that come with
  * the library need no call: they are found when first wanted, in the folders of

@@ -1,0 +1,63 @@
+/* Host memory of a solver: every array is in one table, so that the plan and the release can't
+ * forget one. */
+#ifndef PBF_COMMON_MEMORY_H
+#define PBF_COMMON_MEMORY_H
+
+#include <stdint.h>
+#include <string.h>
+
+#include <pbf/pbf_backend.h>
+
+typedef struct pbf_array {
+  const char *name;
+  void *data;
+  uint64_t bytes;
+} pbf_array;
+
+typedef struct pbf_memory {
+  pbf_allocator allocator;
+  pbf_array arrays[PBF_MAX_ARRAYS];
+  uint32_t count;
+} pbf_memory;
+
+enum { PBF_ALIGNMENT = 64 };
+
+static inline void pbf_memory_free(pbf_memory *memory, void *data) {
+  if (!data) return;
+  for (uint32_t k = 0; k < memory->count; ++k)
+    if (memory->arrays[k].data == data) {
+      memory->allocator.release(memory->allocator.user, data, memory->arrays[k].bytes,
+                                PBF_ALIGNMENT);
+      memory->arrays[k] = memory->arrays[--memory->count];
+      return;
+    }
+}
+
+static inline void pbf_memory_free_all(pbf_memory *memory) {
+  while (memory->count) pbf_memory_free(memory, memory->arrays[memory->count - 1].data);
+}
+
+/* Null when there is no memory, or no place left in the table. `name` must outlive the array. */
+static inline void *pbf_memory_take(pbf_memory *memory, const char *name, uint64_t count,
+                                    uint64_t element) {
+  if (memory->count == PBF_MAX_ARRAYS || (count && element > UINT64_MAX / count)) return NULL;
+  uint64_t bytes = count * element;
+  if (bytes < PBF_ALIGNMENT) bytes = PBF_ALIGNMENT;
+  void *data = memory->allocator.allocate(memory->allocator.user, bytes, PBF_ALIGNMENT);
+  if (data) memory->arrays[memory->count++] = (pbf_array){name, data, bytes};
+  return data;
+}
+
+/* Adds the arrays to the plan; sums up its bytes. */
+static inline void pbf_memory_plan(const pbf_memory *memory, uint32_t capacity, pbf_plan *plan) {
+  for (uint32_t k = 0; k < memory->count && plan->array_count < PBF_MAX_ARRAYS; ++k) {
+    pbf_plan_array *entry = &plan->arrays[plan->array_count++];
+    strncpy(entry->name, memory->arrays[k].name, sizeof entry->name - 1);
+    entry->bytes = memory->arrays[k].bytes;
+    entry->bytes_per_particle = (double)entry->bytes / capacity;
+    plan->bytes += entry->bytes;
+    plan->bytes_per_particle += entry->bytes_per_particle;
+  }
+}
+
+#endif

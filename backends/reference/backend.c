@@ -1,0 +1,235 @@
+/* The `reference` backend's table for one variant: particles in and out, statistics, plan. */
+#include "common/rows.h"
+#include "reference/plugin.h"
+#include "reference/step.h"
+
+static pbf_status out_of_memory(const solver *s, const char *what) {
+  char text[160];
+  snprintf(text, sizeof text, "no memory for %s of %u particles; a smaller capacity would do", what,
+           s->capacity);
+  s->host->set_error(text);
+  return PBF_ERROR_OUT_OF_MEMORY;
+}
+
+static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
+  if (schedule.runs[PBF_STAGE_CURL] && !s->curl) {
+    s->curl = pbf_memory_take(&s->memory, "curl", s->capacity, sizeof *s->curl);
+    if (!s->curl) return out_of_memory(s, "the curl");
+  } else if (!schedule.runs[PBF_STAGE_CURL]) {
+    pbf_memory_free(&s->memory, s->curl);
+    s->curl = NULL;
+  }
+  s->params = *params;
+  s->schedule = schedule;
+  s->constants = pbf_constants_of(params);
+  return PBF_OK;
+}
+
+static void destroy(solver *s) {
+  pbf_allocator allocator = s->memory.allocator;
+  pbf_memory_free_all(&s->memory);
+  allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
+}
+
+static int take_arrays(solver *s) {
+  pbf_memory *m = &s->memory;
+  uint64_t n = s->capacity;
+  return (s->x = pbf_memory_take(m, "position", n, sizeof *s->x)) &&
+         (s->v = pbf_memory_take(m, "velocity", n, sizeof *s->v)) &&
+         (s->predicted = pbf_memory_take(m, "predicted", n, sizeof *s->predicted)) &&
+         (s->change = pbf_memory_take(m, "change", n, sizeof *s->change)) &&
+         (s->lambda = pbf_memory_take(m, "lambda", n, sizeof *s->lambda)) &&
+         (s->ids = pbf_memory_take(m, "id", n, sizeof *s->ids)) &&
+         (s->grid.cell_of = pbf_memory_take(m, "cell", n, sizeof *s->grid.cell_of)) &&
+         (s->grid.list = pbf_memory_take(m, "cell list", n, sizeof *s->grid.list)) &&
+         (s->grid.start = pbf_memory_take(
+              m, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1, sizeof *s->grid.start));
+}
+
+static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
+                         pbf_backend_solver **out, const pbf_backend_api **api) {
+  solver *s = desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
+  if (!s) {
+    reference_host->set_error("no memory for a reference solver");
+    return PBF_ERROR_OUT_OF_MEMORY;
+  }
+  memset(s, 0, sizeof *s);
+  s->memory.allocator = desc->allocator;
+  s->host = reference_host;
+  s->capacity = desc->capacity;
+  pbf_status status = take_arrays(s) ? set_params(s, params) : out_of_memory(s, "the arrays");
+  if (status != PBF_OK) {
+    destroy(s);
+    return status;
+  }
+  *out = s;
+  *api = &PBF_VARIANT_API;
+  return PBF_OK;
+}
+
+static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
+                                double time) {
+  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
+  s->collider_count = count;
+  s->collider_time = time;
+  return set_params(s, &s->params);
+}
+
+static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
+  for (*done = 0; *done < steps; ++*done)
+    if (s->count) solver_step(s, time + *done * s->params.time_step);
+  return PBF_OK;
+}
+
+static pbf_status synchronize(solver *s) {
+  (void)s;
+  return PBF_OK;
+}
+
+static pbf_status add_particles(solver *s, const pbf_particles *p) {
+  size_t bytes = p->count * sizeof *s->x;
+  memcpy(s->x + s->count, p->positions, bytes);
+  memcpy(s->ids + s->count, p->ids, p->count * sizeof *s->ids);
+  if (p->velocities)
+    memcpy(s->v + s->count, p->velocities, bytes);
+  else
+    memset(s->v + s->count, 0, bytes);
+  s->count += p->count;
+  return PBF_OK;
+}
+
+static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
+  uint32_t kept = 0, next = 0;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (next < count && ids[next] == s->ids[i]) {
+      ++next;
+      continue;
+    }
+    s->x[kept] = s->x[i];
+    s->v[kept] = s->v[i];
+    s->ids[kept++] = s->ids[i];
+  }
+  s->count = kept;
+  return PBF_OK;
+}
+
+static pbf_status remove_all(solver *s) {
+  s->count = 0;
+  return PBF_OK;
+}
+
+static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
+  uint32_t neighbors = 0;
+  if (!s->count) return;
+  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+  for (uint32_t k = 0; k < rows->count; ++k)
+    out[k] = solver_density(s, s->x, rows->first + k, &neighbors);
+}
+
+static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, void *out) {
+  if (field == PBF_FIELD_DENSITY)
+    read_densities(s, rows, out);
+  else
+    memcpy(out, (field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first,
+           rows->count * sizeof *s->x);
+  return PBF_OK;
+}
+
+static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, const void *in) {
+  memcpy((field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first, in, rows->count * sizeof *s->x);
+  return PBF_OK;
+}
+
+static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
+  int is_id = field == PBF_FIELD_ID;
+  view->device_type = PBF_DEVICE_CPU;
+  view->element_type = is_id ? PBF_TYPE_UINT32 : sizeof(pbf_real);
+  view->components = is_id ? 1 : PBF_DIM;
+  view->particle_stride = is_id ? sizeof *s->ids : sizeof *s->x;
+  view->component_stride = is_id ? sizeof *s->ids : sizeof(pbf_real);
+  view->count = s->count;
+  view->ids = s->ids;
+  view->data = is_id ? (const void *)s->ids : field == PBF_FIELD_POSITION ? s->x : s->v;
+  return PBF_OK;
+}
+
+static void add_to_stats(pbf_stats *stats, const solver *s, uint32_t i) {
+  uint32_t neighbors = 0;
+  double density = (double)solver_density(s, s->x, i, &neighbors), v2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double x = (double)s->x[i].c[k], v = (double)s->v[i].c[k];
+    stats->center_of_mass[k] += x;
+    stats->momentum[k] += v;
+    if (i == 0 || x < stats->position_min[k]) stats->position_min[k] = x;
+    if (i == 0 || x > stats->position_max[k]) stats->position_max[k] = x;
+    v2 += v * v;
+  }
+  stats->kinetic_energy += 0.5 * v2;
+  stats->speed_max = fmax(stats->speed_max, sqrt(v2));
+  stats->density_mean += density;
+  stats->density_error_mean += fmax(density - 1, 0);
+  stats->density_error_max = fmax(stats->density_error_max, density - 1);
+  stats->neighbors_mean += neighbors;
+  if (neighbors > stats->neighbors_max) stats->neighbors_max = neighbors;
+}
+
+static pbf_status get_stats(solver *s, pbf_stats *stats) {
+  stats->count = s->count;
+  stats->iterations = s->params.iterations;
+  if (!s->count) return PBF_OK;
+  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+  for (uint32_t i = 0; i < s->count; ++i) add_to_stats(stats, s, i);
+  double per_particle = 1.0 / s->count;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    stats->center_of_mass[k] *= per_particle;
+    stats->momentum[k] *= per_particle;
+  }
+  stats->kinetic_energy *= per_particle;
+  stats->density_mean *= per_particle;
+  stats->density_error_mean *= per_particle;
+  stats->neighbors_mean *= per_particle;
+  return PBF_OK;
+}
+
+static pbf_status get_plan(solver *s, pbf_plan *plan) {
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    if (!s->schedule.runs[k]) continue;
+    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
+    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
+    stage->runs_per_step = s->schedule.runs[k];
+  }
+  pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
+                   sizeof(pbf_real));
+  pbf_memory_plan(&s->memory, s->capacity, plan);
+  plan->bytes += sizeof *s;
+  return PBF_OK;
+}
+
+static pbf_status describe(solver *s, pbf_backend_state *state) {
+  (void)s;
+  state->threads = 1;
+  state->device_type = PBF_DEVICE_CPU;
+  snprintf(state->device_name, sizeof state->device_name, "one CPU thread");
+  return PBF_OK;
+}
+
+const pbf_backend_api PBF_VARIANT_API = {
+    .struct_size = sizeof(pbf_backend_api),
+    .probe = reference_probe,
+    .create = create,
+    .destroy = destroy,
+    .set_params = set_params,
+    .set_colliders = set_colliders,
+    .step = step,
+    .synchronize = synchronize,
+    .add_particles = add_particles,
+    .remove_particles = remove_particles,
+    .remove_all = remove_all,
+    .read = read_field,
+    .write = write_field,
+    .map = map,
+    .get_stats = get_stats,
+    .get_plan = get_plan,
+    .describe = describe,
+};

@@ -1,0 +1,32 @@
+/* The solver of the `reference` backend: Algorithm 1 read aloud. Particles stay in the order of
+ * adding, so that row and particle are the same number everywhere. */
+#ifndef PBF_REFERENCE_SOLVER_H
+#define PBF_REFERENCE_SOLVER_H
+
+#include "common/memory.h"
+#include "physics/scalar.h"
+#include "physics/schedule.h"
+#include "physics/stages.h"
+#include "reference/grid.h"
+
+struct pbf_backend_solver {
+  pbf_memory memory;
+  const pbf_backend_host *host;
+  pbf_params params;
+  pbf_constants constants;
+  pbf_schedule schedule;
+  uint32_t capacity, count;
+  pbf_vec *x, *v;     /* state */
+  pbf_vec *predicted; /* x* */
+  pbf_vec *change;    /* position change of an iteration; the second velocity of viscosity */
+  pbf_real *lambda;
+  pbf_curl *curl; /* with vorticity only */
+  uint32_t *ids;
+  grid grid;
+  uint32_t collider_count;
+  double collider_time;
+  pbf_collider colliders[PBF_MAX_COLLIDERS];
+};
+typedef struct pbf_backend_solver solver;
+
+#endif

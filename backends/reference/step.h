@@ -1,0 +1,143 @@
+/* Algorithm 1 of Macklin & Müller 2013, stage by stage. The equations are in physics/. */
+#ifndef PBF_REFERENCE_STEP_H
+#define PBF_REFERENCE_STEP_H
+
+#include "reference/solver.h"
+
+static inline pbf_obstacles obstacles_at(const solver *s, double time) {
+  pbf_obstacles o;
+  o.walls = pbf_walls_at(&s->params, time);
+  o.count = (int)s->collider_count;
+  for (int k = 0; k < o.count; ++k)
+    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
+  return o;
+}
+
+static inline void collide_all(const solver *s, const pbf_obstacles *o) {
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->predicted[i] = pbf_resolve(&o->walls, o->count, o->solids, s->predicted[i]);
+}
+
+static inline void predict(solver *s) {
+  pbf_forces forces = pbf_forces_of(&s->params);
+  for (uint32_t i = 0; i < s->count; ++i) s->predicted[i] = pbf_predict(&forces, s->x[i], s->v[i]);
+}
+
+static inline void compute_lambda(solver *s) {
+  const pbf_constants *c = &s->constants;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_real density = c->value_scale, slope2 = 0;
+    pbf_vec gradient = {{0}};
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+      pbf_real value, slope;
+      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
+      density += value;
+      slope2 += slope * slope * n.r2;
+      gradient = pbf_add_scaled(gradient, slope, n.x_ij);
+    }
+    s->lambda[i] = pbf_lambda(c, density, slope2, gradient);
+  }
+}
+
+static inline void move(solver *s) {
+  const pbf_constants *c = &s->constants;
+  int features = s->schedule.features;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_vec sum = {{0}};
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+      pbf_real value, slope;
+      pbf_pair_kernel(features, c, n.r2, &value, &slope);
+      pbf_real factor = s->lambda[i] + s->lambda[n.j];
+      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
+      sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
+    }
+    s->change[i] = sum;
+  }
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->predicted[i] = pbf_move(c, s->predicted[i], s->change[i]);
+}
+
+static inline void update_velocity(solver *s) {
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->v[i] = pbf_velocity(inv_time_step, s->x[i], s->predicted[i]);
+}
+
+static inline void compute_curl(solver *s) {
+  const pbf_constants *c = &s->constants;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_curl curl = {{0}};
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+      pbf_real value, slope;
+      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
+      pbf_add_curl(&curl, slope, n.x_ij, pbf_sub(s->v[n.j], s->v[i]));
+    }
+    s->curl[i] = curl;
+  }
+}
+
+static inline void confine_vorticity(solver *s) {
+  const pbf_constants *c = &s->constants;
+  pbf_real strength = (pbf_real)(s->params.time_step * s->params.vorticity);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_vec eta = {{0}};
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+      pbf_real value, slope;
+      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
+      eta = pbf_add_scaled(eta, pbf_curl_size(s->curl[n.j]) * slope, n.x_ij);
+    }
+    s->v[i] = pbf_add_scaled(s->v[i], 1, pbf_confine(strength, eta, s->curl[i]));
+  }
+}
+
+static inline void apply_viscosity(solver *s) {
+  const pbf_constants *c = &s->constants;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_vec sum = {{0}};
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->predicted, c->h2, &n))
+      sum = pbf_add_scaled(sum, pbf_pair_density(s->schedule.features, c, n.r2),
+                           pbf_sub(s->v[n.j], s->v[i]));
+    s->change[i] = pbf_add_scaled(s->v[i], c->viscosity, sum);
+  }
+  memcpy(s->v, s->change, s->count * sizeof *s->v);
+}
+
+static inline void solver_step(solver *s, double time) {
+  const pbf_schedule *has = &s->schedule;
+  pbf_obstacles obstacles = obstacles_at(s, time + s->params.time_step);
+  predict(s);
+  if (has->collide_after_prediction) collide_all(s, &obstacles);
+  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->predicted);
+  for (uint32_t iteration = 0; iteration < s->params.iterations; ++iteration) {
+    compute_lambda(s);
+    move(s);
+    if (has->collide_in_iteration) collide_all(s, &obstacles);
+  }
+  if (has->collide_after_solve) collide_all(s, &obstacles);
+  update_velocity(s);
+  if (has->runs[PBF_STAGE_CURL]) {
+    compute_curl(s);
+    confine_vorticity(s);
+  }
+  if (has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
+  memcpy(s->x, s->predicted, s->count * sizeof *s->x);
+}
+
+/* rho/rho0 of particle i at positions x, sorted into s->grid; adds up its neighbours. */
+static inline pbf_real solver_density(const solver *s, const pbf_vec *x, uint32_t i,
+                                      uint32_t *neighbors) {
+  pbf_real density = s->constants.value_scale;
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
+    density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
+    ++*neighbors;
+  }
+  return density;
+}
+
+#endif
