@@ -1,0 +1,194 @@
+/* lambda and the position change: against finite differences of the constraint, and momentum. */
+#include "support.h"
+
+typedef struct sums {
+  double density, slope2;
+  pbf_vec gradient;
+} sums;
+
+static sums sums_at(int features, const pbf_constants *c, const pbf_vec *x, int i) {
+  sums s = {c->value_scale, 0, {{0}}};
+  for (int j = 0; j < CLOUD; ++j) {
+    if (j == i) continue;
+    pbf_vec d = pbf_sub(x[i], x[j]);
+    pbf_real r2 = pbf_dot(d, d), value, slope;
+    pbf_pair_kernel(features, c, r2, &value, &slope);
+    s.density += value;
+    s.slope2 += slope * slope * r2;
+    s.gradient = pbf_add_scaled(s.gradient, slope, d);
+  }
+  return s;
+}
+
+/* With one kernel for both, the denominator of eq. 11 is sum over all k of |grad_k C_i|². */
+static void lambda_against_finite_differences(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  pbf_constants c = pbf_constants_of(&p);
+  pbf_vec x[CLOUD];
+  fill_cloud(x, 1.2);
+  double e = 1e-6;
+  for (int i = 0; i < 5; ++i) {
+    double constraint = brute_density(0, &c, x, i) - 1, gradient2 = 0;
+    for (int k = 0; k < CLOUD; ++k)
+      for (int a = 0; a < PBF_DIM; ++a) {
+        pbf_vec keep = x[k];
+        x[k].c[a] = keep.c[a] + e;
+        double up = brute_density(0, &c, x, i);
+        x[k].c[a] = keep.c[a] - e;
+        double down = brute_density(0, &c, x, i);
+        x[k] = keep;
+        gradient2 += pow((up - down) / (2 * e), 2);
+      }
+    double expected = -constraint / (gradient2 + p.epsilon / pow(p.smoothing_radius, 2));
+    sums s = sums_at(0, &c, x, i);
+    assert_near(pbf_lambda(&c, s.density, s.slope2, s.gradient), expected, 1e-6 * fabs(expected));
+  }
+}
+
+/* Without epsilon, one constraint projected alone is solved to first order: half the change halves
+ * the error. */
+static void one_constraint_projects_to_its_surface(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.epsilon = 0;
+  pbf_constants c = pbf_constants_of(&p);
+  pbf_vec x[CLOUD];
+  fill_cloud(x, 2.0);
+  int i = 3;
+  double before = brute_density(0, &c, x, i) - 1;
+  sums s = sums_at(0, &c, x, i);
+  double lambda = pbf_lambda(&c, s.density, s.slope2, s.gradient), fraction = 1e-4;
+  pbf_vec moved[CLOUD];
+  memcpy(moved, x, sizeof x);
+  moved[i] = pbf_add_scaled(x[i], fraction * lambda, s.gradient);
+  for (int j = 0; j < CLOUD; ++j) {
+    if (j == i) continue;
+    pbf_vec d = pbf_sub(x[i], x[j]);
+    pbf_real value, slope;
+    pbf_pair_kernel(0, &c, pbf_dot(d, d), &value, &slope);
+    moved[j] = pbf_add_scaled(x[j], -fraction * lambda * slope, d);
+  }
+  double after = brute_density(0, &c, moved, i) - 1;
+  assert_near((after - before) / (fraction * before), -1, 2e-3);
+}
+
+static void position_changes_keep_the_centre_of_mass(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_POLY6_SPIKY);
+  pbf_constants c = pbf_constants_of(&p);
+  pbf_vec x[CLOUD], total = {{0}};
+  double lambda[CLOUD], size = 0;
+  fill_cloud(x, 1.0);
+  for (int i = 0; i < CLOUD; ++i) {
+    sums s = sums_at(PBF_FEATURE_POLY6, &c, x, i);
+    lambda[i] = pbf_lambda(&c, s.density, s.slope2, s.gradient);
+  }
+  for (int i = 0; i < CLOUD; ++i) {
+    pbf_vec sum = {{0}};
+    for (int j = 0; j < CLOUD; ++j) {
+      if (j == i) continue;
+      pbf_vec d = pbf_sub(x[i], x[j]);
+      pbf_real value, slope;
+      pbf_pair_kernel(PBF_FEATURE_POLY6, &c, pbf_dot(d, d), &value, &slope);
+      sum = pbf_add_scaled(sum, (lambda[i] + lambda[j] + pbf_pair_scorr(&c, value)) * slope, d);
+    }
+    total = pbf_add_scaled(total, 1, pbf_sub(pbf_move(&c, x[i], sum), x[i]));
+    size += sqrt(pbf_dot(sum, sum));
+  }
+  assert_true(size > 0.01);
+  for (int k = 0; k < PBF_DIM; ++k) assert_near(total.c[k], 0, 1e-13 * size);
+}
+
+/* The largest eigenvalue of the undamped Jacobi matrix of a periodic lattice, by power iteration on
+ * the operators themselves. */
+enum { SIDE = PBF_DIM == 3 ? 12 : 16, SITES = PBF_DIM == 3 ? SIDE * SIDE * SIDE : SIDE * SIDE };
+
+static void apply_jacobi(double h, const double *in, double *out) {
+  static pbf_vec shift[SITES];
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.smoothing_radius = h;
+  p.spacing = 1;
+  pbf_constants c = pbf_constants_of(&p);
+  int n = (int)ceil(h), nz = PBF_DIM == 3 ? n : 0;
+  for (int pass = 0; pass < 2; ++pass)
+    for (int site = 0; site < SITES; ++site) {
+      int at[3] = {site % SIDE, site / SIDE % SIDE, site / (SIDE * SIDE)};
+      double constraint = 0, diagonal = 0;
+      pbf_vec sum = {{0}};
+      for (int a = -n; a <= n; ++a)
+        for (int b = -n; b <= n; ++b)
+          for (int e = -nz; e <= nz; ++e) {
+            int other = (at[0] + a + SIDE) % SIDE + SIDE * ((at[1] + b + SIDE) % SIDE);
+            if (PBF_DIM == 3) other += SIDE * SIDE * ((at[2] + e + SIDE) % SIDE);
+            double full[3] = {-a, -b, -e};
+            pbf_vec d;
+            for (int k = 0; k < PBF_DIM; ++k) d.c[k] = full[k];
+            pbf_real r2 = pbf_dot(d, d), value, slope;
+            if (r2 == 0 || r2 >= h * h) continue;
+            pbf_pair_kernel(0, &c, r2, &value, &slope);
+            diagonal += slope * slope * r2;
+            sum = pbf_add_scaled(sum, (in[site] + in[other]) * slope, d);
+            constraint += slope * pbf_dot(d, pbf_sub(shift[site], shift[other]));
+          }
+      if (pass == 0)
+        shift[site] = sum;
+      else
+        out[site] = constraint / diagonal;
+    }
+}
+
+static void relaxation_is_below_the_stability_limit(void **state) {
+  (void)state;
+  double h = 2, a[SITES], b[SITES], growth = 0;
+  uint32_t random = 7;
+  for (int i = 0; i < SITES; ++i) a[i] = next_random(&random) - 0.5;
+  for (int n = 0; n < 150; ++n) {
+    double size = 0;
+    apply_jacobi(h, a, b);
+    for (int i = 0; i < SITES; ++i) size += b[i] * b[i];
+    growth = sqrt(size);
+    for (int i = 0; i < SITES; ++i) a[i] = b[i] / growth;
+  }
+  double predicted = pbf_lattice_lambda_max(PBF_KERNEL_WENDLAND_C2, PBF_DIM, h, 1);
+  assert_near(growth, predicted, 0.03 * predicted);
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.smoothing_radius = h;
+  p.spacing = 1;
+  p.relaxation = 0;
+  double omega = pbf_derive(&p, PBF_DIM).omega;
+  assert_true(omega * growth < 2 && omega * growth > 1);
+}
+
+static void prediction_is_symplectic_euler(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.time_step = 0.1;
+  p.gravity[0] = 1;
+  p.gravity[1] = -2;
+  pbf_vec x = {{0}}, v = {{0}};
+  x.c[0] = 3;
+  v.c[1] = 5;
+  pbf_forces f = pbf_forces_of(&p);
+  pbf_vec y = pbf_predict(&f, x, v);
+  assert_near(y.c[0], 3 + 0.1 * (0.1 * 1), 1e-15);
+  assert_near(y.c[1], 0.1 * (5 - 0.2), 1e-15);
+  p.attraction = 4;
+  p.attraction_center[0] = 1;
+  f = pbf_forces_of(&p);
+  y = pbf_predict(&f, x, v);
+  assert_near(y.c[0], 3 + 0.1 * (0.1 * (1 - 4 * 2)), 1e-15);
+  pbf_vec w = pbf_velocity(10, x, y);
+  assert_near(w.c[0], 0.1 * (1 - 8), 1e-13);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(lambda_against_finite_differences),
+      cmocka_unit_test(one_constraint_projects_to_its_surface),
+      cmocka_unit_test(position_changes_keep_the_centre_of_mass),
+      cmocka_unit_test(relaxation_is_below_the_stability_limit),
+      cmocka_unit_test(prediction_is_symplectic_euler),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
