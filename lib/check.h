@@ -1,0 +1,51 @@
+/* Checks of single numbers by table: one row says a field's name, place and range. */
+#ifndef PBF_LIB_CHECK_H
+#define PBF_LIB_CHECK_H
+
+#include <stddef.h>
+
+#include <pbf/pbf.h>
+
+/* What kind of solver a value must suit. */
+typedef struct pbf_check_kind {
+  uint32_t dimension;
+  uint32_t precision;
+} pbf_check_kind;
+
+typedef enum pbf_range {
+  PBF_ANY, /* finite */
+  PBF_AT_LEAST_ZERO,
+  PBF_ABOVE_ZERO,
+} pbf_range;
+
+/* `components`: 1, 3 (an axis each, of which 2D has two) or 6 (a wall each, of which 2D has
+ * four). */
+typedef struct pbf_real_rule {
+  const char *name;
+  size_t offset;
+  uint32_t components;
+  pbf_range range;
+} pbf_real_rule;
+
+typedef struct pbf_count_rule {
+  const char *name;
+  size_t offset;
+  uint32_t least;
+  uint32_t most;
+  const char *hint; /* appended to the range in the sentence; may be empty */
+} pbf_count_rule;
+
+/* `object` is the struct, `label` what the sentence calls it. */
+pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const void *object,
+                          pbf_check_kind kind);
+pbf_status pbf_check_count(const pbf_count_rule *rule, const char *label, const void *object);
+
+pbf_status pbf_check_reals(const pbf_real_rule *rules, size_t count, const char *label,
+                           const void *object, pbf_check_kind kind);
+pbf_status pbf_check_counts(const pbf_count_rule *rules, size_t count, const char *label,
+                            const void *object);
+
+/* Null when the number is finite in the solver's precision, else what it must be. */
+const char *pbf_check_finite(double value, uint32_t precision);
+
+#endif

@@ -1,0 +1,104 @@
+#include "collider.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "error.h"
+
+#define COUNT(member, most, hint) \
+  { #member, offsetof(pbf_collider, member), 0, most, hint }
+#define REAL(member, components, range) \
+  { #member, offsetof(pbf_collider, member), components, range }
+#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
+
+static const double quaternion_tolerance = 1e-6;
+
+static const pbf_count_rule counts[] = {
+    COUNT(shape, PBF_COLLIDER_BOX, " (PBF_COLLIDER_…)"),
+    COUNT(inverted, 1, ""),
+    COUNT(reserved, 0, ""),
+};
+
+static const pbf_real_rule reals[] = {
+    REAL(position, 3, PBF_ANY),     REAL(velocity, 3, PBF_ANY), REAL(axis, 3, PBF_ANY),
+    REAL(half_extents, 3, PBF_ANY), REAL(radius, 1, PBF_ANY),   REAL(half_length, 1, PBF_ANY),
+};
+
+/* 2D turns about z alone: the four and the third component are not what 2D leaves out. */
+static const pbf_real_rule turn_3d = REAL(angular_velocity, 3, PBF_ANY);
+static const pbf_real_rule turn_2d = {"angular_velocity[2]",
+                                      offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY};
+
+static const pbf_real_rule box_sizes = REAL(half_extents, 3, PBF_ABOVE_ZERO);
+static const pbf_real_rule round_size = REAL(radius, 1, PBF_ABOVE_ZERO);
+static const pbf_real_rule capsule_size = REAL(half_length, 1, PBF_AT_LEAST_ZERO);
+
+static pbf_status check_sizes(const pbf_collider *collider, const char *label,
+                              pbf_check_kind kind) {
+  pbf_status status = PBF_OK;
+  if (collider->shape == PBF_COLLIDER_BOX) {
+    status = pbf_check_real(&box_sizes, label, collider, kind);
+  } else if (collider->shape != PBF_COLLIDER_PLANE) {
+    status = pbf_check_real(&round_size, label, collider, kind);
+  }
+  if (status == PBF_OK && collider->shape == PBF_COLLIDER_CAPSULE)
+    status = pbf_check_real(&capsule_size, label, collider, kind);
+  return status;
+}
+
+static double norm(const double *v, uint32_t components) {
+  double sum = 0;
+  for (uint32_t i = 0; i < components; ++i) sum += v[i] * v[i];
+  return sqrt(sum);
+}
+
+static pbf_status check_orientation(const pbf_collider *collider, const char *label,
+                                    pbf_check_kind kind) {
+  const double *q = collider->orientation;
+  double length = norm(q, 4);
+  if (!(fabs(length - 1) <= quaternion_tolerance)) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g), of norm %.9g; it must be a unit "
+                    "quaternion x, y, z, w to within %g",
+                    label, q[0], q[1], q[2], q[3], length, quaternion_tolerance);
+  }
+  if (kind.dimension == 2 && (q[0] != 0 || q[1] != 0)) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g); in 2D x and y must be 0, a turn "
+                    "about z",
+                    label, q[0], q[1], q[2], q[3]);
+  }
+  return PBF_OK;
+}
+
+static pbf_status check_axis(const pbf_collider *collider, const char *label, pbf_check_kind kind) {
+  if (collider->shape != PBF_COLLIDER_PLANE && collider->shape != PBF_COLLIDER_CAPSULE)
+    return PBF_OK;
+  double length = norm(collider->axis, kind.dimension);
+  if (length > 0 && isfinite(length)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "%s.axis has length %.9g; it must be a direction, not zero and not so long that "
+                  "its square overflows",
+                  label, length);
+}
+
+pbf_status pbf_collider_check(const pbf_collider *collider, uint32_t index, pbf_check_kind kind) {
+  char label[32];
+  snprintf(label, sizeof label, "colliders[%u]", index);
+  pbf_status status = pbf_check_counts(counts, LENGTH(counts), label, collider);
+  if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, collider, kind);
+  if (status == PBF_OK)
+    status = pbf_check_real(kind.dimension == 2 ? &turn_2d : &turn_3d, label, collider, kind);
+  if (status == PBF_OK) status = check_sizes(collider, label, kind);
+  if (status == PBF_OK) status = check_orientation(collider, label, kind);
+  if (status == PBF_OK) status = check_axis(collider, label, kind);
+  return status;
+}
+
+pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dimension) {
+  pbf_collider clean = *collider;
+  if (dimension == 3) return clean;
+  clean.position[2] = clean.velocity[2] = clean.axis[2] = clean.half_extents[2] = 0;
+  clean.angular_velocity[0] = clean.angular_velocity[1] = 0;
+  return clean;
+}

@@ -1,0 +1,12 @@
+#ifndef PBF_LIB_COLLIDER_H
+#define PBF_LIB_COLLIDER_H
+
+#include "check.h"
+
+/* `index` is for the sentence. */
+pbf_status pbf_collider_check(const pbf_collider *collider, uint32_t index, pbf_check_kind kind);
+
+/* As a backend gets it: what the dimension ignores is zero. */
+pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dimension);
+
+#endif

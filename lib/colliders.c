@@ -1,0 +1,117 @@
+/* The colliders of a solver. */
+#include "colliders.h"
+
+#include <string.h>
+
+#include "collider.h"
+#include "error.h"
+#include "memory.h"
+#include "physics/motion.h"
+#include "structs.h"
+
+uint64_t pbf_colliders_bytes(uint32_t count) { return (uint64_t)count * sizeof(pbf_collider); }
+
+/* Every struct of the array has the size of the first. */
+static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
+                          pbf_collider *ours) {
+  uint32_t stride = pbf_struct_size(theirs);
+  for (uint32_t i = 0; i < count; ++i) {
+    const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
+    uint32_t size = pbf_struct_size(one);
+    if (size != stride) {
+      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                      "colliders[%u].struct_size is %u; it must be that of colliders[0], %u", i,
+                      size, stride);
+    }
+    pbf_status status = pbf_struct_in(&pbf_kind_collider, one, &ours[i]);
+    if (status == PBF_OK) status = pbf_collider_check(&ours[i], i, solver->kind);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,
+                                    const pbf_collider *colliders, double time) {
+  pbf_collider clean[PBF_MAX_COLLIDERS];
+  for (uint32_t i = 0; i < count; ++i)
+    clean[i] = pbf_collider_for_backend(&colliders[i], solver->kind.dimension);
+  pbf_status status = solver->api.set_colliders(solver->backend, count, clean, time);
+  return pbf_backend_result(solver, status, "set_colliders");
+}
+
+static pbf_status check_array(uint32_t count, const pbf_collider *colliders) {
+  if (count > PBF_MAX_COLLIDERS) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
+                    PBF_MAX_COLLIDERS);
+  }
+  if (count == 0) return PBF_OK;
+  return pbf_struct_check_out(&pbf_kind_collider, colliders);
+}
+
+void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
+                           double time) {
+  pbf_memory_give(&solver->allocator, solver->colliders,
+                  pbf_colliders_bytes(solver->collider_count));
+  solver->colliders = colliders;
+  solver->collider_count = count;
+  solver->collider_time = time;
+}
+
+static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
+  void *memory = NULL;
+  double now = pbf_solver_time(solver);
+  pbf_status status = check_array(count, theirs);
+  if (status == PBF_OK && count > 0)
+    status =
+        pbf_memory_take(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+  if (status != PBF_OK) return status;
+  status = copy_in(solver, count, theirs, memory);
+  if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
+  if (status == PBF_OK) {
+    pbf_colliders_replace(solver, count, memory, now);
+  } else {
+    pbf_memory_give(&solver->allocator, memory, pbf_colliders_bytes(count));
+  }
+  return status;
+}
+
+pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_colliders(solver, count, colliders));
+}
+
+static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  *count = solver->collider_count;
+  return PBF_OK;
+}
+
+pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_count(solver, count));
+}
+
+static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_collider *theirs) {
+  pbf_status status = pbf_struct_check_out(&pbf_kind_collider, theirs);
+  if (status != PBF_OK) return status;
+  if (index >= solver->collider_count) {
+    return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u colliders", index,
+                    solver->collider_count);
+  }
+  pbf_collider at_set = solver->colliders[index], now;
+  pbf_collider moving = pbf_collider_for_backend(&at_set, solver->kind.dimension);
+  pbf_motion_collider(&moving, pbf_solver_time(solver) - solver->collider_time, &now);
+  /* Only the pose changes: what the dimension ignores comes back as it was set. */
+  memcpy(at_set.position, now.position, solver->kind.dimension * sizeof now.position[0]);
+  memcpy(at_set.orientation, now.orientation, sizeof now.orientation);
+  pbf_struct_out(&pbf_kind_collider, &at_set, theirs, theirs->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *collider) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_collider(solver, index, collider));
+}

@@ -1,0 +1,142 @@
+/* Birth and death of a solver. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "backend_call.h"
+#include "error.h"
+#include "memory.h"
+#include "params.h"
+#include "select.h"
+#include "structs.h"
+#include "text.h"
+
+static void silence(void *user, int32_t level, const char *message) {
+  (void)user, (void)level, (void)message;
+}
+
+/* Without a good table nothing can free what a lying plugin may have made. */
+static pbf_status adopt(const pbf_plugin *plugin, const pbf_backend_api *table, pbf_solver *solver,
+                        char *why, size_t size) {
+  char reason[256] = "it gave no solver";
+  pbf_status status = PBF_ERROR_PLUGIN;
+  if (solver->backend) status = pbf_plugin_copy_table(table, &solver->api, reason, sizeof reason);
+  solver->plugin = plugin;
+  if (status != PBF_OK) {
+    snprintf(why, size, "the backend \"%s\" says that it has created a solver, yet %s",
+             plugin->name, reason);
+  }
+  return status;
+}
+
+static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, const pbf_desc *desc,
+                              char *why, size_t size) {
+  const pbf_backend_desc backend_desc = {
+      .struct_size = sizeof backend_desc,
+      .dimension = desc->dimension,
+      .precision = desc->precision,
+      .capacity = desc->capacity,
+      .device = desc->device,
+      .threads = desc->threads,
+      .stream = desc->stream,
+      .allocator = solver->allocator,
+      .log = solver->log,
+      .log_user = solver->log_user,
+  };
+  pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
+  const pbf_backend_api *table = NULL;
+  solver->backend = NULL;
+  pbf_plugin_sentence_clear();
+  pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
+  if (status != PBF_OK) return pbf_backend_verdict(plugin, status, "create", why, size);
+  return adopt(plugin, table, solver, why, size);
+}
+
+static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, const char *asked) {
+  const char *reason = candidates->reason;
+  if (!reason[0]) return;
+  solver->fell_back = candidates->named && strcmp(solver->plugin->name, asked) != 0;
+  pbf_text_append(solver->fallback_reason, sizeof solver->fallback_reason, reason);
+  char message[PBF_SENTENCE_SIZE];
+  snprintf(message, sizeof message, "the backend \"%s\" serves instead of another: %s",
+           solver->plugin->name, reason);
+  solver->log(solver->log_user, PBF_LOG_WARNING, message);
+}
+
+/* The best one that works; the sentence of the first that failed when none does. */
+static pbf_status create_backend(pbf_solver *solver, const pbf_checked_desc *checked) {
+  pbf_candidates candidates;
+  pbf_status status = pbf_select(checked, &candidates);
+  if (status != PBF_OK) return status;
+  char first_why[PBF_SENTENCE_SIZE] = "";
+  pbf_status first = PBF_OK;
+  for (uint32_t i = 0; i < candidates.count; ++i) {
+    const pbf_plugin *plugin = candidates.plugins[i];
+    char why[PBF_SENTENCE_SIZE] = "";
+    status = create_with(plugin, solver, &checked->desc, why, sizeof why);
+    if (status == PBF_OK) {
+      note_fallback(solver, &candidates, checked->backend);
+      return PBF_OK;
+    }
+    pbf_candidates_add_reason(&candidates, plugin->name, why);
+    if (first == PBF_OK) {
+      first = status;
+      memcpy(first_why, why, sizeof why);
+    }
+  }
+  return pbf_fail(first, "%s", first_why);
+}
+
+static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
+                       const pbf_params *params) {
+  const pbf_desc *desc = &checked->desc;
+  memset(solver, 0, sizeof *solver);
+  solver->allocator = checked->allocator;
+  solver->log = desc->log ? desc->log : silence;
+  solver->log_user = desc->log_user;
+  solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
+  solver->capacity = desc->capacity;
+  solver->device = desc->device;
+  solver->params = *params;
+  return create_backend(solver, checked);
+}
+
+static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc *checked,
+                               pbf_params *params) {
+  pbf_status status = theirs ? pbf_struct_in(&pbf_kind_params, theirs, params)
+                             : pbf_params_init(params, sizeof *params);
+  if (status != PBF_OK) return status;
+  pbf_check_kind kind = {checked->desc.dimension, checked->desc.precision};
+  return pbf_params_check(params, kind, 0);
+}
+
+pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
+  pbf_checked_desc checked;
+  pbf_params ours;
+  void *memory;
+  if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
+  if (!solver)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
+  pbf_status status = pbf_desc_check(desc, &checked);
+  if (status == PBF_OK) status = check_params(params, &checked, &ours);
+  if (status == PBF_OK)
+    status = pbf_memory_take(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
+  if (status != PBF_OK) return status;
+  status = fill(memory, &checked, &ours);
+  if (status != PBF_OK) {
+    pbf_memory_give(&checked.allocator, memory, sizeof(pbf_solver));
+    return status;
+  }
+  pbf_solver_publish(memory);
+  *solver = memory;
+  return PBF_OK;
+}
+
+void pbf_solver_free(pbf_solver *solver) {
+  pbf_allocator allocator = solver->allocator;
+  solver->api.destroy(solver->backend);
+  pbf_memory_give(&allocator, solver->ids, (uint64_t)solver->capacity * sizeof *solver->ids);
+  pbf_memory_give(&allocator, solver->colliders,
+                  (uint64_t)solver->collider_count * sizeof *solver->colliders);
+  pbf_memory_give(&allocator, solver, sizeof *solver);
+}

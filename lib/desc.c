@@ -1,0 +1,79 @@
+#include "desc.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "check.h"
+#include "error.h"
+#include "memory.h"
+#include "structs.h"
+
+/* More threads than any machine has: a larger number is a negative one, or garbage. */
+enum { MOST_THREADS = 65536 };
+
+#define RULE(member, least, most, hint) \
+  { #member, offsetof(pbf_desc, member), least, most, hint }
+
+static const pbf_count_rule rules[] = {
+    RULE(api_version, 1, PBF_API_VERSION, ", the PBF_API_VERSION of pbf.h"),
+    RULE(dimension, 2, 3, ""),
+    RULE(capacity, 1, PBF_MAX_CAPACITY, ""),
+    RULE(strict, 0, 1, ""),
+    RULE(threads, 0, MOST_THREADS, "; 0 takes as many as the machine offers"),
+};
+
+static pbf_status check_numbers(const pbf_desc *desc) {
+  pbf_status status = pbf_check_counts(rules, sizeof rules / sizeof rules[0], "desc", desc);
+  if (status != PBF_OK) return status;
+  if (desc->precision != PBF_FLOAT32 && desc->precision != PBF_FLOAT64) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "desc.precision is %u; it must be %d (PBF_FLOAT32) or %d (PBF_FLOAT64)",
+                    desc->precision, PBF_FLOAT32, PBF_FLOAT64);
+  }
+  if (desc->device < 0) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc.device is %d; it must be at least 0",
+                    desc->device);
+  }
+  return PBF_OK;
+}
+
+static pbf_status check_allocator(const pbf_allocator *theirs, pbf_allocator *allocator) {
+  if (!theirs) {
+    *allocator = pbf_default_allocator;
+    return PBF_OK;
+  }
+  pbf_status status = pbf_struct_in(&pbf_kind_allocator, theirs, allocator);
+  if (status != PBF_OK) return status;
+  if (allocator->reserved) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc.allocator->reserved is %u; it must be 0",
+                    allocator->reserved);
+  }
+  if (!allocator->allocate || !allocator->release) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "desc.allocator->%s is null; both functions must be set",
+                    allocator->allocate ? "release" : "allocate");
+  }
+  return PBF_OK;
+}
+
+static pbf_status copy_backend_name(const char *name, char copy[PBF_NAME_SIZE]) {
+  if (!name) name = "auto";
+  size_t length = strnlen(name, PBF_NAME_SIZE);
+  if (length == 0 || length == PBF_NAME_SIZE) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "desc.backend is \"%.*s\"; it must be a name of 1 … %d characters",
+                    PBF_NAME_SIZE, name, PBF_NAME_SIZE - 1);
+  }
+  memcpy(copy, name, length + 1);
+  return PBF_OK;
+}
+
+pbf_status pbf_desc_check(const pbf_desc *theirs, pbf_checked_desc *checked) {
+  pbf_status status = theirs ? pbf_struct_in(&pbf_kind_desc, theirs, &checked->desc)
+                             : pbf_desc_init(&checked->desc, sizeof checked->desc);
+  if (status == PBF_OK) status = check_numbers(&checked->desc);
+  if (status == PBF_OK) status = check_allocator(checked->desc.allocator, &checked->allocator);
+  if (status == PBF_OK) status = copy_backend_name(checked->desc.backend, checked->backend);
+  return status;
+}

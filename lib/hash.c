@@ -1,0 +1,47 @@
+/* Hash of the state: step (8 bytes), count (4 bytes), ids, positions, velocities. */
+#include "error.h"
+#include "fnv.h"
+#include "ids.h"
+#include "memory.h"
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the hash is over little-endian bytes");
+
+static pbf_status add_field(pbf_solver *solver, uint32_t field, void *scratch, uint64_t bytes,
+                            uint64_t *hash) {
+  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  pbf_status status = solver->api.read(solver->backend, field, &rows, scratch);
+  if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
+  *hash = pbf_fnv(*hash, scratch, bytes);
+  return PBF_OK;
+}
+
+static pbf_status add_particles(pbf_solver *solver, uint64_t *hash) {
+  void *scratch;
+  uint64_t bytes = (uint64_t)solver->count * solver->kind.dimension * pbf_element_size(solver);
+  if (solver->count == 0) return PBF_OK;
+  pbf_status status = pbf_memory_take(&solver->allocator, bytes, "a copy to hash", &scratch);
+  if (status != PBF_OK) return status;
+  status = add_field(solver, PBF_FIELD_POSITION, scratch, bytes, hash);
+  if (status == PBF_OK) status = add_field(solver, PBF_FIELD_VELOCITY, scratch, bytes, hash);
+  pbf_memory_give(&solver->allocator, scratch, bytes);
+  return status;
+}
+
+static pbf_status hash_state(pbf_solver *solver, uint64_t *theirs) {
+  if (!theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hash is null");
+  uint64_t hash = pbf_fnv(PBF_FNV_START, &solver->step, sizeof solver->step);
+  hash = pbf_fnv(hash, &solver->count, sizeof solver->count);
+  for (uint32_t row = 0; row < solver->count; ++row) {
+    uint32_t id = pbf_ids_of_row(solver, row);
+    hash = pbf_fnv(hash, &id, sizeof id);
+  }
+  pbf_status status = add_particles(solver, &hash);
+  if (status == PBF_OK) *theirs = hash;
+  return status;
+}
+
+pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, hash_state(solver, hash));
+}

@@ -1,0 +1,275 @@
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "collider.h"
+#include "colliders.h"
+#include "error.h"
+#include "fnv.h"
+#include "ids.h"
+#include "memory.h"
+#include "params.h"
+#include "snapshot.h"
+#include "structs.h"
+#include "values.h"
+
+/* A saved state, read and checked, before anything of the solver changes. */
+typedef struct incoming {
+  pbf_snapshot_header header;
+  pbf_snapshot_layout layout;
+  const unsigned char *buffer;
+  pbf_params params;
+  double time;
+  pbf_collider *colliders; /* null when there are none */
+  uint32_t *ids;           /* room for capacity */
+  void *positions;
+  void *velocities;
+  /* What the backend holds now, to give it back should it fail half-way. */
+  void *old_positions;
+  void *old_velocities;
+  uint64_t old_bytes;
+} incoming;
+
+static pbf_status reject(const char *what) {
+  return pbf_fail(PBF_ERROR_DATA, "the saved state %s; pbf_load takes what pbf_save wrote", what);
+}
+
+/* Says that the sentence of a check is about the saved state. */
+static pbf_status reject_by_check(pbf_status status) {
+  if (status == PBF_OK || status == PBF_ERROR_OUT_OF_MEMORY) return status;
+  return pbf_fail(PBF_ERROR_DATA, "the saved state holds a bad value: %.1500s", pbf_last_error());
+}
+
+static pbf_status check_kind(const pbf_solver *solver, const pbf_snapshot_header *header) {
+  if (header->dimension == solver->kind.dimension && header->precision == solver->kind.precision)
+    return PBF_OK;
+  return pbf_fail(
+      PBF_ERROR_DATA, "the saved state is %uD with numbers of %u bytes; this solver is %uD with %u",
+      header->dimension, header->precision, solver->kind.dimension, solver->kind.precision);
+}
+
+static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_header *header,
+                               uint64_t size) {
+  if (header->version != PBF_SNAPSHOT_VERSION || header->header_size != sizeof *header)
+    return reject("is of a version that this library does not know");
+  if (header->size != size) return reject("is cut short or has something behind it");
+  pbf_status status = check_kind(solver, header);
+  if (status != PBF_OK) return status;
+  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 || header->reserved ||
+      header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
+    return reject("contradicts itself in its sizes");
+  int has_ids_rightly = header->has_ids || header->next_id == header->count;
+  if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
+      header->steps_since > header->step)
+    return reject("contradicts itself in its counts");
+  return PBF_OK;
+}
+
+static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, uint64_t size,
+                                 incoming *in) {
+  uint64_t checksum;
+  if (size < sizeof in->header + sizeof checksum) return reject("is cut short");
+  memcpy(&in->header, buffer, sizeof in->header);
+  if (memcmp(in->header.magic, PBF_SNAPSHOT_MAGIC, sizeof in->header.magic) != 0)
+    return reject("does not begin as one");
+  pbf_status status = check_header(solver, &in->header, size);
+  if (status != PBF_OK) return status;
+  in->buffer = buffer;
+  in->layout = pbf_snapshot_layout_of(&in->header);
+  memcpy(&checksum, in->buffer + in->layout.checksum, sizeof checksum);
+  if (pbf_fnv(PBF_FNV_START, buffer, in->layout.checksum) != checksum)
+    return reject("is damaged: its checksum does not fit");
+  if (in->header.count <= solver->capacity) return PBF_OK;
+  return pbf_fail(PBF_ERROR_CAPACITY,
+                  "the saved state has %u particles; desc.capacity of this solver is %u",
+                  in->header.count, solver->capacity);
+}
+
+/* A struct at its stored size, of which no byte beyond the buffer is looked at. */
+static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *stored,
+                              uint32_t size, void *ours) {
+  if (size < sizeof(uint32_t) || pbf_struct_size(stored) != size)
+    return reject("contradicts itself in the size of a struct");
+  return pbf_struct_in(kind, stored, ours);
+}
+
+static pbf_status read_params(const pbf_solver *solver, incoming *in) {
+  pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
+                                  in->header.params_size, &in->params);
+  if (status != PBF_OK) return status;
+  in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
+  if (!isfinite(in->time) || !isfinite(in->header.collider_time))
+    return reject("has a time that is not finite");
+  return pbf_params_check(&in->params, solver->kind, in->time);
+}
+
+static pbf_status read_colliders(const pbf_solver *solver, incoming *in) {
+  for (uint32_t i = 0; i < in->header.collider_count; ++i) {
+    const unsigned char *stored =
+        in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
+    pbf_status status =
+        read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
+    if (status == PBF_OK) status = pbf_collider_check(&in->colliders[i], i, solver->kind);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+static pbf_status read_ids(incoming *in) {
+  uint32_t count = in->header.count;
+  if (!in->header.has_ids) {
+    for (uint32_t row = 0; row < count; ++row) in->ids[row] = row;
+    return PBF_OK;
+  }
+  if (count > 0) memcpy(in->ids, in->buffer + in->layout.ids, (uint64_t)count * sizeof *in->ids);
+  for (uint32_t row = 1; row < count; ++row) {
+    if (in->ids[row] <= in->ids[row - 1]) return reject("has ids that do not ascend");
+  }
+  if (count > 0 && in->ids[count - 1] >= in->header.next_id)
+    return reject("has ids that were never given");
+  return PBF_OK;
+}
+
+static pbf_status read_particles(const pbf_solver *solver, incoming *in) {
+  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
+  if (bytes == 0) return PBF_OK;
+  memcpy(in->positions, in->buffer + in->layout.positions, bytes);
+  memcpy(in->velocities, in->buffer + in->layout.velocities, bytes);
+  /* Not asked to be inside the domain: a change of parameters may have left them outside. */
+  pbf_status status =
+      pbf_values_check_finite(solver, "positions", in->positions, in->header.count, 0);
+  if (status == PBF_OK)
+    status = pbf_values_check_finite(solver, "velocities", in->velocities, in->header.count, 0);
+  return status;
+}
+
+static pbf_status take(const pbf_solver *solver, uint64_t size, void *pointer) {
+  void *memory;
+  if (size == 0) return PBF_OK;
+  pbf_status status = pbf_memory_take(&solver->allocator, size, "loading a state", &memory);
+  if (status == PBF_OK) memcpy(pointer, &memory, sizeof memory);
+  return status;
+}
+
+static pbf_status take_memory(const pbf_solver *solver, incoming *in) {
+  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
+  in->old_bytes = (uint64_t)solver->count * solver->kind.dimension * pbf_element_size(solver);
+  pbf_status status = take(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
+  if (status == PBF_OK) status = take(solver, pbf_ids_bytes(solver), &in->ids);
+  if (status == PBF_OK) status = take(solver, bytes, &in->positions);
+  if (status == PBF_OK) status = take(solver, bytes, &in->velocities);
+  if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_positions);
+  if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_velocities);
+  return status;
+}
+
+/* Whatever the solver has not taken over. */
+static void give_memory(const pbf_solver *solver, incoming *in) {
+  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
+  pbf_memory_give(&solver->allocator, in->colliders,
+                  pbf_colliders_bytes(in->header.collider_count));
+  pbf_memory_give(&solver->allocator, in->ids, pbf_ids_bytes(solver));
+  pbf_memory_give(&solver->allocator, in->positions, bytes);
+  pbf_memory_give(&solver->allocator, in->velocities, bytes);
+  pbf_memory_give(&solver->allocator, in->old_positions, in->old_bytes);
+  pbf_memory_give(&solver->allocator, in->old_velocities, in->old_bytes);
+}
+
+static pbf_status read_state(const pbf_solver *solver, incoming *in) {
+  pbf_status status = read_params(solver, in);
+  if (status == PBF_OK) status = read_colliders(solver, in);
+  if (status == PBF_OK) status = read_ids(in);
+  if (status == PBF_OK) status = read_particles(solver, in);
+  return reject_by_check(status);
+}
+
+static pbf_status read_old(pbf_solver *solver, incoming *in) {
+  if (solver->count == 0) return PBF_OK;
+  const pbf_backend_api *api = &solver->api;
+  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  pbf_status status = api->read(solver->backend, PBF_FIELD_POSITION, &rows, in->old_positions);
+  if (status == PBF_OK)
+    status = api->read(solver->backend, PBF_FIELD_VELOCITY, &rows, in->old_velocities);
+  return pbf_backend_result(solver, status, "read");
+}
+
+static pbf_status set_params(pbf_solver *solver, const pbf_params *params) {
+  pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
+  pbf_status status = solver->api.set_params(solver->backend, &clean);
+  return pbf_backend_result(solver, status, "set_params");
+}
+
+static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids,
+                                    const void *positions, const void *velocities) {
+  const pbf_particles particles = {sizeof particles, count, ids, positions, velocities};
+  pbf_status status = solver->api.remove_all(solver->backend);
+  if (status != PBF_OK) return pbf_backend_result(solver, status, "remove_all");
+  if (count == 0) return PBF_OK;
+  status = solver->api.add_particles(solver->backend, &particles);
+  return pbf_backend_result(solver, status, "add_particles");
+}
+
+/* As far as a failing device lets it: its sentence is kept, this one's are not. */
+static void restore_particles(pbf_solver *solver, const incoming *in) {
+  for (uint32_t row = 0; row < solver->count; ++row) in->ids[row] = pbf_ids_of_row(solver, row);
+  replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
+}
+
+static pbf_status give_to_backend(pbf_solver *solver, const incoming *in) {
+  pbf_status status = read_old(solver, (incoming *)in);
+  if (status == PBF_OK) status = set_params(solver, &in->params);
+  if (status != PBF_OK) return status;
+  status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
+                                    in->header.collider_time);
+  if (status == PBF_OK) {
+    status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
+    if (status == PBF_OK) return PBF_OK;
+    char why[PBF_SENTENCE_SIZE];
+    memcpy(why, pbf_last_error(), sizeof why);
+    restore_particles(solver, in);
+    pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
+                             solver->collider_time);
+    pbf_fail(status, "%s", why);
+  }
+  char why[PBF_SENTENCE_SIZE];
+  memcpy(why, pbf_last_error(), sizeof why);
+  set_params(solver, &solver->params);
+  return pbf_fail(status, "%s", why);
+}
+
+static void take_over(pbf_solver *solver, incoming *in) {
+  solver->params = in->params;
+  solver->count = in->header.count;
+  solver->next_id = in->header.next_id;
+  solver->step = in->header.step;
+  solver->steps_since = in->header.steps_since;
+  solver->time_base = in->header.time_base;
+  ++solver->generation;
+  pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
+  in->colliders = NULL;
+  uint32_t *old_ids = solver->ids;
+  solver->ids = in->header.has_ids ? in->ids : NULL;
+  in->ids = in->header.has_ids ? old_ids : in->ids;
+  if (!in->header.has_ids) pbf_memory_give(&solver->allocator, old_ids, pbf_ids_bytes(solver));
+}
+
+static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
+  incoming in = {0};
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status != PBF_OK) return status;
+  if (!buffer) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "buffer is null");
+  status = check_envelope(solver, buffer, size, &in);
+  if (status != PBF_OK) return status;
+  status = take_memory(solver, &in);
+  if (status == PBF_OK) status = read_state(solver, &in);
+  if (status == PBF_OK) status = give_to_backend(solver, &in);
+  if (status == PBF_OK) take_over(solver, &in);
+  give_memory(solver, &in);
+  return status;
+}
+
+pbf_status pbf_load(pbf_solver *solver, const void *buffer, uint64_t size) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, load(solver, buffer, size));
+}

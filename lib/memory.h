@@ -1,0 +1,16 @@
+/* Host memory of a solver, always through its allocator. */
+#ifndef PBF_LIB_MEMORY_H
+#define PBF_LIB_MEMORY_H
+
+#include <pbf/pbf.h>
+
+extern const pbf_allocator pbf_default_allocator;
+
+/* Fails with a sentence that says what the memory was for. A size of 0 is allowed. */
+pbf_status pbf_memory_take(const pbf_allocator *allocator, uint64_t size, const char *purpose,
+                           void **memory);
+
+/* Null is a no-op; `size` is the one it was taken with. */
+void pbf_memory_give(const pbf_allocator *allocator, void *memory, uint64_t size);
+
+#endif

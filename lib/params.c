@@ -1,0 +1,160 @@
+#include "params.h"
+
+#include <math.h>
+
+#include "error.h"
+#include "physics/motion.h"
+
+/* A support of more spacings has thousands of neighbours a particle: a unit gone wrong. */
+enum { MOST_SPACINGS = 10 };
+
+#define COUNT(member, least, most, hint) \
+  { #member, offsetof(pbf_params, member), least, most, hint }
+#define REAL(member, components, range) \
+  { #member, offsetof(pbf_params, member), components, range }
+#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
+
+static const pbf_count_rule counts[] = {
+    COUNT(kernel, 0, PBF_KERNEL_POLY6_SPIKY, " (PBF_KERNEL_…)"),
+    COUNT(iterations, 1, UINT32_MAX, ""),
+    COUNT(collide, 1, 7, ", a sum of PBF_COLLIDE_… bits"),
+    COUNT(reserved0, 0, 0, ""),
+};
+
+static const pbf_real_rule reals[] = {
+    REAL(smoothing_radius, 1, PBF_ABOVE_ZERO),
+    REAL(spacing, 1, PBF_AT_LEAST_ZERO),
+    REAL(particle_volume, 1, PBF_AT_LEAST_ZERO),
+    REAL(time_step, 1, PBF_ABOVE_ZERO),
+    REAL(gravity, 3, PBF_ANY),
+    REAL(attraction, 1, PBF_ANY),
+    REAL(attraction_center, 3, PBF_ANY),
+    REAL(relaxation, 1, PBF_AT_LEAST_ZERO),
+    REAL(epsilon, 1, PBF_AT_LEAST_ZERO),
+    REAL(scorr_k, 1, PBF_AT_LEAST_ZERO),
+    REAL(vorticity, 1, PBF_AT_LEAST_ZERO),
+    REAL(viscosity, 1, PBF_AT_LEAST_ZERO),
+    REAL(domain_min, 3, PBF_ANY),
+    REAL(domain_max, 3, PBF_ANY),
+    REAL(wall_velocity, 6, PBF_ANY),
+    REAL(wall_amplitude, 6, PBF_ANY),
+    REAL(wall_frequency, 6, PBF_ANY),
+    REAL(wall_phase, 6, PBF_ANY),
+    REAL(search_cell_width, 1, PBF_AT_LEAST_ZERO),
+};
+
+/* Only what artificial pressure needs, once it is there. */
+static const pbf_count_rule scorr_count = COUNT(scorr_n, 1, 8, "");
+static const pbf_real_rule scorr_width = REAL(scorr_dq, 1, PBF_ABOVE_ZERO);
+
+static pbf_status check_scorr(const pbf_params *params, pbf_check_kind kind) {
+  if (params->scorr_k <= 0) return PBF_OK;
+  pbf_status status = pbf_check_count(&scorr_count, "params", params);
+  if (status == PBF_OK) status = pbf_check_real(&scorr_width, "params", params, kind);
+  if (status != PBF_OK || params->scorr_dq < 1) return status;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.scorr_dq is %.9g; it must be below 1, in units of smoothing_radius",
+                  params->scorr_dq);
+}
+
+static double rest_spacing(const pbf_params *params) {
+  return params->spacing > 0 ? params->spacing : params->smoothing_radius / 2;
+}
+
+static pbf_status check_lengths(const pbf_params *params) {
+  double h = params->smoothing_radius;
+  if (params->spacing >= h || rest_spacing(params) * MOST_SPACINGS < h) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "params.spacing is %.9g; it must be below smoothing_radius (%.9g) and at least "
+                    "a %dth of it, or 0 for half of it",
+                    params->spacing, h, MOST_SPACINGS);
+  }
+  if (params->search_cell_width > 0 && params->search_cell_width < h) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "params.search_cell_width is %.9g; it must be at least smoothing_radius "
+                    "(%.9g), or 0",
+                    params->search_cell_width, h);
+  }
+  return PBF_OK;
+}
+
+/* A hundredth of a spacing is the least that positions must resolve for a fluid to hold. */
+static pbf_status check_resolution(const pbf_params *params, int wall, double bound) {
+  double farthest = fabs(bound) + fabs(params->wall_amplitude[wall]);
+  double wanted = rest_spacing(params) / 100;
+  if (farthest * 0x1p-24 <= wanted) return PBF_OK;
+  return pbf_fail(
+      PBF_ERROR_INVALID_ARGUMENT,
+      "params.domain_%s[%d] is %.9g, where float32 resolves %.2g, more than a hundredth "
+      "of the spacing (%.2g); move the domain to the origin or use PBF_FLOAT64",
+      wall & 1 ? "max" : "min", wall / 2, bound, farthest * 0x1p-24, wanted);
+}
+
+static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, double time) {
+  for (uint32_t axis = 0; axis < kind.dimension; ++axis) {
+    double low = params->domain_min[axis], high = params->domain_max[axis];
+    const char *demand = pbf_check_finite(high - low, kind.precision);
+    if (high <= low || demand) {
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "params.domain_max[%u] is %.9g; it must be above domain_min[%u] (%.9g)%s",
+                      axis, high, axis, low, demand ? ", by a finite length" : "");
+    }
+    if (kind.precision != PBF_FLOAT32) continue;
+    pbf_status status = check_resolution(params, (int)(2 * axis), low);
+    if (status == PBF_OK) status = check_resolution(params, (int)(2 * axis + 1), high);
+    if (status != PBF_OK) return status;
+  }
+  pbf_box box = pbf_params_box(params, kind.dimension, time);
+  uint32_t closed = pbf_box_closed_axis(&box, kind.dimension);
+  if (closed == kind.dimension) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.wall_…: at the present time %.9g the walls of axis %u stand at %.9g and "
+                  "%.9g; the upper one must be above the lower one",
+                  time, closed, box.lower[closed], box.upper[closed]);
+}
+
+pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, double time) {
+  pbf_status status = pbf_check_counts(counts, LENGTH(counts), "params", params);
+  if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), "params", params, kind);
+  if (status == PBF_OK) status = check_scorr(params, kind);
+  if (status == PBF_OK) status = check_lengths(params);
+  if (status == PBF_OK) status = check_domain(params, kind, time);
+  return status;
+}
+
+pbf_params pbf_params_for_backend(const pbf_params *params, uint32_t dimension) {
+  pbf_params clean = *params;
+  if (dimension == 3) return clean;
+  clean.gravity[2] = clean.attraction_center[2] = 0;
+  clean.domain_min[2] = clean.domain_max[2] = 0;
+  for (int wall = PBF_WALL_Z_MIN; wall <= PBF_WALL_Z_MAX; ++wall) {
+    clean.wall_velocity[wall] = clean.wall_amplitude[wall] = 0;
+    clean.wall_frequency[wall] = clean.wall_phase[wall] = 0;
+  }
+  return clean;
+}
+
+pbf_box pbf_params_box(const pbf_params *params, uint32_t dimension, double time) {
+  pbf_box box = {{0}, {0}};
+  for (uint32_t axis = 0; axis < dimension; ++axis) {
+    box.lower[axis] = pbf_motion_wall(params, (int)(2 * axis), time);
+    box.upper[axis] = pbf_motion_wall(params, (int)(2 * axis + 1), time);
+  }
+  return box;
+}
+
+int pbf_params_walls_move(const pbf_params *params, uint32_t dimension) {
+  for (uint32_t wall = 0; wall < 2 * dimension; ++wall) {
+    if (params->wall_velocity[wall] != 0) return 1;
+    if (params->wall_amplitude[wall] != 0 && params->wall_frequency[wall] != 0) return 1;
+  }
+  return 0;
+}
+
+uint32_t pbf_box_closed_axis(const pbf_box *box, uint32_t dimension) {
+  for (uint32_t axis = 0; axis < dimension; ++axis) {
+    double width = box->upper[axis] - box->lower[axis];
+    if (!(width > 0) || !isfinite(width)) return axis;
+  }
+  return dimension;
+}

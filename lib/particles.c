@@ -1,0 +1,105 @@
+/* Reading and overwriting rows of particles. */
+#include "error.h"
+#include "ids.h"
+#include "values.h"
+
+uint32_t pbf_element_size(const pbf_solver *solver) { return solver->kind.precision; }
+
+static pbf_status check_rows(const pbf_solver *solver, uint32_t first, uint32_t count) {
+  if (first <= solver->count && count <= solver->count - first) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "first is %u and count %u; the solver holds %u particles", first, count,
+                  solver->count);
+}
+
+static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
+                            uint32_t count, void *out) {
+  pbf_status status = check_rows(solver, first, count);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer(name, out, pbf_element_size(solver));
+  if (status != PBF_OK) return status;
+  pbf_rows rows = pbf_ids_rows(solver, first, count);
+  status = solver->api.read(solver->backend, field, &rows, out);
+  return pbf_backend_result(solver, status, "read");
+}
+
+static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
+                             uint32_t count, const void *in) {
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status == PBF_OK) status = check_rows(solver, first, count);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer(name, in, pbf_element_size(solver));
+  if (status != PBF_OK) return status;
+  status = field == PBF_FIELD_POSITION ? pbf_values_check_positions(solver, in, count, first)
+                                       : pbf_values_check_finite(solver, name, in, count, first);
+  if (status != PBF_OK) return status;
+  pbf_rows rows = pbf_ids_rows(solver, first, count);
+  status = solver->api.write(solver->backend, field, &rows, in);
+  if (status == PBF_OK) ++solver->generation;
+  return pbf_backend_result(solver, status, "write");
+}
+
+pbf_status pbf_get_positions(pbf_solver *solver, uint32_t first, uint32_t count, void *positions) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver,
+                   read_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions));
+}
+
+pbf_status pbf_get_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                              void *velocities) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver,
+                   read_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities));
+}
+
+pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count, void *densities) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver,
+                   read_rows(solver, PBF_FIELD_DENSITY, "densities", first, count, densities));
+}
+
+pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,
+                             const void *positions) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver,
+                   write_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions));
+}
+
+pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                              const void *velocities) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver,
+                   write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities));
+}
+
+static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {
+  pbf_status status = check_rows(solver, first, count);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  if (status != PBF_OK) return status;
+  for (uint32_t i = 0; i < count; ++i) ids[i] = pbf_ids_of_row(solver, first + i);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_ids(solver, first, count, ids));
+}
+
+static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  *count = solver->count;
+  return PBF_OK;
+}
+
+pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_count(solver, count));
+}

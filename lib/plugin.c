@@ -1,0 +1,159 @@
+#include "plugin.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "error.h"
+#include "structs.h"
+
+static const pbf_backend_host host = {
+    .struct_size = sizeof(pbf_backend_host),
+    .abi_min = PBF_BACKEND_ABI_VERSION,
+    .abi_max = PBF_BACKEND_ABI_VERSION,
+    .set_error = pbf_plugin_sentence_set,
+};
+
+__attribute__((format(printf, 3, 4))) static pbf_status refuse(pbf_plugin *plugin,
+                                                               pbf_status status,
+                                                               const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(plugin->reason, sizeof plugin->reason, format, arguments);
+  va_end(arguments);
+  return status;
+}
+
+/* 1 for a text of 0 or more printable characters (or UTF-8 bytes) that ends within its array. */
+static int is_text(const char *text, size_t size) {
+  for (size_t i = 0; i < size; ++i) {
+    unsigned char c = (unsigned char)text[i];
+    if (c == 0) return 1;
+    if (c < 0x20 || c == 0x7f) return 0;
+  }
+  return 0;
+}
+
+typedef struct member {
+  const char *name;
+  size_t offset;
+} member;
+
+#define MEMBER(name) \
+  { #name, offsetof(pbf_backend_api, name) }
+
+static const member mandatory[] = {
+    MEMBER(probe),       MEMBER(create),        MEMBER(destroy),
+    MEMBER(set_params),  MEMBER(set_colliders), MEMBER(step),
+    MEMBER(synchronize), MEMBER(add_particles), MEMBER(remove_particles),
+    MEMBER(remove_all),  MEMBER(read),          MEMBER(write),
+    MEMBER(map),         MEMBER(get_stats),     MEMBER(get_plan),
+    MEMBER(describe),
+};
+
+static int is_null_member(const pbf_backend_api *api, size_t offset) {
+  static const unsigned char null[sizeof(void (*)(void))];
+  return memcmp((const unsigned char *)api + offset, null, sizeof null) == 0;
+}
+
+static pbf_status check_table(const pbf_backend_api *api, char *reason, size_t size) {
+  for (size_t i = 0; i < sizeof mandatory / sizeof mandatory[0]; ++i) {
+    if (!is_null_member(api, mandatory[i].offset)) continue;
+    snprintf(reason, size, "its table has no function '%s'", mandatory[i].name);
+    return PBF_ERROR_PLUGIN;
+  }
+  if (!api->set_timing == !api->get_timings) return PBF_OK;
+  snprintf(reason, size,
+           "its table has one of set_timing and get_timings; both or neither must be set");
+  return PBF_ERROR_PLUGIN;
+}
+
+pbf_status pbf_plugin_copy_table(const pbf_backend_api *theirs, pbf_backend_api *ours, char *reason,
+                                 size_t size) {
+  if (!theirs) {
+    snprintf(reason, size, "it gave no table of functions");
+    return PBF_ERROR_PLUGIN;
+  }
+  uint32_t theirs_size = pbf_struct_size(theirs);
+  if (theirs_size < offsetof(pbf_backend_api, set_timing)) {
+    snprintf(reason, size, "its table of functions has %u bytes; ABI version 1 begins at %zu",
+             theirs_size, offsetof(pbf_backend_api, set_timing));
+    return PBF_ERROR_PLUGIN;
+  }
+  memset(ours, 0, sizeof *ours);
+  memcpy(ours, theirs, theirs_size < sizeof *ours ? theirs_size : sizeof *ours);
+  return check_table(ours, reason, size);
+}
+
+static pbf_status check_name(const char *name, const char *expected, pbf_plugin *plugin) {
+  if (!is_text(name, PBF_NAME_SIZE) || !name[0] || strcmp(name, "auto") == 0) {
+    return refuse(plugin, PBF_ERROR_PLUGIN,
+                  "its name is not a text of 1 … %d printable characters other than \"auto\"",
+                  PBF_NAME_SIZE - 1);
+  }
+  if (expected && strcmp(name, expected) != 0) {
+    return refuse(plugin, PBF_ERROR_PLUGIN, "it calls itself \"%s\"; its file is that of \"%s\"",
+                  name, expected);
+  }
+  return PBF_OK;
+}
+
+static pbf_status check_answer(const pbf_backend_answer *answer, const char *expected,
+                               pbf_plugin *plugin) {
+  if (answer->abi_version < host.abi_min || answer->abi_version > host.abi_max) {
+    return refuse(plugin, PBF_ERROR_UNSUPPORTED,
+                  "it speaks version %u of the plugin ABI; this library speaks %u … %u",
+                  answer->abi_version, host.abi_min, host.abi_max);
+  }
+  pbf_status status = check_name(answer->name, expected, plugin);
+  if (status != PBF_OK) return status;
+  memcpy(plugin->name, answer->name, sizeof plugin->name);
+  if (!is_text(answer->build_id, sizeof answer->build_id))
+    return refuse(plugin, PBF_ERROR_PLUGIN, "its build id is not a text");
+  memcpy(plugin->build_id, answer->build_id, sizeof plugin->build_id);
+  return pbf_plugin_copy_table(answer->api, &plugin->api, plugin->reason, sizeof plugin->reason);
+}
+
+static pbf_status negotiate(pbf_backend_negotiate_fn entry, const char *expected,
+                            pbf_plugin *plugin) {
+  pbf_backend_answer answer = {.struct_size = sizeof answer};
+  pbf_plugin_sentence_clear();
+  pbf_status status = entry(&host, &answer);
+  if (status == PBF_OK) return check_answer(&answer, expected, plugin);
+  const char *sentence = pbf_plugin_sentence();
+  if (!sentence[0]) sentence = "it gave no reason";
+  return refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
+                "it refused to work with version %u … %u of the plugin ABI: %s", host.abi_min,
+                host.abi_max, sentence);
+}
+
+/* Opening a pipe or a device could wait for ever. */
+static pbf_status check_file(const char *path, pbf_plugin *plugin) {
+  struct stat file;
+  if (stat(path, &file) != 0) {
+    return refuse(plugin, errno == ENOENT ? PBF_ERROR_NOT_FOUND : PBF_ERROR_UNAVAILABLE,
+                  "can't open it: %s", strerror(errno));
+  }
+  if (!S_ISREG(file.st_mode))
+    return refuse(plugin, PBF_ERROR_UNAVAILABLE, "it is not a regular file");
+  return PBF_OK;
+}
+
+pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin) {
+  memset(plugin, 0, sizeof *plugin);
+  snprintf(plugin->name, sizeof plugin->name, "%s", expected ? expected : "");
+  snprintf(plugin->path, sizeof plugin->path, "%s", path);
+  pbf_status status = check_file(path, plugin);
+  if (status != PBF_OK) return status;
+  /* Threads of a backend's runtime outlive dlclose. */
+  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (!library) return refuse(plugin, PBF_ERROR_UNAVAILABLE, "%s", dlerror());
+  pbf_backend_negotiate_fn entry;
+  *(void **)&entry = dlsym(library, PBF_BACKEND_ENTRY);
+  if (!entry) return refuse(plugin, PBF_ERROR_PLUGIN, "it exports no function " PBF_BACKEND_ENTRY);
+  return negotiate(entry, expected, plugin);
+}

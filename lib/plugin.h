@@ -1,0 +1,27 @@
+/* One backend plugin: loading it and checking every field of its answer. */
+#ifndef PBF_LIB_PLUGIN_H
+#define PBF_LIB_PLUGIN_H
+
+#include <stddef.h>
+
+#include <pbf/pbf_backend.h>
+
+/* A backend, or a candidate for one that can't be used. */
+typedef struct pbf_plugin {
+  char name[PBF_NAME_SIZE];
+  char build_id[96];
+  char path[256];   /* cut when longer */
+  char reason[256]; /* why it is not usable; empty: usable */
+  pbf_backend_api api;
+} pbf_plugin;
+
+/* Loads the file for the life of the process. `expected` is the name that it must give, null for
+ * any. On failure plugin->reason says why. Leaves pbf_last_error alone. */
+pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin);
+
+/* A table that a plugin gave, made complete: a plugin built against an older header has a shorter
+ * one. Fails with the reason when a mandatory function is missing. */
+pbf_status pbf_plugin_copy_table(const pbf_backend_api *theirs, pbf_backend_api *ours, char *reason,
+                                 size_t size);
+
+#endif

@@ -1,0 +1,186 @@
+/* Particles come and go. */
+#include <inttypes.h>
+#include <string.h>
+
+#include "error.h"
+#include "ids.h"
+#include "memory.h"
+#include "values.h"
+
+static const uint64_t id_end = UINT64_C(1) << 32;
+
+static pbf_status check_room(const pbf_solver *solver, uint32_t count) {
+  if (count > solver->capacity - solver->count) {
+    return pbf_fail(PBF_ERROR_CAPACITY,
+                    "count is %u; the solver holds %u particles and desc.capacity is %u", count,
+                    solver->count, solver->capacity);
+  }
+  if (count > id_end - solver->next_id) {
+    return pbf_fail(PBF_ERROR_CAPACITY,
+                    "count is %u; the next id would be %" PRIu64
+                    " and ids end at 4294967295, so "
+                    "the particles need a new solver",
+                    count, solver->next_id);
+  }
+  return PBF_OK;
+}
+
+static pbf_status check_new(const pbf_solver *solver, uint32_t count, const void *positions,
+                            const void *velocities) {
+  uint32_t size = pbf_element_size(solver);
+  pbf_status status = pbf_values_check_pointer("positions", positions, size);
+  if (status == PBF_OK) status = pbf_values_check_positions(solver, positions, count, 0);
+  if (status != PBF_OK || !velocities) return status;
+  status = pbf_values_check_pointer("velocities", velocities, size);
+  if (status == PBF_OK)
+    status = pbf_values_check_finite(solver, "velocities", velocities, count, 0);
+  return status;
+}
+
+static pbf_status add_to_backend(pbf_solver *solver, const pbf_particles *particles) {
+  pbf_status status = solver->api.add_particles(solver->backend, particles);
+  return pbf_backend_result(solver, status, "add_particles");
+}
+
+/* The new ids, in the solver's own array where there is one: its end is free. */
+static pbf_status take_new_ids(const pbf_solver *solver, uint32_t count, uint32_t **ids) {
+  void *memory = solver->ids ? solver->ids + solver->count : NULL;
+  if (!memory) {
+    pbf_status status = pbf_memory_take(&solver->allocator, (uint64_t)count * sizeof **ids,
+                                        "the new particles' ids", &memory);
+    if (status != PBF_OK) return status;
+  }
+  *ids = memory;
+  for (uint32_t i = 0; i < count; ++i) (*ids)[i] = (uint32_t)(solver->next_id + i);
+  return PBF_OK;
+}
+
+static void give_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids) {
+  if (!solver->ids) pbf_memory_give(&solver->allocator, ids, (uint64_t)count * sizeof *ids);
+}
+
+static pbf_status append(pbf_solver *solver, uint32_t count, const void *positions,
+                         const void *velocities) {
+  uint32_t *ids;
+  pbf_status status = take_new_ids(solver, count, &ids);
+  if (status != PBF_OK) return status;
+  const pbf_particles particles = {sizeof particles, count, ids, positions, velocities};
+  status = add_to_backend(solver, &particles);
+  give_new_ids(solver, count, ids);
+  if (status != PBF_OK) return status;
+  solver->count += count;
+  solver->next_id += count;
+  ++solver->generation;
+  return PBF_OK;
+}
+
+static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
+                      const void *velocities, uint32_t *first_id) {
+  uint64_t first = solver->next_id;
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status == PBF_OK) status = check_room(solver, count);
+  if (status == PBF_OK && count > 0) {
+    status = check_new(solver, count, positions, velocities);
+    if (status == PBF_OK) status = append(solver, count, positions, velocities);
+  }
+  if (status == PBF_OK && first_id) *first_id = (uint32_t)first;
+  return status;
+}
+
+pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *positions,
+                             const void *velocities, uint32_t *first_id) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, add(solver, count, positions, velocities, first_id));
+}
+
+/* Rows that go, a bit each; as they are walked in order, so are the ids. */
+typedef struct leaving {
+  uint64_t *bits;
+  uint64_t bytes;
+  uint32_t *ids;
+  uint64_t id_bytes;
+} leaving;
+
+static void give_leaving(const pbf_solver *solver, leaving *gone) {
+  pbf_memory_give(&solver->allocator, gone->bits, gone->bytes);
+  pbf_memory_give(&solver->allocator, gone->ids, gone->id_bytes);
+}
+
+static pbf_status take_leaving(const pbf_solver *solver, uint32_t count, leaving *gone) {
+  void *bits = NULL, *ids = NULL;
+  *gone = (leaving){.bytes = ((uint64_t)solver->count + 63) / 64 * 8,
+                    .id_bytes = (uint64_t)count * sizeof *gone->ids};
+  pbf_status status = pbf_memory_take(&solver->allocator, gone->bytes, "a set of rows", &bits);
+  if (status != PBF_OK) return status;
+  gone->bits = bits;
+  memset(bits, 0, gone->bytes);
+  status = pbf_memory_take(&solver->allocator, gone->id_bytes, "a list of ids", &ids);
+  gone->ids = ids;
+  if (status != PBF_OK) give_leaving(solver, gone);
+  return status;
+}
+
+static int is_leaving(const leaving *gone, uint32_t row) {
+  return (int)(gone->bits[row / 64] >> row % 64 & 1);
+}
+
+static pbf_status mark(const pbf_solver *solver, uint32_t count, const uint32_t *ids,
+                       leaving *gone) {
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t row;
+    if (!pbf_ids_find(solver, ids[i], &row)) {
+      return pbf_fail(PBF_ERROR_NOT_FOUND, "ids[%u] is %u; no particle has this id", i, ids[i]);
+    }
+    if (is_leaving(gone, row)) {
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ids[%u] is %u, which stands twice", i, ids[i]);
+    }
+    gone->bits[row / 64] |= UINT64_C(1) << row % 64;
+  }
+  uint32_t found = 0;
+  for (uint32_t row = 0; row < solver->count; ++row) {
+    if (is_leaving(gone, row)) gone->ids[found++] = pbf_ids_of_row(solver, row);
+  }
+  return PBF_OK;
+}
+
+static void close_gaps(pbf_solver *solver, const leaving *gone) {
+  uint32_t kept = 0;
+  for (uint32_t row = 0; row < solver->count; ++row) {
+    if (!is_leaving(gone, row)) solver->ids[kept++] = solver->ids[row];
+  }
+  solver->count = kept;
+  ++solver->generation;
+}
+
+static pbf_status remove_marked(pbf_solver *solver, uint32_t count, const leaving *gone) {
+  pbf_status status = pbf_ids_store(solver);
+  if (status != PBF_OK) return status;
+  status = solver->api.remove_particles(solver->backend, count, gone->ids);
+  if (status == PBF_OK) close_gaps(solver, gone);
+  return pbf_backend_result(solver, status, "remove_particles");
+}
+
+static pbf_status remove_some(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
+  leaving gone;
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  if (status != PBF_OK) return status;
+  if (count > solver->count) {
+    return pbf_fail(PBF_ERROR_NOT_FOUND, "count is %u; the solver holds %u particles", count,
+                    solver->count);
+  }
+  status = take_leaving(solver, count, &gone);
+  if (status != PBF_OK) return status;
+  status = mark(solver, count, ids, &gone);
+  if (status == PBF_OK) status = remove_marked(solver, count, &gone);
+  give_leaving(solver, &gone);
+  return status;
+}
+
+pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, remove_some(solver, count, ids));
+}

@@ -1,0 +1,18 @@
+#ifndef PBF_LIB_PRIVILEGE_H
+#define PBF_LIB_PRIVILEGE_H
+
+#include <sys/types.h>
+
+/* What the kernel says of the process that decides whose environment it may trust. */
+typedef struct pbf_identity {
+  unsigned long at_secure; /* getauxval(AT_SECURE) */
+  uid_t user, effective_user;
+  gid_t group, effective_group;
+} pbf_identity;
+
+/* 1 when the process has rights that whoever started it lacks. */
+int pbf_is_elevated(const pbf_identity *identity);
+
+pbf_identity pbf_identity_of_process(void);
+
+#endif

@@ -1,0 +1,39 @@
+#include "probe.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void refuse(pbf_probe_result *result, const char *reason) {
+  result->score = 0;
+  snprintf(result->reason, sizeof result->reason, "%s", reason);
+}
+
+static void distrust(pbf_probe_result *result) {
+  result->device_name[sizeof result->device_name - 1] = 0;
+  result->reason[sizeof result->reason - 1] = 0;
+  if (result->score < 0) result->score = 0;
+  if (result->score > 0 && result->device_type != PBF_DEVICE_CPU &&
+      result->device_type != PBF_DEVICE_CUDA)
+    refuse(result, "its probe names a type of device that this library does not know");
+  if (result->score > 0) result->reason[0] = 0;
+  if (result->score == 0 && !result->reason[0]) refuse(result, "its probe gave no reason");
+}
+
+pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc) {
+  pbf_probe_result result = {.struct_size = sizeof result};
+  if (plugin->reason[0]) {
+    refuse(&result, plugin->reason);
+    return result;
+  }
+  const pbf_workload workload = {
+      .struct_size = sizeof workload,
+      .dimension = desc->dimension,
+      .precision = desc->precision,
+      .capacity = desc->capacity,
+      .device = desc->device,
+      .threads = desc->threads,
+  };
+  plugin->api.probe(&workload, &result);
+  distrust(&result);
+  return result;
+}

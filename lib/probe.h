@@ -1,0 +1,11 @@
+#ifndef PBF_LIB_PROBE_H
+#define PBF_LIB_PROBE_H
+
+#include "desc.h"
+#include "plugin.h"
+
+/* The plugin's own judgement, with every field in range; score 0 with a reason for a candidate that
+ * did not load. */
+pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc);
+
+#endif

@@ -1,0 +1,91 @@
+#include <inttypes.h>
+#include <string.h>
+
+#include "error.h"
+#include "fnv.h"
+#include "ids.h"
+#include "memory.h"
+#include "snapshot.h"
+
+static pbf_snapshot_header header_of(const pbf_solver *solver) {
+  pbf_snapshot_header header = {
+      .magic = PBF_SNAPSHOT_MAGIC,
+      .version = PBF_SNAPSHOT_VERSION,
+      .header_size = sizeof header,
+      .dimension = solver->kind.dimension,
+      .precision = solver->kind.precision,
+      .params_size = sizeof(pbf_params),
+      .collider_size = sizeof(pbf_collider),
+      .collider_count = solver->collider_count,
+      .count = solver->count,
+      .has_ids = solver->ids != NULL,
+      .next_id = solver->next_id,
+      .step = solver->step,
+      .steps_since = solver->steps_since,
+      .time_base = solver->time_base,
+      .collider_time = solver->collider_time,
+  };
+  header.size = pbf_snapshot_layout_of(&header).size;
+  return header;
+}
+
+static void put(void *buffer, uint64_t offset, const void *data, uint64_t size) {
+  if (size) memcpy((unsigned char *)buffer + offset, data, size);
+}
+
+/* By way of aligned memory: the caller's buffer may begin anywhere. */
+static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, void *buffer,
+                             uint64_t offset, uint64_t bytes) {
+  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  pbf_status status = solver->api.read(solver->backend, field, &rows, scratch);
+  if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
+  put(buffer, offset, scratch, bytes);
+  return PBF_OK;
+}
+
+static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
+                                  const pbf_snapshot_layout *layout, void *buffer) {
+  void *scratch;
+  uint64_t bytes = pbf_snapshot_field_bytes(header);
+  if (solver->count == 0) return PBF_OK;
+  pbf_status status = pbf_memory_take(&solver->allocator, bytes, "a copy to save", &scratch);
+  if (status != PBF_OK) return status;
+  status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
+  if (status == PBF_OK)
+    status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
+  pbf_memory_give(&solver->allocator, scratch, bytes);
+  return status;
+}
+
+static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *header, void *buffer) {
+  pbf_snapshot_layout layout = pbf_snapshot_layout_of(header);
+  memset(buffer, 0, layout.size);
+  put(buffer, 0, header, sizeof *header);
+  put(buffer, layout.params, &solver->params, sizeof solver->params);
+  put(buffer, layout.colliders, solver->colliders,
+      (uint64_t)solver->collider_count * sizeof *solver->colliders);
+  if (header->has_ids)
+    put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
+  pbf_status status = write_particles(solver, header, &layout, buffer);
+  uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
+  put(buffer, layout.checksum, &checksum, sizeof checksum);
+  return status;
+}
+
+static pbf_status save(pbf_solver *solver, void *buffer, uint64_t *size) {
+  if (!size) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "size is null");
+  pbf_snapshot_header header = header_of(solver);
+  if (buffer && *size < header.size) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "*size is %" PRIu64 "; the state needs %" PRIu64,
+                    *size, header.size);
+  }
+  pbf_status status = buffer ? write_state(solver, &header, buffer) : PBF_OK;
+  if (status == PBF_OK) *size = header.size;
+  return status;
+}
+
+pbf_status pbf_save(pbf_solver *solver, void *buffer, uint64_t *size) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, save(solver, buffer, size));
+}

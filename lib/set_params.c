@@ -1,0 +1,37 @@
+#include "error.h"
+#include "params.h"
+#include "solver.h"
+#include "structs.h"
+
+static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
+  pbf_params params;
+  pbf_status status = pbf_struct_in(&pbf_kind_params, theirs, &params);
+  if (status == PBF_OK) status = pbf_params_check(&params, solver->kind, pbf_solver_time(solver));
+  if (status != PBF_OK) return status;
+  pbf_params clean = pbf_params_for_backend(&params, solver->kind.dimension);
+  status =
+      pbf_backend_result(solver, solver->api.set_params(solver->backend, &clean), "set_params");
+  if (status != PBF_OK) return status;
+  if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
+  solver->params = params;
+  return PBF_OK;
+}
+
+pbf_status pbf_set_params(pbf_solver *solver, const pbf_params *params) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_params(solver, params));
+}
+
+static pbf_status get_params(pbf_solver *solver, pbf_params *theirs) {
+  pbf_status status = pbf_struct_check_out(&pbf_kind_params, theirs);
+  if (status == PBF_OK)
+    pbf_struct_out(&pbf_kind_params, &solver->params, theirs, theirs->struct_size);
+  return status;
+}
+
+pbf_status pbf_get_params(pbf_solver *solver, pbf_params *params) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_params(solver, params));
+}

@@ -1,0 +1,48 @@
+/* Layout of a saved state, little-endian, every section at a multiple of 8 bytes:
+ *   header | parameters | colliders | ids, unless they are 0 … count - 1 | positions | velocities |
+ *   FNV-1a over all before it
+ * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
+ */
+#ifndef PBF_LIB_SNAPSHOT_H
+#define PBF_LIB_SNAPSHOT_H
+
+#include "solver.h"
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "a saved state is little-endian, as is the memory it is copied from");
+
+#define PBF_SNAPSHOT_MAGIC "PBFSTATE"
+
+enum { PBF_SNAPSHOT_VERSION = 1 };
+
+typedef struct pbf_snapshot_header {
+  char magic[8];
+  uint32_t version;
+  uint32_t header_size;
+  uint32_t dimension;
+  uint32_t precision;
+  uint32_t params_size;
+  uint32_t collider_size;
+  uint32_t collider_count;
+  uint32_t count;
+  uint32_t has_ids;
+  uint32_t reserved;
+  uint64_t next_id;
+  uint64_t step;
+  uint64_t steps_since;
+  double time_base;
+  double collider_time;
+  uint64_t size; /* of everything */
+} pbf_snapshot_header;
+
+/* Where the sections begin. */
+typedef struct pbf_snapshot_layout {
+  uint64_t params, colliders, ids, positions, velocities, checksum, size;
+} pbf_snapshot_layout;
+
+pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
+
+/* Bytes of positions, and as many of velocities. */
+uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header);
+
+#endif

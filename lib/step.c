@@ -1,0 +1,75 @@
+#include <math.h>
+
+#include "error.h"
+#include "params.h"
+#include "solver.h"
+
+static double time_after(const pbf_solver *solver, uint32_t steps) {
+  return solver->time_base + (double)(solver->steps_since + steps) * solver->params.time_step;
+}
+
+/* How many of the steps come before moving walls have met. */
+static uint32_t steps_with_room(const pbf_solver *solver, uint32_t steps) {
+  uint32_t dimension = solver->kind.dimension;
+  if (!pbf_params_walls_move(&solver->params, dimension)) return steps;
+  for (uint32_t i = 0; i < steps; ++i) {
+    pbf_box box = pbf_params_box(&solver->params, dimension, time_after(solver, i + 1));
+    if (pbf_box_closed_axis(&box, dimension) != dimension) return i;
+  }
+  return steps;
+}
+
+static pbf_status run_backend(pbf_solver *solver, uint32_t steps, uint32_t *done) {
+  pbf_status status = solver->api.step(solver->backend, pbf_solver_time(solver), steps, done);
+  if (*done > steps || (status == PBF_OK && *done != steps)) {
+    uint32_t claimed = *done;
+    *done = claimed > steps ? steps : claimed;
+    return pbf_fail(PBF_ERROR_PLUGIN, "the backend \"%s\" says it has done %u of %u steps",
+                    solver->plugin->name, claimed, steps);
+  }
+  return pbf_backend_result(solver, status, "step");
+}
+
+static pbf_status advance(pbf_solver *solver, uint32_t steps) {
+  uint32_t done = 0;
+  pbf_status status = PBF_OK;
+  if (solver->count > 0) {
+    status = run_backend(solver, steps, &done);
+  } else {
+    done = steps;
+  }
+  solver->step += done;
+  solver->steps_since += done;
+  solver->generation += done > 0;
+  return status;
+}
+
+static pbf_status step(pbf_solver *solver, uint32_t steps) {
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status != PBF_OK || steps == 0) return status;
+  if (!isfinite(time_after(solver, steps))) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "steps is %u, after which the time would not be finite; it is %.9g now", steps,
+                    pbf_solver_time(solver));
+  }
+  uint32_t room = steps_with_room(solver, steps);
+  if (room > 0) status = advance(solver, room);
+  if (status != PBF_OK || room == steps) return status;
+  return pbf_fail(PBF_ERROR_STATE,
+                  "step %u of %u would end at time %.9g, when the moving walls have left no room "
+                  "between them; change params.wall_… first",
+                  room + 1, steps, time_after(solver, 1));
+}
+
+pbf_status pbf_step(pbf_solver *solver, uint32_t steps) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, step(solver, steps));
+}
+
+pbf_status pbf_synchronize(pbf_solver *solver) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  status = solver->api.synchronize(solver->backend);
+  return pbf_leave(solver, pbf_backend_result(solver, status, "synchronize"));
+}

@@ -1,0 +1,69 @@
+#include "structs.h"
+
+#include <string.h>
+
+#include "error.h"
+
+/* Far above any struct to come: a larger size is memory that nobody initialised. */
+enum { LARGEST_SIZE = 65536 };
+
+#define THROUGH(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
+#define KIND(type, last) \
+  { #type, sizeof(type), THROUGH(type, last) }
+
+/* The second argument is the last member of the first release and stays so for good. */
+const pbf_struct_kind pbf_kind_allocator = KIND(pbf_allocator, release);
+const pbf_struct_kind pbf_kind_desc = KIND(pbf_desc, log_user);
+const pbf_struct_kind pbf_kind_params = KIND(pbf_params, search_cell_width);
+const pbf_struct_kind pbf_kind_collider = KIND(pbf_collider, half_length);
+const pbf_struct_kind pbf_kind_view = KIND(pbf_view, ids);
+const pbf_struct_kind pbf_kind_stats = KIND(pbf_stats, density_mean);
+const pbf_struct_kind pbf_kind_timings = KIND(pbf_timings, stages);
+const pbf_struct_kind pbf_kind_plan = KIND(pbf_plan, arrays);
+const pbf_struct_kind pbf_kind_info = KIND(pbf_info, fallback_reason);
+const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, reason);
+
+pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
+  if (size >= kind->first_size && size <= LARGEST_SIZE) return PBF_OK;
+  return pbf_fail(PBF_ERROR_STRUCT_SIZE, "%s.struct_size is %u; it must be sizeof(%s), here %u",
+                  kind->name, size, kind->name, kind->size);
+}
+
+uint32_t pbf_struct_size(const void *theirs) {
+  uint32_t size;
+  memcpy(&size, theirs, sizeof size);
+  return size;
+}
+
+pbf_status pbf_struct_check_out(const pbf_struct_kind *kind, const void *theirs) {
+  if (!theirs) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it must point to a %s",
+                    kind->name + strlen("pbf_"), kind->name);
+  }
+  return pbf_struct_check_size(kind, pbf_struct_size(theirs));
+}
+
+pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours) {
+  pbf_status status = pbf_struct_check_out(kind, theirs);
+  if (status != PBF_OK) return status;
+  uint32_t size = pbf_struct_size(theirs);
+  const unsigned char *bytes = theirs;
+  for (uint32_t i = kind->size; i < size; ++i) {
+    if (!bytes[i]) continue;
+    return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                    "byte %u of a %s of %u bytes is %u; this library knows the first %u bytes "
+                    "only, so the rest must be 0",
+                    i, kind->name, size, bytes[i], kind->size);
+  }
+  memset(ours, 0, kind->size);
+  memcpy(ours, theirs, size < kind->size ? size : kind->size);
+  memcpy(ours, &kind->size, sizeof kind->size);
+  return PBF_OK;
+}
+
+void pbf_struct_out(const pbf_struct_kind *kind, const void *ours, void *theirs, uint32_t size) {
+  uint32_t common = size < kind->size ? size : kind->size;
+  memcpy(theirs, ours, common);
+  memset((unsigned char *)theirs + common, 0, size - common);
+  memcpy(theirs, &size, sizeof size);
+}

@@ -1,0 +1,42 @@
+/* Size-first structs across the boundary: what an older or a newer caller may pass. */
+#ifndef PBF_LIB_STRUCTS_H
+#define PBF_LIB_STRUCTS_H
+
+#include <stddef.h>
+
+#include <pbf/pbf.h>
+
+/* One kind of public struct. `first_size` is what the first release had: no caller has less. */
+typedef struct pbf_struct_kind {
+  const char *name;
+  uint32_t size;
+  uint32_t first_size;
+} pbf_struct_kind;
+
+extern const pbf_struct_kind pbf_kind_allocator;
+extern const pbf_struct_kind pbf_kind_desc;
+extern const pbf_struct_kind pbf_kind_params;
+extern const pbf_struct_kind pbf_kind_collider;
+extern const pbf_struct_kind pbf_kind_view;
+extern const pbf_struct_kind pbf_kind_stats;
+extern const pbf_struct_kind pbf_kind_timings;
+extern const pbf_struct_kind pbf_kind_plan;
+extern const pbf_struct_kind pbf_kind_info;
+extern const pbf_struct_kind pbf_kind_backend_info;
+
+/* Fails unless `size` is one that a caller of this kind can have. */
+pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);
+
+/* Copies a caller's struct of its own size into one of ours; what it lacks becomes zero. */
+pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours);
+
+/* The caller's struct as an output: not null, with a usable struct_size. */
+pbf_status pbf_struct_check_out(const pbf_struct_kind *kind, const void *theirs);
+
+/* Copies ours out as far as `size` reaches, zeros beyond it; struct_size becomes `size`. */
+void pbf_struct_out(const pbf_struct_kind *kind, const void *ours, void *theirs, uint32_t size);
+
+/* The size that a caller's checked struct states. */
+uint32_t pbf_struct_size(const void *theirs);
+
+#endif

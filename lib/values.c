@@ -1,0 +1,57 @@
+#include "values.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "error.h"
+#include "params.h"
+
+static double value_at(const void *values, uint64_t index, uint32_t precision) {
+  return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
+                                  : ((const double *)values)[index];
+}
+
+pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size) {
+  if (!values) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
+  if ((uintptr_t)values % element_size == 0) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is %p; it must be aligned to %u bytes", name,
+                  (void *)(uintptr_t)values, element_size);
+}
+
+pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
+                                   uint32_t count, uint32_t first_row) {
+  uint32_t dimension = solver->kind.dimension;
+  uint64_t total = (uint64_t)count * dimension;
+  for (uint64_t i = 0; i < total; ++i) {
+    double value = value_at(values, i, solver->kind.precision);
+    if (isfinite(value)) continue;
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
+                    (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension), value);
+  }
+  return PBF_OK;
+}
+
+/* Backends clamp to the walls in the particles' precision, so that is where the walls are. */
+static double as_stored(double bound, uint32_t precision) {
+  return precision == PBF_FLOAT32 ? (double)(float)bound : bound;
+}
+
+pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
+                                      uint32_t count, uint32_t first_row) {
+  pbf_status status = pbf_values_check_finite(solver, "positions", positions, count, first_row);
+  if (status != PBF_OK) return status;
+  uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
+  pbf_box box = pbf_params_box(&solver->params, dimension, pbf_solver_time(solver));
+  for (uint32_t axis = 0; axis < dimension; ++axis) {
+    double lower = as_stored(box.lower[axis], precision);
+    double upper = as_stored(box.upper[axis], precision);
+    for (uint32_t row = 0; row < count; ++row) {
+      double x = value_at(positions, (uint64_t)row * dimension + axis, precision);
+      if (x >= lower && x <= upper) continue;
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "positions[%u][%u] is %.9g; it must be inside the domain, %.9g … %.9g",
+                      first_row + row, axis, x, lower, upper);
+    }
+  }
+  return PBF_OK;
+}

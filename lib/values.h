@@ -1,0 +1,17 @@
+/* Checks of the callers' particle arrays. */
+#ifndef PBF_LIB_VALUES_H
+#define PBF_LIB_VALUES_H
+
+#include "solver.h"
+
+/* `first_row` is the number of the array's first row, for the sentence. Positions must be finite
+ * and inside the domain as it is now; velocities finite. */
+pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
+                                      uint32_t count, uint32_t first_row);
+pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
+                                   uint32_t count, uint32_t first_row);
+
+/* Not null and aligned to its elements. */
+pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size);
+
+#endif

@@ -1,0 +1,9 @@
+#ifndef PBF_LIB_VIEWS_H
+#define PBF_LIB_VIEWS_H
+
+#include "solver.h"
+
+/* A backend's view of a field with every member checked; counts nothing. */
+pbf_status pbf_view_of(pbf_solver *solver, uint32_t field, pbf_view *view);
+
+#endif
