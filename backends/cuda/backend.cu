@@ -1,0 +1,317 @@
+/* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
+#include "cuda/plugin.h"
+
+#include "cuda/population.h"
+#include "cuda/report.h"
+#include "cuda/step.h"
+
+static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
+
+static void destroy_solver(solver *s) {
+  {
+    pbf_cuda_scope scope(s->context);
+    clock_stop(&s->clock);
+    if (s->stream) cudaStreamSynchronize(s->stream);
+    pbf_cuda_free_all(&s->memory);
+    if (s->owns_stream) cudaStreamDestroy(s->stream);
+    cudaGetLastError();
+  }
+  s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
+}
+
+static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
+
+/* Neighbours of a particle of the rest lattice, half as many again, and some. */
+static uint32_t list_chunks(const pbf_params *params) {
+  double q = params->smoothing_radius / pbf_derive_spacing(params);
+  double expected = PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
+  double room = fmin(PBF_MOST_LISTED, 1.5 * expected + 6);
+  return (uint32_t)ceil(room / PBF_CHUNK);
+}
+
+static pbf_status take_lists(solver *s, uint32_t chunks) {
+  uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32;
+  uint64_t bytes = padded * chunks * sizeof(uint4), scratch = 3ull * s->capacity * sizeof(uint32_t);
+  void *room = nullptr;
+  if (pbf_status status =
+          pbf_cuda_take(&s->memory, "neighbor list", bytes > scratch ? bytes : scratch, &room))
+    return status;
+  pbf_cuda_free(&s->memory, s->list_room);
+  s->list_room = room;
+  s->lists.entries = static_cast<uint4 *>(room);
+  s->lists.chunks = chunks;
+  return PBF_OK;
+}
+
+/* Takes or frees an array as `wanted` says. */
+template <class Value>
+static pbf_status take_if(solver *s, bool wanted, const char *name, uint64_t bytes, Value **data) {
+  if (wanted == (*data != nullptr)) return PBF_OK;
+  if (wanted) return pbf_cuda_take(&s->memory, name, bytes, reinterpret_cast<void **>(data));
+  pbf_cuda_free(&s->memory, *data);
+  *data = nullptr;
+  return PBF_OK;
+}
+
+static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t n) {
+  if (pbf_status status =
+          take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
+    return status;
+  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY], "smoothed velocity",
+                                  n * sizeof(pbf_vec), &s->smoothed))
+    return status;
+  return take_if(s, has.colliders > 0, "colliders",
+                 STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
+}
+
+static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
+  pbf_schedule schedule = pbf_schedule_of(params, colliders);
+  uint32_t chunks = list_chunks(params);
+  /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
+  if (chunks != s->lists.chunks)
+    if (pbf_status status = take_lists(s, chunks)) return status;
+  if (pbf_status status = take_for_schedule(s, schedule, s->capacity)) {
+    take_for_schedule(s, s->schedule, s->capacity);
+    return status;
+  }
+  s->params = *params;
+  s->schedule = schedule;
+  s->constants = pbf_constants_of(params);
+  return PBF_OK;
+}
+
+static pbf_status set_params(pbf_backend_solver *handle, const pbf_params *params) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return apply_params(of(handle), params, of(handle)->collider_count);
+}
+
+static pbf_status take_arrays(solver *s) {
+  uint64_t n = s->capacity, warps = (n + 31) / 32;
+  if (pbf_status status = pbf_cuda_scan_scratch(grid_cell_limit(s->capacity) + 1, &s->scan_bytes))
+    return status;
+  const struct {
+    const char *name;
+    uint64_t bytes;
+    void *to;
+  } wanted[] = {
+      {"position", (n + 1) * sizeof(point), &s->points},
+      {"velocity", n * sizeof(pbf_vec), &s->velocities},
+      {"id", n * sizeof(uint32_t), &s->ids},
+      {"moved position", (n + 1) * sizeof(point), &s->other},
+      {"position before", n * sizeof(pbf_vec), &s->before},
+      {"sorted id", n * sizeof(uint32_t), &s->other_ids},
+      {"sorted cell", n * sizeof(uint32_t), &s->cells},
+      {"cell start", (grid_cell_limit(s->capacity) + 1ull) * sizeof(uint32_t), &s->cell_start},
+      {"scan scratch", s->scan_bytes, &s->scan_scratch},
+      {"list size", n * sizeof(uint8_t), &s->lists.sizes},
+      {"list base", warps * PBF_ROWS * sizeof(uint32_t), &s->lists.bases},
+  };
+  for (const auto &array : wanted)
+    if (pbf_status status =
+            pbf_cuda_take(&s->memory, array.name, array.bytes, static_cast<void **>(array.to)))
+      return status;
+  return PBF_OK;
+}
+
+/* The particle that fills up lists: so far away that every pair term with it is 0, near enough
+ * that no distance overflows. */
+static pbf_status place_nowhere(solver *s) {
+  point far_away = {};
+  for (int k = 0; k < PBF_DIM; ++k) far_away.c[k] = (pbf_real)1e18;
+  s->lists.nowhere = s->capacity;
+  for (point *points : {s->points, s->other})
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemcpyAsync(points + s->capacity, &far_away, sizeof far_away,
+                                           cudaMemcpyHostToDevice, s->stream),
+                           "cudaMemcpyAsync"))
+      return status;
+  return PBF_OK;
+}
+
+static pbf_status open_stream(solver *s, void *stream) {
+  if (stream) {
+    s->stream = static_cast<cudaStream_t>(stream);
+  } else {
+    if (pbf_status status = pbf_cuda_check(
+            cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking), "cudaStreamCreate"))
+      return status;
+    s->owns_stream = true;
+  }
+  s->memory.stream = s->stream;
+  return PBF_OK;
+}
+
+static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params *params) {
+  cudaDeviceProp properties;
+  if (pbf_status status = pbf_cuda_check(cudaGetDevice(&s->device), "cudaGetDevice")) return status;
+  if (pbf_status status = pbf_cuda_check(cudaGetDeviceProperties(&properties, s->device),
+                                         "cudaGetDeviceProperties"))
+    return status;
+  snprintf(s->device_name, sizeof s->device_name, "%.95s", properties.name);
+  if (pbf_status status = open_stream(s, desc->stream)) return status;
+  if (pbf_status status = take_arrays(s)) return status;
+  if (pbf_status status = place_nowhere(s)) return status;
+  if (pbf_status status = apply_params(s, params, 0)) return status;
+  return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
+}
+
+static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
+                         pbf_backend_solver **out, const pbf_backend_api **api) {
+  const pbf_allocator &allocator = desc->allocator;
+  solver *s =
+      static_cast<solver *>(allocator.allocate(allocator.user, sizeof(solver), alignof(solver)));
+  if (!s) {
+    pbf_cuda_host->set_error("no host memory for a cuda solver");
+    return PBF_ERROR_OUT_OF_MEMORY;
+  }
+  memset(static_cast<void *>(s), 0, sizeof *s);
+  s->allocator = allocator;
+  s->capacity = desc->capacity;
+  pbf_status status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
+  if (status == PBF_OK) {
+    pbf_cuda_scope scope(s->context);
+    status = fill(s, desc, params);
+  }
+  if (status != PBF_OK) {
+    destroy_solver(s);
+    return status;
+  }
+  *out = reinterpret_cast<pbf_backend_solver *>(s);
+  *api = &PBF_VARIANT_API;
+  return PBF_OK;
+}
+
+static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
+                                const pbf_collider *colliders, double time) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status = apply_params(s, &s->params, count)) return status;
+  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
+  s->collider_count = count;
+  s->collider_time = time;
+  return PBF_OK;
+}
+
+static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, uint32_t *done) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  double dt = s->params.time_step;
+  *done = s->count ? 0 : steps;
+  while (*done < steps) {
+    uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
+    if (s->collider_count)
+      if (pbf_status status = place_solids(s, time + *done * dt, ahead)) return status;
+    for (uint32_t k = 0; k < ahead; ++k, ++*done)
+      if (pbf_status status =
+              run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
+        return status;
+  }
+  return PBF_OK;
+}
+
+static pbf_status synchronize(pbf_backend_solver *handle) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return pbf_cuda_check(cudaStreamSynchronize(of(handle)->stream), "cudaStreamSynchronize");
+}
+
+static pbf_status add_particles(pbf_backend_solver *handle, const pbf_particles *particles) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_add(of(handle), particles);
+}
+
+static pbf_status remove_particles(pbf_backend_solver *handle, uint32_t count,
+                                   const uint32_t *ids) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_remove(of(handle), count, ids);
+}
+
+static pbf_status remove_all(pbf_backend_solver *handle) {
+  of(handle)->count = 0;
+  return PBF_OK;
+}
+
+static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
+                       void *out) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_read(of(handle), field, rows, out);
+}
+
+static pbf_status write(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
+                        const void *in) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_write(of(handle), field, rows, in);
+}
+
+static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view) {
+  const solver *s = of(handle);
+  bool is_id = field == PBF_FIELD_ID, is_position = field == PBF_FIELD_POSITION;
+  view->device_type = PBF_DEVICE_CUDA;
+  view->device_id = s->device;
+  view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
+  view->components = is_id ? 1 : PBF_DIM;
+  view->particle_stride = is_id ? sizeof *s->ids : is_position ? sizeof(point) : sizeof(pbf_vec);
+  view->component_stride = is_id ? sizeof *s->ids : sizeof(pbf_real);
+  view->count = s->count;
+  view->ids = s->ids;
+  view->data = s->velocities;
+  if (is_id) view->data = s->ids;
+  if (is_position) view->data = s->points;
+  return PBF_OK;
+}
+
+static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return report_stats(of(handle), stats);
+}
+
+static pbf_status get_plan(pbf_backend_solver *handle, pbf_plan *plan) {
+  report_plan(of(handle), plan);
+  return PBF_OK;
+}
+
+static pbf_status describe(pbf_backend_solver *handle, pbf_backend_state *state) {
+  state->threads = 0;
+  state->device_type = PBF_DEVICE_CUDA;
+  snprintf(state->device_name, sizeof state->device_name, "%s", of(handle)->device_name);
+  return PBF_OK;
+}
+
+static pbf_status set_timing(pbf_backend_solver *handle, uint32_t enabled) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (!enabled) {
+    clock_stop(&s->clock);
+    return PBF_OK;
+  }
+  clock_stop(&s->clock);
+  return clock_start(&s->clock);
+}
+
+static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) {
+  report_timings(of(handle), timings);
+  return PBF_OK;
+}
+
+extern "C" const pbf_backend_api PBF_VARIANT_API = {
+    sizeof(pbf_backend_api),
+    0,
+    pbf_cuda_probe,
+    create,
+    destroy,
+    set_params,
+    set_colliders,
+    step,
+    synchronize,
+    add_particles,
+    remove_particles,
+    remove_all,
+    read,
+    write,
+    map,
+    get_stats,
+    get_plan,
+    describe,
+    set_timing,
+    get_timings,
+    nullptr,
+};

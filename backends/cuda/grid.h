@@ -1,0 +1,148 @@
+/* The cell grid of the neighbour search.
+ *
+ * Cells are h wide across the rows (y, z) and finer along them (x), numbered along x first, so that
+ * the cells of one row around a particle are one contiguous run of sorted particles. The grid
+ * covers the domain; what lies outside counts to the border cells, which keeps every pair of
+ * neighbours in neighbouring cells. A domain with too many cells is folded across the rows, far
+ * rows sharing cells, and gets longer cells along them. */
+#ifndef PBF_CUDA_GRID_H
+#define PBF_CUDA_GRID_H
+
+#include <float.h>
+#include <stdint.h>
+
+#include "physics/collide.h"
+
+/* Rows around a particle's own, itself included. */
+enum { PBF_ROWS = PBF_DIM == 3 ? 9 : 3 };
+
+struct cell_grid {
+  pbf_vec origin, scale; /* cell coordinate = (x - origin) * scale, kept in 0 … last */
+  pbf_vec last;
+  pbf_real reach, reach2;    /* h and a margin for rounding */
+  pbf_real row_width;        /* of cells across the rows, at least `reach` */
+  uint32_t cells[PBF_DIM];   /* stored; across the rows maybe fewer than last + 1: folded */
+  uint32_t columns_in_reach; /* cells along a row that `reach` spans */
+  uint32_t count;
+};
+
+/* Most cells for a capacity. */
+static inline uint32_t grid_cell_limit(uint32_t capacity) { return 2 * capacity + 4096; }
+
+static inline double grid_margin(double cells) {
+  double epsilon = sizeof(pbf_real) == sizeof(float) ? FLT_EPSILON : DBL_EPSILON;
+  return 1 + 1e-4 + 8 * epsilon * cells;
+}
+
+/* Stored cells of each axis, given those of width `reach` that cover the domain. */
+static inline void grid_fold(double limit, const double full[PBF_DIM], double stored[PBF_DIM]) {
+  double along = fmin(full[0], 2 * pow(limit, 1.0 / PBF_DIM)), rows = 1;
+  for (int k = 1; k < PBF_DIM; ++k) rows *= stored[k] = full[k];
+  while (rows > limit / along) {
+    int longest = 1;
+    for (int k = 2; k < PBF_DIM; ++k)
+      if (stored[k] > stored[longest]) longest = k;
+    if (stored[longest] <= 3) break;
+    rows /= stored[longest];
+    rows *= stored[longest] = fmax(3, floor(stored[longest] / 2));
+  }
+  stored[0] = fmax(1, fmin(4 * full[0], floor(limit / rows)));
+}
+
+static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit) {
+  enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float */
+  cell_grid g;
+  double extent[PBF_DIM], full[PBF_DIM], stored[PBF_DIM], most = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    extent[k] = fmax(0, (double)walls->upper.c[k] - (double)walls->lower.c[k]);
+    most = fmax(most, extent[k] / h);
+  }
+  double reach = h * grid_margin(fmin(most, MOST_CELLS));
+  g.reach = (pbf_real)reach;
+  g.reach2 = (pbf_real)(reach * reach);
+  double row_width = fmax(reach * grid_margin(0), most * h / MOST_CELLS);
+  g.row_width = (pbf_real)row_width;
+  for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
+  grid_fold(limit, full, stored);
+  g.count = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double width = k == 0 ? fmax(extent[0], row_width) / stored[0] : row_width;
+    g.origin.c[k] = walls->lower.c[k];
+    g.scale.c[k] = (pbf_real)(1 / width);
+    g.last.c[k] = (pbf_real)(k == 0 ? stored[0] - 1 : full[k] - 1);
+    g.cells[k] = (uint32_t)stored[k];
+    g.count *= g.cells[k];
+    if (k == 0) g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
+  }
+  return g;
+}
+
+PBF_FN pbf_real grid_coordinate(const cell_grid &g, int axis, pbf_real x) {
+  return (x - g.origin.c[axis]) * g.scale.c[axis];
+}
+
+/* Also for what is no number, the particle stays in the grid. */
+PBF_FN uint32_t grid_index(const cell_grid &g, int axis, pbf_real coordinate) {
+  pbf_real kept = pbf_real_min(pbf_real_max(coordinate, 0), g.last.c[axis]);
+  return (uint32_t)kept;
+}
+
+/* First cell of the row with the indices `at` across the rows. */
+PBF_FN uint32_t grid_row(const cell_grid &g, const uint32_t at[PBF_DIM]) {
+  uint32_t row = 0;
+  for (int k = PBF_DIM - 1; k > 0; --k) {
+    bool folded = g.cells[k] <= (uint32_t)g.last.c[k];
+    row = row * g.cells[k] + (folded ? at[k] % g.cells[k] : at[k]);
+  }
+  return row * g.cells[0];
+}
+
+PBF_FN uint32_t grid_cell(const cell_grid &g, pbf_vec x) {
+  uint32_t at[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
+  return grid_row(g, at) + at[0];
+}
+
+/* Cells first … last of row 0 … PBF_ROWS - 1 that can hold neighbours of a particle at x; false
+ * when there are none. */
+PBF_FN bool grid_reach(const cell_grid &g, pbf_vec x, int row, uint32_t *first, uint32_t *last) {
+  uint32_t at[PBF_DIM];
+  pbf_real left2 = g.reach2;
+  for (int k = 1; k < PBF_DIM; ++k) {
+    int step = (k == 1 ? row % 3 : row / 3) - 1;
+    pbf_real t = grid_coordinate(g, k, x.c[k]);
+    at[k] = grid_index(g, k, t);
+    if (step < 0 && at[k] == 0) return false;
+    if (step > 0 && (pbf_real)at[k] >= g.last.c[k]) return false;
+    pbf_real gap = step == 0 ? 0 : step < 0 ? t - (pbf_real)at[k] : (pbf_real)(at[k] + 1) - t;
+    gap = pbf_real_max(gap, 0) * g.row_width;
+    left2 -= gap * gap;
+    at[k] += (uint32_t)step;
+  }
+  if (!(left2 > 0)) return false;
+  pbf_real left = pbf_real_sqrt(left2);
+  uint32_t start = grid_row(g, at);
+  *first = start + grid_index(g, 0, grid_coordinate(g, 0, x.c[0] - left));
+  *last = start + grid_index(g, 0, grid_coordinate(g, 0, x.c[0] + left));
+  return true;
+}
+
+/* The same from a cell alone, for all particles that may be in it: a superset. */
+PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint32_t *first,
+                               uint32_t *last) {
+  uint32_t at[PBF_DIM], column = cell % g.cells[0];
+  cell /= g.cells[0];
+  for (int k = 1; k < PBF_DIM; ++k) {
+    bool folded = g.cells[k] <= (uint32_t)g.last.c[k];
+    uint32_t own = cell % g.cells[k], step = (uint32_t)((k == 1 ? row % 3 : row / 3) - 1);
+    cell /= g.cells[k];
+    at[k] = folded ? (own + g.cells[k] + step) % g.cells[k] : own + step;
+    if (at[k] >= g.cells[k]) return false;
+  }
+  uint32_t start = grid_row(g, at), span = g.columns_in_reach;
+  *first = start + (column > span ? column - span : 0);
+  *last = start + (column + span < g.cells[0] ? column + span : g.cells[0] - 1);
+  return true;
+}
+
+#endif

@@ -1,0 +1,66 @@
+/* Particles on the device. */
+#ifndef PBF_CUDA_PARTICLES_H
+#define PBF_CUDA_PARTICLES_H
+
+#include <stdint.h>
+
+#include "physics/real.h"
+
+/* Position and lambda side by side: what the pair loop reads of a neighbour is one aligned load. */
+struct alignas(4 * sizeof(float)) point {
+  pbf_real c[PBF_DIM];
+  pbf_real lambda;
+#if PBF_DIM == 2
+  pbf_real unused;
+#endif
+};
+static_assert(sizeof(point) == 4 * sizeof(pbf_real), "a point is loaded as a vector");
+
+static __device__ __forceinline__ point load(const point *points, uint32_t i) {
+  union {
+    point value;
+    float4 part[sizeof(point) / sizeof(float4)];
+  } read;
+  const float4 *from = reinterpret_cast<const float4 *>(points + i);
+#pragma unroll
+  for (unsigned k = 0; k < sizeof(point) / sizeof(float4); ++k) read.part[k] = from[k];
+  return read.value;
+}
+
+static __device__ __forceinline__ void store(point *points, uint32_t i, const point &value) {
+  union {
+    point value;
+    float4 part[sizeof(point) / sizeof(float4)];
+  } written;
+  written.value = value;
+  float4 *to = reinterpret_cast<float4 *>(points + i);
+#pragma unroll
+  for (unsigned k = 0; k < sizeof(point) / sizeof(float4); ++k) to[k] = written.part[k];
+}
+
+static __device__ __forceinline__ pbf_vec position_of(const point &p) {
+  pbf_vec x;
+  for (int k = 0; k < PBF_DIM; ++k) x.c[k] = p.c[k];
+  return x;
+}
+
+static __device__ __forceinline__ point point_at(pbf_vec x) {
+  point p;
+  for (int k = 0; k < PBF_DIM; ++k) p.c[k] = x.c[k];
+  p.lambda = 0;
+#if PBF_DIM == 2
+  p.unused = 0;
+#endif
+  return p;
+}
+
+/* Particles sorted by cell, and by id within a cell. */
+struct sorted_particles {
+  point *points;   /* one more than the capacity: the last is far from everything, see lists.h */
+  pbf_vec *before; /* positions at the start of the step */
+  uint32_t *ids, *cells;
+  uint32_t *cell_start; /* first particle of each cell; one more at the end */
+  uint32_t count;
+};
+
+#endif

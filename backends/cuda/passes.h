@@ -1,0 +1,144 @@
+/* The stages that sum over neighbours. Gather only: a particle's thread writes to that particle. */
+#ifndef PBF_CUDA_PASSES_H
+#define PBF_CUDA_PASSES_H
+
+#include "cuda/lists.h"
+#include "cuda/sort.h"
+#include "physics/scalar.h"
+
+/* What every pass reads. */
+struct neighborhood {
+  sorted_particles particles;
+  cell_grid grid;
+  neighbor_lists lists;
+  pbf_constants constants;
+};
+
+/* How an iteration's move ends. */
+struct move_end {
+  step_obstacles obstacles;
+  pbf_real inv_time_step;
+  int collide;         /* with the obstacles */
+  pbf_vec *velocities; /* of the step's last move: where the velocity goes; else null */
+};
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK) lambda_kernel(neighborhood n) {
+  uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
+  point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1))), gradient = {{0}};
+  pbf_real density = c->value_scale, slope2 = 0;
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    pbf_real r2 = pbf_dot(x_ij, x_ij), value, slope;
+    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
+    density += value;
+    slope2 += slope * slope * r2;
+    gradient = pbf_add_scaled(gradient, slope, x_ij);
+  });
+  if (i < n.particles.count) points[i].lambda = pbf_lambda(c, density, slope2, gradient);
+}
+
+/* From n.particles.points to `moved`. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    move_kernel(neighborhood n, point *moved, move_end end) {
+  uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  point own = load(points, min(i, n.particles.count - 1));
+  pbf_vec x = position_of(own), sum = {{0}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    point other = load(points, j);
+    pbf_vec x_ij = pbf_sub(x, position_of(other));
+    pbf_real r2 = pbf_dot(x_ij, x_ij), value, slope, factor = own.lambda + other.lambda;
+    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
+    if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
+    sum = pbf_add_scaled(sum, factor * slope, x_ij);
+  });
+  if (i >= n.particles.count) return;
+  x = pbf_move(c, x, sum);
+  if (end.collide)
+    x = pbf_resolve(&end.obstacles.walls, end.obstacles.count, end.obstacles.solids, x);
+  store(moved, i, point_at(x));
+  if (end.velocities) end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.before[i], x);
+}
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    curl_kernel(neighborhood n, const pbf_vec *velocities, pbf_curl *curls) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, own)), v = velocities[own];
+  pbf_curl curl = {{0}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    pbf_real value, slope;
+    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
+    pbf_add_curl(&curl, slope, x_ij, pbf_sub(velocities[j], v));
+  });
+  if (i < n.particles.count) curls[i] = curl;
+}
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    confine_kernel(neighborhood n, const pbf_curl *curls, pbf_real strength, pbf_vec *velocities) {
+  uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1))), eta = {{0}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    pbf_real value, slope;
+    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
+    eta = pbf_add_scaled(eta, pbf_curl_size(curls[j]) * slope, x_ij);
+  });
+  if (i < n.particles.count)
+    velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(strength, eta, curls[i]));
+}
+
+/* From `velocities` to `smoothed`. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    viscosity_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *smoothed) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    sum = pbf_add_scaled(sum, pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij)),
+                         pbf_sub(velocities[j], v));
+  });
+  if (i < n.particles.count) smoothed[i] = pbf_add_scaled(v, c->viscosity, sum);
+}
+
+/* rho/rho0 and the number of neighbours nearer than h, without lists. */
+template <int FEATURES>
+static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uint32_t i,
+                                                      uint32_t *neighbors) {
+  const pbf_constants *c = &n.constants;
+  const sorted_particles &p = n.particles;
+  pbf_vec x = position_of(load(p.points, i));
+  pbf_real density = c->value_scale;
+  for (int row = 0; row < PBF_ROWS; ++row) {
+    uint32_t first, last;
+    if (!grid_reach(n.grid, x, row, &first, &last)) continue;
+    uint32_t end = p.cell_start[last + 1];
+    for (uint32_t j = p.cell_start[first]; j < end; ++j) {
+      pbf_vec x_ij = pbf_sub(x, position_of(load(p.points, j)));
+      pbf_real r2 = pbf_dot(x_ij, x_ij);
+      if (j == i || !(r2 < c->h2)) continue;
+      density += pbf_pair_density(FEATURES, c, r2);
+      ++*neighbors;
+    }
+  }
+  return density;
+}
+
+#endif

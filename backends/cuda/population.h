@@ -1,0 +1,127 @@
+/* Particles in and out. Between steps the arrays of the sort are free: transfers go through them.
+ */
+#ifndef PBF_CUDA_POPULATION_H
+#define PBF_CUDA_POPULATION_H
+
+#include "cuda/rows.h"
+#include "cuda/stats.h"
+#include "cuda/step.h"
+
+static inline pbf_status copy_in(solver *s, void *to, const void *from, uint64_t bytes) {
+  return pbf_cuda_check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s->stream),
+                        "cudaMemcpyAsync to the device");
+}
+
+static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_t bytes) {
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s->stream),
+                         "cudaMemcpyAsync to the host"))
+    return status;
+  return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
+}
+
+static inline pbf_status population_add(solver *s, const pbf_particles *p) {
+  uint64_t bytes = p->count * sizeof(pbf_vec);
+  pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
+  if (!p->count) return PBF_OK;
+  if (pbf_status status = copy_in(s, staged, p->positions, bytes)) return status;
+  append_points_kernel<<<blocks_for(p->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->count,
+                                                                          p->count, staged);
+  if (pbf_status status = pbf_cuda_check_launch("append_points_kernel")) return status;
+  if (pbf_status status = copy_in(s, s->ids + s->count, p->ids, p->count * sizeof(uint32_t)))
+    return status;
+  pbf_vec *velocities = s->velocities + s->count;
+  pbf_status status =
+      p->velocities
+          ? copy_in(s, velocities, p->velocities, bytes)
+          : pbf_cuda_check(cudaMemsetAsync(velocities, 0, bytes, s->stream), "cudaMemsetAsync");
+  if (status == PBF_OK) s->count += p->count;
+  return status;
+}
+
+static inline pbf_status population_remove(solver *s, uint32_t count, const uint32_t *ids) {
+  if (!count) return PBF_OK;
+  uint32_t *removed = s->cells, *place = static_cast<uint32_t *>(s->list_room);
+  uint32_t blocks = blocks_for(s->count + 1);
+  if (pbf_status status = copy_in(s, removed, ids, count * sizeof(uint32_t))) return status;
+  mark_kept_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->ids, s->count, removed, count, place);
+  if (pbf_status status =
+          pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
+    return status;
+  compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>({s->points, s->velocities, s->ids}, s->count,
+                                                      place, {s->other, s->before, s->other_ids});
+  if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
+  exchange(&s->points, &s->other);
+  exchange(&s->velocities, &s->before);
+  exchange(&s->ids, &s->other_ids);
+  s->count -= count;
+  return PBF_OK;
+}
+
+/* The ids of `rows` go to the device. */
+static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range *range) {
+  *range = {nullptr, rows->first, rows->count, rows->total};
+  if (!rows->ids) return PBF_OK;
+  range->ids = s->cells;
+  return copy_in(s, s->cells, rows->ids, rows->total * sizeof(uint32_t));
+}
+
+static inline cell_grid present_grid(const solver *s) {
+  pbf_walls walls = pbf_walls_at(&s->params, s->time);
+  return grid_over(&walls, s->params.smoothing_radius, grid_cell_limit(s->capacity));
+}
+
+static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
+  cell_grid grid = present_grid(s);
+  row_range range;
+  uint32_t blocks = blocks_for(s->count);
+  pbf_real *densities = reinterpret_cast<pbf_real *>(s->before);
+  pbf_real *staged = static_cast<pbf_real *>(s->list_room);
+  if (pbf_status status = sort_present(s, grid)) return status;
+  with_kernel(s->schedule.features, [&](auto features) {
+    density_kernel<decltype(features)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), densities);
+  });
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,
+                                                          staged);
+  if (pbf_status status = pbf_cuda_check_launch("density_kernel")) return status;
+  return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
+}
+
+static inline pbf_status population_read(solver *s, uint32_t field, const pbf_rows *rows,
+                                         void *out) {
+  if (!rows->count) return PBF_OK;
+  if (field == PBF_FIELD_DENSITY) return read_densities(s, rows, static_cast<pbf_real *>(out));
+  row_range range;
+  uint32_t blocks = blocks_for(s->count);
+  pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  if (field == PBF_FIELD_POSITION)
+    read_points_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->points, s->ids, s->count, range,
+                                                            staged);
+  else
+    read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->velocities, s->ids, s->count, range,
+                                                            staged);
+  if (pbf_status status = pbf_cuda_check_launch("read kernel")) return status;
+  return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
+}
+
+static inline pbf_status population_write(solver *s, uint32_t field, const pbf_rows *rows,
+                                          const void *in) {
+  if (!rows->count) return PBF_OK;
+  row_range range;
+  uint32_t blocks = blocks_for(s->count);
+  pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  if (pbf_status status = copy_in(s, staged, in, rows->count * sizeof(pbf_vec))) return status;
+  if (field == PBF_FIELD_POSITION)
+    write_points_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->points, s->ids, s->count, range,
+                                                             staged);
+  else
+    write_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->velocities, s->ids, s->count, range,
+                                                             staged);
+  return pbf_cuda_check_launch("write kernel");
+}
+
+#endif

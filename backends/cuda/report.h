@@ -1,0 +1,70 @@
+/* Statistics, plan and times. */
+#ifndef PBF_CUDA_REPORT_H
+#define PBF_CUDA_REPORT_H
+
+#include "cuda/population.h"
+
+static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stats *stats) {
+  double per_particle = 1.0 / count;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    stats->center_of_mass[k] = sum.position[k] * per_particle;
+    stats->momentum[k] = sum.velocity[k] * per_particle;
+    stats->position_min[k] = sum.position_min[k];
+    stats->position_max[k] = sum.position_max[k];
+  }
+  stats->kinetic_energy = sum.kinetic_energy * per_particle;
+  stats->speed_max = sqrt(sum.speed2_max);
+  stats->density_mean = sum.density * per_particle;
+  stats->density_error_mean = sum.density_error * per_particle;
+  stats->density_error_max = fmax(sum.density_max - 1, 0);
+  stats->neighbors_mean = sum.neighbors * per_particle;
+  stats->neighbors_max = sum.neighbors_max;
+}
+
+static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
+  stats->count = s->count;
+  stats->iterations = s->params.iterations;
+  if (!s->count) return PBF_OK;
+  cell_grid grid = present_grid(s);
+  if (pbf_status status = sort_present(s, grid)) return status;
+  /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
+  uint32_t blocks =
+      blocks_for(s->count) < PBF_SUM_BLOCKS ? blocks_for(s->count) : (uint32_t)PBF_SUM_BLOCKS;
+  partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_room);
+  with_kernel(s->schedule.features, [&](auto features) {
+    stats_kernel<decltype(features)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), neighborhood_of(s, grid), on_device);
+  });
+  if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
+  if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;
+  partial_stats sum = empty_stats();
+  for (uint32_t k = 0; k < blocks; ++k) merge(&sum, partial[k]);
+  fill_stats(sum, s->count, stats);
+  return PBF_OK;
+}
+
+static inline void report_plan(const solver *s, pbf_plan *plan) {
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    if (!s->schedule.runs[k]) continue;
+    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
+    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
+    stage->runs_per_step = s->schedule.runs[k];
+    stage->launches_per_step = s->schedule.runs[k] * launches_of((pbf_stage)k);
+  }
+  pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
+                   sizeof(pbf_real));
+  pbf_cuda_memory_plan(&s->memory, s->capacity, plan);
+  plan->bytes += sizeof *s;
+}
+
+static inline void report_timings(const solver *s, pbf_timings *timings) {
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    if (!s->schedule.runs[k]) continue;
+    pbf_stage_time *stage = &timings->stages[timings->stage_count++];
+    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
+    stage->milliseconds = s->clock.milliseconds[k];
+    stage->runs = s->clock.runs[k];
+  }
+}
+
+#endif

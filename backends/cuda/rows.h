@@ -1,0 +1,95 @@
+/* Between the sorted order and the order of adding; adding and removing. */
+#ifndef PBF_CUDA_ROWS_H
+#define PBF_CUDA_ROWS_H
+
+#include "cuda/launch.h"
+#include "cuda/particles.h"
+
+/* Rows first … first + count - 1; `ids` on the device, or null where row and id are the same. */
+struct row_range {
+  const uint32_t *ids;
+  uint32_t first, count, total;
+};
+
+/* Position of `id` in ascending ids[0 … count - 1], or count where it is not among them. */
+static __device__ inline uint32_t find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
+  uint32_t low = 0, high = count;
+  while (low < high) {
+    uint32_t middle = low + (high - low) / 2;
+    if (ids[middle] < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < count && ids[low] == id ? low : count;
+}
+
+/* Row of `id` within the range; rows.count or more where it is not in it. */
+static __device__ inline uint32_t row_in_range(const row_range &rows, uint32_t id) {
+  return (rows.ids ? find_id(rows.ids, rows.total, id) : id) - rows.first;
+}
+
+static __global__ void read_points_kernel(const point *points, const uint32_t *ids, uint32_t count,
+                                          row_range rows, pbf_vec *out) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row < rows.count) out[row] = position_of(load(points, i));
+}
+
+static __global__ void write_points_kernel(point *points, const uint32_t *ids, uint32_t count,
+                                           row_range rows, const pbf_vec *in) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row < rows.count) store(points, i, point_at(in[row]));
+}
+
+template <class Value>
+static __global__ void read_values_kernel(const Value *values, const uint32_t *ids, uint32_t count,
+                                          row_range rows, Value *out) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row < rows.count) out[row] = values[i];
+}
+
+static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids, uint32_t count,
+                                           row_range rows, const pbf_vec *in) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row < rows.count) values[i] = in[row];
+}
+
+static __global__ void append_points_kernel(point *points, uint32_t count, const pbf_vec *in) {
+  uint32_t i = thread_index();
+  if (i < count) store(points, i, point_at(in[i]));
+}
+
+/* 1 for the particles that stay, and 0 after the last, for the scan. */
+static __global__ void mark_kept_kernel(const uint32_t *ids, uint32_t count,
+                                        const uint32_t *removed, uint32_t removed_count,
+                                        uint32_t *kept) {
+  uint32_t i = thread_index();
+  if (i < count) kept[i] = find_id(removed, removed_count, ids[i]) == removed_count;
+  if (i == count) kept[i] = 0;
+}
+
+struct particle_arrays {
+  point *points;
+  pbf_vec *velocities;
+  uint32_t *ids;
+};
+
+/* `place` is the exclusive scan of what mark_kept_kernel wrote. */
+static __global__ void compact_kernel(particle_arrays from, uint32_t count, const uint32_t *place,
+                                      particle_arrays to) {
+  uint32_t i = thread_index();
+  if (i >= count || place[i] == place[i + 1]) return;
+  store(to.points, place[i], load(from.points, i));
+  to.velocities[place[i]] = from.velocities[i];
+  to.ids[place[i]] = from.ids[i];
+}
+
+#endif

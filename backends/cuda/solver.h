@@ -1,0 +1,103 @@
+/* The solver of the `cuda` backend: what it holds, and how long each array lives. */
+#ifndef PBF_CUDA_SOLVER_H
+#define PBF_CUDA_SOLVER_H
+
+#include <string.h>
+
+#include <type_traits>
+
+#include "cuda/context.h"
+#include "cuda/memory.h"
+#include "cuda/passes.h"
+#include "cuda/scan.h"
+#include "cuda/status.h"
+#include "cuda/timing.h"
+#include "physics/schedule.h"
+
+/* Steps whose colliders are placed and uploaded at once. */
+enum { STEPS_AHEAD = 64 };
+
+struct solver {
+  pbf_allocator allocator;
+  int device;
+  pbf_cuda_context context;
+  cudaStream_t stream;
+  bool owns_stream;
+  char device_name[96];
+  pbf_cuda_memory memory;
+  stage_clock clock;
+
+  pbf_params params;
+  pbf_constants constants;
+  pbf_schedule schedule;
+  double time; /* of the last step: where the walls stand for statistics */
+
+  uint32_t capacity, count;
+  point *points; /* state */
+  pbf_vec *velocities;
+  uint32_t *ids;
+  point *other; /* between steps, room for transfers */
+  pbf_vec *before;
+  uint32_t *other_ids, *cells;
+  uint32_t *cell_start;
+  void *scan_scratch;
+  size_t scan_bytes;
+
+  neighbor_lists lists;
+  void *list_room; /* the lists, and before them the sort's scratch */
+
+  pbf_curl *curls;   /* with vorticity only */
+  pbf_vec *smoothed; /* with viscosity only */
+  pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
+  uint32_t collider_count;
+  double collider_time;
+  pbf_collider colliders[PBF_MAX_COLLIDERS];
+};
+
+/* Calls launch(constant) with features as a compile-time constant. */
+template <class Launch>
+static void with_features(int features, Launch launch) {
+  static_assert(PBF_FEATURE_COUNT == 4, "every combination has a case");
+  switch (features) {
+    case 0:
+      return launch(std::integral_constant<int, 0>());
+    case 1:
+      return launch(std::integral_constant<int, 1>());
+    case 2:
+      return launch(std::integral_constant<int, 2>());
+    default:
+      return launch(std::integral_constant<int, 3>());
+  }
+}
+
+/* For what does not depend on the artificial pressure. */
+template <class Launch>
+static void with_kernel(int features, Launch launch) {
+  if (features & PBF_FEATURE_POLY6) return launch(std::integral_constant<int, PBF_FEATURE_POLY6>());
+  launch(std::integral_constant<int, 0>());
+}
+
+static inline sort_scratch scratch_of(const solver *s) {
+  uint32_t *room = static_cast<uint32_t *>(s->list_room);
+  return {room, room + s->capacity, room + 2 * (size_t)s->capacity};
+}
+
+static inline unsorted_particles state_of(const solver *s) {
+  return {s->points, s->velocities, s->ids, s->count};
+}
+
+static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
+  return {{s->other, s->before, s->other_ids, s->cells, s->cell_start, s->count},
+          grid,
+          s->lists,
+          s->constants};
+}
+
+template <class Value>
+static inline void exchange(Value *a, Value *b) {
+  Value kept = *a;
+  *a = *b;
+  *b = kept;
+}
+
+#endif

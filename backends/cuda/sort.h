@@ -1,0 +1,75 @@
+/* Prediction, and the sort by cell: a counting sort whose order within a cell is that of the ids,
+ * whatever the order in which the atomics arrive. */
+#ifndef PBF_CUDA_SORT_H
+#define PBF_CUDA_SORT_H
+
+#include "cuda/grid.h"
+#include "cuda/launch.h"
+#include "cuda/particles.h"
+#include "physics/stages.h"
+
+/* Walls and colliders of one step; `solids` is on the device. */
+struct step_obstacles {
+  pbf_walls walls;
+  int count;
+  const pbf_solid *solids;
+};
+
+struct prediction {
+  pbf_forces forces;
+  step_obstacles obstacles;
+  int collide;
+};
+
+struct unsorted_particles {
+  const point *points;
+  const pbf_vec *velocities;
+  const uint32_t *ids;
+  uint32_t count;
+};
+
+/* One entry a particle; dead after the sort. */
+struct sort_scratch {
+  uint32_t *cell, *arrival, *id_by_cell;
+};
+
+static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
+                                                             const prediction &p, uint32_t i,
+                                                             pbf_vec x) {
+  pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
+  return p.collide ? pbf_resolve(&p.obstacles.walls, p.obstacles.count, p.obstacles.solids, y) : y;
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
+                   sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i >= from.count) return;
+  pbf_vec x = position_of(load(from.points, i));
+  uint32_t cell = grid_cell(grid, predicted_position(from, p, i, x));
+  scratch.cell[i] = cell;
+  scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    scatter_kernel(unsorted_particles from, const uint32_t *cell_start, sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i >= from.count) return;
+  scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
+  uint32_t i = thread_index();
+  if (i >= from.count) return;
+  uint32_t cell = scratch.cell[i], id = from.ids[i];
+  uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
+  for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
+  pbf_vec x = position_of(load(from.points, i));
+  store(to.points, place, point_at(predicted_position(from, p, i, x)));
+  to.before[place] = x;
+  to.ids[place] = id;
+  to.cells[place] = cell;
+}
+
+#endif

@@ -1,0 +1,96 @@
+/* Statistics: sums in float64 by a fixed number of blocks, each in a fixed order, so that they are
+ * the same from run to run. The host adds up the blocks. */
+#ifndef PBF_CUDA_STATS_H
+#define PBF_CUDA_STATS_H
+
+#include "cuda/passes.h"
+
+enum { PBF_SUM_BLOCKS = 264 };
+
+struct partial_stats {
+  double position[PBF_DIM], velocity[PBF_DIM], kinetic_energy;
+  double density, density_error, neighbors;
+  double position_min[PBF_DIM], position_max[PBF_DIM];
+  double speed2_max, density_max;
+  uint32_t neighbors_max;
+};
+
+static __host__ __device__ inline double larger(double a, double b) { return a > b ? a : b; }
+
+static __host__ __device__ inline void merge(partial_stats *a, const partial_stats &b) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    a->position[k] += b.position[k];
+    a->velocity[k] += b.velocity[k];
+    a->position_min[k] = -larger(-a->position_min[k], -b.position_min[k]);
+    a->position_max[k] = larger(a->position_max[k], b.position_max[k]);
+  }
+  a->kinetic_energy += b.kinetic_energy;
+  a->density += b.density;
+  a->density_error += b.density_error;
+  a->neighbors += b.neighbors;
+  a->speed2_max = larger(a->speed2_max, b.speed2_max);
+  a->density_max = larger(a->density_max, b.density_max);
+  a->neighbors_max = a->neighbors_max > b.neighbors_max ? a->neighbors_max : b.neighbors_max;
+}
+
+static __host__ __device__ inline partial_stats empty_stats() {
+  partial_stats s = {};
+  for (int k = 0; k < PBF_DIM; ++k) s.position_min[k] = 1e300, s.position_max[k] = -1e300;
+  return s;
+}
+
+static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v) {
+  double v2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double at = (double)x.c[k], speed = (double)v.c[k];
+    s->position[k] += at;
+    s->velocity[k] += speed;
+    s->position_min[k] = -larger(-s->position_min[k], -at);
+    s->position_max[k] = larger(s->position_max[k], at);
+    v2 += speed * speed;
+  }
+  s->kinetic_energy += 0.5 * v2;
+  s->speed2_max = larger(s->speed2_max, v2);
+}
+
+/* `state` gives positions and velocities, `n` the same particles sorted. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    stats_kernel(unsorted_particles state, neighborhood n, partial_stats *partial) {
+  __shared__ partial_stats shared[PBF_BLOCK / 32];
+  partial_stats s = empty_stats();
+  for (uint32_t i = thread_index(); i < state.count; i += gridDim.x * blockDim.x) {
+    uint32_t neighbors = 0;
+    double density = (double)density_at<FEATURES>(n, i, &neighbors);
+    add_motion(&s, position_of(load(state.points, i)), state.velocities[i]);
+    s.density += density;
+    s.density_error += larger(density - 1, 0);
+    s.density_max = larger(s.density_max, density);
+    s.neighbors += neighbors;
+    s.neighbors_max = max(s.neighbors_max, neighbors);
+  }
+  /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
+  for (uint32_t lane = 0; lane < 32; ++lane) {
+    if (threadIdx.x % 32 == lane) {
+      if (lane == 0)
+        shared[threadIdx.x / 32] = s;
+      else
+        merge(&shared[threadIdx.x / 32], s);
+    }
+    __syncwarp();
+  }
+  __syncthreads();
+  if (threadIdx.x != 0) return;
+  s = shared[0];
+  for (int warp = 1; warp < PBF_BLOCK / 32; ++warp) merge(&s, shared[warp]);
+  partial[blockIdx.x] = s;
+}
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    density_kernel(neighborhood n, pbf_real *densities) {
+  uint32_t i = thread_index(), neighbors = 0;
+  if (i < n.particles.count) densities[i] = density_at<FEATURES>(n, i, &neighbors);
+}
+
+#endif

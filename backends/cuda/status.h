@@ -1,0 +1,15 @@
+/* CUDA's errors as status codes. */
+#ifndef PBF_CUDA_STATUS_H
+#define PBF_CUDA_STATUS_H
+
+#include "cuda/plugin.h"
+
+/* PBF_OK, or the status for `error` with a sentence that names `call`. */
+pbf_status pbf_cuda_check(cudaError_t error, const char *call);
+
+/* The same for the launch before this call. */
+inline pbf_status pbf_cuda_check_launch(const char *kernel) {
+  return pbf_cuda_check(cudaGetLastError(), kernel);
+}
+
+#endif

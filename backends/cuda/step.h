@@ -1,0 +1,168 @@
+/* One time step, launch after launch in the solver's stream; the host never waits. */
+#ifndef PBF_CUDA_STEP_H
+#define PBF_CUDA_STEP_H
+
+#include "cuda/solver.h"
+
+/* Launches of a stage each time that it runs. */
+static inline uint32_t launches_of(pbf_stage stage) {
+  switch (stage) {
+    case PBF_STAGE_PREDICT:
+      return 2; /* with the clearing of the cells */
+    case PBF_STAGE_NEIGHBORS:
+      return PBF_CUDA_SCAN_LAUNCHES + 3;
+    case PBF_STAGE_VELOCITY:
+      return 0; /* the last move's end */
+    default:
+      return 1;
+  }
+}
+
+/* Predicts and counts the particles of each cell. */
+static inline pbf_status launch_predict(solver *s, const cell_grid &grid, const prediction &p) {
+  if (pbf_status status = pbf_cuda_check(
+          cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
+          "cudaMemsetAsync"))
+    return status;
+  predict_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(state_of(s), p, grid,
+                                                                    s->cell_start, scratch_of(s));
+  return PBF_OK;
+}
+
+/* Sorts the predicted particles into s->other. */
+static inline pbf_status launch_sort(solver *s, const neighborhood &n, const prediction &p) {
+  uint32_t blocks = blocks_for(s->count);
+  if (pbf_status status =
+          pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
+    return status;
+  scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), s->cell_start, scratch_of(s));
+  place_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), p, scratch_of(s), n.particles);
+  return PBF_OK;
+}
+
+/* Sorts the present positions. */
+static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
+  prediction at_rest = {};
+  if (pbf_status status = launch_predict(s, grid, at_rest)) return status;
+  return launch_sort(s, neighborhood_of(s, grid), at_rest);
+}
+
+static inline void launch_lambda(solver *s, const neighborhood &n) {
+  with_kernel(s->schedule.features, [&](auto features) {
+    lambda_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n);
+  });
+}
+
+static inline void launch_move(solver *s, const neighborhood &n, point *moved,
+                               const move_end &end) {
+  with_features(s->schedule.features, [&](auto features) {
+    move_kernel<decltype(features)::value>
+        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, moved, end);
+  });
+}
+
+static inline pbf_status solve_density(solver *s, neighborhood *n,
+                                       const step_obstacles &obstacles) {
+  const pbf_schedule &has = s->schedule;
+  point *moved = s->points;
+  for (uint32_t left = s->params.iterations; left-- > 0;) {
+    move_end end = {obstacles, (pbf_real)(1 / s->params.time_step),
+                    has.collide_in_iteration || (left == 0 && has.collide_after_solve),
+                    left == 0 ? s->velocities : nullptr};
+    if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
+          launch_lambda(s, *n);
+          return PBF_OK;
+        }))
+      return status;
+    if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
+          launch_move(s, *n, moved, end);
+          return PBF_OK;
+        }))
+      return status;
+    exchange(&n->particles.points, &moved);
+  }
+  return PBF_OK;
+}
+
+static inline pbf_status confine_vorticity(solver *s, const neighborhood &n) {
+  uint32_t blocks = blocks_for(s->count);
+  if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_CURL, [&] {
+        with_kernel(s->schedule.features, [&](auto features) {
+          curl_kernel<decltype(features)::value>
+              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->curls);
+        });
+        return PBF_OK;
+      }))
+    return status;
+  pbf_real strength = (pbf_real)(s->params.time_step * s->params.vorticity);
+  return run_stage(&s->clock, s->stream, PBF_STAGE_CONFINE, [&] {
+    with_kernel(s->schedule.features, [&](auto features) {
+      confine_kernel<decltype(features)::value>
+          <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->curls, strength, s->velocities);
+    });
+    return PBF_OK;
+  });
+}
+
+/* The smoothed velocities become the velocities by an exchange of the arrays. */
+static inline pbf_status apply_viscosity(solver *s, const neighborhood &n) {
+  pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_VISCOSITY, [&] {
+    with_kernel(s->schedule.features, [&](auto features) {
+      viscosity_kernel<decltype(features)::value>
+          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->smoothed);
+    });
+    return PBF_OK;
+  });
+  exchange(&s->velocities, &s->smoothed);
+  return status;
+}
+
+/* The step that ends at `time`. */
+static inline pbf_status run_step(solver *s, double time, const pbf_solid *solids) {
+  const pbf_schedule &has = s->schedule;
+  step_obstacles obstacles = {pbf_walls_at(&s->params, time), (int)s->collider_count, solids};
+  prediction p = {pbf_forces_of(&s->params), obstacles, has.collide_after_prediction};
+  cell_grid grid =
+      grid_over(&obstacles.walls, s->params.smoothing_radius, grid_cell_limit(s->capacity));
+  neighborhood n = neighborhood_of(s, grid);
+  if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_PREDICT,
+                                    [&] { return launch_predict(s, grid, p); }))
+    return status;
+  if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_NEIGHBORS, [&] {
+        pbf_status sorted = launch_sort(s, n, p);
+        list_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n.particles, grid,
+                                                                       s->constants.h2, s->lists);
+        return sorted;
+      }))
+    return status;
+  if (pbf_status status = solve_density(s, &n, obstacles)) return status;
+  if (n.particles.points == s->other) exchange(&s->points, &s->other);
+  exchange(&s->ids, &s->other_ids);
+  s->time = time;
+  if (has.runs[PBF_STAGE_CURL])
+    if (pbf_status status = confine_vorticity(s, n)) return status;
+  return has.runs[PBF_STAGE_VISCOSITY] ? apply_viscosity(s, n) : PBF_OK;
+}
+
+/* Places the colliders of `steps` steps after `time`, and uploads them in one go. */
+static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
+  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_solid);
+  pbf_solid *placed =
+      static_cast<pbf_solid *>(s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_solid)));
+  if (!placed) {
+    pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
+    return PBF_ERROR_OUT_OF_MEMORY;
+  }
+  for (uint32_t k = 0; k < steps; ++k)
+    for (uint32_t c = 0; c < s->collider_count; ++c)
+      placed[k * s->collider_count + c] =
+          pbf_solid_at(&s->colliders[c], time + (k + 1) * s->params.time_step - s->collider_time);
+  /* From pageable memory, which the copy has read when it returns. */
+  pbf_status status =
+      pbf_cuda_check(cudaMemcpyAsync(s->solids, placed, bytes, cudaMemcpyHostToDevice, s->stream),
+                     "cudaMemcpyAsync of the colliders");
+  s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_solid));
+  return status;
+}
+
+#endif

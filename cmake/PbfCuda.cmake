@@ -1,0 +1,36 @@
+# CUDA for the cuda backend: nvcc of the machine, or of the wheels in PBF_CUDA_WHEELS (see
+# cmake/fetch-nvcc.sh). Sets PBF_CUDA_FOUND, or PBF_CUDA_REASON. CMake's FindCUDAToolkit is not
+# asked: it does not accept the folders of the wheels, and the language alone is enough.
+option(PBF_REQUIRE_CUDA "No nvcc is an error instead of a build without the cuda backend" OFF)
+set(PBF_CUDA_WHEELS "" CACHE PATH "Folder into which cmake/fetch-nvcc.sh has put nvcc; empty: the machine's")
+set(PBF_CUDA_ARCHITECTURES "80-real;90-real;100-real;120" CACHE STRING
+  "Machine code for each -real architecture, and code that a driver can compile for later ones")
+
+set(PBF_CUDA_FOUND FALSE)
+if(NOT CMAKE_CUDA_COMPILER)
+  find_program(PBF_NVCC nvcc
+    PATHS "${PBF_CUDA_WHEELS}/nvidia/cu13/bin" ENV CUDA_HOME ENV CUDA_PATH /usr/local/cuda/bin
+    PATH_SUFFIXES bin)
+  if(PBF_NVCC)
+    set(CMAKE_CUDA_COMPILER ${PBF_NVCC})
+  endif()
+endif()
+if(NOT CMAKE_CUDA_COMPILER)
+  set(PBF_CUDA_REASON "no nvcc on PATH, in CUDA_HOME or /usr/local/cuda; cmake/fetch-nvcc.sh can fetch one")
+  return()
+endif()
+
+set(CMAKE_CUDA_ARCHITECTURES ${PBF_CUDA_ARCHITECTURES})
+set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
+enable_language(CXX)
+enable_language(CUDA)
+set(PBF_CUDA_FOUND TRUE)
+
+# pbf_cuda_target(<target>): the compile rules of CUDA code.
+function(pbf_cuda_target target)
+  set_target_properties(${target} PROPERTIES
+    CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON CUDA_VISIBILITY_PRESET hidden
+    CUDA_SEPARABLE_COMPILATION OFF LINKER_LANGUAGE CUDA)
+  target_compile_options(${target} PRIVATE
+    $<$<COMPILE_LANGUAGE:CUDA>:-ftz=true --extended-lambda -Xcompiler=-Wall,-Wextra,-Wno-missing-field-initializers,-fno-exceptions,-fno-rtti>)
+endfunction()
