@@ -1,0 +1,32 @@
+"""What every error has in common."""
+from .fault import DumpFault
+
+
+class Measure:
+    """One error of a run. Made once a dump, fed its frames in order, then finished.
+
+    A constructor or `add` that meets a dump for which the error means nothing raises NotApplicable.
+    """
+
+    key = ""
+    title = ""
+    unit = "1"
+    definition = ""
+
+    def __init__(self, dump, options):
+        self.dump = dump
+        self.options = options
+
+    def add(self, frame):
+        """Figures of one frame: a flat dictionary."""
+        raise NotImplementedError
+
+    def finish(self, rows):
+        """Amends the rows once all are known; returns further entries of the report."""
+        return {}
+
+    def need_velocities(self, frame):
+        if frame.velocities is None:
+            raise DumpFault(self.dump.path("velocities", frame.step),
+                            f"is missing; {self.key} needs it beside {frame.path}")
+        return frame.velocities
