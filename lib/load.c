@@ -215,26 +215,25 @@ static void restore_particles(pbf_solver *solver, const incoming *in) {
   replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
 }
 
-static pbf_status give_to_backend(pbf_solver *solver, const incoming *in) {
-  pbf_status status = read_old(solver, (incoming *)in);
+static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status) {
+  char why[PBF_SENTENCE_SIZE];
+  memcpy(why, pbf_last_error(), sizeof why);
+  restore_particles(solver, in);
+  pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
+                           solver->collider_time);
+  set_params(solver, &solver->params);
+  return pbf_fail(status, "%s", why);
+}
+
+static pbf_status give_to_backend(pbf_solver *solver, incoming *in) {
+  pbf_status status = read_old(solver, in);
   if (status == PBF_OK) status = set_params(solver, &in->params);
   if (status != PBF_OK) return status;
   status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
                                     in->header.collider_time);
-  if (status == PBF_OK) {
+  if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
-    if (status == PBF_OK) return PBF_OK;
-    char why[PBF_SENTENCE_SIZE];
-    memcpy(why, pbf_last_error(), sizeof why);
-    restore_particles(solver, in);
-    pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
-                             solver->collider_time);
-    pbf_fail(status, "%s", why);
-  }
-  char why[PBF_SENTENCE_SIZE];
-  memcpy(why, pbf_last_error(), sizeof why);
-  set_params(solver, &solver->params);
-  return pbf_fail(status, "%s", why);
+  return status == PBF_OK ? PBF_OK : undo(solver, in, status);
 }
 
 static void take_over(pbf_solver *solver, incoming *in) {

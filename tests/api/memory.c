@@ -1,0 +1,210 @@
+/* Every allocation made to fail in turn: the status, no leak, the state as it was. */
+#include <dlpack/dlpack.h>
+
+#include "support.h"
+
+typedef struct scene {
+  pbf_solver *solver;
+  void *saved;
+  uint64_t saved_size;
+  pbf_params params;
+  pbf_collider collider;
+} scene;
+
+typedef pbf_status (*action)(scene *scene);
+
+static pbf_status add(scene *s) {
+  void *lattice = test_lattice(3, PBF_FLOAT32, 4);
+  pbf_status status = pbf_add_particles(s->solver, 4, lattice, NULL, NULL);
+  free(lattice);
+  return status;
+}
+static pbf_status drop(scene *s) {
+  return pbf_remove_particles(s->solver, 2, (const uint32_t[]){5, 1});
+}
+static pbf_status step(scene *s) { return pbf_step(s->solver, 2); }
+static pbf_status set_params(scene *s) { return pbf_set_params(s->solver, &s->params); }
+static pbf_status set_colliders(scene *s) { return pbf_set_colliders(s->solver, 1, &s->collider); }
+static pbf_status load(scene *s) { return pbf_load(s->solver, s->saved, s->saved_size); }
+static pbf_status save(scene *s) {
+  uint64_t size = s->saved_size + 4096;
+  void *buffer = malloc(size);
+  pbf_status status = pbf_save(s->solver, buffer, &size);
+  free(buffer);
+  return status;
+}
+static pbf_status hash(scene *s) { return pbf_hash(s->solver, &(uint64_t){0}); }
+static pbf_status get_positions(scene *s) {
+  float x[60];
+  return pbf_get_positions(s->solver, 0, 20, x);
+}
+static pbf_status get_densities(scene *s) {
+  float rho[20];
+  return pbf_get_densities(s->solver, 0, 20, rho);
+}
+static pbf_status set_velocities(scene *s) {
+  float v[60] = {0};
+  return pbf_set_velocities(s->solver, 0, 20, v);
+}
+static pbf_status stats(scene *s) {
+  return pbf_get_stats(s->solver, &(pbf_stats){.struct_size = sizeof(pbf_stats)});
+}
+static pbf_status export(scene *s) {
+  DLManagedTensor *tensor = NULL;
+  pbf_status status = pbf_export_dlpack(s->solver, PBF_FIELD_POSITION, &tensor);
+  if (status == PBF_OK) tensor->deleter(tensor);
+  return status;
+}
+static pbf_status timing(scene *s) {
+  pbf_status status = pbf_set_timing(s->solver, 1);
+  return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
+}
+
+static scene make_scene(void) {
+  scene s = {.params = test_params()};
+  pbf_solver *other = test_filled(3, PBF_FLOAT32, 10, 32);
+  assert_ok(pbf_collider_init(&s.collider, sizeof s.collider, PBF_COLLIDER_SPHERE));
+  s.collider.radius = 0.01;
+  assert_ok(pbf_set_colliders(other, 1, &s.collider));
+  assert_ok(pbf_remove_particles(other, 1, (const uint32_t[]){2}));
+  s.saved = test_save(other, &s.saved_size);
+  pbf_destroy(other);
+  s.solver = test_filled(3, PBF_FLOAT32, 20, 32);
+  /* All that a parameter can switch on, so that memory is wanted. */
+  s.params.vorticity = s.params.viscosity = 0.01;
+  s.params.scorr_k = 0.1;
+  s.params.smoothing_radius = 0.15;
+  return s;
+}
+
+static void drop_scene(scene *s) {
+  pbf_destroy(s->solver);
+  free(s->saved);
+  assert_int_equal(test_count.live_blocks, 0);
+  assert_int_equal(test_count.live_bytes, 0);
+}
+
+static pbf_params params_of(pbf_solver *solver) {
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(solver, &params));
+  return params;
+}
+
+/* Runs the action with its n-th allocation failing, for n = 1, 2, … until it needs no more. A fresh
+ * scene each time: an action may need memory the first time only. */
+static void fail_in_turn(action act) {
+  for (uint64_t n = 1;; ++n) {
+    scene s = make_scene();
+    uint64_t before = test_hash(s.solver);
+    pbf_params params = params_of(s.solver);
+    test_count.failing_call = test_count.calls + n;
+    pbf_status status = act(&s);
+    int failed = test_count.calls >= test_count.failing_call;
+    test_count.failing_call = 0;
+    if (status != PBF_OK) {
+      assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
+      assert_int_not_equal(pbf_last_error()[0], 0);
+      assert_int_equal(test_hash(s.solver), before);
+      pbf_params after = params_of(s.solver);
+      assert_memory_equal(&after, &params, sizeof after);
+      assert_ok(act(&s)); /* nothing has broken */
+      assert_ok(pbf_step(s.solver, 1));
+    }
+    drop_scene(&s);
+    if (!failed) break;
+    assert_true(n < 1000);
+  }
+}
+
+static void each_call(void **state) {
+  (void)state;
+  const action actions[] = {add,           drop,           step,   set_params, set_colliders,
+                            load,          save,           hash,   stats,      get_positions,
+                            get_densities, set_velocities, export, timing};
+  for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
+}
+
+static void creation(void **state) {
+  (void)state;
+  for (uint64_t n = 1;; ++n) {
+    pbf_desc desc = test_desc(3, PBF_FLOAT32, 100);
+    pbf_solver *solver = NULL;
+    test_count.failing_call = test_count.calls + n;
+    pbf_status status = pbf_create(&desc, NULL, &solver);
+    test_count.failing_call = 0;
+    if (status == PBF_OK) {
+      pbf_destroy(solver);
+      assert_true(n > 1);
+      break;
+    }
+    assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
+    assert_null(solver);
+    assert_int_equal(test_count.live_blocks, 0);
+  }
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
+static pbf_plan plan_of(pbf_solver *solver) {
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_ok(pbf_get_plan(solver, &plan));
+  return plan;
+}
+
+/* The plan's bytes are what the allocator has given out; a device's own come on top. */
+static void check_plan(pbf_solver *solver) {
+  pbf_plan plan = plan_of(solver);
+  pbf_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_get_info(solver, &info));
+  if (info.device_type == PBF_DEVICE_CPU) {
+    assert_int_equal(plan.bytes, test_count.live_bytes);
+  } else {
+    assert_true(plan.bytes >= test_count.live_bytes);
+  }
+  double sum = 0;
+  for (uint32_t i = 0; i < plan.array_count; ++i) sum += plan.arrays[i].bytes_per_particle;
+  assert_true(fabs(sum - plan.bytes_per_particle) < 1e-9 * (1 + sum));
+}
+
+static void the_plan_counts_every_byte(void **state) {
+  (void)state;
+  scene s = make_scene();
+  check_plan(s.solver);
+  uint32_t arrays = plan_of(s.solver).array_count;
+  assert_ok(drop(&s));
+  assert_int_equal(plan_of(s.solver).array_count, arrays + 1); /* the host's ids */
+  check_plan(s.solver);
+  assert_ok(set_colliders(&s));
+  check_plan(s.solver);
+  assert_ok(step(&s));
+  check_plan(s.solver);
+  assert_ok(set_params(&s));
+  assert_ok(step(&s));
+  check_plan(s.solver);
+  assert_ok(stats(&s));
+  check_plan(s.solver);
+  assert_ok(load(&s));
+  check_plan(s.solver);
+  assert_ok(pbf_set_colliders(s.solver, 0, NULL));
+  check_plan(s.solver);
+  drop_scene(&s);
+}
+
+static void malloc_without_an_allocator(void **state) {
+  (void)state;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 100);
+  desc.allocator = NULL;
+  pbf_solver *solver = test_create(&desc, NULL);
+  assert_int_equal(test_count.live_blocks, 0);
+  assert_ok(pbf_step(solver, 1));
+  pbf_destroy(solver);
+}
+
+int main(void) {
+  const struct CMUnitTest memory[] = {
+      cmocka_unit_test(each_call),
+      cmocka_unit_test(creation),
+      cmocka_unit_test(the_plan_counts_every_byte),
+      cmocka_unit_test(malloc_without_an_allocator),
+  };
+  return TEST_RUN(memory);
+}

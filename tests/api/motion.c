@@ -1,0 +1,146 @@
+/* Time, moving walls, moving colliders: what the host computes. */
+#include "support.h"
+
+static pbf_info info_of(pbf_solver *s) {
+  pbf_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_get_info(s, &info));
+  return info;
+}
+
+static pbf_collider collider_of(pbf_solver *s, uint32_t index) {
+  pbf_collider collider = {.struct_size = sizeof collider};
+  assert_ok(pbf_get_collider(s, index, &collider));
+  return collider;
+}
+
+/* 0.1 can't be written in binary: a sum of ten of them is not 1, ten times 0.1 is. */
+static void time_is_no_sum(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(3, PBF_FLOAT32, 2, 4);
+  pbf_params params = test_params();
+  params.gravity[1] = 0;
+  params.time_step = 0.1;
+  assert_ok(pbf_set_params(s, &params));
+  for (int i = 0; i < 10; ++i) assert_ok(pbf_step(s, 1));
+  assert_true(info_of(s).time == 1.0);
+  params.time_step = 0.25;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 3));
+  assert_true(info_of(s).time == 1.75);
+  assert_int_equal(info_of(s).step, 13);
+  params.viscosity = 0.01; /* another parameter leaves the time alone */
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 1));
+  assert_true(info_of(s).time == 2.0);
+  pbf_destroy(s);
+}
+
+static void colliders_move(void **state) {
+  (void)state;
+  const double pi = 3.14159265358979323846;
+  pbf_solver *s = test_solver(3, PBF_FLOAT64, 4);
+  pbf_params params = test_params();
+  params.time_step = 0.125;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 8)); /* time 1: poses hold from when they are set */
+  pbf_collider box;
+  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
+  box.position[0] = 0.5;
+  box.velocity[0] = -0.25;
+  box.angular_velocity[2] = pi / 2;
+  assert_ok(pbf_set_colliders(s, 1, &box));
+  assert_ok(pbf_step(s, 8));
+  pbf_collider now = collider_of(s, 0);
+  assert_true(now.position[0] == 0.25);
+  /* A quarter turn about z: (0, 0, sin 45°, cos 45°). */
+  assert_true(fabs(now.orientation[2] - sqrt(0.5)) < 1e-15);
+  assert_true(fabs(now.orientation[3] - sqrt(0.5)) < 1e-15);
+  assert_true(now.velocity[0] == -0.25 && now.angular_velocity[2] == pi / 2);
+  assert_ok(pbf_set_colliders(s, 1, &now)); /* sets it where it is */
+  pbf_collider again = collider_of(s, 0);
+  assert_memory_equal(&again, &now, sizeof now);
+  pbf_destroy(s);
+}
+
+static void positions_are_held_against_walls_now(void **state) {
+  (void)state;
+  pbf_solver *s = test_solver(2, PBF_FLOAT64, 4);
+  pbf_params params = test_params();
+  params.time_step = 0.5;
+  params.wall_velocity[PBF_WALL_X_MAX] = 0.5;
+  params.wall_velocity[PBF_WALL_Y_MIN] = 0.25;
+  assert_ok(pbf_set_params(s, &params));
+  double right[2] = {1.4, 0.5}, low[2] = {0.5, 0.1};
+  assert_fails(pbf_add_particles(s, 1, right, NULL, NULL), PBF_ERROR_INVALID_ARGUMENT, "0 … 1");
+  assert_ok(pbf_step(s, 2));
+  assert_fails(pbf_add_particles(s, 1, low, NULL, NULL), PBF_ERROR_INVALID_ARGUMENT, "0.25 … 1");
+  assert_ok(pbf_add_particles(s, 1, right, NULL, NULL));
+  pbf_destroy(s);
+}
+
+/* The walls meet at time 2, at the end of step 4. */
+static void walls_that_meet(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(2, PBF_FLOAT64, 1, 4);
+  pbf_params params = test_params();
+  params.time_step = 0.5;
+  params.wall_velocity[PBF_WALL_X_MAX] = -0.5;
+  assert_ok(pbf_set_params(s, &params));
+  assert_fails(pbf_step(s, 10), PBF_ERROR_STATE, "step 4 of 10 would end at time 2");
+  assert_int_equal(info_of(s).step, 3);
+  assert_true(info_of(s).time == 1.5);
+  assert_fails(pbf_step(s, 1), PBF_ERROR_STATE, "step 1 of 1");
+  params.wall_velocity[PBF_WALL_X_MAX] = -0.75;
+  assert_fails(pbf_set_params(s, &params), PBF_ERROR_INVALID_ARGUMENT, "at the present time 1.5");
+  params.wall_velocity[PBF_WALL_X_MAX] = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 10));
+  pbf_destroy(s);
+}
+
+static void time_without_end(void **state) {
+  (void)state;
+  pbf_solver *s = test_solver(2, PBF_FLOAT64, 4);
+  pbf_params params = test_params();
+  params.time_step = 1e300;
+  assert_ok(pbf_set_params(s, &params));
+  assert_fails(pbf_step(s, UINT32_MAX), PBF_ERROR_INVALID_ARGUMENT, "would not be finite");
+  assert_int_equal(info_of(s).step, 0);
+  pbf_destroy(s);
+}
+
+/* Free fall of one particle against the scheme's own closed form, n(n+1)/2 g dt². */
+static void one_particle_falls(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 4);
+  pbf_params params = test_params();
+  params.time_step = 1.0 / 128;
+  params.gravity[1] = -1;
+  pbf_solver *s = test_create(&desc, &params);
+  void *x = test_lattice(dimension, precision, 1);
+  for (uint32_t axis = 0; axis < dimension; ++axis) test_put(x, axis, precision, 0.5);
+  assert_ok(pbf_add_particles(s, 1, x, NULL, NULL));
+  assert_ok(pbf_step(s, 20));
+  assert_ok(pbf_get_positions(s, 0, 1, x));
+  double expected = 0.5 - 20 * 21 / 2 / (128.0 * 128);
+  assert_true(fabs(test_value(x, 1, precision) - expected) < 1e-5);
+  assert_true(fabs(test_value(x, 0, precision) - 0.5) < 1e-6);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void free_fall(void **state) {
+  (void)state;
+  test_for_each_kind(one_particle_falls);
+}
+
+int main(void) {
+  const struct CMUnitTest motion[] = {
+      cmocka_unit_test(time_is_no_sum),
+      cmocka_unit_test(colliders_move),
+      cmocka_unit_test(positions_are_held_against_walls_now),
+      cmocka_unit_test(walls_that_meet),
+      cmocka_unit_test(time_without_end),
+      cmocka_unit_test(free_fall),
+  };
+  return TEST_RUN(motion);
+}

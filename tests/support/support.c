@@ -1,0 +1,155 @@
+#include "support.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+
+void test_assert_status(pbf_status status, pbf_status expected, const char *words, const char *call,
+                        const char *file, int line) {
+  int says_why = expected == PBF_OK || strstr(pbf_last_error(), words) != NULL;
+  if (status == expected && says_why) return;
+  print_error("%s: %s (\"%s\"), expected %s with \"%s\"\n", call, pbf_status_string(status),
+              pbf_last_error(), pbf_status_string(expected), words);
+  _fail(file, line);
+}
+
+static const char stub_path[] = PBF_STUB_DIR "/ballistic.so";
+
+const char *test_backend(void) {
+  const char *name = getenv("PBF_TEST_BACKEND");
+  if (!name || !name[0]) name = "ballistic";
+  if (strcmp(name, "ballistic") == 0) assert_ok(pbf_load_backend(stub_path));
+  return name;
+}
+
+int test_is_stub(void) { return strcmp(test_backend(), "ballistic") == 0; }
+
+/* Only a device may be missing: a CPU backend that was built and can't serve is a failure. */
+static int lacks_device(void) {
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 1000);
+  pbf_solver *solver = NULL;
+  desc.allocator = NULL;
+  pbf_status status = pbf_create(&desc, NULL, &solver);
+  pbf_destroy(solver);
+  return status == PBF_ERROR_UNAVAILABLE && strcmp(desc.backend, "cuda") == 0;
+}
+
+int test_run(const char *name, const struct CMUnitTest *tests, size_t count) {
+  if (!test_is_stub() && lacks_device()) {
+    printf("skipped: %s\n", pbf_last_error());
+    return TEST_SKIPPED;
+  }
+  return _cmocka_run_group_tests(name, tests, count, NULL, NULL);
+}
+
+ballistic_control *test_stub_control(void) {
+  static ballistic_control *control;
+  if (!control) {
+    test_backend();
+    void *library = dlopen(stub_path, RTLD_NOW | RTLD_NOLOAD);
+    assert_non_null(library);
+    *(void **)&control = dlsym(library, "stub_control");
+    assert_non_null(control);
+    dlclose(library);
+  }
+  *control = (ballistic_control){.lie = BALLISTIC_HONEST};
+  return control;
+}
+
+pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity) {
+  pbf_desc desc;
+  assert_ok(pbf_desc_init(&desc, sizeof desc));
+  desc.dimension = dimension;
+  desc.precision = precision;
+  desc.capacity = capacity;
+  desc.backend = test_backend();
+  desc.strict = 1;
+  desc.threads = 2;
+  desc.allocator = &test_allocator;
+  return desc;
+}
+
+pbf_params test_params(void) {
+  pbf_params params;
+  assert_ok(pbf_params_init(&params, sizeof params));
+  return params;
+}
+
+pbf_solver *test_create(const pbf_desc *desc, const pbf_params *params) {
+  pbf_solver *solver = NULL;
+  assert_ok(pbf_create(desc, params, &solver));
+  assert_non_null(solver);
+  return solver;
+}
+
+pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacity) {
+  pbf_desc desc = test_desc(dimension, precision, capacity);
+  return test_create(&desc, NULL);
+}
+
+void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision)) {
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    function(dimension, PBF_FLOAT32);
+    function(dimension, PBF_FLOAT64);
+  }
+}
+
+double test_value(const void *values, uint64_t index, uint32_t precision) {
+  return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
+                                  : ((const double *)values)[index];
+}
+
+void test_put(void *values, uint64_t index, uint32_t precision, double value) {
+  if (precision == PBF_FLOAT32) {
+    ((float *)values)[index] = (float)value;
+  } else {
+    ((double *)values)[index] = value;
+  }
+}
+
+void *test_lattice(uint32_t dimension, uint32_t precision, uint32_t count) {
+  enum { SIDE = 8 };
+  void *positions = calloc((size_t)count * dimension + 1, precision);
+  assert_non_null(positions);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t rest = i;
+    for (uint32_t axis = 0; axis < dimension; ++axis) {
+      uint32_t place = axis + 1 < dimension ? rest % SIDE : rest;
+      test_put(positions, (uint64_t)i * dimension + axis, precision, 0.25 + 0.05 * place);
+      rest /= SIDE;
+    }
+  }
+  return positions;
+}
+
+pbf_solver *test_filled(uint32_t dimension, uint32_t precision, uint32_t count, uint32_t capacity) {
+  pbf_solver *solver = test_solver(dimension, precision, capacity);
+  void *positions = test_lattice(dimension, precision, count);
+  void *velocities = calloc((size_t)count * dimension + 1, precision);
+  for (uint32_t i = 0; i < count; ++i)
+    test_put(velocities, (uint64_t)i * dimension, precision, (i + 1) / 8.0);
+  assert_ok(pbf_add_particles(solver, count, positions, velocities, NULL));
+  free(positions);
+  free(velocities);
+  return solver;
+}
+
+uint64_t test_hash(pbf_solver *solver) {
+  uint64_t hash = 0;
+  assert_ok(pbf_hash(solver, &hash));
+  return hash;
+}
+
+void *test_save(pbf_solver *solver, uint64_t *size) {
+  assert_ok(pbf_save(solver, NULL, size));
+  void *state = malloc(*size);
+  assert_non_null(state);
+  assert_ok(pbf_save(solver, state, size));
+  return state;
+}
+
+void test_seal(void *state, uint64_t size) {
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  const unsigned char *bytes = state;
+  for (uint64_t i = 0; i < size - 8; ++i) hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+  memcpy((unsigned char *)state + size - 8, &hash, sizeof hash);
+}

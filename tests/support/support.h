@@ -1,0 +1,73 @@
+/* What the tests of the public API share. */
+#ifndef PBF_TESTS_SUPPORT_H
+#define PBF_TESTS_SUPPORT_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <pbf/pbf.h>
+
+#include "allocator.h"
+#include "ballistic.h"
+
+enum { TEST_SKIPPED = 77 };
+
+/* The backend under test, PBF_TEST_BACKEND; "ballistic", the stub, when unset. Loads the stub. */
+const char *test_backend(void);
+int test_is_stub(void);
+
+/* Runs the group; skips it on a machine that the backend can't serve for want of a device. */
+int test_run(const char *name, const struct CMUnitTest *tests, size_t count);
+#define TEST_RUN(tests) test_run(#tests, tests, sizeof(tests) / sizeof(tests)[0])
+
+/* The switches of the stub, back at "honest". */
+ballistic_control *test_stub_control(void);
+
+/* A description for the backend under test, strict, with the counting allocator. */
+pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity);
+
+/* Default parameters, with a spacing of 0.05. */
+pbf_params test_params(void);
+
+/* Never null: fails the test. */
+pbf_solver *test_create(const pbf_desc *desc, const pbf_params *params);
+pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacity);
+
+/* Calls for 2D and 3D, float32 and float64. */
+void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
+
+/* `count` positions on a lattice in the lower middle of the unit box, in the element type; freed by
+ * the caller. */
+void *test_lattice(uint32_t dimension, uint32_t precision, uint32_t count);
+
+double test_value(const void *values, uint64_t index, uint32_t precision);
+void test_put(void *values, uint64_t index, uint32_t precision, double value);
+
+/* A solver of that kind with `count` particles, the i-th with velocity (i+1)/8 along x. */
+pbf_solver *test_filled(uint32_t dimension, uint32_t precision, uint32_t count, uint32_t capacity);
+
+uint64_t test_hash(pbf_solver *solver);
+
+/* The saved state, freed by the caller. */
+void *test_save(pbf_solver *solver, uint64_t *size);
+
+/* Rewrites the checksum at the end of a forged state. */
+void test_seal(void *state, uint64_t size);
+
+#define assert_ok(call) test_assert_status((call), PBF_OK, "", #call, __FILE__, __LINE__)
+
+/* The call must fail so, with a sentence that holds `words`. */
+#define assert_fails(call, status, words) \
+  test_assert_status((call), (status), (words), #call, __FILE__, __LINE__)
+
+void test_assert_status(pbf_status status, pbf_status expected, const char *words, const char *call,
+                        const char *file, int line);
+
+#endif
