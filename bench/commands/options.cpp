@@ -1,0 +1,38 @@
+#include "commands/options.h"
+
+#include <map>
+
+namespace bench {
+
+void add_scene_options(CLI::App &command, SceneOptions &options) {
+  command.add_option("--scene", options.name, "name of a scene, or path of a scene file")
+      ->type_name("S")
+      ->capture_default_str();
+  command
+      .add_option("--particles", options.particles, "about so many particles, by the scene's rule")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--steps", options.steps, "in place of the scene's number of steps")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--set", options.settings,
+                  "in place of the scene's parameter, as --set gravity.1=-3; again and again")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+void add_precision_option(CLI::App &command, uint32_t &precision) {
+  static const std::map<std::string, uint32_t> names = {{"f32", PBF_FLOAT32}, {"f64", PBF_FLOAT64}};
+  command.add_option("--precision", precision, "f32 or f64 (f32 when not given)")
+      ->type_name("P")
+      ->transform(CLI::CheckedTransformer(names).description("f32|f64"));
+}
+
+void add_device_option(CLI::App &command, int32_t &device) {
+  command.add_option("--device", device, "which device of the backend")
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+}  // namespace bench

@@ -1,0 +1,18 @@
+/* Options that several subcommands share, so that they are spelt and explained alike. */
+#ifndef PBF_BENCH_OPTIONS_H
+#define PBF_BENCH_OPTIONS_H
+
+#include <CLI/CLI.hpp>
+
+#include "core/solver.h"
+#include "scene/scene.h"
+
+namespace bench {
+
+void add_scene_options(CLI::App &command, SceneOptions &options);
+void add_precision_option(CLI::App &command, uint32_t &precision);
+void add_device_option(CLI::App &command, int32_t &device);
+
+}  // namespace bench
+
+#endif

@@ -1,0 +1,27 @@
+/* Errors that end a command, each with the exit code that --help promises. */
+#ifndef PBF_BENCH_ERROR_H
+#define PBF_BENCH_ERROR_H
+
+#include <stdexcept>
+#include <string>
+
+namespace bench {
+
+enum ExitCode {
+  exit_ok = 0,
+  exit_failure = 1,       // a step, a file or a device failed
+  exit_usage = 2,         // the command line or the scene is wrong
+  exit_unavailable = 3,   // no backend can do it here
+  exit_interrupted = 130  // Ctrl-C
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode exit_code, const std::string &sentence)
+      : std::runtime_error(sentence), code(exit_code) {}
+  const ExitCode code;
+};
+
+}  // namespace bench
+
+#endif

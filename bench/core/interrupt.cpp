@@ -1,0 +1,24 @@
+#include "core/interrupt.h"
+
+#include <csignal>
+
+namespace bench {
+namespace {
+
+volatile std::sig_atomic_t was_interrupted = 0;
+
+void note(int) { was_interrupted = 1; }
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = note;
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return was_interrupted != 0; }
+
+}  // namespace bench

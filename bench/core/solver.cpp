@@ -1,0 +1,211 @@
+#include "core/solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace bench {
+namespace {
+
+ExitCode exit_code_of(pbf_status status) {
+  switch (status) {
+    case PBF_ERROR_UNAVAILABLE:
+    case PBF_ERROR_NOT_FOUND:
+    case PBF_ERROR_UNSUPPORTED:
+      return exit_unavailable;
+    case PBF_ERROR_INVALID_ARGUMENT:
+      return exit_usage;
+    default:
+      return exit_failure;
+  }
+}
+
+void check(pbf_status status) {
+  if (status == PBF_OK) return;
+  throw Error(exit_code_of(status),
+              std::string(pbf_status_string(status)) + ": " + pbf_last_error());
+}
+
+pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
+  pbf_desc desc;
+  check(pbf_desc_init(&desc, sizeof desc));
+  desc.backend = options.backend.c_str();
+  desc.precision = options.precision;
+  desc.threads = options.threads;
+  desc.device = options.device;
+  desc.strict = 1;
+  if (scene) {
+    desc.dimension = scene->dimension;
+    desc.capacity = static_cast<uint32_t>(std::max<uint64_t>(count_particles(*scene), 1));
+  }
+  return desc;
+}
+
+Bytes to_precision(const std::vector<double> &values, uint32_t precision) {
+  Bytes bytes(values.size() * precision);
+  if (precision == PBF_FLOAT64) {
+    std::copy(values.begin(), values.end(), reinterpret_cast<double *>(bytes.data()));
+  } else {
+    std::transform(values.begin(), values.end(), reinterpret_cast<float *>(bytes.data()),
+                   [](double value) { return static_cast<float>(value); });
+  }
+  return bytes;
+}
+
+// Whole steps, so that stretches that mirror each other bring a collider back to where it was.
+uint64_t steps_of(const Stretch &stretch, double time_step) {
+  return static_cast<uint64_t>(std::max(1.0, std::round(stretch.duration / time_step)));
+}
+
+// The stretch that the step after `step` belongs to, and how many steps of it are left.
+struct Turn {
+  size_t stretch;
+  uint64_t steps_left;
+};
+
+Turn turn_at(const std::vector<Stretch> &motion, double time_step, uint64_t step) {
+  uint64_t period = 0;
+  for (const Stretch &stretch : motion) period += steps_of(stretch, time_step);
+  uint64_t into = step % period;
+  size_t index = 0;
+  while (into >= steps_of(motion[index], time_step)) into -= steps_of(motion[index++], time_step);
+  return {index, steps_of(motion[index], time_step) - into};
+}
+
+}  // namespace
+
+Solver::Solver(const Scene &scene, const SolverOptions &options)
+    : colliders_(scene.colliders),
+      dimension_(scene.dimension),
+      precision_(options.precision),
+      time_step_(scene.params.time_step) {
+  const pbf_desc desc = desc_of(options, &scene);
+  pbf_solver *solver = nullptr;
+  check(pbf_create(&desc, &scene.params, &solver));
+  solver_.reset(solver);
+  add(fill_scene(scene));
+  std::vector<pbf_collider> start;
+  for (const Collider &collider : colliders_) start.push_back(collider.start);
+  if (!start.empty()) set_colliders(start);
+}
+
+void Solver::add(const Particles &particles) {
+  const Bytes positions = to_precision(particles.positions, precision_);
+  const Bytes velocities = to_precision(particles.velocities, precision_);
+  check(pbf_add_particles(solver_.get(), static_cast<uint32_t>(particles.count), positions.data(),
+                          velocities.data(), nullptr));
+}
+
+void Solver::set_colliders(const std::vector<pbf_collider> &colliders) {
+  check(
+      pbf_set_colliders(solver_.get(), static_cast<uint32_t>(colliders.size()), colliders.data()));
+}
+
+uint32_t Solver::steps_to_next_turn() const {
+  uint64_t steps = UINT32_MAX;
+  for (const Collider &collider : colliders_) {
+    if (collider.motion.size() < 2) continue;
+    steps = std::min(steps, turn_at(collider.motion, time_step_, step_).steps_left);
+  }
+  return static_cast<uint32_t>(steps);
+}
+
+void Solver::turn_colliders() {
+  std::vector<pbf_collider> now(colliders_.size());
+  for (uint32_t i = 0; i < now.size(); ++i) {
+    now[i].struct_size = sizeof now[i];
+    check(pbf_get_collider(solver_.get(), i, &now[i]));
+    if (colliders_[i].motion.empty()) continue;
+    const Turn turn = turn_at(colliders_[i].motion, time_step_, step_);
+    const Stretch &stretch = colliders_[i].motion[turn.stretch];
+    std::copy(stretch.velocity.begin(), stretch.velocity.end(), now[i].velocity);
+    std::copy(stretch.angular_velocity.begin(), stretch.angular_velocity.end(),
+              now[i].angular_velocity);
+  }
+  set_colliders(now);
+}
+
+void Solver::step(uint32_t steps) {
+  while (steps > 0) {
+    const uint32_t until_turn = steps_to_next_turn();
+    const uint32_t now = std::min(steps, until_turn);
+    check(pbf_step(solver_.get(), now));
+    step_ += now;
+    steps -= now;
+    if (now == until_turn) turn_colliders();
+  }
+}
+
+void Solver::synchronize() { check(pbf_synchronize(solver_.get())); }
+
+pbf_info Solver::info() const {
+  pbf_info info = {};
+  info.struct_size = sizeof info;
+  check(pbf_get_info(solver_.get(), &info));
+  return info;
+}
+
+pbf_stats Solver::stats() const {
+  pbf_stats stats = {};
+  stats.struct_size = sizeof stats;
+  check(pbf_get_stats(solver_.get(), &stats));
+  return stats;
+}
+
+void Solver::set_timing(bool enabled) { check(pbf_set_timing(solver_.get(), enabled)); }
+
+pbf_timings Solver::timings() const {
+  pbf_timings timings = {};
+  timings.struct_size = sizeof timings;
+  check(pbf_get_timings(solver_.get(), &timings));
+  return timings;
+}
+
+uint64_t Solver::hash() const {
+  uint64_t hash = 0;
+  check(pbf_hash(solver_.get(), &hash));
+  return hash;
+}
+
+uint32_t Solver::count() const {
+  uint32_t count = 0;
+  check(pbf_get_count(solver_.get(), &count));
+  return count;
+}
+
+Bytes Solver::read(Getter getter) const {
+  const uint32_t rows = count();
+  Bytes bytes(size_t{rows} * dimension_ * precision_);
+  check(getter(solver_.get(), 0, rows, bytes.data()));
+  return bytes;
+}
+
+Bytes Solver::save() const {
+  uint64_t size = 0;
+  check(pbf_save(solver_.get(), nullptr, &size));
+  Bytes state(size);
+  check(pbf_save(solver_.get(), state.data(), &size));
+  return state;
+}
+
+void Solver::load(const Bytes &state) {
+  check(pbf_load(solver_.get(), state.data(), state.size()));
+  step_ = info().step;
+}
+
+std::vector<pbf_backend_info> list_backends(const SolverOptions &options, const Scene *scene) {
+  const pbf_desc desc = desc_of(options, scene);
+  uint32_t count = 0;
+  check(pbf_get_backend_count(&count));
+  std::vector<pbf_backend_info> backends(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    backends[i].struct_size = sizeof backends[i];
+    check(pbf_get_backend_info(&desc, i, &backends[i]));
+  }
+  return backends;
+}
+
+void load_plugin(const std::string &path) { check(pbf_load_backend(path.c_str())); }
+
+}  // namespace bench

@@ -1,0 +1,74 @@
+/* A pbf_solver that holds a scene: calls that fail throw Error with the library's sentence. */
+#ifndef PBF_BENCH_SOLVER_H
+#define PBF_BENCH_SOLVER_H
+
+#include <pbf/pbf.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace bench {
+
+struct SolverOptions {
+  std::string backend = "serial";
+  uint32_t precision = PBF_FLOAT32;
+  uint32_t threads = 0;
+  int32_t device = 0;
+};
+
+// Scalars of the solver's precision, one row a particle in the order of adding.
+using Bytes = std::vector<char>;
+
+class Solver {
+ public:
+  // Always strict: a row of results is never of another backend than it says.
+  Solver(const Scene &scene, const SolverOptions &options);
+
+  // Steps, and at the ends of stretches sets the colliders' new velocities. Returns before a
+  // device has finished.
+  void step(uint32_t steps);
+  void synchronize();
+
+  pbf_info info() const;
+  pbf_stats stats() const;
+  pbf_timings timings() const;
+  void set_timing(bool enabled);
+  Bytes positions() const { return read(pbf_get_positions); }
+  Bytes velocities() const { return read(pbf_get_velocities); }
+  uint64_t hash() const;
+  Bytes save() const;
+  void load(const Bytes &state);
+
+  uint32_t count() const;
+
+ private:
+  using Getter = pbf_status (*)(pbf_solver *, uint32_t, uint32_t, void *);
+
+  Bytes read(Getter getter) const;
+  void add(const Particles &particles);
+  void set_colliders(const std::vector<pbf_collider> &colliders);
+  uint32_t steps_to_next_turn() const;
+  void turn_colliders();
+
+  struct Destroy {
+    void operator()(pbf_solver *solver) const { pbf_destroy(solver); }
+  };
+  std::unique_ptr<pbf_solver, Destroy> solver_;
+  std::vector<Collider> colliders_;
+  unsigned dimension_;
+  uint32_t precision_;
+  double time_step_;
+  uint64_t step_ = 0;
+};
+
+// Entries of the library's list, judged for a solver like `options` for `scene` (or null).
+std::vector<pbf_backend_info> list_backends(const SolverOptions &options, const Scene *scene);
+
+void load_plugin(const std::string &path);
+
+}  // namespace bench
+
+#endif

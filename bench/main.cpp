@@ -1,0 +1,56 @@
+/* pbf-bench: runs scenes through libpbf, and measures. */
+#include <cstdio>
+#include <vector>
+
+#include "commands/commands.h"
+#include "core/error.h"
+#include "core/solver.h"
+
+namespace {
+
+using namespace bench;
+
+const AddCommand add_commands[] = {add_speedup, add_run, add_list};
+
+const char *const footer =
+    "Exit codes: 0 done; 1 failed at run time; 2 wrong command line or scene; 3 no backend can "
+    "serve;\n130 interrupted (what there was has been written).";
+
+int run_command(CLI::App &app, int argc, char **argv) {
+  std::vector<std::pair<CLI::App *, Command>> commands;
+  for (const AddCommand add : add_commands) commands.push_back(add(app));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError &error) {
+    return app.exit(error) == 0 ? exit_ok : exit_usage;
+  }
+  for (const std::string &path : app.get_option("--plugin")->as<std::vector<std::string>>()) {
+    load_plugin(path);
+  }
+  for (const auto &[command, run] : commands) {
+    if (command->parsed()) return run();
+  }
+  return exit_usage;
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  CLI::App app("Position based fluids: scenes, speed and error", "pbf-bench");
+  app.require_subcommand(1);
+  app.footer(footer);
+  app.failure_message(CLI::FailureMessage::simple);
+  app.add_option("--plugin", "load this backend too (absolute path)")
+      ->type_name("FILE")
+      ->expected(0, -1)
+      ->allow_extra_args(false);
+  try {
+    return run_command(app, argc, argv);
+  } catch (const Error &error) {
+    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    return error.code;
+  } catch (const std::exception &error) {
+    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    return exit_failure;
+  }
+}

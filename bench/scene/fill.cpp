@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scene/scene.h"
+
+namespace bench {
+namespace {
+
+using Counts = std::array<uint64_t, 3>;
+
+// Any block is a lattice, of which a ball keeps the points within its radius.
+struct Lattice {
+  Vector first;
+  Counts counts;
+};
+
+Lattice lattice_of(const Block &block, unsigned dimension) {
+  Lattice lattice{block.first, {1, 1, 1}};
+  for (unsigned axis = 0; axis < dimension; ++axis) {
+    double low = 0, high = 0;
+    if (block.shape == Block::Shape::lattice) {
+      lattice.counts[axis] = block.counts[axis];
+      continue;
+    }
+    if (block.shape == Block::Shape::box) {
+      low = block.min[axis];
+      high = block.max[axis];
+    } else {
+      // An even number of cells on either side of the middle.
+      const double half = std::ceil(block.radius / block.spacing) * block.spacing;
+      low = block.center[axis] - half;
+      high = block.center[axis] + half;
+    }
+    // Far more than any solver holds is as good as infinite, and fits an integer.
+    const double cells = std::clamp(std::round((high - low) / block.spacing), 0.0, 1e6);
+    lattice.counts[axis] = static_cast<uint64_t>(cells);
+    lattice.first[axis] = low + block.spacing / 2;
+  }
+  return lattice;
+}
+
+Vector middle_of(const Lattice &lattice, double spacing) {
+  Vector middle{};
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto cells = static_cast<double>(lattice.counts[axis]);
+    middle[axis] = lattice.first[axis] + spacing * (cells - 1) / 2;
+  }
+  return middle;
+}
+
+bool inside(const Block &block, const Vector &x) {
+  if (block.shape != Block::Shape::ball) return true;
+  double square = 0;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    square += (x[axis] - block.center[axis]) * (x[axis] - block.center[axis]);
+  }
+  return square < block.radius * block.radius;
+}
+
+Vector velocity_at(const Block &block, const Vector &x, const Vector &middle) {
+  const Vector &w = block.angular_velocity;
+  const Vector r{x[0] - middle[0], x[1] - middle[1], x[2] - middle[2]};
+  return {block.velocity[0] + w[1] * r[2] - w[2] * r[1],
+          block.velocity[1] + w[2] * r[0] - w[0] * r[2],
+          block.velocity[2] + w[0] * r[1] - w[1] * r[0]};
+}
+
+template <typename Visit>
+void for_each_point(const Block &block, const Lattice &lattice, Visit visit) {
+  for (uint64_t k = 0; k < lattice.counts[2]; ++k) {
+    for (uint64_t j = 0; j < lattice.counts[1]; ++j) {
+      for (uint64_t i = 0; i < lattice.counts[0]; ++i) {
+        const Vector x{lattice.first[0] + block.spacing * static_cast<double>(i),
+                       lattice.first[1] + block.spacing * static_cast<double>(j),
+                       lattice.first[2] + block.spacing * static_cast<double>(k)};
+        if (inside(block, x)) visit(x);
+      }
+    }
+  }
+}
+
+uint64_t count_block(const Block &block, unsigned dimension) {
+  const Lattice lattice = lattice_of(block, dimension);
+  const double points = static_cast<double>(lattice.counts[0]) *
+                        static_cast<double>(lattice.counts[1]) *
+                        static_cast<double>(lattice.counts[2]);
+  // A ball so large is not counted point by point: it is refused all the same.
+  if (points > 4.0 * PBF_MAX_CAPACITY) return uint64_t{4} * PBF_MAX_CAPACITY;
+  if (block.shape != Block::Shape::ball) return static_cast<uint64_t>(points);
+  uint64_t count = 0;
+  for_each_point(block, lattice, [&](const Vector &) { ++count; });
+  return count;
+}
+
+}  // namespace
+
+uint64_t count_particles(const Scene &scene) {
+  uint64_t count = 0;
+  for (const Block &block : scene.blocks) count += count_block(block, scene.dimension);
+  return count;
+}
+
+Particles fill_scene(const Scene &scene) {
+  Particles particles;
+  for (const Block &block : scene.blocks) {
+    const Lattice lattice = lattice_of(block, scene.dimension);
+    const Vector middle = middle_of(lattice, block.spacing);
+    for_each_point(block, lattice, [&](const Vector &x) {
+      const Vector v = velocity_at(block, x, middle);
+      particles.positions.insert(particles.positions.end(), x.begin(), x.begin() + scene.dimension);
+      particles.velocities.insert(particles.velocities.end(), v.begin(),
+                                  v.begin() + scene.dimension);
+      ++particles.count;
+    });
+  }
+  return particles;
+}
+
+}  // namespace bench

@@ -1,0 +1,68 @@
+#include <cmath>
+
+#include "core/error.h"
+#include "scene/scene.h"
+
+namespace bench {
+namespace {
+
+// The same shapes, filled more finely. Lengths of the discretisation and the time step shrink
+// together (displacements in units of h stay), and the steps make up for it in simulated time.
+void refine(Scene &scene, double finer) {
+  pbf_params &params = scene.params;
+  params.smoothing_radius /= finer;
+  params.spacing /= finer;
+  params.particle_volume /= std::pow(finer, scene.dimension);
+  params.search_cell_width /= finer;
+  params.time_step /= finer;
+  for (Block &block : scene.blocks) {
+    if (block.shape == Block::Shape::lattice) {
+      throw Error(exit_usage,
+                  "--particles: scene " + scene.name +
+                      " has a lattice of fixed counts; only boxes and balls are refined");
+    }
+    block.spacing /= finer;
+  }
+  scene.steps = static_cast<uint32_t>(std::lround(scene.steps * finer));
+  scene.lead_in_steps = static_cast<uint32_t>(std::lround(scene.lead_in_steps * finer));
+}
+
+// The same particles, more of them: the lattice grows, and the upper walls move away with it.
+void grow(Scene &scene, double more) {
+  if (scene.blocks.size() != 1 || scene.blocks[0].shape != Block::Shape::lattice) {
+    throw Error(exit_usage, "--particles: scene " + scene.name +
+                                " grows, which needs exactly one block, a lattice");
+  }
+  Block &block = scene.blocks[0];
+  int axes = 0;
+  for (unsigned axis = 0; axis < scene.dimension; ++axis) axes += scene.scaling->axes[axis];
+  const double longer = std::pow(more, 1.0 / std::max(axes, 1));
+  for (unsigned axis = 0; axis < scene.dimension; ++axis) {
+    if (!scene.scaling->axes[axis]) continue;
+    const uint32_t before = block.counts[axis];
+    block.counts[axis] = static_cast<uint32_t>(std::max(1.0, std::round(before * longer)));
+    const double growth = (static_cast<double>(block.counts[axis]) - before) * block.spacing;
+    scene.params.domain_max[axis] += scene.scaling->upper_walls[axis] * growth;
+  }
+}
+
+}  // namespace
+
+void scale_scene(Scene &scene, uint64_t particles) {
+  if (!scene.scaling) {
+    throw Error(exit_usage, "--particles: scene " + scene.name +
+                                " has no \"scaling\", so its number of particles is fixed");
+  }
+  if (particles > PBF_MAX_CAPACITY) {
+    throw Error(exit_usage, "--particles " + std::to_string(particles) + " is above " +
+                                std::to_string(PBF_MAX_CAPACITY));
+  }
+  const double more = static_cast<double>(particles) / static_cast<double>(count_particles(scene));
+  if (scene.scaling->rule == Scaling::Rule::refine) {
+    refine(scene, std::pow(more, 1.0 / scene.dimension));
+  } else {
+    grow(scene, more);
+  }
+}
+
+}  // namespace bench

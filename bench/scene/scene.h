@@ -1,0 +1,83 @@
+/* A scene: what a benchmark runs. Read from a JSON file (bench/scenes/). */
+#ifndef PBF_BENCH_SCENE_H
+#define PBF_BENCH_SCENE_H
+
+#include <pbf/pbf.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+using Vector = std::array<double, 3>;  // 2D: the third is 0
+
+// A body of fluid that is filled with particles. A lattice has its first particle at `first`; a
+// box from `min` to `max` and a ball have theirs in the middles of cells of side `spacing`.
+struct Block {
+  enum class Shape { lattice, box, ball } shape = Shape::lattice;
+  Vector first{}, min{}, max{}, center{};
+  std::array<uint32_t, 3> counts{1, 1, 1};
+  double radius = 0;
+  double spacing = 0;
+  Vector velocity{};          // of the block's middle
+  Vector angular_velocity{};  // about the block's middle
+};
+
+// A stretch of a collider's motion; the stretches play over and over.
+struct Stretch {
+  double duration;
+  Vector velocity{}, angular_velocity{};
+};
+
+struct Collider {
+  pbf_collider start;
+  std::vector<Stretch> motion;  // empty: as `start` moves
+};
+
+// What another number of particles does to the scene.
+struct Scaling {
+  enum class Rule { refine, grow } rule = Rule::refine;
+  std::array<bool, 3> axes{};  // grow: along which the lattice grows
+  Vector upper_walls{};        // grow: how far a wall moves for each unit of growth
+};
+
+struct Scene {
+  std::string name, description, purpose;
+  unsigned dimension = 3;
+  pbf_params params{};
+  std::vector<Block> blocks;
+  std::vector<Collider> colliders;
+  uint32_t lead_in_steps = 0;
+  uint32_t steps = 1;
+  std::optional<Scaling> scaling;
+};
+
+// What the command line changes about a scene.
+struct SceneOptions {
+  std::string name = "report-30k";    // of a scene that comes with the program, or a file's path
+  std::vector<std::string> settings;  // key=value
+  uint64_t particles = 0;             // 0: as the scene has it
+  uint64_t steps = 0;                 // 0: as the scene has it
+};
+
+// All throw Error(exit_usage) with file, line, column and reason.
+Scene load_scene(const SceneOptions &options);
+std::vector<std::string> scene_names();
+
+// Changes the scene so that it has about `particles` of them; refused when the scene says not how.
+void scale_scene(Scene &scene, uint64_t particles);
+
+// Positions and velocities of the particles at the start, `dimension` numbers each.
+struct Particles {
+  uint64_t count = 0;
+  std::vector<double> positions, velocities;
+};
+
+uint64_t count_particles(const Scene &scene);
+Particles fill_scene(const Scene &scene);
+
+}  // namespace bench
+
+#endif
