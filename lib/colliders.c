@@ -14,7 +14,7 @@ uint64_t pbf_colliders_bytes(uint32_t count) { return (uint64_t)count * sizeof(p
 /* Every struct of the array has the size of the first. */
 static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
                           pbf_collider *ours) {
-  uint32_t stride = pbf_struct_size(theirs);
+  uint32_t stride = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
     const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
     uint32_t size = pbf_struct_size(one);
