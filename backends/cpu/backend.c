@@ -1,0 +1,278 @@
+/* The CPU backends' table for one variant: life, parameters, particles, reports. */
+#include "cpu/particles.h"
+#include "cpu/plugin.h"
+#include "cpu/step.h"
+#include "cpu/survey.h"
+
+#define PASTE(isa, dim, bits) cpu_##isa##_##dim##d_f##bits
+#define KERNELS_OF(isa, dim, bits) PASTE(isa, dim, bits)
+#define KERNELS(isa) KERNELS_OF(isa, PBF_DIM, PBF_BITS)
+
+extern const kernels KERNELS(scalar);
+#ifdef PBF_CPU_X86
+extern const kernels KERNELS(sse2), KERNELS(avx2), KERNELS(avx512);
+#endif
+
+static const kernels *kernels_for(cpu_isa isa) {
+#ifdef PBF_CPU_X86
+  if (isa == CPU_AVX512) return &KERNELS(avx512);
+  if (isa == CPU_AVX2) return &KERNELS(avx2);
+  if (isa == CPU_SSE2) return &KERNELS(sse2);
+#endif
+  (void)isa;
+  return &KERNELS(scalar);
+}
+
+static pbf_status out_of_memory(const solver *s, const char *what) {
+  char text[160];
+  snprintf(text, sizeof text, "no memory for %s of %u particles; a smaller capacity would do", what,
+           s->capacity);
+  s->host->set_error(text);
+  return PBF_ERROR_OUT_OF_MEMORY;
+}
+
+static pbf_status no_memory_for_neighbors(const solver *s) {
+  char text[160];
+  snprintf(text, sizeof text,
+           "no memory for the neighbours of %u particles; fewer particles or a smaller "
+           "smoothing_radius (now %g) would do",
+           s->count, s->params.smoothing_radius);
+  s->host->set_error(text);
+  return PBF_ERROR_OUT_OF_MEMORY;
+}
+
+/* ---- Life ---------------------------------------------------------------------------------- */
+
+static field take_field(solver *s, const char *name) {
+  field f;
+  pbf_real *base = pbf_memory_take(&s->memory, name, PBF_DIM * padded(s->capacity), sizeof *base);
+  for (uint64_t k = 0; k < PBF_DIM; ++k)
+    f.c[k] = base ? base + FIELD_FRONT + k * padded(s->capacity) : NULL;
+  return f;
+}
+
+static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
+  return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
+}
+
+/* 0 when one is lacking. */
+static int take_arrays(solver *s) {
+  uint64_t n = padded(s->capacity), chunks = chunks_of(s->capacity);
+  buffers *b = &s->buffers;
+  b->x = take_field(s, "position");
+  b->v = take_field(s, "velocity");
+  b->spare[0] = take_field(s, "predicted");
+  b->spare[1] = take_field(s, "sorted position");
+  b->spare[2] = take_field(s, "sorted predicted");
+  s->lambda = pbf_memory_take(&s->memory, "lambda", n, sizeof *s->lambda);
+  b->ids = take_indices(s, "id", n);
+  b->spare_ids = take_indices(s, "sorted id", n);
+  s->cells = take_indices(s, "cell", n);
+  s->sorted_cells = take_indices(s, "sorted cell", n);
+  s->order = take_indices(s, "order", n);
+  s->cell_end = take_indices(s, "cell end", cell_limit(s->capacity) + 1);
+  s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
+  s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
+  s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
+  s->shares = pbf_memory_take(&s->memory, "thread", s->threads, sizeof *s->shares);
+  return s->memory.count == 16;
+}
+
+/* Each thread writes its part first, so that the pages lie near it. */
+static void clear_arrays(void *context, uint32_t thread, uint32_t threads) {
+  solver *s = context;
+  for (uint32_t k = 0; k < s->memory.count; ++k) {
+    const pbf_array *a = &s->memory.arrays[k];
+    uint64_t begin = a->bytes / threads * thread;
+    uint64_t end = thread + 1 == threads ? a->bytes : a->bytes / threads * (thread + 1);
+    memset((char *)a->data + begin, 0, end - begin);
+  }
+}
+
+static pbf_status set_params(solver *s, const pbf_params *params) {
+  s->params = *params;
+  s->schedule = pbf_schedule_of(params, s->collider_count);
+  s->constants = pbf_constants_of(params);
+  return PBF_OK;
+}
+
+static void destroy(solver *s) {
+  pbf_allocator allocator = s->memory.allocator;
+  pbf_memory_free_all(&s->memory);
+  allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
+}
+
+static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
+                         pbf_backend_solver **out, const pbf_backend_api **api) {
+  cpu_isa isa;
+  char error[160];
+  if (!cpu_isa_choose(&isa, error, sizeof error)) {
+    cpu_host->set_error(error);
+    return PBF_ERROR_UNSUPPORTED;
+  }
+  solver *s = desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
+  if (!s) {
+    cpu_host->set_error("no memory for a solver");
+    return PBF_ERROR_OUT_OF_MEMORY;
+  }
+  memset(s, 0, sizeof *s);
+  s->memory.allocator = desc->allocator;
+  s->host = cpu_host;
+  s->capacity = desc->capacity;
+  s->threads = team_size(desc->threads);
+  s->isa = isa;
+  s->kernels = kernels_for(isa);
+  if (!take_arrays(s)) {
+    pbf_status status = out_of_memory(s, "the arrays");
+    destroy(s);
+    return status;
+  }
+  team_run(s->threads, clear_arrays, s);
+  ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
+  set_params(s, params);
+  *out = s;
+  *api = &PBF_VARIANT_API;
+  return PBF_OK;
+}
+
+static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
+                                double time) {
+  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
+  s->collider_count = count;
+  s->collider_time = time;
+  s->schedule = pbf_schedule_of(&s->params, count);
+  return PBF_OK;
+}
+
+static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
+  step_job job = {s, time, steps, s->count ? 0 : steps};
+  if (s->count) team_run(s->threads, run_steps, &job);
+  *done = job.done;
+  return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
+}
+
+static pbf_status synchronize(solver *s) {
+  (void)s;
+  return PBF_OK;
+}
+
+/* ---- Particles ----------------------------------------------------------------------------- */
+
+static pbf_status add_particles(solver *s, const pbf_particles *particles) {
+  append(s, particles);
+  return PBF_OK;
+}
+
+static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
+  remove_by_id(s, count, ids);
+  return PBF_OK;
+}
+
+static pbf_status remove_all(solver *s) {
+  s->count = 0;
+  return PBF_OK;
+}
+
+static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
+  if (which == PBF_FIELD_DENSITY) {
+    if (!survey(s)) return no_memory_for_neighbors(s);
+    read_densities(s, rows, out);
+  } else {
+    read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, out);
+  }
+  return PBF_OK;
+}
+
+static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
+  write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, in);
+  return PBF_OK;
+}
+
+static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
+  int is_id = which == PBF_FIELD_ID;
+  const field *f = which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v;
+  view->device_type = PBF_DEVICE_CPU;
+  view->element_type = is_id ? PBF_TYPE_UINT32 : sizeof(pbf_real);
+  view->components = is_id ? 1 : PBF_DIM;
+  view->particle_stride = is_id ? sizeof(uint32_t) : sizeof(pbf_real);
+  view->component_stride =
+      is_id ? (int64_t)sizeof(uint32_t) : (int64_t)(padded(s->capacity) * sizeof(pbf_real));
+  view->count = s->count;
+  view->ids = s->buffers.ids;
+  view->data = is_id ? (const void *)s->buffers.ids : f->c[0];
+  return PBF_OK;
+}
+
+/* ---- Reports ------------------------------------------------------------------------------- */
+
+static pbf_status get_stats(solver *s, pbf_stats *stats) {
+  if (!survey(s)) return no_memory_for_neighbors(s);
+  stats->count = s->count;
+  stats->iterations = s->params.iterations;
+  sum_stats(s, stats);
+  return PBF_OK;
+}
+
+static pbf_status get_plan(solver *s, pbf_plan *plan) {
+  char variant[sizeof plan->variant - 8];
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    if (!s->schedule.runs[k]) continue;
+    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
+    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
+    stage->runs_per_step = s->schedule.runs[k];
+  }
+  pbf_variant_name(variant, sizeof variant, s->schedule.features, PBF_DIM, sizeof(pbf_real));
+  snprintf(plan->variant, sizeof plan->variant, "%s-%s", variant, cpu_isa_name(s->isa));
+  pbf_memory_plan(&s->memory, s->capacity, plan);
+  plan->bytes += sizeof *s;
+  return PBF_OK;
+}
+
+static pbf_status describe(solver *s, pbf_backend_state *state) {
+  char brand[64];
+  cpu_brand(brand, sizeof brand);
+  state->threads = s->threads;
+  state->device_type = PBF_DEVICE_CPU;
+  snprintf(state->device_name, sizeof state->device_name, "%s (%s)", brand, cpu_isa_name(s->isa));
+  return PBF_OK;
+}
+
+static pbf_status set_timing(solver *s, uint32_t enabled) {
+  s->timing = enabled != 0;
+  memset(s->seconds, 0, sizeof s->seconds);
+  memset(s->runs, 0, sizeof s->runs);
+  return PBF_OK;
+}
+
+static pbf_status get_timings(solver *s, pbf_timings *timings) {
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    if (!s->schedule.runs[k]) continue;
+    pbf_stage_time *t = &timings->stages[timings->stage_count++];
+    snprintf(t->name, sizeof t->name, "%s", pbf_stage_name((pbf_stage)k));
+    t->milliseconds = 1000 * s->seconds[k];
+    t->runs = s->runs[k];
+  }
+  return PBF_OK;
+}
+
+const pbf_backend_api PBF_VARIANT_API = {
+    .struct_size = sizeof(pbf_backend_api),
+    .probe = cpu_probe,
+    .create = create,
+    .destroy = destroy,
+    .set_params = set_params,
+    .set_colliders = set_colliders,
+    .step = step,
+    .synchronize = synchronize,
+    .add_particles = add_particles,
+    .remove_particles = remove_particles,
+    .remove_all = remove_all,
+    .read = read_field,
+    .write = write_field,
+    .map = map,
+    .get_stats = get_stats,
+    .get_plan = get_plan,
+    .describe = describe,
+    .set_timing = set_timing,
+    .get_timings = get_timings,
+};

@@ -1,0 +1,119 @@
+/* The grid of the neighbour search. Cells are numbered along x first, so that the cells within
+ * reach of a particle are a contiguous run in each of the 3 (in 3D: 9) rows around it. */
+#ifndef PBF_CPU_GRID_H
+#define PBF_CPU_GRID_H
+
+#include <float.h>
+#include <math.h>
+
+#include "cpu/field.h"
+
+typedef struct grid {
+  pbf_real lower[PBF_DIM];
+  pbf_real inv_width[PBF_DIM];
+  pbf_real last[PBF_DIM]; /* index of the last cell along each axis */
+  uint32_t cells[PBF_DIM];
+  uint32_t rows[PBF_DIM]; /* y, z: cells after folding; a row further on shares the one before */
+  uint32_t reach;         /* cells along x that h can span */
+  uint32_t total;
+  pbf_real far; /* an x out of everybody's reach */
+} grid;
+
+/* Cells are narrower along x, where this costs nothing: fewer candidates at the ends of a run. */
+enum { GRID_CELLS_PER_H = 2 };
+
+/* As much wider than h / parts as rounding in grid_index may move a particle. */
+PBF_FN double grid_width(double h, double extent, int parts) {
+  double epsilon = sizeof(pbf_real) == sizeof(float) ? FLT_EPSILON : DBL_EPSILON;
+  return (h + 4 * epsilon * extent) / parts;
+}
+
+static inline void grid_fold(grid *g, double cells[PBF_DIM], uint64_t limit) {
+  double total = 1;
+  for (int k = 0; k < PBF_DIM; ++k) total *= cells[k];
+  for (;;) {
+    int longest = PBF_DIM - 1;
+    for (int k = 1; k < PBF_DIM; ++k)
+      if (cells[k] > cells[longest]) longest = k;
+    if (total <= (double)limit || cells[longest] <= 3) break;
+    total /= cells[longest];
+    cells[longest] = fmax(3, ceil(cells[longest] / 2));
+    total *= cells[longest];
+  }
+  for (int k = 1; k < PBF_DIM; ++k) g->rows[k] = (uint32_t)cells[k];
+}
+
+/* A grid of at most `limit` cells (100 or more) around the box lower … upper. In a box too large
+ * for that, rows far apart share their cells, and then cells get longer: both cost distance tests
+ * and lose no pair. */
+static inline grid grid_around(pbf_vec lower, pbf_vec upper, double h, uint64_t limit) {
+  grid g = {0};
+  double cells[PBF_DIM], row = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double extent = fmax((double)upper.c[k] - (double)lower.c[k], 0);
+    double width = grid_width(h, extent, k ? 1 : GRID_CELLS_PER_H);
+    cells[k] = fmin(floor(extent / width) + 1, 1 << 30);
+    g.lower[k] = lower.c[k];
+    g.inv_width[k] = (pbf_real)(1 / width);
+    g.cells[k] = (uint32_t)cells[k];
+    g.last[k] = (pbf_real)(cells[k] - 1);
+  }
+  g.far = (pbf_real)((double)upper.c[0] + 4 * ((double)upper.c[0] - (double)lower.c[0] + h));
+  g.reach = GRID_CELLS_PER_H;
+  grid_fold(&g, cells, limit);
+  for (int k = 1; k < PBF_DIM; ++k) row *= g.rows[k];
+  if (cells[0] * row > (double)limit) {
+    double most = floor((double)limit / row);
+    g.inv_width[0] *= (pbf_real)(most / (cells[0] + 1));
+    g.cells[0] = (uint32_t)most;
+    g.last[0] = (pbf_real)(most - 1);
+  }
+  g.total = (uint32_t)(g.cells[0] * row);
+  return g;
+}
+
+/* Cell along one axis; the last one for all that is beyond, the first for NaN. */
+PBF_FN uint32_t grid_index(const grid *g, int axis, pbf_real x) {
+  pbf_real t = (x - g->lower[axis]) * g->inv_width[axis];
+  t = pbf_real_min(pbf_real_max(t, 0), g->last[axis]);
+  return (uint32_t)(int32_t)t;
+}
+
+PBF_FN int grid_is_folded(const grid *g) {
+  int folded = 0;
+  for (int k = 1; k < PBF_DIM; ++k) folded |= g->rows[k] < g->cells[k];
+  return folded;
+}
+
+PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int folded) {
+  uint32_t row = 0;
+  for (int k = PBF_DIM - 1; k > 0; --k) {
+    uint32_t index = grid_index(g, k, x.c[k]);
+    row = row * g->rows[k] + (folded ? index % g->rows[k] : index);
+  }
+  return row * g->cells[0] + grid_index(g, 0, x.c[0]);
+}
+
+/* The rows around `row`, itself included, each once; their number. */
+enum { GRID_ROWS_AROUND = PBF_DIM == 3 ? 9 : 3 };
+
+static inline int grid_rows_around(const grid *g, uint32_t row, uint32_t around[GRID_ROWS_AROUND]) {
+  uint32_t at[3] = {0, row % g->rows[1], row / g->rows[1]};
+  int count = 0;
+  for (int dz = PBF_DIM == 3 ? -1 : 0; dz <= (PBF_DIM == 3 ? 1 : 0); ++dz)
+    for (int dy = -1; dy <= 1; ++dy) {
+      const int step[3] = {0, dy, dz};
+      uint32_t found = 0;
+      int inside = 1;
+      for (int k = PBF_DIM - 1; k > 0; --k) {
+        int64_t n = g->rows[k], c = (int64_t)at[k] + step[k];
+        if (g->rows[k] < g->cells[k]) c = (c + n) % n;
+        inside &= c >= 0 && c < n;
+        found = found * g->rows[k] + (uint32_t)c;
+      }
+      if (inside) around[count++] = found;
+    }
+  return count;
+}
+
+#endif

@@ -1,0 +1,74 @@
+#define _GNU_SOURCE /* secure_getenv */
+
+#include "cpu/isa.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
+
+const char *cpu_isa_name(cpu_isa isa) {
+  static const char *const names[CPU_ISA_COUNT] = {"scalar", "sse2", "avx2", "avx512"};
+  return names[isa];
+}
+
+static int has(cpu_isa isa) {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (isa == CPU_AVX2)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (isa == CPU_AVX512)
+    return has(CPU_AVX2) && __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+  return 1;
+#else
+  return isa == CPU_SCALAR;
+#endif
+}
+
+cpu_isa cpu_isa_best(void) {
+  int isa = CPU_ISA_COUNT - 1;
+  while (!has((cpu_isa)isa)) --isa;
+  return (cpu_isa)isa;
+}
+
+int cpu_isa_choose(cpu_isa *isa, char *error, size_t size) {
+  const char *name = secure_getenv("PBF_ISA");
+  cpu_isa best = cpu_isa_best();
+  *isa = best;
+  if (!name || !*name) return 1;
+  for (int k = 0; k < CPU_ISA_COUNT; ++k) {
+    if (strcmp(name, cpu_isa_name((cpu_isa)k)) != 0) continue;
+    *isa = (cpu_isa)k;
+    if (has(*isa)) return 1;
+    snprintf(error, size, "PBF_ISA is '%s', which this machine can't run; its best is '%s'", name,
+             cpu_isa_name(best));
+    return 0;
+  }
+  snprintf(error, size,
+           "PBF_ISA is '%.40s'; known are scalar, sse2, avx2 and avx512, and this machine's best "
+           "is '%s'",
+           name, cpu_isa_name(best));
+  return 0;
+}
+
+void cpu_brand(char *brand, size_t size) {
+  snprintf(brand, size, "CPU");
+#if defined(__x86_64__)
+  unsigned int words[13] = {0};
+  if (__get_cpuid_max(0x80000000u, NULL) < 0x80000004u) return;
+  for (unsigned int k = 0; k < 3; ++k)
+    __get_cpuid(0x80000002u + k, &words[4 * k], &words[4 * k + 1], &words[4 * k + 2],
+                &words[4 * k + 3]);
+  const char *text = (const char *)words;
+  text += strspn(text, " ");
+  size_t length = strlen(text);
+  while (length && text[length - 1] == ' ') --length;
+  if (length) snprintf(brand, size, "%.*s", (int)length, text);
+#endif
+}

@@ -1,0 +1,21 @@
+/* Instruction sets that the pair loops are built for. */
+#ifndef PBF_CPU_ISA_H
+#define PBF_CPU_ISA_H
+
+#include <stddef.h>
+
+typedef enum cpu_isa { CPU_SCALAR, CPU_SSE2, CPU_AVX2, CPU_AVX512, CPU_ISA_COUNT } cpu_isa;
+
+const char *cpu_isa_name(cpu_isa isa);
+
+/* The widest one that this machine has. */
+cpu_isa cpu_isa_best(void);
+
+/* That, or the one that the environment variable PBF_ISA names. 0, with a sentence in `error`, for
+ * a name that is unknown or that this machine can't run. */
+int cpu_isa_choose(cpu_isa *isa, char *error, size_t size);
+
+/* "AMD EPYC 9B45" or "CPU". */
+void cpu_brand(char *brand, size_t size);
+
+#endif

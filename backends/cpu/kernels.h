@@ -1,0 +1,77 @@
+/* The loops over particles and pairs that are built once for each instruction set, and what they
+ * work on. A loop's result for a particle never depends on the range it was called with. */
+#ifndef PBF_CPU_KERNELS_H
+#define PBF_CPU_KERNELS_H
+
+#include "cpu/grid.h"
+#include "physics/stages.h"
+
+/* Up to 31 consecutive sorted particles, and which of them are neighbours of which particle of a
+ * group: one mask for each particle of the group, see lanes.h. */
+typedef struct window {
+  uint32_t first;  /* the particle in slot 1; slot 0 is nobody's neighbour */
+  uint32_t rounds; /* most bits in a mask */
+} window;
+
+/* As many consecutive sorted particles as the vectors have lanes, and their windows. */
+typedef struct group {
+  uint32_t first, windows;
+} group;
+
+typedef struct lists {
+  const group *groups;
+  const window *windows;
+  const uint32_t *masks;
+  pbf_real far;
+  uint32_t count; /* particles */
+} lists;
+
+/* What the search reads and where it writes. */
+typedef struct search {
+  const grid *grid;
+  pbf_real h2;
+  field x;                  /* sorted */
+  const uint32_t *cells;    /* of the sorted particles */
+  const uint32_t *cell_end; /* cell_end[c - 1] … cell_end[c] - 1 are the particles in cell c */
+  uint32_t count;
+  group *groups;
+  window *windows;
+  uint32_t *masks;
+} search;
+
+/* What a pass over pairs needs beside the lists and its own arrays. */
+typedef struct pair_pass {
+  const pbf_constants *constants;
+  int features;
+  lists lists;
+  field x; /* sorted */
+} pair_pass;
+
+typedef struct kernels {
+  uint32_t width; /* particles in a group */
+
+  /* Particles first … last - 1, in any order. */
+  void (*predict)(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
+                  field v, field predicted, uint32_t first, uint32_t last);
+  void (*bounds)(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper);
+  void (*cells)(const grid *grid, field x, uint32_t first, uint32_t last, uint32_t *cells,
+                uint32_t *lowest, uint32_t *highest);
+  void (*velocity)(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
+                   field before, field after, field v, uint32_t first, uint32_t last);
+
+  /* Groups first … last - 1 of sorted particles. The search stores windows from `begin` up to
+   * `end` - 1 and returns how many there were, also when that is more. */
+  uint64_t (*search)(const search *s, uint32_t first, uint32_t last, uint64_t begin, uint64_t end);
+  void (*lambda)(const pair_pass *p, pbf_real *lambda, uint32_t first, uint32_t last);
+  void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
+               const pbf_real *lambda, field moved, uint32_t first, uint32_t last);
+  void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
+               uint32_t first, uint32_t last);
+  void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
+                  const pbf_real *size, field v, uint32_t first, uint32_t last);
+  void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
+  void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
+                  uint32_t last);
+} kernels;
+
+#endif

@@ -1,0 +1,351 @@
+/* Passes over pairs: a particle in each lane, its neighbours one after another. */
+#ifndef PBF_CPU_KERNELS_PAIRS_H
+#define PBF_CPU_KERNELS_PAIRS_H
+
+#include "cpu/kernels.h"
+#include "cpu/lanes.h"
+
+typedef struct lane_vec {
+  lane c[PBF_DIM];
+} lane_vec;
+
+typedef struct table_vec {
+  table c[PBF_DIM];
+} table_vec;
+
+PBF_FN lane_vec lane_vec_zero(void) {
+  lane_vec a;
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_set(0);
+  return a;
+}
+
+PBF_FN lane_vec lane_vec_load(const field *f, uint32_t i) {
+  lane_vec a;
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_load(f->c[k] + i);
+  return a;
+}
+
+/* Slot 1 is particle `first`. */
+PBF_FN table_vec table_vec_of(const field *f, uint32_t first, pbf_real far) {
+  table_vec t;
+  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k] + first - 1, k ? 0 : far);
+  return t;
+}
+
+/* a - table[s] */
+PBF_FN lane_vec lane_vec_minus(const lane_vec *a, const table_vec *t, slots s) {
+  lane_vec d;
+  for (int k = 0; k < PBF_DIM; ++k) d.c[k] = a->c[k] - table_at(&t->c[k], s);
+  return d;
+}
+
+PBF_FN lane lane_vec_dot(const lane_vec *a, const lane_vec *b) {
+  lane sum = a->c[0] * b->c[0];
+  for (int k = 1; k < PBF_DIM; ++k) sum = lane_fma(a->c[k], b->c[k], sum);
+  return sum;
+}
+
+PBF_FN void lane_vec_add_scaled(lane_vec *a, lane s, const lane_vec *b) {
+  for (int k = 0; k < PBF_DIM; ++k) a->c[k] = lane_fma(s, b->c[k], a->c[k]);
+}
+
+/* The lanes' values, one after another. */
+typedef struct lane_values {
+  _Alignas(64) pbf_real c[PBF_DIM][WIDTH];
+} lane_values;
+
+PBF_FN lane_values lane_vec_values(const lane_vec *a) {
+  lane_values v;
+  for (int k = 0; k < PBF_DIM; ++k) lane_store(v.c[k], a->c[k]);
+  return v;
+}
+
+PBF_FN pbf_vec lane_value(const lane_values *v, uint32_t l) {
+  pbf_vec a;
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = v->c[k][l];
+  return a;
+}
+
+PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
+  return n->count - g * WIDTH < WIDTH ? n->count - g * WIDTH : WIDTH;
+}
+
+/* The windows of group g. */
+PBF_FN const window *group_begin(const lists *n, uint32_t g) {
+  return n->windows + n->groups[g].first;
+}
+
+PBF_FN const window *group_end(const lists *n, uint32_t g) {
+  return group_begin(n, g) + n->groups[g].windows;
+}
+
+PBF_FN slots window_masks(const lists *n, const window *w) {
+  return slots_load(n->masks + (uint64_t)(w - n->windows) * WIDTH);
+}
+
+/* ---- Density constraint -------------------------------------------------------------------- */
+
+PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, uint32_t first,
+                          uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    lane density = lane_set(c.value_scale), slope2 = lane_set(0);
+    lane_vec gradient = lane_vec_zero();
+    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
+      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
+      slots masks = window_masks(&n, w);
+      for (uint32_t k = w->rounds; k > 0; --k) {
+        lane value, slope;
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, slots_take(&masks));
+        lane r2 = lane_vec_dot(&x_ij, &x_ij);
+        lanes_kernel(features, &c, r2, &value, &slope);
+        density = density + value;
+        slope2 = lane_fma(slope * slope, r2, slope2);
+        lane_vec_add_scaled(&gradient, slope, &x_ij);
+      }
+    }
+    _Alignas(64) pbf_real densities[WIDTH], slopes2[WIDTH], lambdas[WIDTH];
+    lane_values gradients = lane_vec_values(&gradient);
+    lane_store(densities, density);
+    lane_store(slopes2, slope2);
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      lambdas[l] = pbf_lambda(&c, densities[l], slopes2[l], lane_value(&gradients, l));
+    lane_store(lambda + g * WIDTH, lane_load(lambdas));
+  }
+}
+
+static void lambda(const pair_pass *p, pbf_real *lambda, uint32_t first, uint32_t last) {
+  if (p->features & PBF_FEATURE_POLY6)
+    lambda_groups(PBF_FEATURE_POLY6, p, lambda, first, last);
+  else
+    lambda_groups(0, p, lambda, first, last);
+}
+
+/* Sum of eq. 12 or 14 for the particles of one group. */
+PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const lists *n, const field *f,
+                         const pbf_real *lambda, uint32_t g) {
+  const lane_vec x = lane_vec_load(f, g * WIDTH);
+  const lane lambda_i = lane_load(lambda + g * WIDTH);
+  lane_vec sum = lane_vec_zero();
+  for (const window *w = group_begin(n, g), *end = group_end(n, g); w < end; ++w) {
+    const table_vec x_of = table_vec_of(f, w->first, n->far);
+    const table lambda_of = table_of(lambda + w->first - 1, 0);
+    slots masks = window_masks(n, w);
+    for (uint32_t k = w->rounds; k > 0; --k) {
+      lane value, slope;
+      slots s = slots_take(&masks);
+      lane_vec x_ij = lane_vec_minus(&x, &x_of, s);
+      lanes_kernel(features, c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
+      lane factor = lambda_i + table_at(&lambda_of, s);
+      if (features & PBF_FEATURE_SCORR) factor = factor + lanes_scorr(c, value);
+      lane_vec_add_scaled(&sum, factor * slope, &x_ij);
+    }
+  }
+  return sum;
+}
+
+PBF_FN void move_group(const pbf_constants *c, const pbf_obstacles *obstacles, int collide,
+                       const field *from, const lane_values *sums, const field *to, uint32_t i,
+                       const uint32_t lanes) {
+  for (uint32_t l = 0; l < lanes; ++l)
+    field_set(to, i + l, pbf_move(c, field_at(from, i + l), lane_value(sums, l)));
+  if (!collide) return;
+  const pbf_walls walls = obstacles->walls;
+  for (uint32_t l = 0; l < lanes; ++l)
+    field_set(to, i + l,
+              pbf_resolve(&walls, obstacles->count, obstacles->solids, field_at(to, i + l)));
+}
+
+PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstacles *obstacles,
+                        int collide, const pbf_real *lambda, field moved, uint32_t first,
+                        uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    lane_vec sum = move_sum(features, &c, &n, &p->x, lambda, g);
+    lane_values sums = lane_vec_values(&sum);
+    uint32_t lanes = lanes_in_group(&n, g);
+    if (lanes == WIDTH)
+      move_group(&c, obstacles, collide, &p->x, &sums, &moved, g * WIDTH, WIDTH);
+    else
+      move_group(&c, obstacles, collide, &p->x, &sums, &moved, g * WIDTH, lanes);
+  }
+}
+
+static void move(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
+                 const pbf_real *lambda, field moved, uint32_t first, uint32_t last) {
+  enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
+  if ((p->features & BOTH) == BOTH)
+    move_groups(BOTH, p, obstacles, collide, lambda, moved, first, last);
+  else if (p->features & PBF_FEATURE_POLY6)
+    move_groups(PBF_FEATURE_POLY6, p, obstacles, collide, lambda, moved, first, last);
+  else if (p->features & PBF_FEATURE_SCORR)
+    move_groups(PBF_FEATURE_SCORR, p, obstacles, collide, lambda, moved, first, last);
+  else
+    move_groups(0, p, obstacles, collide, lambda, moved, first, last);
+}
+
+/* ---- Velocity ------------------------------------------------------------------------------ */
+
+/* Particles of the last group are fewer; what its other lanes hold is nobody's. */
+typedef struct lane_curls {
+  _Alignas(64) pbf_real c[PBF_CURL_DIM][WIDTH];
+} lane_curls;
+
+PBF_FN pbf_curl lane_curl(const lane_curls *curls, uint32_t l) {
+  pbf_curl curl;
+  for (int k = 0; k < PBF_CURL_DIM; ++k) curl.c[k] = curls->c[k][l];
+  return curl;
+}
+
+PBF_FN void add_curls(lane_curls *curls, lane slope, const lane_vec *x_ij, const lane_vec *v_ji) {
+  _Alignas(64) pbf_real slopes[WIDTH];
+  lane_values x = lane_vec_values(x_ij), v = lane_vec_values(v_ji);
+  lane_store(slopes, slope);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_curl curl = lane_curl(curls, l);
+    pbf_add_curl(&curl, slopes[l], lane_value(&x, l), lane_value(&v, l));
+    for (int k = 0; k < PBF_CURL_DIM; ++k) curls->c[k][l] = curl.c[k];
+  }
+}
+
+PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
+                        pbf_real *const curl[PBF_CURL_DIM], pbf_real *size, uint32_t first,
+                        uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
+    lane_curls curls;
+    memset(&curls, 0, sizeof curls);
+    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
+      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
+      const table_vec v_of = table_vec_of(&v, w->first, 0);
+      slots masks = window_masks(&n, w);
+      for (uint32_t k = w->rounds; k > 0; --k) {
+        lane value, slope;
+        slots s = slots_take(&masks);
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, s), v_ij = lane_vec_minus(&v_i, &v_of, s), v_ji;
+        for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = -v_ij.c[a];
+        lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
+        add_curls(&curls, slope, &x_ij, &v_ji);
+      }
+    }
+    for (int k = 0; k < PBF_CURL_DIM; ++k)
+      memcpy(curl[k] + g * WIDTH, curls.c[k], sizeof curls.c[k]);
+    for (uint32_t l = 0; l < WIDTH; ++l) size[g * WIDTH + l] = pbf_curl_size(lane_curl(&curls, l));
+  }
+}
+
+static void curl(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
+                 uint32_t first, uint32_t last) {
+  if (p->features & PBF_FEATURE_POLY6)
+    curl_groups(PBF_FEATURE_POLY6, p, v, curl, size, first, last);
+  else
+    curl_groups(0, p, v, curl, size, first, last);
+}
+
+PBF_FN void confine_groups(const int features, const pair_pass *p, pbf_real strength,
+                           pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size, field v,
+                           uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    lane_vec eta = lane_vec_zero();
+    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
+      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
+      const table size_of = table_of(size + w->first - 1, 0);
+      slots masks = window_masks(&n, w);
+      for (uint32_t k = w->rounds; k > 0; --k) {
+        lane value, slope;
+        slots s = slots_take(&masks);
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, s);
+        lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
+        lane_vec_add_scaled(&eta, table_at(&size_of, s) * slope, &x_ij);
+      }
+    }
+    lane_values etas = lane_vec_values(&eta);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i) {
+      pbf_curl curl_i;
+      for (int k = 0; k < PBF_CURL_DIM; ++k) curl_i.c[k] = curl[k][i];
+      pbf_vec change = pbf_confine(strength, lane_value(&etas, l), curl_i);
+      field_set(&v, i, pbf_add_scaled(field_at(&v, i), 1, change));
+    }
+  }
+}
+
+static void confine(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
+                    const pbf_real *size, field v, uint32_t first, uint32_t last) {
+  if (p->features & PBF_FEATURE_POLY6)
+    confine_groups(PBF_FEATURE_POLY6, p, strength, curl, size, v, first, last);
+  else
+    confine_groups(0, p, strength, curl, size, v, first, last);
+}
+
+PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, field smoothed,
+                             uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
+    lane_vec sum = lane_vec_zero();
+    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
+      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
+      const table_vec v_of = table_vec_of(&v, w->first, 0);
+      slots masks = window_masks(&n, w);
+      for (uint32_t k = w->rounds; k > 0; --k) {
+        slots s = slots_take(&masks);
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, s), v_ij = lane_vec_minus(&v_i, &v_of, s);
+        lane value = lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
+        lane_vec_add_scaled(&sum, -value, &v_ij);
+      }
+    }
+    lane_values sums = lane_vec_values(&sum);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i)
+      field_set(&smoothed, i, pbf_add_scaled(field_at(&v, i), c.viscosity, lane_value(&sums, l)));
+  }
+}
+
+static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last) {
+  if (p->features & PBF_FEATURE_POLY6)
+    viscosity_groups(PBF_FEATURE_POLY6, p, v, smoothed, first, last);
+  else
+    viscosity_groups(0, p, v, smoothed, first, last);
+}
+
+/* ---- On request ---------------------------------------------------------------------------- */
+
+PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *densities,
+                           uint32_t *neighbors, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const lists n = p->lists;
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    lane density = lane_set(c.value_scale);
+    slots count = slots_set(0);
+    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
+      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
+      slots masks = window_masks(&n, w);
+      count = count + slots_popcount(masks);
+      for (uint32_t k = w->rounds; k > 0; --k) {
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, slots_take(&masks));
+        density = density + lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
+      }
+    }
+    lane_store(densities + g * WIDTH, density);
+    slots_store(neighbors + g * WIDTH, count);
+  }
+}
+
+static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
+                    uint32_t last) {
+  if (p->features & PBF_FEATURE_POLY6)
+    density_groups(PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
+  else
+    density_groups(0, p, densities, neighbors, first, last);
+}
+
+#endif

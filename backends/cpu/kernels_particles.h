@@ -1,0 +1,67 @@
+/* Loops over single particles, left to the compiler's vectoriser. */
+#ifndef PBF_CPU_KERNELS_PARTICLES_H
+#define PBF_CPU_KERNELS_PARTICLES_H
+
+#include "cpu/kernels.h"
+
+static void collide_range(const pbf_obstacles *o, field x, uint32_t first, uint32_t last) {
+  const pbf_walls walls = o->walls;
+  if (o->count == 0) {
+    for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
+    return;
+  }
+  for (uint32_t i = first; i < last; ++i)
+    field_set(&x, i, pbf_resolve(&walls, o->count, o->solids, field_at(&x, i)));
+}
+
+static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
+                    field v, field predicted, uint32_t first, uint32_t last) {
+  const pbf_forces f = *forces;
+  for (uint32_t i = first; i < last; ++i)
+    field_set(&predicted, i, pbf_predict(&f, field_at(&x, i), field_at(&v, i)));
+  if (collide) collide_range(obstacles, predicted, first, last);
+}
+
+/* NaN leaves the bounds as they are. */
+static void bounds(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    pbf_real low = lower->c[k], high = upper->c[k];
+    for (uint32_t i = first; i < last; ++i) {
+      low = pbf_real_min(x.c[k][i], low);
+      high = pbf_real_max(x.c[k][i], high);
+    }
+    lower->c[k] = low;
+    upper->c[k] = high;
+  }
+}
+
+static inline __attribute__((always_inline)) void cells_of(const grid *of, field x, uint32_t first,
+                                                           uint32_t last, const int folded,
+                                                           uint32_t *restrict cell) {
+  const grid g = *of;
+  for (uint32_t i = first; i < last; ++i) cell[i] = grid_cell(&g, field_at(&x, i), folded);
+}
+
+static void cells(const grid *of, field x, uint32_t first, uint32_t last, uint32_t *cell,
+                  uint32_t *lowest, uint32_t *highest) {
+  uint32_t low = UINT32_MAX, high = 0;
+  if (grid_is_folded(of))
+    cells_of(of, x, first, last, 1, cell);
+  else
+    cells_of(of, x, first, last, 0, cell);
+  for (uint32_t i = first; i < last; ++i) {
+    low = cell[i] < low ? cell[i] : low;
+    high = cell[i] > high ? cell[i] : high;
+  }
+  *lowest = low;
+  *highest = high;
+}
+
+static void velocity(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
+                     field before, field after, field v, uint32_t first, uint32_t last) {
+  if (collide) collide_range(obstacles, after, first, last);
+  for (uint32_t i = first; i < last; ++i)
+    field_set(&v, i, pbf_velocity(inv_time_step, field_at(&before, i), field_at(&after, i)));
+}
+
+#endif

@@ -1,0 +1,74 @@
+/* Vectors of 128 bits in the compiler's own extension: SSE2, or whatever else has them. */
+typedef pbf_real lane __attribute__((vector_size(16)));
+enum { WIDTH = 16 / sizeof(pbf_real) };
+typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+typedef struct table {
+  const pbf_real *slot;
+  pbf_real far;
+} table;
+
+#if PBF_BITS == 32
+typedef int32_t lane_mask __attribute__((vector_size(16)));
+PBF_FN slots slots_of_mask(lane_mask m) { return (slots)m; }
+#else
+typedef int64_t lane_mask __attribute__((vector_size(16)));
+PBF_FN slots slots_of_mask(lane_mask m) { return (slots){(uint32_t)m[0], (uint32_t)m[1]}; }
+#endif
+
+PBF_FN lane lane_load(const pbf_real *p) {
+  lane a;
+  memcpy(&a, p, sizeof a);
+  return a;
+}
+PBF_FN void lane_store(pbf_real *p, lane a) { memcpy(p, &a, sizeof a); }
+PBF_FN lane lane_max(lane a, lane b) {
+  lane_mask m = a > b;
+  return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
+}
+PBF_FN lane lane_fma(lane a, lane b, lane c) { return a * b + c; }
+#if PBF_BITS == 32
+PBF_FN lane lane_set(pbf_real a) { return (lane){a, a, a, a}; }
+PBF_FN slots slots_set(uint32_t a) { return (slots){a, a, a, a}; }
+PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3}; }
+#else
+PBF_FN lane lane_set(pbf_real a) { return (lane){a, a}; }
+PBF_FN slots slots_set(uint32_t a) { return (slots){a, a}; }
+PBF_FN slots slots_iota(void) { return (slots){0, 1}; }
+#endif
+PBF_FN lane lane_sqrt(lane a) {
+  for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
+  return a;
+}
+PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }
+
+PBF_FN slots slots_load(const uint32_t *p) {
+  slots a;
+  memcpy(&a, p, sizeof a);
+  return a;
+}
+PBF_FN void slots_store(uint32_t *p, slots a) { memcpy(p, &a, sizeof a); }
+PBF_FN slots slots_shift_right(slots a, int count) { return a >> slots_set((uint32_t)count); }
+PBF_FN slots slots_bit(slots s) {
+  for (int k = 0; k < WIDTH; ++k) s[k] = s[k] < SLOTS ? 0x80000000u >> s[k] : 0;
+  return s;
+}
+PBF_FN slots slots_leading(slots m) {
+  for (int k = 0; k < WIDTH; ++k) m[k] = m[k] ? (uint32_t)__builtin_clz(m[k]) : SLOTS;
+  return m;
+}
+PBF_FN uint32_t slots_max(slots a) {
+  uint32_t most = a[0];
+  for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
+  return most;
+}
+PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
+  return m | (slots_of_mask(a < b) & slots_set(bit));
+}
+PBF_FN slots slots_below(slots a, uint32_t limit) { return (slots)(a < slots_set(limit)); }
+
+PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, far}; }
+PBF_FN lane table_at(const table *t, slots s) {
+  lane a;
+  for (int k = 0; k < WIDTH; ++k) a[k] = s[k] < SLOTS ? t->slot[s[k]] : t->far;
+  return a;
+}

@@ -1,0 +1,30 @@
+/* One lane: the scalar twin that the vector kernels are tested against. */
+enum { WIDTH = 1 };
+typedef pbf_real lane;
+typedef uint32_t slots;
+typedef struct table {
+  const pbf_real *slot;
+  pbf_real far;
+} table;
+
+PBF_FN lane lane_set(pbf_real a) { return a; }
+PBF_FN lane lane_load(const pbf_real *p) { return *p; }
+PBF_FN void lane_store(pbf_real *p, lane a) { *p = a; }
+PBF_FN lane lane_max(lane a, lane b) { return a > b ? a : b; }
+PBF_FN lane lane_fma(lane a, lane b, lane c) { return a * b + c; }
+PBF_FN lane lane_sqrt(lane a) { return pbf_real_sqrt(a); }
+PBF_FN lane lane_rsqrt(lane a) { return 1 / pbf_real_sqrt(a); }
+
+PBF_FN slots slots_set(uint32_t a) { return a; }
+PBF_FN slots slots_iota(void) { return 0; }
+PBF_FN slots slots_load(const uint32_t *p) { return *p; }
+PBF_FN void slots_store(uint32_t *p, slots a) { *p = a; }
+PBF_FN slots slots_shift_right(slots a, int count) { return a >> count; }
+PBF_FN slots slots_bit(slots s) { return s < SLOTS ? 0x80000000u >> s : 0; }
+PBF_FN slots slots_leading(slots m) { return m ? (uint32_t)__builtin_clz(m) : SLOTS; }
+PBF_FN uint32_t slots_max(slots a) { return a; }
+PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) { return a < b ? m | bit : m; }
+PBF_FN slots slots_below(slots a, uint32_t limit) { return a < limit ? ~0u : 0; }
+
+PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, far}; }
+PBF_FN lane table_at(const table *t, slots s) { return s < SLOTS ? t->slot[s] : t->far; }

@@ -1,0 +1,61 @@
+/* Particles in and out, by row: the order of adding. */
+#ifndef PBF_CPU_PARTICLES_H
+#define PBF_CPU_PARTICLES_H
+
+#include "common/rows.h"
+#include "cpu/solver.h"
+
+static void append(solver *s, const pbf_particles *p) {
+  const pbf_real *x = p->positions, *v = p->velocities;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t i = 0; i < p->count; ++i) {
+      s->buffers.x.c[k][s->count + i] = x[(uint64_t)i * PBF_DIM + (uint32_t)k];
+      s->buffers.v.c[k][s->count + i] = v ? v[(uint64_t)i * PBF_DIM + (uint32_t)k] : 0;
+    }
+  memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
+  s->count += p->count;
+}
+
+static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
+  buffers *b = &s->buffers;
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (pbf_find_id(ids, count, b->ids[i]) < count) continue;
+    field_set(&b->x, kept, field_at(&b->x, i));
+    field_set(&b->v, kept, field_at(&b->v, i));
+    b->ids[kept++] = b->ids[i];
+  }
+  s->count = kept;
+}
+
+/* Row of particle i among those asked for, or rows->count. */
+static uint32_t wanted_row(const pbf_rows *rows, uint32_t id) {
+  uint32_t row = pbf_row_of(rows, id) - rows->first;
+  return row < rows->count ? row : rows->count;
+}
+
+static void read_vectors(const solver *s, const field *f, const pbf_rows *rows, pbf_real *out) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row == rows->count) continue;
+    for (uint32_t k = 0; k < PBF_DIM; ++k) out[row * PBF_DIM + k] = f->c[k][i];
+  }
+}
+
+static void write_vectors(solver *s, const field *f, const pbf_rows *rows, const pbf_real *in) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row == rows->count) continue;
+    for (uint32_t k = 0; k < PBF_DIM; ++k) f->c[k][i] = in[row * PBF_DIM + k];
+  }
+}
+
+/* After a survey. */
+static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  for (uint32_t k = 0; k < s->count; ++k) {
+    uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
+    if (row < rows->count) out[row] = s->lambda[k];
+  }
+}
+
+#endif

@@ -1,0 +1,56 @@
+/* The `serial` and `openmp` plugins: one CPU solver with two kinds of team. */
+#include "cpu/plugin.h"
+
+#include <stdio.h>
+
+#include "cpu/isa.h"
+#include "cpu/team.h"
+
+const pbf_backend_host *cpu_host;
+
+/* Millions of particle-iterations a second that one thread does in the benchmark, by the bits of
+ * its vectors. */
+static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
+  static const int32_t scores[CPU_ISA_COUNT] = {10, 16, 30, 80};
+  int32_t score = scores[isa];
+  if (workload->precision == PBF_FLOAT64) score = score / 2;
+  return workload->dimension == 3 ? score / 3 : score;
+}
+
+/* A team's barriers cost as much as a few hundred particles. */
+void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
+  cpu_isa isa = cpu_isa_best();
+  char brand[64];
+  double threads = team_size(workload->threads), work = workload->capacity;
+  double speed_up = threads > 1 ? work / (work / threads + 300 + 100 * threads) : 1;
+  int32_t score = (int32_t)(thread_score(isa, workload) * speed_up);
+  cpu_brand(brand, sizeof brand);
+  result->score = score > 1 ? score : 1;
+  result->device_type = PBF_DEVICE_CPU;
+  snprintf(result->device_name, sizeof result->device_name, "%s (%s)", brand, cpu_isa_name(isa));
+}
+
+static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
+                         pbf_backend_solver **solver, const pbf_backend_api **api) {
+  const pbf_backend_api *variant =
+      desc->dimension == 2 ? (desc->precision == PBF_FLOAT32 ? &cpu_2d_f32 : &cpu_2d_f64)
+                           : (desc->precision == PBF_FLOAT32 ? &cpu_3d_f32 : &cpu_3d_f64);
+  return variant->create(desc, params, solver, api);
+}
+
+pbf_status pbf_backend_negotiate(const pbf_backend_host *host, pbf_backend_answer *answer);
+
+__attribute__((visibility("default"))) pbf_status pbf_backend_negotiate(
+    const pbf_backend_host *host, pbf_backend_answer *answer) {
+  static pbf_backend_api table;
+  if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
+    return PBF_ERROR_UNSUPPORTED;
+  cpu_host = host;
+  table = cpu_3d_f32;
+  table.create = create;
+  answer->abi_version = PBF_BACKEND_ABI_VERSION;
+  answer->api = &table;
+  snprintf(answer->name, sizeof answer->name, "%s", PBF_BACKEND_NAME);
+  snprintf(answer->build_id, sizeof answer->build_id, "%s", PBF_BUILD_ID);
+  return PBF_OK;
+}

@@ -1,0 +1,12 @@
+/* What the variants of the CPU backends share. */
+#ifndef PBF_CPU_PLUGIN_H
+#define PBF_CPU_PLUGIN_H
+
+#include <pbf/pbf_backend.h>
+
+extern const pbf_backend_host *cpu_host;
+extern const pbf_backend_api cpu_2d_f32, cpu_2d_f64, cpu_3d_f32, cpu_3d_f64;
+
+void cpu_probe(const pbf_workload *workload, pbf_probe_result *result);
+
+#endif

@@ -1,0 +1,70 @@
+/* A thread's part in a step. All threads run the same code and cut the work by their number. */
+#ifndef PBF_CPU_WORKER_H
+#define PBF_CPU_WORKER_H
+
+#include <time.h>
+
+#include "cpu/solver.h"
+
+typedef struct worker {
+  solver *s;
+  uint32_t thread, threads;
+  buffers b; /* every thread swaps its own copy */
+  grid grid;
+  pbf_obstacles obstacles;
+  double stage_begin;
+} worker;
+
+typedef struct range {
+  uint32_t first, last; /* up to last - 1 */
+} range;
+
+static inline range part_of(uint64_t total, uint32_t thread, uint32_t threads) {
+  return (range){(uint32_t)(total * thread / threads), (uint32_t)(total * (thread + 1) / threads)};
+}
+
+static inline range my_chunks(const worker *w) {
+  return part_of(chunks_of(w->s->count), w->thread, w->threads);
+}
+
+static inline range my_particles(const worker *w) {
+  range r = my_chunks(w);
+  uint64_t last = (uint64_t)r.last * CHUNK;
+  return (range){r.first * CHUNK, last < w->s->count ? (uint32_t)last : w->s->count};
+}
+
+static inline range my_groups(const worker *w) {
+  uint32_t width = w->s->kernels->width;
+  return part_of(((uint64_t)w->s->count + width - 1) / width, w->thread, w->threads);
+}
+
+static inline range my_sorted(const worker *w) {
+  range r = my_groups(w);
+  uint32_t width = w->s->kernels->width;
+  uint64_t last = (uint64_t)r.last * width;
+  return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
+}
+
+static inline double seconds_now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The end of a stage whose results other threads read next. */
+static inline void stage_end(worker *w, pbf_stage stage) {
+  team_barrier();
+  if (!w->s->timing || w->thread != 0) return;
+  double now = seconds_now();
+  w->s->seconds[stage] += now - w->stage_begin;
+  ++w->s->runs[stage];
+  w->stage_begin = now;
+}
+
+static inline void swap_fields(field *a, field *b) {
+  field c = *a;
+  *a = *b;
+  *b = c;
+}
+
+#endif
