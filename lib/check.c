@@ -18,6 +18,7 @@ static const char *objection(double value, pbf_range range, uint32_t precision) 
   const char *demand = pbf_check_finite(value, precision);
   if (demand) return demand;
   if (range == PBF_AT_LEAST_ZERO && value < 0) return "at least 0";
+  if (range == PBF_FRACTION && (value < 0 || value > 1)) return "from 0 to 1";
   if (range == PBF_ABOVE_ZERO && value <= 0) return "above 0";
   if (range == PBF_ABOVE_ZERO && precision == PBF_FLOAT32 && value < FLT_MIN)
     return "a normal number in float32, at least 1.2e-38";

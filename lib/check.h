@@ -16,6 +16,7 @@ typedef enum pbf_range {
   PBF_ANY, /* finite */
   PBF_AT_LEAST_ZERO,
   PBF_ABOVE_ZERO,
+  PBF_FRACTION,
 } pbf_range;
 
 /* `components`: 1, 3 (an axis each, of which 2D has two) or 6 (a wall each, of which 2D has

@@ -18,7 +18,7 @@ static const pbf_count_rule counts[] = {
     COUNT(kernel, 0, PBF_KERNEL_POLY6_SPIKY, " (PBF_KERNEL_…)"),
     COUNT(iterations, 1, UINT32_MAX, ""),
     COUNT(collide, 1, 7, ", a sum of PBF_COLLIDE_… bits"),
-    COUNT(reserved0, 0, 0, ""),
+    COUNT(solver, 0, PBF_SOLVER_CHEBYSHEV, " (PBF_SOLVER_…)"),
 };
 
 static const pbf_real_rule reals[] = {
@@ -31,6 +31,9 @@ static const pbf_real_rule reals[] = {
     REAL(attraction_center, 3, PBF_ANY),
     REAL(relaxation, 1, PBF_AT_LEAST_ZERO),
     REAL(epsilon, 1, PBF_AT_LEAST_ZERO),
+    REAL(separation, 1, PBF_FRACTION),
+    REAL(min_diagonal, 1, PBF_AT_LEAST_ZERO),
+    REAL(wall_density, 1, PBF_FRACTION),
     REAL(scorr_k, 1, PBF_AT_LEAST_ZERO),
     REAL(vorticity, 1, PBF_AT_LEAST_ZERO),
     REAL(viscosity, 1, PBF_AT_LEAST_ZERO),

@@ -114,20 +114,20 @@ PBF_FN pbf_real pbf_box_distance(pbf_vec p, pbf_vec half, pbf_vec *normal) {
   return inside;
 }
 
-/* Moves x out of the solid along the shortest way. */
-PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
-  pbf_vec p = pbf_sub(x, s->center), normal = s->frame[0];
+/* Distance of x from the solid, negative where the fluid must not be; *normal points to the fluid.
+ */
+PBF_FN pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *normal) {
+  pbf_vec p = pbf_sub(x, s->center), n = s->frame[0];
   pbf_real distance;
   if (s->shape == PBF_COLLIDER_PLANE) {
-    distance = pbf_dot(p, normal);
+    distance = pbf_dot(p, n);
   } else if (s->shape == PBF_COLLIDER_BOX) {
     pbf_vec local, local_normal;
     for (int k = 0; k < PBF_DIM; ++k) local.c[k] = pbf_dot(p, s->frame[k]);
     distance = pbf_box_distance(local, s->half_extents, &local_normal);
     for (int k = 0; k < PBF_DIM; ++k) {
-      normal.c[k] = 0;
-      for (int row = 0; row < PBF_DIM; ++row)
-        normal.c[k] += s->frame[row].c[k] * local_normal.c[row];
+      n.c[k] = 0;
+      for (int row = 0; row < PBF_DIM; ++row) n.c[k] += s->frame[row].c[k] * local_normal.c[row];
     }
   } else {
     if (s->shape == PBF_COLLIDER_CAPSULE) {
@@ -135,10 +135,17 @@ PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
       along = pbf_real_max(pbf_real_min(along, s->half_length), -s->half_length);
       p = pbf_add_scaled(p, -along, s->frame[0]);
     }
-    distance = pbf_sphere_distance(p, s->radius, s->frame[1], &normal);
+    distance = pbf_sphere_distance(p, s->radius, s->frame[1], &n);
   }
-  pbf_real depth = -s->sign * distance;
-  return depth > 0 ? pbf_add_scaled(x, s->sign * depth, normal) : x;
+  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
+  return s->sign * distance;
+}
+
+/* Moves x out of the solid along the shortest way. */
+PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
+  pbf_vec normal;
+  pbf_real distance = pbf_solid_distance(s, x, &normal);
+  return distance < 0 ? pbf_add_scaled(x, -distance, normal) : x;
 }
 
 /* Walls and colliders of one step. */

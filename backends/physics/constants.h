@@ -2,18 +2,68 @@
 #ifndef PBF_PHYSICS_CONSTANTS_H
 #define PBF_PHYSICS_CONSTANTS_H
 
+#include <string.h>
+
 #include "physics/derive.h"
 #include "physics/real.h"
+
+enum { PBF_WALL_NODES = 17 };
 
 typedef struct pbf_constants {
   pbf_real h, h2, inv_h, inv_h2;
   pbf_real tiny2; /* r² below which a pair has no direction */
   pbf_real value_scale, gradient_scale, gradient_over_h;
   pbf_real epsilon, omega;
+  pbf_real tension;      /* weight of densities below rest */
+  pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
   pbf_real vorticity, viscosity;
   int scorr_n;
+  int accelerated;    /* lambda adds up over the iterations, with … */
+  int one_sided;      /* … its sign kept */
+  pbf_real step_size; /* of the Chebyshev iteration, and */
+  double contraction; /* what its weights follow from, pbf_next_weight */
+  pbf_real wall_offset;
+  pbf_real
+      wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
+  pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
 } pbf_constants;
+
+/* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
+ * largest with room for compression; a such that n iterations leave CHEBYSHEV_REST of what lies
+ * inside, but not so small that the memory of the iteration outlasts changes of the contact set. */
+static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params) {
+  const double rest = 0.1, shortest_memory = 0.14;
+  double largest = 1.5 * PBF_SAFE_RELAXATION / (double)c->omega;
+  double angle = fmax(acosh(1 / rest) / params->iterations, shortest_memory);
+  double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
+  c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
+  c->one_sided = c->accelerated && params->separation >= 1;
+  c->step_size = (pbf_real)(2 / (largest + smallest));
+  c->contraction = (largest - smallest) / (largest + smallest);
+}
+
+/* Weight of iteration k = 0, 1, … from that of the one before (Golub & Varga 1961). */
+static inline double pbf_next_weight(const pbf_constants *c, uint32_t k, double weight) {
+  double r2 = c->contraction * c->contraction;
+  return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
+}
+
+static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params, double offset) {
+  enum { LAST = PBF_WALL_NODES - 1 };
+  const double e = 1e-3;
+  memset(c->wall_value, 0, sizeof c->wall_value);
+  memset(c->wall_slope, 0, sizeof c->wall_slope);
+  c->wall_offset = (pbf_real)offset;
+  for (int k = 0; k < LAST && params->wall_density > 0; ++k) {
+    double t = (double)k / LAST;
+    double above = pbf_half_space(params->kernel, PBF_DIM, t + e);
+    double below = pbf_half_space(params->kernel, PBF_DIM, t - e);
+    c->wall_value[k] =
+        (pbf_real)(params->wall_density * pbf_half_space(params->kernel, PBF_DIM, t));
+    c->wall_slope[k] = (pbf_real)(params->wall_density * (above - below) / (2 * e * LAST));
+  }
+}
 
 static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   pbf_derived d = pbf_derive(params, PBF_DIM);
@@ -28,11 +78,16 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);
   c.epsilon = (pbf_real)d.epsilon;
   c.omega = (pbf_real)d.omega;
+  c.tension = (pbf_real)(1 - params->separation);
+  c.min_diagonal = (pbf_real)(params->min_diagonal * d.diagonal);
   c.scorr_k = (pbf_real)d.scorr_k;
   c.scorr_inv_w = (pbf_real)d.scorr_inv_w;
   c.vorticity = (pbf_real)params->vorticity;
   c.viscosity = (pbf_real)params->viscosity;
   c.scorr_n = (int)params->scorr_n;
+  pbf_set_acceleration(&c, params);
+  pbf_set_walls(&c, params, d.wall_offset);
+  if (c.one_sided) c.tension = 1; /* the sign of lambda does what the constraint's would */
   return c;
 }
 

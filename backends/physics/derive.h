@@ -23,6 +23,7 @@ typedef struct pbf_derived {
   double scorr_inv_w; /* 1 / (V W(delta q)) */
   double scorr_dq2;   /* (delta q)² in units of h² */
   double diagonal;    /* V² sum |grad W|² on the lattice */
+  double wall_offset; /* how far behind a wall's surface its density begins */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -115,6 +116,45 @@ static inline double pbf_derive_spacing(const pbf_params *params) {
   return params->spacing > 0 ? params->spacing : 0.5 * params->smoothing_radius;
 }
 
+/* Integral of the kernel over the half-space beyond a plane at the distance t h, by Simpson's rule:
+ * a plane at height z cuts out  f(z) = 2 int W r dr (r from z to h; in 2D  2 int W dx), and this is
+ * its integral from t to 1. */
+static inline double pbf_half_space(uint32_t kernel, uint32_t dimension, double t) {
+  enum { N = 24 };
+  double outer = 0, norm = pbf_norm_value(kernel, dimension, 1);
+  for (int i = 0; i <= N; ++i) {
+    double z = t + (1 - t) * i / N, radius = sqrt(fmax(0, 1 - z * z)), inner = 0;
+    for (int k = 0; k <= N; ++k) {
+      double x = radius * k / N, q = sqrt(z * z + x * x);
+      double w = pbf_shape_value(kernel, q) * (dimension == 3 ? 2 * PBF_PI * x : 2);
+      inner += w * (k == 0 || k == N ? 1 : k % 2 ? 4 : 2) * radius / (3 * N);
+    }
+    outer += inner * (i == 0 || i == N ? 1 : i % 2 ? 4 : 2) * (1 - t) / (3 * N);
+  }
+  return t < 1 ? norm * outer : 0;
+}
+
+/* Where the half-space must begin so that the lattice's first layer, on the wall, is at rest. */
+static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double h, double d,
+                                     double volume) {
+  double missing = 0;
+  int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = 1; j <= n; ++j)
+      for (int i = -n; i <= n; ++i)
+        missing += volume * pbf_norm_value(kernel, dimension, h) *
+                   pbf_shape_value(kernel, d / h * sqrt((double)(i * i + j * j + k * k)));
+  double low = 0, high = 1;
+  for (int step = 0; step < 40; ++step) {
+    double middle = 0.5 * (low + high);
+    if (pbf_half_space(kernel, dimension, middle) > missing)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low * h;
+}
+
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
   pbf_derived d = {0};
   uint32_t kernel = params->kernel;
@@ -126,6 +166,8 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.value_scale = d.volume * pbf_norm_value(kernel, dimension, h);
   d.gradient_scale = d.volume * pbf_norm_slope(kernel, dimension, h);
   d.diagonal = d.volume * d.volume * sums.slope2;
+  if (params->wall_density > 0)
+    d.wall_offset = pbf_wall_offset(kernel, dimension, h, d.spacing, d.volume);
   d.epsilon = params->epsilon / (h * h);
   d.omega = params->relaxation > 0
                 ? params->relaxation

@@ -37,7 +37,57 @@ PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
  * over the others of V grad W, slope2 = sum over the others of |V grad W|². */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real density, pbf_real slope2,
                            pbf_vec gradient) {
-  return -(density - 1) / (slope2 + pbf_dot(gradient, gradient) + c->epsilon);
+  pbf_real constraint = density - 1;
+  pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
+  if (constraint < 0) constraint *= c->tension;
+  return -constraint / pbf_real_max(diagonal, c->min_diagonal);
+}
+
+/* One Chebyshev step: `lambda` is pbf_lambda's, `weight` from pbf_next_weight; *total is the lambda
+ * that acts, *before the one of an iteration earlier (both 0 at the start of a step). Returns what
+ * the position change of this iteration takes for lambda. */
+PBF_FN pbf_real pbf_accelerate(const pbf_constants *c, pbf_real weight, pbf_real lambda,
+                               pbf_real *total, pbf_real *before) {
+  pbf_real now = *total;
+  pbf_real next = weight * (now + c->step_size * lambda - *before) + *before;
+  if (c->one_sided) next = pbf_real_min(next, 0);
+  *total = next;
+  *before = now;
+  return (next - now) / c->omega;
+}
+
+/* Density that a plane wall lends at a distance, and its gradient, added to the sums. */
+PBF_FN void pbf_add_wall(const pbf_constants *c, pbf_real distance, pbf_vec normal,
+                         pbf_real *density, pbf_vec *gradient) {
+  enum { LAST = PBF_WALL_NODES - 1 };
+  pbf_real t = (distance + c->wall_offset) * c->inv_h * LAST;
+  if (!(t < LAST)) return;
+  t = pbf_real_max(t, 0);
+  int k = (int)t;
+  pbf_real s = t - k, s2 = s * s;
+  pbf_real v0 = c->wall_value[k], v1 = c->wall_value[k + 1];
+  pbf_real g0 = c->wall_slope[k], g1 = c->wall_slope[k + 1], rise = v1 - v0;
+  *density += v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
+  pbf_real slope = g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1;
+  *gradient = pbf_add_scaled(*gradient, slope * LAST * c->inv_h, normal);
+}
+
+/* The same for all walls of the domain and all colliders, each by its nearest plane. */
+PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
+                          const pbf_solid *solids, pbf_vec x, pbf_real *density,
+                          pbf_vec *gradient) {
+  for (int side = 0; side < 2 * PBF_DIM; ++side) {
+    int k = side / 2;
+    pbf_vec normal = {{0}};
+    normal.c[k] = side % 2 ? (pbf_real)-1 : (pbf_real)1;
+    pbf_real distance = side % 2 ? walls->upper.c[k] - x.c[k] : x.c[k] - walls->lower.c[k];
+    pbf_add_wall(c, distance, normal, density, gradient);
+  }
+  for (int k = 0; k < count; ++k) {
+    pbf_vec normal;
+    pbf_real distance = pbf_solid_distance(&solids[k], x, &normal);
+    pbf_add_wall(c, distance, normal, density, gradient);
+  }
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is

@@ -11,14 +11,27 @@ static pbf_status out_of_memory(const solver *s, const char *what) {
   return PBF_ERROR_OUT_OF_MEMORY;
 }
 
+/* Takes or releases an array that only some parameters need. */
+static int keep_array(solver *s, int wanted, void **array, const char *name, uint64_t element) {
+  if (wanted && !*array) *array = pbf_memory_take(&s->memory, name, s->capacity, element);
+  if (wanted) return *array != NULL;
+  pbf_memory_free(&s->memory, *array);
+  *array = NULL;
+  return 1;
+}
+
+static int keep_arrays(solver *s, const pbf_schedule *has) {
+  return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
+                    sizeof *s->curl) &&
+         keep_array(s, has->accelerated, (void **)&s->total, "total lambda", sizeof *s->total) &&
+         keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before);
+}
+
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
-  if (schedule.runs[PBF_STAGE_CURL] && !s->curl) {
-    s->curl = pbf_memory_take(&s->memory, "curl", s->capacity, sizeof *s->curl);
-    if (!s->curl) return out_of_memory(s, "the curl");
-  } else if (!schedule.runs[PBF_STAGE_CURL]) {
-    pbf_memory_free(&s->memory, s->curl);
-    s->curl = NULL;
+  if (!keep_arrays(s, &schedule)) {
+    keep_arrays(s, &s->schedule);
+    return out_of_memory(s, "the arrays of an optional stage");
   }
   s->params = *params;
   s->schedule = schedule;
@@ -72,13 +85,15 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
-  s->collider_time = time;
+  s->collider_time = s->now = time;
   return set_params(s, &s->params);
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
-  for (*done = 0; *done < steps; ++*done)
+  for (*done = 0; *done < steps; ++*done) {
     if (s->count) solver_step(s, time + *done * s->params.time_step);
+    s->now = time + (*done + 1) * s->params.time_step;
+  }
   return PBF_OK;
 }
 
@@ -122,9 +137,10 @@ static pbf_status remove_all(solver *s) {
 static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
   uint32_t neighbors = 0;
   if (!s->count) return;
+  pbf_obstacles obstacles = obstacles_at(s, s->now);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
   for (uint32_t k = 0; k < rows->count; ++k)
-    out[k] = solver_density(s, s->x, rows->first + k, &neighbors);
+    out[k] = solver_density(s, &obstacles, rows->first + k, &neighbors);
 }
 
 static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, void *out) {
@@ -154,9 +170,9 @@ static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
   return PBF_OK;
 }
 
-static void add_to_stats(pbf_stats *stats, const solver *s, uint32_t i) {
+static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles *o, uint32_t i) {
   uint32_t neighbors = 0;
-  double density = (double)solver_density(s, s->x, i, &neighbors), v2 = 0;
+  double density = (double)solver_density(s, o, i, &neighbors), v2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double x = (double)s->x[i].c[k], v = (double)s->v[i].c[k];
     stats->center_of_mass[k] += x;
@@ -179,7 +195,8 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   stats->iterations = s->params.iterations;
   if (!s->count) return PBF_OK;
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
-  for (uint32_t i = 0; i < s->count; ++i) add_to_stats(stats, s, i);
+  pbf_obstacles obstacles = obstacles_at(s, s->now);
+  for (uint32_t i = 0; i < s->count; ++i) add_to_stats(stats, s, &obstacles, i);
   double per_particle = 1.0 / s->count;
   for (int k = 0; k < PBF_DIM; ++k) {
     stats->center_of_mass[k] *= per_particle;

@@ -20,11 +20,14 @@ struct pbf_backend_solver {
   pbf_vec *predicted; /* x* */
   pbf_vec *change;    /* position change of an iteration; the second velocity of viscosity */
   pbf_real *lambda;
+  pbf_real *total,
+      *before;    /* lambda of all iterations, and an iteration earlier: accelerated only */
   pbf_curl *curl; /* with vorticity only */
   uint32_t *ids;
   grid grid;
   uint32_t collider_count;
   double collider_time;
+  double now; /* end of the last step: where walls stand for statistics */
   pbf_collider colliders[PBF_MAX_COLLIDERS];
 };
 typedef struct pbf_backend_solver solver;

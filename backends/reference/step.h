@@ -23,7 +23,14 @@ static inline void predict(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) s->predicted[i] = pbf_predict(&forces, s->x[i], s->v[i]);
 }
 
-static inline void compute_lambda(solver *s) {
+/* What walls and colliders add to the density of particle i at x, and to its gradient. */
+static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x, pbf_real *density,
+                             pbf_vec *gradient) {
+  if (s->schedule.wall_density)
+    pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
+}
+
+static inline void compute_lambda(solver *s, const pbf_obstacles *o, pbf_real weight) {
   const pbf_constants *c = &s->constants;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real density = c->value_scale, slope2 = 0;
@@ -36,11 +43,14 @@ static inline void compute_lambda(solver *s) {
       slope2 += slope * slope * n.r2;
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
+    add_walls(s, o, s->predicted[i], &density, &gradient);
     s->lambda[i] = pbf_lambda(c, density, slope2, gradient);
+    if (s->schedule.accelerated)
+      s->lambda[i] = pbf_accelerate(c, weight, s->lambda[i], &s->total[i], &s->before[i]);
   }
 }
 
-static inline void move(solver *s) {
+static inline void move(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   int features = s->schedule.features;
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -53,7 +63,10 @@ static inline void move(solver *s) {
       if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
       sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
     }
-    s->change[i] = sum;
+    pbf_real density = 0;
+    pbf_vec from_walls = {{0}};
+    add_walls(s, o, s->predicted[i], &density, &from_walls);
+    s->change[i] = pbf_add_scaled(sum, s->lambda[i], from_walls);
   }
   for (uint32_t i = 0; i < s->count; ++i)
     s->predicted[i] = pbf_move(c, s->predicted[i], s->change[i]);
@@ -113,9 +126,15 @@ static inline void solver_step(solver *s, double time) {
   predict(s);
   if (has->collide_after_prediction) collide_all(s, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->predicted);
+  double weight = 1;
+  if (has->accelerated) {
+    memset(s->total, 0, s->count * sizeof *s->total);
+    memset(s->before, 0, s->count * sizeof *s->before);
+  }
   for (uint32_t iteration = 0; iteration < s->params.iterations; ++iteration) {
-    compute_lambda(s);
-    move(s);
+    weight = pbf_next_weight(&s->constants, iteration, weight);
+    compute_lambda(s, &obstacles, (pbf_real)weight);
+    move(s, &obstacles);
     if (has->collide_in_iteration) collide_all(s, &obstacles);
   }
   if (has->collide_after_solve) collide_all(s, &obstacles);
@@ -128,15 +147,17 @@ static inline void solver_step(solver *s, double time) {
   memcpy(s->x, s->predicted, s->count * sizeof *s->x);
 }
 
-/* rho/rho0 of particle i at positions x, sorted into s->grid; adds up its neighbours. */
-static inline pbf_real solver_density(const solver *s, const pbf_vec *x, uint32_t i,
+/* rho/rho0 of particle i, positions sorted into s->grid; adds up its neighbours. */
+static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
                                       uint32_t *neighbors) {
   pbf_real density = s->constants.value_scale;
+  pbf_vec gradient = {{0}};
   neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
+  while (next_neighbor(&s->grid, s->x, s->constants.h2, &n)) {
     density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
     ++*neighbors;
   }
+  add_walls(s, o, s->x[i], &density, &gradient);
   return density;
 }
 

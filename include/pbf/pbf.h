@@ -125,6 +125,13 @@ enum {
                                  Müller et al. 2003, as in the paper */
 };
 
+/* How the density solve iterates. */
+enum {
+  PBF_SOLVER_JACOBI = 0,   /* Algorithm 1: every iteration starts from nothing */
+  PBF_SOLVER_CHEBYSHEV = 1 /* lambda adds up over the iterations of a step, and keeps its sign where
+                              `separation` is 1; accelerated by the Chebyshev semi-iteration */
+};
+
 /* When the domain's walls and the colliders act within a step (bits, at least one). */
 enum {
   PBF_COLLIDE_AFTER_PREDICTION = 1,
@@ -163,10 +170,19 @@ typedef struct pbf_params {
                         largest eigenvalue of the Jacobi iteration on the lattice, always stable */
   double epsilon;    /* constraint force mixing, eq. 11, without a unit: epsilon * h² */
 
-  double scorr_k;     /* artificial pressure, eq. 13: k; 0: none */
-  double scorr_dq;    /* delta q / h, in (0, 1) */
-  uint32_t scorr_n;   /* exponent, 1 … 8 */
-  uint32_t reserved0; /* 0 */
+  double separation; /* 0 … 1, how freely the fluid parts: densities below rest pull with weight
+                        1 - separation (0: as in the paper, 1: free surfaces never pull) */
+  double
+      min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
+                          keeps particles with few or coincident neighbours calm; 0: as in the paper */
+  double wall_density; /* 0 … 1: weight of the density that the walls and colliders lend to the
+                          fluid before them, as if they were fluid at rest that begins half a
+                          spacing behind their surface; 0: none, as in the paper */
+
+  double scorr_k;   /* artificial pressure, eq. 13: k; 0: none */
+  double scorr_dq;  /* delta q / h, in (0, 1) */
+  uint32_t scorr_n; /* exponent, 1 … 8 */
+  uint32_t solver;  /* PBF_SOLVER_… */
 
   double vorticity; /* vorticity confinement, eq. 16; 0: none */
   double viscosity; /* XSPH, eq. 17, without a unit; 0: none */

@@ -127,6 +127,65 @@ static void the_domain_has_the_last_word(void **state) {
   assert_at(pbf_resolve(&w, 1, &s, point(5, 5, 5)), 5, 10, 5);
 }
 
+static pbf_constants wall_constants(uint32_t kernel) {
+  pbf_params p = test_params(kernel);
+  p.wall_density = 1;
+  return pbf_constants_of(&p);
+}
+
+/* Half the kernel lies beyond a plane through its centre; of Wendland C2 in 3D, with u = 1 - t,
+ * 3.5 u⁶ - 4.5 u⁷ + 1.5 u⁸ lies beyond the distance t h. */
+static void half_space_density(void **state) {
+  (void)state;
+  for (uint32_t kernel = 0; kernel < 2; ++kernel)
+    assert_near(pbf_half_space(kernel, PBF_DIM, 0), 0.5, 2e-4);
+  pbf_constants c = wall_constants(PBF_KERNEL_WENDLAND_C2);
+  for (double t = 0; PBF_DIM == 3 && t < 1.2; t += 0.05) {
+    double u = fmax(1 - t, 0), density = 0;
+    pbf_vec gradient = {{0}}, normal = {{0}};
+    pbf_add_wall(&c, t * c.h - c.wall_offset, normal, &density, &gradient);
+    assert_near(density, pow(u, 6) * (3.5 - 4.5 * u + 1.5 * u * u), 3e-4);
+  }
+}
+
+static void wall_gradient_is_the_derivative(void **state) {
+  (void)state;
+  for (uint32_t kernel = 0; kernel < 2; ++kernel) {
+    pbf_constants c = wall_constants(kernel);
+    double e = 1e-6;
+    pbf_vec normal = {{0}}, unused = {{0}};
+    normal.c[1] = 1;
+    for (double x = 0.011; x < c.h; x += 0.037) {
+      pbf_vec gradient = {{0}};
+      double up = 0, down = 0, here = 0;
+      pbf_add_wall(&c, x, normal, &here, &gradient);
+      pbf_add_wall(&c, x + e, normal, &up, &unused);
+      pbf_add_wall(&c, x - e, normal, &down, &unused);
+      assert_near(gradient.c[1], (up - down) / (2 * e), 1e-4);
+      assert_near(gradient.c[0], 0, 0);
+    }
+  }
+}
+
+/* A lattice that fills the half-space from the wall on is at rest in its first layer, and nearly so
+ * in the others. */
+static void a_lattice_on_a_wall_is_at_rest(void **state) {
+  (void)state;
+  pbf_constants c = wall_constants(PBF_KERNEL_WENDLAND_C2);
+  double d = test_params(PBF_KERNEL_WENDLAND_C2).spacing;
+  int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
+  for (int layer = 0; layer < 3; ++layer) {
+    double density = 0;
+    pbf_vec gradient = {{0}}, normal = {{0}};
+    for (int k = -nz; k <= nz; ++k)
+      for (int j = -layer; j <= n; ++j)
+        for (int i = -n; i <= n; ++i)
+          density += pbf_pair_density(0, &c, d * d * (i * i + j * j + k * k));
+    pbf_add_wall(&c, layer * d, normal, &density, &gradient);
+    assert_near(density, 1, layer == 0 ? 1e-4 : 0.015);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(walls_move_as_said),
@@ -136,6 +195,9 @@ int main(void) {
       cmocka_unit_test(box),
       cmocka_unit_test(a_box_turns_and_travels),
       cmocka_unit_test(the_domain_has_the_last_word),
+      cmocka_unit_test(half_space_density),
+      cmocka_unit_test(wall_gradient_is_the_derivative),
+      cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

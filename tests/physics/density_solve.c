@@ -160,6 +160,49 @@ static void relaxation_is_below_the_stability_limit(void **state) {
   assert_true(omega * growth < 2 && omega * growth > 1);
 }
 
+/* On independent constraints of stiffness k (in units of the diagonal) the error after n iterations
+ * is the Chebyshev polynomial of the interval: at most a tenth inside it. Signs are kept. */
+static void chebyshev_reaches_its_rest(void **state) {
+  (void)state;
+  for (uint32_t iterations = 2; iterations <= 12; iterations += 5) {
+    pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+    p.solver = PBF_SOLVER_CHEBYSHEV;
+    p.separation = 1;
+    p.relaxation = 0.7;
+    p.iterations = iterations;
+    pbf_constants c = pbf_constants_of(&p);
+    double largest = 1 / (c.step_size / (1 + c.contraction)),
+           smallest = largest * (1 - c.contraction) / (1 + c.contraction);
+    assert_true(largest > 1.5 / 0.7);
+    for (double k = smallest; k <= largest; k += (largest - smallest) / 64) {
+      double error = 1, total = 0, before = 0, weight = 1;
+      for (uint32_t n = 0; n < iterations; ++n) {
+        weight = pbf_next_weight(&c, n, weight);
+        error += k * c.omega * pbf_accelerate(&c, weight, -error, &total, &before);
+      }
+      assert_true(fabs(error) < 0.1001);
+      assert_near(error, 1 + k * total, 1e-12);
+    }
+    double total = 0, before = 0; /* a density below rest: no pull */
+    assert_near(pbf_accelerate(&c, 1, 0.3, &total, &before), 0, 0);
+  }
+}
+
+static void separation_scales_the_pull(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.epsilon = 0;
+  pbf_vec none = {{0}};
+  p.separation = 0.75;
+  pbf_constants c = pbf_constants_of(&p);
+  assert_near(pbf_lambda(&c, 0.8, 2, none), 0.25 * 0.2 / 2, 1e-15);
+  assert_near(pbf_lambda(&c, 1.2, 2, none), -0.2 / 2, 1e-15);
+  p.min_diagonal = 3;
+  c = pbf_constants_of(&p);
+  double least = 3 * pbf_derive(&p, PBF_DIM).diagonal;
+  assert_near(pbf_lambda(&c, 1.2, 1e-9, none), -0.2 / least, 1e-12);
+}
+
 static void prediction_is_symplectic_euler(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
@@ -188,6 +231,8 @@ int main(void) {
       cmocka_unit_test(one_constraint_projects_to_its_surface),
       cmocka_unit_test(position_changes_keep_the_centre_of_mass),
       cmocka_unit_test(relaxation_is_below_the_stability_limit),
+      cmocka_unit_test(chebyshev_reaches_its_rest),
+      cmocka_unit_test(separation_scales_the_pull),
       cmocka_unit_test(prediction_is_symplectic_euler),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
