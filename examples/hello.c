@@ -20,7 +20,7 @@ int main(void) {
   pbf_status status = pbf_create(&desc, &params, &fluid);
   if (status == PBF_OK) status = pbf_add_particles(fluid, N, positions, NULL, NULL);
   for (int frame = 0; status == PBF_OK && frame < 10; ++frame) {
-    pbf_stats stats = {sizeof stats};
+    pbf_stats stats = {.struct_size = sizeof stats};
     status = pbf_step(fluid, (uint32_t)(0.1 / params.time_step + 0.5));
     if (status == PBF_OK) status = pbf_get_stats(fluid, &stats);
     if (status == PBF_OK)
