@@ -60,43 +60,44 @@ def _shrink(covered, radius):
     return kept
 
 
-def _ball_counts(filled, at, radius):
-    """(filled voxels, all voxels) with their centre within `radius` of each point."""
+def _filled_shares(filled, at, radius):
+    """Share of filled voxels among those with their centre within `radius` of each point. The ball is
+    cut into rows of voxels; running sums give each row's count."""
     dim = filled.ndim
     runs = np.zeros(filled.shape[:-1] + (filled.shape[-1] + 1,), np.int32)
     np.cumsum(filled, axis=-1, out=runs[..., 1:])
     flat = runs.reshape(-1)
-    shape = runs.shape
-    strides = np.array([int(np.prod(shape[k + 1:])) for k in range(dim - 1)], np.int64)
-    lead, last = at[:, :-1], at[:, -1]
-    home = np.floor(lead).astype(np.int64)
+    strides = np.array([int(np.prod(runs.shape[k + 1:])) for k in range(dim - 1)], np.int64)
+    last = at[:, -1] - 0.5
+    home = np.floor(at[:, :-1]).astype(np.int64)
     base = home @ strides
-    within = lead - home - 0.5
-    counts = np.zeros(len(at), np.int64)
+    within = at[:, :-1] - home - 0.5
+    inside = np.zeros(len(at), np.int64)
     total = np.zeros(len(at), np.int64)
     n = int(np.ceil(radius)) + 1
+    squares = {o: (o - within) ** 2 for o in range(-n, n + 1)}
     for offset in itertools.product(range(-n, n + 1), repeat=dim - 1):
-        left = radius * radius - ((np.array(offset) - within) ** 2).sum(axis=1)
+        left = radius * radius - sum(squares[o][:, k] for k, o in enumerate(offset))
         hit = np.flatnonzero(left > 0)
         if not len(hit):
             continue
         half = np.sqrt(left[hit])
-        start = np.ceil(last[hit] - half - 0.5).astype(np.int64)
-        end = np.floor(last[hit] + half - 0.5).astype(np.int64) + 1
+        start = np.ceil(last[hit] - half).astype(np.int64)
+        end = np.floor(last[hit] + half).astype(np.int64) + 1
         row = base[hit] + int(np.dot(offset, strides))
-        counts[hit] += flat[row + end] - flat[row + start]
+        inside[hit] += flat[row + end] - flat[row + start]
         total[hit] += end - start
-    return counts, total
+    return inside / total
 
 
-def covered_share(points, radius, spacing, surfaces):
-    """Share of the ball of `radius` around each point that is filled by fluid or wall; 0 for spray,
-    which still fills the surroundings of others."""
+def covered_shares(points, radii, spacing, surfaces):
+    """{radius: share of the ball of that radius around each point that is filled by fluid or wall}; 0
+    for spray, which still fills the surroundings of others."""
     count, dim = points.shape
-    share = np.zeros(count)
+    shares = {radius: np.zeros(count) for radius in radii}
     per_spacing = VOXELS_PER_SPACING[dim]
     voxel = spacing / per_spacing
-    reach = radius + spacing / 2 + spacing + 2 * voxel  # ball, shrinking, balls of the fluid
+    reach = max(radii) + spacing / 2 + spacing + 2 * voxel  # ball, shrinking, balls of the fluid
     pad = reach + spacing + 2 * voxel
     wanted = np.flatnonzero(~is_spray(points, spacing))
     for index in particle_tiles(points, wanted, pad, voxel):
@@ -108,6 +109,6 @@ def covered_share(points, radius, spacing, surfaces):
         _mark_walls(covered, origin, voxel, surfaces, SHRINK[dim] * spacing)
         # The nearest uncovered centre lies half a voxel beyond the edge on average.
         filled = _shrink(covered, SHRINK[dim] * per_spacing + 0.5)
-        inside, total = _ball_counts(filled, (points[index] - origin) / voxel, radius / voxel)
-        share[index] = inside / total
-    return share
+        for radius, share in shares.items():
+            share[index] = _filled_shares(filled, (points[index] - origin) / voxel, radius / voxel)
+    return shares

@@ -2,7 +2,7 @@
 import numpy as np
 
 from . import stats
-from .coverage import covered_share
+from .coverage import covered_shares
 from .density import densities
 from .kernels import calibrated_volume
 from .measure import Measure
@@ -34,8 +34,6 @@ class DensityError(Measure):
         surfaces = dump.manifest.walls.surfaces(frame.time)
         x = frame.positions
         error = densities(x, kernel, h, volume, surfaces, dump.rest_volume, options.wall_density) - 1
-        if h not in shares:
-            shares[h] = covered_share(x, h, dump.rest_spacing, surfaces)
         interior = shares[h] >= options.coverage
         bulk = interior & (distance_to_walls(x, surfaces) >= h)
         squeezed = np.maximum(error, 0)
@@ -47,7 +45,9 @@ class DensityError(Measure):
         return stats.prefixed(name, row)
 
     def add(self, frame):
-        shares = {}
+        radii = {h for _, h, _ in self.kernels.values()}
+        surfaces = self.dump.manifest.walls.surfaces(frame.time)
+        shares = covered_shares(frame.positions, radii, self.dump.rest_spacing, surfaces)
         return {**self._one(frame, "measure", shares), **self._one(frame, "own", shares)}
 
     def finish(self, rows):

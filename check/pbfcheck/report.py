@@ -2,11 +2,15 @@
 import json
 import math
 
+import numpy as np
+
 from . import FORMAT_VERSION
 
 
 def plain(value):
     """The value for JSON: numbers that JSON does not know become null."""
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, dict):
         return {key: plain(v) for key, v in value.items()}
     if isinstance(value, (list, tuple)):

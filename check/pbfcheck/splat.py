@@ -14,19 +14,17 @@ CELLS_PER_SPACING = 2
 
 @dataclass(frozen=True)
 class Tile:
-    origin: np.ndarray  # corner of the first cell
-    cell: float
-    density: np.ndarray  # at the cells' centres; one layer of cells more on every side
+    origin: np.ndarray  # the first point
+    cell: float  # distance of the points
+    density: np.ndarray  # one layer of points more on every side
 
-    def edges(self, axis):
-        return self.origin[axis] + self.cell * np.arange(self.density.shape[axis] - 1)
-
-    def centres(self, axis):
-        return self.edges(axis)[:-1] + self.cell / 2
+    def points(self, axis, beyond=False):
+        """Coordinates of the points along an axis; `beyond`: with the layer above the last."""
+        return self.origin[axis] + self.cell * np.arange(self.density.shape[axis] - (1 if beyond else 2))
 
 
 def _ball_cells(shape, at, reach):
-    """Per offset: (flat cell indices, squared distances in cells) of the centres within `reach`."""
+    """Per offset: (flat indices, squared distances in cells) of the grid points within `reach`."""
     dim = len(shape)
     strides = np.array([int(np.prod(shape[k + 1:])) for k in range(dim)], np.int64)
     home = np.floor(at).astype(np.int64)
@@ -46,7 +44,8 @@ def _ball_cells(shape, at, reach):
 
 
 def _add_balls(density, at, reach, weight):
-    """Adds weight(squared distance in cells) of every point to the cell centres within `reach`."""
+    """Adds weight(squared distance in cells) of every particle to the grid points within `reach`, which
+    stand in the middle of the array's cells."""
     flat = density.reshape(-1)
     cells, weights, pending = [], [], 0
     batch = max(4_000_000, len(flat))  # a batch costs a pass over the whole grid
@@ -62,7 +61,7 @@ def _add_balls(density, at, reach, weight):
 
 
 def tiles(points, spacing, surfaces, axes=None):
-    """Tiles that together hold every cell in reach of a point, each once. Along axes that are not
+    """Tiles that together hold every grid point in reach of a particle, each once. Along axes that are not
     in `axes` a tile spans the whole fluid."""
     dim = points.shape[1]
     h = RADIUS * spacing
@@ -70,12 +69,12 @@ def tiles(points, spacing, surfaces, axes=None):
     volume = calibrated_volume("wendland_c2", RADIUS, 1.0, dim) * spacing**dim
     reach = h / cell
     everything = np.concatenate([points, mirror_images(points, surfaces, h + cell)])
-    # Cells start at a wall, so that a wall at rest cuts none.
-    origin = np.where(np.isfinite(surfaces[0]), surfaces[0], 0.0)
+    # Points stand on a wall, so that a wall at rest cuts no cell between them.
+    origin = np.where(np.isfinite(surfaces[0]), surfaces[0], 0.0) - cell / 2
     halo = int(np.ceil(reach)) + 1
     for first, last, index in cell_tiles(everything, origin, cell, halo, axes or range(dim)):
         density = np.zeros(tuple(last - first + 2))
         corner = origin + cell * (first - 1)
         _add_balls(density, (everything[index] - corner) / cell, reach,
                    lambda d2: volume * wendland_c2(np.sqrt(d2) * cell, h, dim))
-        yield Tile(corner + cell, cell, density)
+        yield Tile(corner + 1.5 * cell, cell, density)

@@ -34,7 +34,8 @@ def lattice_margin(dim):
 
 
 def _top_crossings(density, bottom, cell):
-    """Per column of the last axis: height of the highest crossing of 1/2, NaN where there is none."""
+    """Per column of the last axis, whose first point is at `bottom`: height of the highest crossing of
+    1/2, NaN where there is none."""
     above = density >= 0.5
     reversed_first = np.argmax(above[..., ::-1], axis=-1)
     found = above.any(axis=-1)
@@ -42,7 +43,7 @@ def _top_crossings(density, bottom, cell):
     inner = np.take_along_axis(density, top[..., None], -1)[..., 0]
     outer = np.take_along_axis(density, top[..., None] + 1, -1)[..., 0]
     share = (inner - 0.5) / np.maximum(inner - outer, 1e-300)
-    return np.where(found, bottom + cell * (top + 0.5 + np.clip(share, 0, 1)), np.nan)
+    return np.where(found, bottom + cell * (top + np.clip(share, 0, 1)), np.nan)
 
 
 def height_map(points, spacing, surfaces, axis, up):
@@ -61,15 +62,16 @@ def height_map(points, spacing, surfaces, axis, up):
         inner = tile.density[(slice(1, -1),) * (dim - 1)]
         bottom = tile.origin[-1] - tile.cell
         # What lies behind a ceiling is mirrored fluid: no surface of this one.
-        behind = bottom + tile.cell * (np.arange(inner.shape[-1]) + 0.5) > high[-1]
+        behind = bottom + tile.cell * np.arange(inner.shape[-1]) > high[-1]
         inner = np.where(behind, 0.0, inner)
         height = np.minimum(_top_crossings(inner, bottom, tile.cell) + correction, high[-1])
         weight = np.ones(height.shape)
         for k in range(dim - 1):
-            left = tile.edges(k)
-            inside = np.clip(left[1:], low[k], high[k]) - np.clip(left[:-1], low[k], high[k])
+            at = tile.points(k)
+            inside = (np.clip(at + tile.cell / 2, low[k], high[k])
+                      - np.clip(at - tile.cell / 2, low[k], high[k]))
             weight *= (inside / tile.cell).reshape((-1,) + (1,) * (dim - 2 - k))
-        centres = np.stack(np.meshgrid(*[tile.centres(k) for k in range(dim - 1)], indexing="ij"), -1)
+        centres = np.stack(np.meshgrid(*[tile.points(k) for k in range(dim - 1)], indexing="ij"), -1)
         keep = (weight > 0) & np.isfinite(height)
         columns.append(centres[keep])
         weights.append(weight[keep])
