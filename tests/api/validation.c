@@ -31,6 +31,11 @@ static const real_case params_reals[] = {
     {"time_step is -0.1", P(time_step), -0.1},
     {"relaxation is -1", P(relaxation), -1},
     {"epsilon is -1", P(epsilon), -1},
+    {"separation is -0.5", P(separation), -0.5},
+    {"separation is 1.5", P(separation), 1.5},
+    {"min_diagonal is -1", P(min_diagonal), -1},
+    {"wall_density is -0.5", P(wall_density), -0.5},
+    {"wall_density is 1.5", P(wall_density), 1.5},
     {"scorr_k is -1", P(scorr_k), -1},
     {"vorticity is -1", P(vorticity), -1},
     {"viscosity is -1", P(viscosity), -1},
@@ -47,7 +52,7 @@ static const count_case params_counts[] = {
     {"iterations is 0; it must be at least 1", P(iterations), 0},
     {"collide is 0; it must be 1 … 7", P(collide), 0},
     {"collide is 8", P(collide), 8},
-    {"reserved0 is 1; it must be 0", P(reserved0), 1},
+    {"solver is 2; it must be 0 … 1", P(solver), 2},
 };
 
 /* Every number of pbf_params that stands alone or once an axis or wall. */
@@ -65,6 +70,9 @@ static const struct {
     {"attraction_center", P(attraction_center), 3},
     {"relaxation", P(relaxation), 1},
     {"epsilon", P(epsilon), 1},
+    {"separation", P(separation), 1},
+    {"min_diagonal", P(min_diagonal), 1},
+    {"wall_density", P(wall_density), 1},
     {"scorr_k", P(scorr_k), 1},
     {"vorticity", P(vorticity), 1},
     {"viscosity", P(viscosity), 1},

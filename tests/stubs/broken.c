@@ -23,10 +23,11 @@
 #define TABLE_WITHOUT_OPTIONS 16
 #define LYING_PROBE 17
 #define NEGATIVE_PROBE 18
+#define FAILING_CREATE 19 /* with the highest score */
 
 static void probe(const pbf_workload *workload, pbf_probe_result *result) {
   (void)workload;
-  result->score = DEFECT == NEGATIVE_PROBE ? -5 : 1;
+  result->score = DEFECT == NEGATIVE_PROBE ? -5 : DEFECT == FAILING_CREATE ? 1000000 : 1;
   result->device_type = DEFECT == LYING_PROBE ? 77 : PBF_DEVICE_CPU;
   memset(result->device_name, 'x', sizeof result->device_name);
 }
