@@ -1,0 +1,28 @@
+# A tree that works wherever it is moved: every path in it is relative, and libpbf looks for its
+# backends from where it finds itself. The backends install themselves (PbfBackend.cmake).
+include(CMakePackageConfigHelpers)
+
+set(PBF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pbf)
+set(PBF_BACKEND_DIR ${CMAKE_INSTALL_LIBDIR}/pbf/backends)
+# From the folder of pbf.pc back to the prefix.
+file(RELATIVE_PATH PBF_PC_PREFIX
+  ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" PBF_PC_PREFIX "${PBF_PC_PREFIX}")
+
+install(TARGETS pbf EXPORT pbfTargets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/pbf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT pbfTargets NAMESPACE pbf:: DESTINATION ${PBF_CMAKE_DIR})
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pbfConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/pbfConfig.cmake
+  INSTALL_DESTINATION ${PBF_CMAKE_DIR} PATH_VARS PBF_BACKEND_DIR)
+# Before 1.0 the API may change with the minor version.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/pbfConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/pbfConfig.cmake ${PROJECT_BINARY_DIR}/pbfConfigVersion.cmake
+  DESTINATION ${PBF_CMAKE_DIR})
+
+configure_file(${PROJECT_SOURCE_DIR}/cmake/pbf.pc.in ${PROJECT_BINARY_DIR}/pbf.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/pbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,26 @@
+#!/bin/sh
+# headers.sh INCLUDE: the public headers, each alone, in every language that they promise.
+set -eu
+include=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for header in pbf.h pbf_backend.h; do
+  printf '#include <pbf/%s>\n#include <pbf/%s>\nint main(void) { return (int)(PBF_OK); }\n' $header $header >"$folder/$header.c"
+  cp "$folder/$header.c" "$folder/$header.cpp"
+done
+tried=0
+check() { # compiler, standard, ending
+  command -v "$1" >/dev/null || return 0
+  for header in pbf.h pbf_backend.h; do
+    "$1" "-std=$2" -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only -I"$include" "$folder/$header.$3"
+  done
+  tried=$((tried + 1))
+}
+for standard in c99 c11 c17; do
+  for compiler in gcc clang; do check $compiler $standard c; done
+done
+for standard in c++11 c++14 c++17 c++20; do
+  for compiler in g++ clang++; do check $compiler $standard cpp; done
+done
+echo "$tried compilers and standards"
+[ $tried -gt 0 ] || { echo "skipped: no compiler"; exit 77; }

@@ -1,0 +1,253 @@
+/* Where every member of every public struct lies, on 64-bit systems. A line that no longer holds
+ * breaks compiled programs; a new member gets a new line, and its struct a new size. */
+#include <stddef.h>
+
+#include <pbf/pbf_backend.h>
+
+#define SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type)
+#define AT(type, member, bytes) _Static_assert(offsetof(type, member) == (bytes), #type "." #member)
+
+SIZE(pbf_allocator, 32);
+AT(pbf_allocator, struct_size, 0);
+AT(pbf_allocator, reserved, 4);
+AT(pbf_allocator, user, 8);
+AT(pbf_allocator, allocate, 16);
+AT(pbf_allocator, release, 24);
+
+SIZE(pbf_desc, 72);
+AT(pbf_desc, struct_size, 0);
+AT(pbf_desc, api_version, 4);
+AT(pbf_desc, dimension, 8);
+AT(pbf_desc, precision, 12);
+AT(pbf_desc, capacity, 16);
+AT(pbf_desc, strict, 20);
+AT(pbf_desc, backend, 24);
+AT(pbf_desc, device, 32);
+AT(pbf_desc, threads, 36);
+AT(pbf_desc, stream, 40);
+AT(pbf_desc, allocator, 48);
+AT(pbf_desc, log, 56);
+AT(pbf_desc, log_user, 64);
+
+SIZE(pbf_params, 432);
+AT(pbf_params, struct_size, 0);
+AT(pbf_params, kernel, 4);
+AT(pbf_params, smoothing_radius, 8);
+AT(pbf_params, spacing, 16);
+AT(pbf_params, particle_volume, 24);
+AT(pbf_params, time_step, 32);
+AT(pbf_params, iterations, 40);
+AT(pbf_params, collide, 44);
+AT(pbf_params, gravity, 48);
+AT(pbf_params, attraction, 72);
+AT(pbf_params, attraction_center, 80);
+AT(pbf_params, relaxation, 104);
+AT(pbf_params, epsilon, 112);
+AT(pbf_params, separation, 120);
+AT(pbf_params, min_diagonal, 128);
+AT(pbf_params, wall_density, 136);
+AT(pbf_params, scorr_k, 144);
+AT(pbf_params, scorr_dq, 152);
+AT(pbf_params, scorr_n, 160);
+AT(pbf_params, solver, 164);
+AT(pbf_params, vorticity, 168);
+AT(pbf_params, viscosity, 176);
+AT(pbf_params, domain_min, 184);
+AT(pbf_params, domain_max, 208);
+AT(pbf_params, wall_velocity, 232);
+AT(pbf_params, wall_amplitude, 280);
+AT(pbf_params, wall_frequency, 328);
+AT(pbf_params, wall_phase, 376);
+AT(pbf_params, search_cell_width, 424);
+
+SIZE(pbf_collider, 184);
+AT(pbf_collider, struct_size, 0);
+AT(pbf_collider, shape, 4);
+AT(pbf_collider, inverted, 8);
+AT(pbf_collider, reserved, 12);
+AT(pbf_collider, position, 16);
+AT(pbf_collider, orientation, 40);
+AT(pbf_collider, velocity, 72);
+AT(pbf_collider, angular_velocity, 96);
+AT(pbf_collider, axis, 120);
+AT(pbf_collider, half_extents, 144);
+AT(pbf_collider, radius, 168);
+AT(pbf_collider, half_length, 176);
+
+SIZE(pbf_view, 72);
+AT(pbf_view, struct_size, 0);
+AT(pbf_view, field, 4);
+AT(pbf_view, device_type, 8);
+AT(pbf_view, device_id, 12);
+AT(pbf_view, element_type, 16);
+AT(pbf_view, components, 20);
+AT(pbf_view, count, 24);
+AT(pbf_view, reserved, 28);
+AT(pbf_view, particle_stride, 32);
+AT(pbf_view, component_stride, 40);
+AT(pbf_view, generation, 48);
+AT(pbf_view, data, 56);
+AT(pbf_view, ids, 64);
+
+SIZE(pbf_stats, 160);
+AT(pbf_stats, struct_size, 0);
+AT(pbf_stats, count, 4);
+AT(pbf_stats, iterations, 8);
+AT(pbf_stats, neighbors_max, 12);
+AT(pbf_stats, neighbors_mean, 16);
+AT(pbf_stats, center_of_mass, 24);
+AT(pbf_stats, position_min, 48);
+AT(pbf_stats, position_max, 72);
+AT(pbf_stats, momentum, 96);
+AT(pbf_stats, kinetic_energy, 120);
+AT(pbf_stats, speed_max, 128);
+AT(pbf_stats, density_error_mean, 136);
+AT(pbf_stats, density_error_max, 144);
+AT(pbf_stats, density_mean, 152);
+
+SIZE(pbf_stage_time, 48);
+AT(pbf_stage_time, name, 0);
+AT(pbf_stage_time, milliseconds, 32);
+AT(pbf_stage_time, runs, 40);
+
+SIZE(pbf_timings, 1160);
+AT(pbf_timings, struct_size, 0);
+AT(pbf_timings, stage_count, 4);
+AT(pbf_timings, stages, 8);
+
+SIZE(pbf_plan_stage, 40);
+AT(pbf_plan_stage, name, 0);
+AT(pbf_plan_stage, runs_per_step, 32);
+AT(pbf_plan_stage, launches_per_step, 36);
+
+SIZE(pbf_plan_array, 48);
+AT(pbf_plan_array, name, 0);
+AT(pbf_plan_array, bytes_per_particle, 32);
+AT(pbf_plan_array, bytes, 40);
+
+SIZE(pbf_plan, 2976);
+AT(pbf_plan, struct_size, 0);
+AT(pbf_plan, stage_count, 4);
+AT(pbf_plan, array_count, 8);
+AT(pbf_plan, reserved, 12);
+AT(pbf_plan, variant, 16);
+AT(pbf_plan, bytes_per_particle, 80);
+AT(pbf_plan, bytes, 88);
+AT(pbf_plan, stages, 96);
+AT(pbf_plan, arrays, 1056);
+
+SIZE(pbf_info, 784);
+AT(pbf_info, struct_size, 0);
+AT(pbf_info, dimension, 4);
+AT(pbf_info, precision, 8);
+AT(pbf_info, capacity, 12);
+AT(pbf_info, threads, 16);
+AT(pbf_info, device, 20);
+AT(pbf_info, device_type, 24);
+AT(pbf_info, fell_back, 28);
+AT(pbf_info, step, 32);
+AT(pbf_info, time, 40);
+AT(pbf_info, backend, 48);
+AT(pbf_info, device_name, 80);
+AT(pbf_info, build_id, 176);
+AT(pbf_info, path, 272);
+AT(pbf_info, fallback_reason, 528);
+
+SIZE(pbf_backend_info, 752);
+AT(pbf_backend_info, struct_size, 0);
+AT(pbf_backend_info, available, 4);
+AT(pbf_backend_info, score, 8);
+AT(pbf_backend_info, device_type, 12);
+AT(pbf_backend_info, name, 16);
+AT(pbf_backend_info, device_name, 48);
+AT(pbf_backend_info, build_id, 144);
+AT(pbf_backend_info, path, 240);
+AT(pbf_backend_info, reason, 496);
+
+SIZE(pbf_backend_host, 24);
+AT(pbf_backend_host, struct_size, 0);
+AT(pbf_backend_host, abi_min, 4);
+AT(pbf_backend_host, abi_max, 8);
+AT(pbf_backend_host, reserved, 12);
+AT(pbf_backend_host, set_error, 16);
+
+SIZE(pbf_workload, 24);
+AT(pbf_workload, struct_size, 0);
+AT(pbf_workload, dimension, 4);
+AT(pbf_workload, precision, 8);
+AT(pbf_workload, capacity, 12);
+AT(pbf_workload, device, 16);
+AT(pbf_workload, threads, 20);
+
+SIZE(pbf_probe_result, 368);
+AT(pbf_probe_result, struct_size, 0);
+AT(pbf_probe_result, score, 4);
+AT(pbf_probe_result, device_type, 8);
+AT(pbf_probe_result, reserved, 12);
+AT(pbf_probe_result, device_name, 16);
+AT(pbf_probe_result, reason, 112);
+
+SIZE(pbf_backend_desc, 80);
+AT(pbf_backend_desc, struct_size, 0);
+AT(pbf_backend_desc, dimension, 4);
+AT(pbf_backend_desc, precision, 8);
+AT(pbf_backend_desc, capacity, 12);
+AT(pbf_backend_desc, device, 16);
+AT(pbf_backend_desc, threads, 20);
+AT(pbf_backend_desc, stream, 24);
+AT(pbf_backend_desc, allocator, 32);
+AT(pbf_backend_desc, log, 64);
+AT(pbf_backend_desc, log_user, 72);
+
+SIZE(pbf_particles, 32);
+AT(pbf_particles, struct_size, 0);
+AT(pbf_particles, count, 4);
+AT(pbf_particles, ids, 8);
+AT(pbf_particles, positions, 16);
+AT(pbf_particles, velocities, 24);
+
+SIZE(pbf_rows, 24);
+AT(pbf_rows, struct_size, 0);
+AT(pbf_rows, first, 4);
+AT(pbf_rows, count, 8);
+AT(pbf_rows, total, 12);
+AT(pbf_rows, ids, 16);
+
+SIZE(pbf_backend_state, 112);
+AT(pbf_backend_state, struct_size, 0);
+AT(pbf_backend_state, threads, 4);
+AT(pbf_backend_state, device_type, 8);
+AT(pbf_backend_state, reserved, 12);
+AT(pbf_backend_state, device_name, 16);
+
+SIZE(pbf_backend_api, 160);
+AT(pbf_backend_api, struct_size, 0);
+AT(pbf_backend_api, reserved, 4);
+AT(pbf_backend_api, probe, 8);
+AT(pbf_backend_api, create, 16);
+AT(pbf_backend_api, destroy, 24);
+AT(pbf_backend_api, set_params, 32);
+AT(pbf_backend_api, set_colliders, 40);
+AT(pbf_backend_api, step, 48);
+AT(pbf_backend_api, synchronize, 56);
+AT(pbf_backend_api, add_particles, 64);
+AT(pbf_backend_api, remove_particles, 72);
+AT(pbf_backend_api, remove_all, 80);
+AT(pbf_backend_api, read, 88);
+AT(pbf_backend_api, write, 96);
+AT(pbf_backend_api, map, 104);
+AT(pbf_backend_api, get_stats, 112);
+AT(pbf_backend_api, get_plan, 120);
+AT(pbf_backend_api, describe, 128);
+AT(pbf_backend_api, set_timing, 136);
+AT(pbf_backend_api, get_timings, 144);
+AT(pbf_backend_api, get_extension, 152);
+
+SIZE(pbf_backend_answer, 144);
+AT(pbf_backend_answer, struct_size, 0);
+AT(pbf_backend_answer, abi_version, 4);
+AT(pbf_backend_answer, name, 8);
+AT(pbf_backend_answer, build_id, 40);
+AT(pbf_backend_answer, api, 136);
+
+int main(void) { return 0; }

@@ -1,0 +1,35 @@
+#!/bin/sh
+# moved_tree.sh CMAKE BUILD CONSUMER
+set -eu
+cmake=$1 build=$2 consumer=$3
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+unset PBF_BACKEND_PATH LD_LIBRARY_PATH PKG_CONFIG_PATH 2>/dev/null || true
+
+# Not through ninja: what the tests have not built is not installed, and nothing is built here.
+"$cmake" --install "$build" --prefix "$folder/first" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+mv "$folder/first" "$folder/moved"
+cd "$folder"
+if grep -rlF --include='*.cmake' --include='*.pc' -e "$folder/first" -e "$build" moved; then
+  echo "these files name where the tree was built or installed" >&2
+  exit 1
+fi
+library=$(find moved -name libpbf.so)
+case $(readlink "$library") in libpbf.so.[0-9]*) ;; *) echo "libpbf.so is no link to its soname" >&2; exit 1 ;; esac
+
+"$cmake" -S "$consumer" -B by_cmake -DCMAKE_PREFIX_PATH="$folder/moved" >log 2>&1 || { cat log; exit 1; }
+"$cmake" --build by_cmake >log 2>&1 || { cat log; exit 1; }
+echo "find_package:"
+by_cmake/consumer "$folder/moved"
+
+if command -v pkg-config >/dev/null; then
+  PKG_CONFIG_PATH=$(dirname "$(find "$folder/moved" -name pbf.pc)")
+  export PKG_CONFIG_PATH
+  libdir=$(pkg-config --variable=libdir pbf)
+  # shellcheck disable=SC2046 # words on purpose
+  ${CC:-cc} "$consumer/consumer.c" -o by_pkg_config $(pkg-config --cflags --libs pbf) -Wl,-rpath,"$libdir"
+  echo "pkg-config $(pkg-config --modversion pbf):"
+  ./by_pkg_config "$folder/moved"
+else
+  echo "pkg-config is not here: left out"
+fi
