@@ -9,7 +9,7 @@ done
 now=$(mktemp)
 trap 'rm -f "$now"' EXIT
 abidw --no-show-locs --no-comp-dir-path --no-corpus-path --no-elf-needed --headers-dir "$2" \
-  --drop-private-types --type-id-style hash --out-file "$now" "$1"
+  --drop-private-types --exported-interfaces-only --type-id-style hash --out-file "$now" "$1"
 if [ "${4-}" = --write ]; then
   cp "$now" "$3"
   exit 0
