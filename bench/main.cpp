@@ -24,9 +24,7 @@ int run_command(CLI::App &app, int argc, char **argv) {
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? exit_ok : exit_usage;
   }
-  for (const std::string &path : app.get_option("--plugin")->as<std::vector<std::string>>()) {
-    load_plugin(path);
-  }
+  for (const std::string &path : app.get_option("--plugin")->results()) load_plugin(path);
   for (const auto &[command, run] : commands) {
     if (command->parsed()) return run();
   }
@@ -42,7 +40,7 @@ int main(int argc, char **argv) {
   app.failure_message(CLI::FailureMessage::simple);
   app.add_option("--plugin", "load this backend too (absolute path)")
       ->type_name("FILE")
-      ->expected(0, -1)
+      ->expected(1, -1)
       ->allow_extra_args(false);
   try {
     return run_command(app, argc, argv);

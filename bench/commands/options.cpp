@@ -1,8 +1,17 @@
 #include "commands/options.h"
 
-#include <map>
-
 namespace bench {
+
+CLI::Validator positive() {
+  return CLI::Validator(
+      [](std::string &text) {
+        const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+        const bool zero = text.find_first_not_of('0') == std::string::npos;
+        return digits && !zero ? std::string()
+                               : "\"" + text + "\" is not a whole number of at least 1";
+      },
+      "");
+}
 
 void add_scene_options(CLI::App &command, SceneOptions &options) {
   command.add_option("--scene", options.name, "name of a scene, or path of a scene file")
@@ -11,10 +20,10 @@ void add_scene_options(CLI::App &command, SceneOptions &options) {
   command
       .add_option("--particles", options.particles, "about so many particles, by the scene's rule")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command.add_option("--steps", options.steps, "in place of the scene's number of steps")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command
       .add_option("--set", options.settings,
                   "in place of the scene's parameter, as --set gravity.1=-3; again and again")
@@ -23,10 +32,15 @@ void add_scene_options(CLI::App &command, SceneOptions &options) {
 }
 
 void add_precision_option(CLI::App &command, uint32_t &precision) {
-  static const std::map<std::string, uint32_t> names = {{"f32", PBF_FLOAT32}, {"f64", PBF_FLOAT64}};
-  command.add_option("--precision", precision, "f32 or f64 (f32 when not given)")
+  command
+      .add_option_function<std::string>(
+          "--precision",
+          [&precision](const std::string &name) {
+            precision = name == "f64" ? PBF_FLOAT64 : PBF_FLOAT32;
+          },
+          "f32 or f64 (f32 when not given)")
       ->type_name("P")
-      ->transform(CLI::CheckedTransformer(names).description("f32|f64"));
+      ->check(CLI::IsMember({"f32", "f64"}).description(""));
 }
 
 void add_device_option(CLI::App &command, int32_t &device) {

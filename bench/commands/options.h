@@ -9,6 +9,9 @@
 
 namespace bench {
 
+// A whole number of at least 1.
+CLI::Validator positive();
+
 void add_scene_options(CLI::App &command, SceneOptions &options);
 void add_precision_option(CLI::App &command, uint32_t &precision);
 void add_device_option(CLI::App &command, int32_t &device);

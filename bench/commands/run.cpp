@@ -193,7 +193,7 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
                    ->type_name("DIR");
   command->add_option("--every", options->every, "… and every so many steps")
       ->type_name("K")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->needs(dump);
   command
       ->add_option("--steps-per-call", options->steps_per_call,

@@ -86,16 +86,16 @@ std::pair<CLI::App *, Command> add_speedup(CLI::App &app) {
                    "numbers of threads for openmp (1, 2, 4, … up to the CPUs when not given)")
       ->type_name("N,…")
       ->delimiter(',')
-      ->check(CLI::Range(1, 4096));
+      ->check(positive());
   add_precision_option(*command, line_up.precision);
   add_device_option(*command, line_up.device);
   command->add_option("--repetitions", line_up.repetitions, "timed runs a row")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--naive-repetitions", line_up.naive_repetitions, "… of the naive row")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--json", options->json, "Google Benchmark's JSON into this file")
       ->type_name("F");

@@ -206,6 +206,13 @@ std::vector<pbf_backend_info> list_backends(const SolverOptions &options, const 
   return backends;
 }
 
+std::string reason_against(const SolverOptions &options, const Scene &scene) {
+  for (const pbf_backend_info &backend : list_backends(options, &scene)) {
+    if (options.backend == backend.name) return backend.available ? "" : backend.reason;
+  }
+  return "there is no backend of this name; `pbf-bench list` shows them";
+}
+
 void load_plugin(const std::string &path) { check(pbf_load_backend(path.c_str())); }
 
 }  // namespace bench

@@ -67,6 +67,9 @@ class Solver {
 // Entries of the library's list, judged for a solver like `options` for `scene` (or null).
 std::vector<pbf_backend_info> list_backends(const SolverOptions &options, const Scene *scene);
 
+// Why `options.backend` can't serve for `scene`; empty when it can.
+std::string reason_against(const SolverOptions &options, const Scene &scene);
+
 void load_plugin(const std::string &path);
 
 }  // namespace bench

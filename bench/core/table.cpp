@@ -12,7 +12,8 @@ size_t columns_of(const std::string &text) {
 }
 
 std::string padded(const std::string &text, size_t width, bool right) {
-  const std::string space(width - columns_of(text), ' ');
+  const size_t taken = columns_of(text);
+  const std::string space(taken < width ? width - taken : 0, ' ');
   return right ? space + text : text + space;
 }
 
@@ -42,6 +43,8 @@ std::string Table::text() const {
   for (const auto &row : rows_) {
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
   }
+  // A last column of text is ragged: it may hold whole sentences.
+  if (!right_.back()) widths.back() = columns_of(rows_[0].back());
   std::string text;
   for (size_t r = 0; r < rows_.size(); ++r) {
     text += "|";

@@ -29,9 +29,11 @@ std::string today() {
   return text;
 }
 
+// Threads go without saying where nothing ran.
 std::string label_of(const Result &result) {
   const std::string &name = result.contestant.name;
-  if (threads_text(result) == "GPU") return name;
+  if (threads_text(result) == "GPU" || (!result.ran() && result.contestant.threads == 1))
+    return name;
   const unsigned n = result.contestant.threads;
   return name + ", " + std::to_string(n) + (n == 1 ? " thread" : " threads");
 }
@@ -100,7 +102,6 @@ data figures_of(const Speedup &speedup, const Result &result) {
   const double ms = median_ms(result);
   row.set("ms", rounded(ms, 4));
   row.set("range", rounded(min_ms(result), 4) + " – " + rounded(max_ms(result), 4));
-  row.set("repetitions", std::to_string(result.milliseconds.size()));
   row.set("ms_per_step", rounded(ms_per_step(speedup, result), 3));
   row.set("rate", rounded(1e-6 * particle_iterations_per_second(speedup, result), 3));
   const auto factor = speedup_vs_naive(speedup, result);
@@ -118,14 +119,12 @@ data rows_of(const Speedup &speedup) {
   data rows{data::type::list};
   for (const Result &result : speedup.results) {
     data row = result.ran() ? figures_of(speedup, result) : data();
-    row.set("backend", result.contestant.name);
     row.set("label", label_of(result));
     row.set("ran", result.ran());
     row.set("reason", result.reason);
     row.set("report", speedup.is_the_report);
     if (result.ran()) {
       row.set("device", result.info.device_name);
-      row.set("threads", threads_text(result));
       const double rate = particle_iterations_per_second(speedup, result);
       row.set("bar", percent_of(axis.place(rate)));
       row.set("naive", result.contestant.name == "naive");
@@ -133,6 +132,18 @@ data rows_of(const Speedup &speedup) {
     rows << row;
   }
   return rows;
+}
+
+// "1 of naive, 5 of serial": how many times each ran.
+std::string runs_text(const Speedup &speedup) {
+  std::string text;
+  std::set<std::string> told;
+  for (const Result &result : speedup.results) {
+    if (!result.ran() || !told.insert(result.contestant.name).second) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(result.milliseconds.size()) + " of " +
+            result.contestant.name;
+  }
+  return text;
 }
 
 data builds_of(const Speedup &speedup) {
@@ -261,12 +272,13 @@ data page_data(const Speedup &speedup) {
   page.set("headline", headline(speedup));
   page.set("scene", scene.name);
   page.set("description", scene.description);
-  page.set("particles", rounded(static_cast<double>(count_particles(scene)), 12));
+  page.set("particles", counted(count_particles(scene)));
   page.set("dimension", std::to_string(scene.dimension) + "D");
   page.set("steps", std::to_string(scene.steps));
   page.set("iterations", std::to_string(scene.params.iterations));
   page.set("time", rounded(scene.steps * scene.params.time_step, 4));
   page.set("report", speedup.is_the_report);
+  page.set("runs", runs_text(speedup));
   page.set("rows", rows_of(speedup));
   page.set("ticks", ticks_of(Axis(speedup)));
   page.set("builds", builds_of(speedup));

@@ -142,6 +142,12 @@ Document::Document(const std::string &name, const std::string &text) : name_(nam
 void Document::override_value(const json::json_pointer &pointer, const json &new_value,
                               const std::string &origin) {
   value[pointer] = new_value;
+  // What stood below the old value stands nowhere now.
+  const std::string below = pointer.to_string() + "/";
+  for (auto place = places_.lower_bound(below);
+       place != places_.end() && place->first.rfind(below, 0) == 0;) {
+    place = places_.erase(place);
+  }
   origins_[pointer.to_string()] = origin;
 }
 

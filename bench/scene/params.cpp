@@ -11,17 +11,18 @@ namespace {
 
 using nlohmann::json;
 
-const char *const kernel_names[] = {"wendland_c2", "poly6_spiky"};  // by PBF_KERNEL_…
-const char *const collide_names[] = {"after_prediction", "in_iteration", "after_solve"};  // by bit
+using Names = std::vector<const char *>;
+const Names kernel_names = {"wendland_c2", "poly6_spiky"};                        // PBF_KERNEL_…
+const Names solver_names = {"jacobi", "chebyshev"};                               // PBF_SOLVER_…
+const Names collide_names = {"after_prediction", "in_iteration", "after_solve"};  // by bit
 
-uint32_t kernel_of(const json &name) {
-  return static_cast<uint32_t>(std::find(std::begin(kernel_names), std::end(kernel_names), name) -
-                               std::begin(kernel_names));
+uint32_t number_of(const json &name, const Names &names) {
+  return static_cast<uint32_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 uint32_t collide_bits(const json &names) {
   uint32_t bits = 0;
-  for (unsigned bit = 0; bit < std::size(collide_names); ++bit) {
+  for (unsigned bit = 0; bit < collide_names.size(); ++bit) {
     if (std::find(names.begin(), names.end(), collide_names[bit]) != names.end()) bits |= 1u << bit;
   }
   return bits;
@@ -52,7 +53,9 @@ void read_param(const ParamField &field, const json &value, const json::json_poi
     case ParamType::integer:
       return store(params, field, value.get<uint32_t>());
     case ParamType::kernel:
-      return store(params, field, kernel_of(value));
+      return store(params, field, number_of(value, kernel_names));
+    case ParamType::solver:
+      return store(params, field, number_of(value, solver_names));
     case ParamType::collide:
       return store(params, field, collide_bits(value));
     case ParamType::vector:
@@ -107,18 +110,31 @@ const std::vector<ParamField> &param_fields() {
 #define PBF_FIELD(name, type) \
   { #name, ParamType::type, offsetof(pbf_params, name) }
   static const std::vector<ParamField> fields = {
-      PBF_FIELD(kernel, kernel),        PBF_FIELD(smoothing_radius, number),
-      PBF_FIELD(spacing, number),       PBF_FIELD(particle_volume, number),
-      PBF_FIELD(time_step, number),     PBF_FIELD(iterations, integer),
-      PBF_FIELD(collide, collide),      PBF_FIELD(gravity, vector),
-      PBF_FIELD(attraction, number),    PBF_FIELD(attraction_center, vector),
-      PBF_FIELD(relaxation, number),    PBF_FIELD(epsilon, number),
-      PBF_FIELD(scorr_k, number),       PBF_FIELD(scorr_dq, number),
-      PBF_FIELD(scorr_n, integer),      PBF_FIELD(vorticity, number),
-      PBF_FIELD(viscosity, number),     PBF_FIELD(domain_min, vector),
-      PBF_FIELD(domain_max, vector),    PBF_FIELD(wall_velocity, walls),
-      PBF_FIELD(wall_amplitude, walls), PBF_FIELD(wall_frequency, walls),
-      PBF_FIELD(wall_phase, walls),     PBF_FIELD(search_cell_width, number),
+      PBF_FIELD(kernel, kernel),
+      PBF_FIELD(smoothing_radius, number),
+      PBF_FIELD(spacing, number),
+      PBF_FIELD(particle_volume, number),
+      PBF_FIELD(time_step, number),
+      PBF_FIELD(iterations, integer),
+      PBF_FIELD(collide, collide),
+      PBF_FIELD(gravity, vector),
+      PBF_FIELD(attraction, number),
+      PBF_FIELD(attraction_center, vector),
+      PBF_FIELD(relaxation, number),
+      PBF_FIELD(epsilon, number),
+      PBF_FIELD(scorr_k, number),
+      PBF_FIELD(scorr_dq, number),
+      PBF_FIELD(scorr_n, integer),
+      PBF_FIELD(solver, solver),
+      PBF_FIELD(vorticity, number),
+      PBF_FIELD(viscosity, number),
+      PBF_FIELD(domain_min, vector),
+      PBF_FIELD(domain_max, vector),
+      PBF_FIELD(wall_velocity, walls),
+      PBF_FIELD(wall_amplitude, walls),
+      PBF_FIELD(wall_frequency, walls),
+      PBF_FIELD(wall_phase, walls),
+      PBF_FIELD(search_cell_width, number),
   };
 #undef PBF_FIELD
   return fields;

@@ -13,7 +13,7 @@
 
 namespace bench {
 
-enum class ParamType { number, integer, vector, walls, kernel, collide };
+enum class ParamType { number, integer, vector, walls, kernel, collide, solver };
 
 struct ParamField {
   const char *name;
@@ -21,6 +21,7 @@ struct ParamField {
   size_t offset;
 };
 
+// All of them: a field that the library gains belongs here and into the schema.
 const std::vector<ParamField> &param_fields();
 
 // Overwrites the fields that `object` has, an object that keeps to the schema. Throws ValueError

@@ -116,7 +116,7 @@ class Collector : public benchmark::BenchmarkReporter {
 };
 
 void initialize_google_benchmark() {
-  char program[] = "pbf-bench";
+  static char program[] = "pbf-bench"; // Google Benchmark keeps the pointer for its JSON
   char interleave[] = "--benchmark_enable_random_interleaving=true";
   char *arguments[] = {program, interleave, nullptr};
   int count = 2;
@@ -138,6 +138,9 @@ class Meet {
 
  private:
   void enter(Result &result) {
+    result.reason = reason_against(result.contestant.solver, scene_);
+    result.unavailable = !result.reason.empty();
+    if (result.unavailable) return;
     try {
       bouts_.push_back(std::make_unique<Bout>(scene_, result, keep_frames_));
     } catch (const Error &error) {

@@ -38,7 +38,13 @@ std::vector<std::string> header(const Speedup &speedup) {
 }
 
 std::vector<std::string> cells_of(const Speedup &speedup, const Result &result) {
-  if (!result.ran()) return {result.contestant.name, "can't serve: " + result.reason};
+  if (!result.ran()) {
+    std::vector<std::string> cells(header(speedup).size(), "–");
+    cells[0] = result.contestant.name;
+    cells[2] = threads_text(result);
+    cells.push_back(result.reason);
+    return cells;
+  }
   const double ms = median_ms(result);
   const auto over_naive = speedup_vs_naive(speedup, result);
   std::vector<std::string> cells = {
@@ -97,10 +103,15 @@ std::string rounded(double value, int digits) {
   return with_commas(text);
 }
 
+std::string counted(uint64_t count) { return with_commas(std::to_string(count)); }
+
 std::string speedup_table(const Speedup &speedup) {
-  const std::vector<std::string> head = header(speedup);
+  std::vector<std::string> head = header(speedup);
+  const size_t figures = head.size();
+  const auto ran = [](const Result &result) { return result.ran(); };
+  if (!std::all_of(speedup.results.begin(), speedup.results.end(), ran)) head.push_back("why not");
   Table table(head);
-  table.align_right(2, head.size() - 1);
+  table.align_right(2, figures - 1);
   for (const Result &result : speedup.results) table.add(cells_of(speedup, result));
   return table.text();
 }

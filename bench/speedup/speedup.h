@@ -32,6 +32,7 @@ std::string threads_text(const Result &result);
 
 // A number with `digits` significant ones and thousands set apart by commas.
 std::string rounded(double value, int digits);
+std::string counted(uint64_t count);
 
 std::string speedup_table(const Speedup &speedup);
 
