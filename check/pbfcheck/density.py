@@ -33,16 +33,17 @@ def kernel_sums(points, kernel, h, ghosts=None):
     return sums
 
 
-def densities(points, kernel, h, volume, surfaces, rest_volume, wall_model="mirror"):
+def densities(points, kernel, h, volume, surfaces, rest_spacing, wall_model="mirror"):
     """rho/rho0 of each point.
 
     mirror    images of the fluid in the wall: exact for a lattice that fits the box
-    integral  the kernel's integral behind the wall at rest density: one part in twenty too much
-              beside a lattice at h = 2 spacings, less with wider kernels
+    integral  the kernel's integral behind the wall at rest density, begun where it is exact for the
+              first layer of a lattice
     none      the solver's fluid has no walls in its density
     """
     ghosts = mirror_images(points, surfaces, h) if wall_model == "mirror" else None
     density = volume * kernel_sums(points, kernel, h, ghosts)
     if wall_model == "integral" and len(points):
-        density += volume / rest_volume * half_space_share(points, surfaces, kernel, h)
+        share = half_space_share(points, surfaces, kernel, h, rest_spacing)
+        density += volume / rest_spacing ** points.shape[1] * share
     return density

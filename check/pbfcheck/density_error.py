@@ -33,7 +33,8 @@ class DensityError(Measure):
         dump, options = self.dump, self.options
         surfaces = dump.manifest.walls.surfaces(frame.time)
         x = frame.positions
-        error = densities(x, kernel, h, volume, surfaces, dump.rest_volume, options.wall_density) - 1
+        error = densities(x, kernel, h, volume, surfaces, dump.rest_spacing,
+                          options.wall_density) - 1
         interior = shares[h] >= options.coverage
         bulk = interior & (distance_to_walls(x, surfaces) >= h)
         squeezed = np.maximum(error, 0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .kernels import KERNELS
+from .kernels import KERNELS, lattice_points
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,25 @@ def half_space_table(kernel, h, dim, samples=2001):
     return z, np.append(np.cumsum(pieces[::-1])[::-1], 0.0)
 
 
-def half_space_share(points, surfaces, kernel, h):
-    """Share of the kernel behind the walls: exact at a plane; at edges 1 - product(1 - I_k)."""
+def _plane_shift(kernel, h, spacing, dim, beyond):
+    """How far behind the wall's surface its half-space must begin, so that it lends the first layer of
+    a lattice, half a spacing before the surface, just what the lattice behind would."""
+    points = spacing * lattice_points(h / spacing, dim)
+    behind = points[points[:, -1] < 0]
+    lent = KERNELS[kernel](np.linalg.norm(behind, axis=1), h, dim).sum() * spacing**dim
+    z, share = beyond
+    return float(np.interp(-lent, -share, z)) - spacing / 2
+
+
+def half_space_share(points, surfaces, kernel, h, spacing):
+    """Share of the kernel behind the walls: the integral beyond a plane, calibrated on the lattice; at
+    edges 1 - product(1 - I_k)."""
     dim = points.shape[1]
     z, beyond = half_space_table(kernel, h, dim)
+    shift = _plane_shift(kernel, h, spacing, dim, (z, beyond))
     free = np.ones(len(points))
     for side in (points - surfaces[0], surfaces[1] - points):
-        depth = np.abs(side)
-        share = np.interp(np.minimum(depth, h), z, beyond)
-        free *= (1 - np.where(side >= 0, share, 1 - share)).prod(axis=1)
+        distance = side + shift
+        share = np.interp(np.minimum(np.abs(distance), h), z, beyond)
+        free *= (1 - np.where(distance >= 0, share, 1 - share)).prod(axis=1)
     return 1 - free

@@ -34,9 +34,18 @@ class Walls(unittest.TestCase):
         axis = (np.arange(800) + 0.5) / 800 * 2 - 1
         x, y = np.meshgrid(axis, axis)
         expected = KERNELS["wendland_c2"](np.hypot(x, y), 1.0, 2)[x > 0.3].sum() * (2 / 800) ** 2
-        surfaces = np.array([-np.inf, -np.inf]), np.array([0.3, np.inf])
-        share = half_space_share(np.zeros((1, 2)), surfaces, "wendland_c2", 1.0)[0]
-        self.assertAlmostEqual(share, expected, 4)
+        z, beyond = half_space_table("wendland_c2", 1.0, 2)
+        self.assertAlmostEqual(np.interp(0.3, z, beyond), expected, 4)
+
+    def test_half_space_lends_the_first_layer_what_a_lattice_would(self):
+        for dim, h in ((2, 2.0), (3, 2.0), (3, 3.0)):
+            behind = lattice(*[9] * dim, origin=-4.0)
+            behind = behind[behind[:, 0] < 0]
+            lent = KERNELS["wendland_c2"](np.linalg.norm(behind, axis=1), h, dim).sum()
+            surfaces = np.full(dim, -np.inf), np.full(dim, np.inf)
+            surfaces[0][0] = -0.5
+            share = half_space_share(np.zeros((1, dim)), surfaces, "wendland_c2", h, 1.0)[0]
+            self.assertAlmostEqual(share, lent, 4)
 
     def test_mirror_continues_a_lattice_beyond_a_corner(self):
         points = lattice(6, 6)

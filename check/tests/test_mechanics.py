@@ -110,10 +110,11 @@ class NoiseAtRest(DumpTest):
 
 class Distance(DumpTest):
     def test_known_shift(self):
-        x = lattice(12, 12)
-        run = self.dump({10: x + [0.3, 0.4]}, manifest(2))
+        x = lattice(12, 12, spacing=0.2)
+        size = {"spacing": 0.2, "smoothing_radius": 0.4}
+        run = self.dump({10: x + [0.06, 0.08]}, manifest(2, **size))
         # The reference takes half the time step: its step 20 is this run's 10.
-        reference = self.dump({20: x}, manifest(2, time_step=0.005))
+        reference = self.dump({20: x}, manifest(2, time_step=0.005, **size))
         row = self.errors(run, "E3", "--reference", reference)["frames"][0]
         self.assertAlmostEqual(row["rms"], 0.5, 12)
         self.assertFalse(row["trajectories_agree"])

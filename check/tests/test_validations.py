@@ -146,19 +146,24 @@ class Rotation(DumpTest):
 
 
 class Falling(DumpTest):
-    def fall(self, position):
+    def fall(self, position, floor=0.0):
         x0 = lattice(3, 3, spacing=5.0, origin=50.0)
         v0 = np.tile([1.0, 0.5], (9, 1))
         g, dt = np.array([0.0, -3.0]), 0.02
         frames = {n: (x0 + n * dt * v0 + position(n, dt) * g, v0 + n * dt * g) for n in range(0, 200, 20)}
         return self.dump(frames, manifest(2, gravity=g.tolist(), time_step=dt, walls=True,
-                                          domain_min=[0.0, 0.0], domain_max=[100.0, 100.0]))
+                                          domain_min=[0.0, floor], domain_max=[100.0, 100.0]))
 
     def test_the_schemes_own_parabola(self):
         figures = self.validation("free-fall", self.fall(lambda n, dt: dt * dt * n * (n + 1) / 2))["figures"]
         self.assertLess(figures["position.max"], 1e-12)
         self.assertEqual(figures["frames"], 9)
         self.assertAlmostEqual(figures["parabola"], 1 / 180, 9)
+
+    def test_ends_where_a_wall_is_met(self):
+        # After 80 steps the lowest would be at 50 + 0.8 - 3.89; from then on they lie on the floor.
+        folder = self.fall(lambda n, dt: dt * dt * (n * (n + 1) if n < 80 else 0) / 2, floor=48.0)
+        self.assertEqual(self.validation("free-fall", folder)["figures"]["frames"], 3)
 
     def test_another_scheme_fails(self):
         self.validation("free-fall", self.fall(lambda n, dt: (n * dt) ** 2 / 2), code=1)
