@@ -94,10 +94,10 @@ static pbf_status take_arrays(solver *s) {
     uint64_t bytes;
     void *to;
   } wanted[] = {
-      {"position", (n + 1) * sizeof(point), &s->points},
+      {"position", (n + PBF_SPARE_POINTS) * sizeof(point), &s->points},
       {"velocity", n * sizeof(pbf_vec), &s->velocities},
       {"id", n * sizeof(uint32_t), &s->ids},
-      {"moved position", (n + 1) * sizeof(point), &s->other},
+      {"moved position", (n + PBF_SPARE_POINTS) * sizeof(point), &s->other},
       {"position before", n * sizeof(pbf_vec), &s->before},
       {"sorted id", n * sizeof(uint32_t), &s->other_ids},
       {"sorted cell", n * sizeof(uint32_t), &s->cells},

@@ -103,27 +103,44 @@ PBF_FN uint32_t grid_cell(const cell_grid &g, pbf_vec x) {
   return grid_row(g, at) + at[0];
 }
 
-/* Cells first … last of row 0 … PBF_ROWS - 1 that can hold neighbours of a particle at x; false
- * when there are none. */
-PBF_FN bool grid_reach(const cell_grid &g, pbf_vec x, int row, uint32_t *first, uint32_t *last) {
+/* Where a particle looks for neighbours: what its rows have in common. */
+struct grid_view {
+  pbf_real x;                                /* along the rows */
+  uint32_t own[PBF_DIM];                     /* its cell's indices, across the rows */
+  pbf_real below2[PBF_DIM], above2[PBF_DIM]; /* squared distances to the cells beside its own */
+};
+
+PBF_FN grid_view grid_look(const cell_grid &g, pbf_vec x) {
+  grid_view view;
+  view.x = x.c[0];
+  for (int k = 1; k < PBF_DIM; ++k) {
+    pbf_real t = grid_coordinate(g, k, x.c[k]);
+    view.own[k] = grid_index(g, k, t);
+    pbf_real own = (pbf_real)view.own[k];
+    pbf_real below = pbf_real_max(t - own, 0) * g.row_width;
+    pbf_real above = pbf_real_max(own + 1 - t, 0) * g.row_width;
+    view.below2[k] = view.own[k] == 0 ? g.reach2 : below * below;
+    view.above2[k] = own >= g.last.c[k] ? g.reach2 : above * above;
+  }
+  return view;
+}
+
+/* Cells first … last of row 0 … PBF_ROWS - 1 that can hold neighbours; false when there are none.
+ */
+PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint32_t *first,
+                       uint32_t *last) {
   uint32_t at[PBF_DIM];
   pbf_real left2 = g.reach2;
   for (int k = 1; k < PBF_DIM; ++k) {
     int step = (k == 1 ? row % 3 : row / 3) - 1;
-    pbf_real t = grid_coordinate(g, k, x.c[k]);
-    at[k] = grid_index(g, k, t);
-    if (step < 0 && at[k] == 0) return false;
-    if (step > 0 && (pbf_real)at[k] >= g.last.c[k]) return false;
-    pbf_real gap = step == 0 ? 0 : step < 0 ? t - (pbf_real)at[k] : (pbf_real)(at[k] + 1) - t;
-    gap = pbf_real_max(gap, 0) * g.row_width;
-    left2 -= gap * gap;
-    at[k] += (uint32_t)step;
+    left2 -= step == 0 ? 0 : step < 0 ? view.below2[k] : view.above2[k];
+    at[k] = view.own[k] + (uint32_t)step;
   }
   if (!(left2 > 0)) return false;
   pbf_real left = pbf_real_sqrt(left2);
   uint32_t start = grid_row(g, at);
-  *first = start + grid_index(g, 0, grid_coordinate(g, 0, x.c[0] - left));
-  *last = start + grid_index(g, 0, grid_coordinate(g, 0, x.c[0] + left));
+  *first = start + grid_index(g, 0, grid_coordinate(g, 0, view.x - left));
+  *last = start + grid_index(g, 0, grid_coordinate(g, 0, view.x + left));
   return true;
 }
 

@@ -38,7 +38,7 @@ struct list_writer {
   bool fits = true;
 
   __device__ __forceinline__ void add(uint32_t entry) {
-    word = word >> 16 | entry << 16;
+    word = __byte_perm(word, entry, 0x5432); /* the older one low */
     if (++size % 2) return;
     words = {words.y, words.z, words.w, word};
     if (size % PBF_CHUNK) return;
@@ -50,43 +50,54 @@ struct list_writer {
   }
 };
 
-/* Which of the particles first … first + count - 1, at most 32, are near x. */
+/* Which of the particles first … first + count - 1, at most 32, are near x. Four at a time, reading
+ * up to three beyond the last. */
 static __device__ __forceinline__ uint32_t near_mask(const point *points, uint32_t first,
                                                      uint32_t count, pbf_vec x, pbf_real h2) {
   uint32_t mask = 0;
-#pragma unroll 4
-  for (uint32_t k = 0; k < count; ++k) {
-    pbf_vec d = pbf_sub(x, position_of(load(points, first + k)));
-    if (pbf_dot(d, d) < h2) mask |= 1u << k;
+  for (uint32_t k = 0; k < count; k += 4) {
+    uint32_t four = 0;
+#pragma unroll
+    for (uint32_t q = 0; q < 4; ++q) {
+      pbf_vec d = pbf_sub(x, position_of(load(points, first + k + q)));
+      if (pbf_dot(d, d) < h2) four |= 1u << q;
+    }
+    mask |= four << k;
   }
-  return mask;
+  return count < 32 ? mask & ((1u << count) - 1) : mask;
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
+  __shared__ uint32_t starts[PBF_ROWS][PBF_BLOCK], ends[PBF_ROWS][PBF_BLOCK];
   uint32_t i = thread_index(), lane = threadIdx.x % 32;
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   pbf_vec x = position_of(load(p.points, real ? i : p.count - 1));
+  grid_view view = grid_look(grid, x);
+  /* All rows' bounds first: independent loads. */
+#pragma unroll
+  for (int row = 0; row < PBF_ROWS; ++row) {
+    uint32_t first, last;
+    bool some = real && grid_reach(grid, view, row, &first, &last);
+    starts[row][threadIdx.x] = some ? p.cell_start[first] : 0;
+    ends[row][threadIdx.x] = some ? p.cell_start[last + 1] : 0;
+  }
   list_writer list;
   list.chunk = list_of(lists, i);
   list.end = list.chunk + (size_t)lists.chunks * 32;
   for (int row = 0; row < PBF_ROWS; ++row) {
-    uint32_t start = 0, end = 0, first, last;
-    if (real && grid_reach(grid, x, row, &first, &last)) {
-      start = p.cell_start[first];
-      end = p.cell_start[last + 1];
-    }
+    uint32_t start = starts[row][threadIdx.x], end = ends[row][threadIdx.x];
     uint32_t base = __reduce_min_sync(~0u, start < end ? start : ~0u);
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
+    if (start < end && end - base > PBF_PLACES) list.fits = false;
     for (; start < end; start += 32) {
       uint32_t mask = near_mask(p.points, start, min(end - start, 32u), x, h2);
       if (i - start < 32) mask &= ~(1u << (i - start));
+      uint32_t entry = ((uint32_t)row << PBF_PLACE_BITS) + start - base - 1;
       while (mask) {
-        uint32_t place = start - base + (uint32_t)__ffs((int)mask) - 1;
+        list.add(entry + (uint32_t)__ffs((int)mask));
         mask &= mask - 1;
-        if (place >= PBF_PLACES) list.fits = false;
-        list.add((uint32_t)row << PBF_PLACE_BITS | place);
       }
     }
     __syncwarp();
@@ -119,6 +130,7 @@ static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
                                                      Visit visit) {
   __shared__ uint32_t shared_bases[PBF_BLOCK / 32][16];
   uint32_t *bases = shared_bases[threadIdx.x / 32], lane = threadIdx.x % 32;
+  if (i - lane >= p.count) return;
   if (lane < PBF_ROWS) bases[lane] = lists.bases[i / 32 * PBF_ROWS + lane];
   if (lane == PBF_ROWS) bases[lane] = lists.nowhere;
   __syncwarp();

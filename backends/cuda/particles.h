@@ -54,9 +54,13 @@ static __device__ __forceinline__ point point_at(pbf_vec x) {
   return p;
 }
 
+/* Points after the last: one far from everything (lists.h), and what the search reads beyond the
+ * end of a row. */
+enum { PBF_SPARE_POINTS = 4 };
+
 /* Particles sorted by cell, and by id within a cell. */
 struct sorted_particles {
-  point *points;   /* one more than the capacity: the last is far from everything, see lists.h */
+  point *points;   /* PBF_SPARE_POINTS more than the capacity */
   pbf_vec *before; /* positions at the start of the step */
   uint32_t *ids, *cells;
   uint32_t *cell_start; /* first particle of each cell; one more at the end */

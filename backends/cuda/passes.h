@@ -125,10 +125,11 @@ static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uin
   const pbf_constants *c = &n.constants;
   const sorted_particles &p = n.particles;
   pbf_vec x = position_of(load(p.points, i));
+  grid_view view = grid_look(n.grid, x);
   pbf_real density = c->value_scale;
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t first, last;
-    if (!grid_reach(n.grid, x, row, &first, &last)) continue;
+    if (!grid_reach(n.grid, view, row, &first, &last)) continue;
     uint32_t end = p.cell_start[last + 1];
     for (uint32_t j = p.cell_start[first]; j < end; ++j) {
       pbf_vec x_ij = pbf_sub(x, position_of(load(p.points, j)));
