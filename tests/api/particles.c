@@ -151,16 +151,20 @@ static void bad_numbers_are_refused(void **state) {
   test_for_each_kind(bad_numbers);
 }
 
-/* A wall at 0.1 is not a float32: what a clamp to it leaves must be taken. */
+/* Neither 0.1 nor 0.7 is a float32; the nearest ones lie above and below. What a clamp to such a
+ * wall leaves must be taken. */
 static void the_wall_itself_is_inside(void **state) {
   (void)state;
   pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
   pbf_params params = test_params();
-  params.domain_max[0] = 0.7; /* (float)0.7 is below, (float)0.1 above */
-  params.domain_min[0] = 0.1;
+  params.domain_max[0] = 0.1;
+  params.domain_min[1] = 0.7;
   pbf_solver *s = test_create(&desc, &params);
-  float x[6] = {0.1f, 0, 0, 0.7f, 1, 1};
+  float x[6] = {0.1f, 0.7f, 0, 0, 1, 1};
+  assert_true((double)x[0] > 0.1 && (double)x[1] < 0.7);
   assert_ok(pbf_add_particles(s, 2, x, NULL, NULL));
+  x[0] = nextafterf(x[0], 1);
+  assert_fails(pbf_set_positions(s, 0, 1, x), PBF_ERROR_INVALID_ARGUMENT, "positions[0][0]");
   pbf_destroy(s);
 }
 

@@ -203,6 +203,23 @@ static void forged_headers(void **state) {
   pbf_destroy(a);
 }
 
+/* 27 ids, padded to 112 bytes, before 27 positions and velocities and the checksum. */
+static void forged_ids(void **state) {
+  (void)state;
+  uint64_t size;
+  pbf_solver *a = busy_solver(3, PBF_FLOAT64);
+  unsigned char *saved = test_save(a, &size);
+  uint64_t ids = size - 8 - 2 * 27 * 3 * 8 - 112;
+  forge(saved, size, ids + 4, 1, 4); /* 1, 1, 3, … */
+  assert_fails(pbf_load(a, saved, size), PBF_ERROR_DATA, "ids that do not ascend");
+  forge(saved, size, ids + 4, 2, 4); /* as it was: 1, 2, 3, … */
+  assert_ok(pbf_load(a, saved, size));
+  forge(saved, size, ids + 4 * 26, 30, 4); /* the solver has given 0 … 29 */
+  assert_fails(pbf_load(a, saved, size), PBF_ERROR_DATA, "ids that were never given");
+  free(saved);
+  pbf_destroy(a);
+}
+
 /* Ids may run out: a solver so old can only be had by forging its state. */
 static void ids_run_out(void **state) {
   (void)state;
@@ -291,17 +308,12 @@ static void hash_sees_everything(void **state) {
 
 int main(void) {
   const struct CMUnitTest state[] = {
-      cmocka_unit_test(continuation),
-      cmocka_unit_test(saving_twice_gives_the_same),
-      cmocka_unit_test(an_empty_solver),
-      cmocka_unit_test(room_for_saving),
-      cmocka_unit_test(cut_at_every_length),
-      cmocka_unit_test(every_byte_flipped),
-      cmocka_unit_test(every_byte_forged),
-      cmocka_unit_test(forged_headers),
-      cmocka_unit_test(ids_run_out),
-      cmocka_unit_test(of_another_kind),
-      cmocka_unit_test(hash_is_the_stated_one),
+      cmocka_unit_test(continuation),         cmocka_unit_test(saving_twice_gives_the_same),
+      cmocka_unit_test(an_empty_solver),      cmocka_unit_test(room_for_saving),
+      cmocka_unit_test(cut_at_every_length),  cmocka_unit_test(every_byte_flipped),
+      cmocka_unit_test(every_byte_forged),    cmocka_unit_test(forged_headers),
+      cmocka_unit_test(forged_ids),           cmocka_unit_test(ids_run_out),
+      cmocka_unit_test(of_another_kind),      cmocka_unit_test(hash_is_the_stated_one),
       cmocka_unit_test(hash_sees_everything),
   };
   return TEST_RUN(state);
