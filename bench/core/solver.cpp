@@ -114,8 +114,7 @@ uint32_t Solver::steps_to_next_turn() const {
 void Solver::turn_colliders() {
   std::vector<pbf_collider> now(colliders_.size());
   for (uint32_t i = 0; i < now.size(); ++i) {
-    now[i].struct_size = sizeof now[i];
-    check(pbf_get_collider(solver_.get(), i, &now[i]));
+    now[i] = collider(i);
     if (colliders_[i].motion.empty()) continue;
     const Turn turn = turn_at(colliders_[i].motion, time_step_, step_);
     const Stretch &stretch = colliders_[i].motion[turn.stretch];
@@ -172,6 +171,13 @@ uint32_t Solver::count() const {
   uint32_t count = 0;
   check(pbf_get_count(solver_.get(), &count));
   return count;
+}
+
+pbf_collider Solver::collider(uint32_t index) const {
+  pbf_collider collider = {};
+  collider.struct_size = sizeof collider;
+  check(pbf_get_collider(solver_.get(), index, &collider));
+  return collider;
 }
 
 Bytes Solver::read(Getter getter) const {

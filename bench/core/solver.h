@@ -43,6 +43,7 @@ class Solver {
   void load(const Bytes &state);
 
   uint32_t count() const;
+  pbf_collider collider(uint32_t index) const;  // in its present pose
 
  private:
   using Getter = pbf_status (*)(pbf_solver *, uint32_t, uint32_t, void *);

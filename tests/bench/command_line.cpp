@@ -1,0 +1,206 @@
+/* Exit codes, files and JSON of pbf-bench. */
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "program.h"
+
+namespace {
+
+using nlohmann::json;
+
+const char *const small = "--scene dam-break-2d --particles 200 ";
+
+void wrong_command_lines_exit_with_2(void **) {
+  const std::string folder = work_folder("wrong");
+  const char *const wrong[][2] = {
+      {"", "subcommand"},
+      {"dance", "subcommand"},
+      {"run --scene dam-break-2d", "--backend is required"},
+      {"run --backend reference", "--scene is required"},
+      {"run --scene dam-break-2d --backend reference --bogus", "--bogus"},
+      {"run --scene dam-break-2d --backend reference --steps 0", "\"0\" is not a whole number"},
+      {"run --scene dam-break-2d --backend reference --steps 1x", "\"1x\" is not a whole number"},
+      {"run --scene dam-break-2d --backend reference --particles -3",
+       "\"-3\" is not a whole number"},
+      {"run --scene dam-break-2d --backend reference --precision f16", "f16"},
+      {"run --scene dam-break-2d --backend reference --every 3", "--dump"},
+      {"run --scene dam-brake-2d --backend reference", "did you mean dam-break-2d"},
+      {"run --scene dam-break-2d --backend reference --set gravitty=1", "did you mean gravity?"},
+      {"run --scene dam-break-2d --backend reference --set spacing=1",
+       "PBF_ERROR_INVALID_ARGUMENT"},
+      {"speedup --threads 0", "\"0\" is not a whole number"},
+      {"speedup --backends serial,serial", "stands twice"},
+  };
+  for (const auto &[arguments, words] : wrong) {
+    const Outcome outcome = run_program(folder, arguments);
+    expect_contains(outcome.err, words);
+    assert_int_equal(outcome.exit_code, 2);
+  }
+}
+
+void a_backend_that_is_not_there_exits_with_3(void **) {
+  const std::string folder = work_folder("absent");
+  const Outcome run = run_program(folder, std::string("run --backend nonesuch ") + small);
+  assert_int_equal(run.exit_code, 3);
+  expect_contains(run.err, "nonesuch");
+  const Outcome speedup = run_program(folder, std::string("speedup --backends nonesuch ") + small);
+  assert_int_equal(speedup.exit_code, 3);
+  expect_contains(speedup.out, "| nonesuch | ");
+  expect_contains(speedup.out, "there is no backend of this name");
+}
+
+void a_file_that_cant_be_written_exits_with_1(void **) {
+  const std::string folder = work_folder("unwritable");
+  skip_unless_available(folder, "reference");
+  const std::string run = std::string("run --backend reference --steps 1 ") + small;
+  for (const char *where : {"--csv /nowhere/at/all.csv", "--dump /dev/null/here"}) {
+    assert_int_equal(run_program(folder, run + where).exit_code, 1);
+  }
+}
+
+void help_tells_the_exit_codes(void **) {
+  const Outcome help = run_program(work_folder("help"), "--help");
+  assert_int_equal(help.exit_code, 0);
+  expect_contains(help.out, "Exit codes: 0 done; 1 failed");
+  expect_contains(help.out, "speedup");
+}
+
+void list_shows_scenes_and_backends(void **) {
+  const Outcome list = run_program(work_folder("list"), "list");
+  assert_int_equal(list.exit_code, 0);
+  expect_contains(list.out, "| report-30k ");
+  expect_contains(list.out, "| reference ");
+}
+
+std::string npy_shape(const std::string &path) {
+  const std::string bytes = read_text(path);
+  const size_t start = bytes.find("'shape': ") + 9;
+  return bytes.substr(start, bytes.find(')', start) + 1 - start);
+}
+
+void a_run_writes_its_trace_and_dumps(void **) {
+  const std::string folder = work_folder("run");
+  skip_unless_available(folder, "reference");
+  const Outcome run = run_program(
+      folder,
+      "run --scene dam-break-2d --backend reference --steps 7 --csv t.csv --dump d --every 3");
+  assert_int_equal(run.exit_code, 0);
+  assert_string_equal(run.err.c_str(), "");
+  std::istringstream csv(read_text(folder + "/t.csv"));
+  std::string line;
+  std::getline(csv, line);
+  assert_string_equal(line.c_str(),
+                      "step,time,com_x,com_y,com_z,kinetic_energy,max_x,max_y,max_z,"
+                      "density_error_mean,density_error_max,iterations");
+  int rows = 0;
+  while (std::getline(csv, line)) {
+    ++rows;
+    assert_int_equal(line.rfind(std::to_string(rows) + ",", 0), 0);
+  }
+  assert_int_equal(rows, 7);
+  for (const char *step : {"000000", "000003", "000006", "000007"}) {
+    for (const char *field : {"positions_", "velocities_"}) {
+      const std::string file = folder + "/d/" + field + step + ".npy";
+      assert_string_equal(npy_shape(file).c_str(), "(5000, 2)");
+    }
+  }
+  assert_false(std::filesystem::exists(folder + "/d/positions_000001.npy"));
+}
+
+void a_trace_to_standard_output_is_alone_there(void **) {
+  const std::string folder = work_folder("stdout");
+  skip_unless_available(folder, "reference");
+  const Outcome run =
+      run_program(folder, std::string("run --backend reference --steps 2 --csv - ") + small);
+  assert_int_equal(run.exit_code, 0);
+  assert_int_equal(run.out.rfind("step,time,", 0), 0);
+  assert_int_equal(std::count(run.out.begin(), run.out.end(), '\n'), 3);
+  expect_contains(run.err, "particle-iterations/s");
+}
+
+// Steps one by one, many a call, and with dumps between: the same state.
+void batches_do_not_change_the_result(void **) {
+  const std::string folder = work_folder("batches");
+  skip_unless_available(folder, "reference");
+  std::vector<std::string> states;
+  for (const char *how : {"--csv t.csv", "--steps-per-call 40", "", "--dump d --every 7"}) {
+    const Outcome run =
+        run_program(folder, std::string("run --backend reference --steps 40 ") + small + how);
+    const size_t at = run.out.find("state ");
+    assert_true(at != std::string::npos);
+    states.push_back(run.out.substr(at, 22));
+  }
+  for (const std::string &state : states) assert_string_equal(state.c_str(), states[0].c_str());
+}
+
+const json &entry(const json &document, const std::string &name) {
+  for (const json &benchmark : document.at("benchmarks")) {
+    if (benchmark.at("name") == name) return benchmark;
+  }
+  fail_msg("no entry %s", name.c_str());
+  abort();
+}
+
+void speedup_writes_google_benchmarks_json(void **) {
+  const std::string folder = work_folder("speedup");
+  skip_unless_available(folder, "reference");
+  const Outcome speedup =
+      run_program(folder,
+                  "speedup --scene dam-break-2d --steps 3 --backends naive,reference,nonesuch "
+                  "--repetitions 2 --json s.json --html deep/er/page.html");
+  assert_int_equal(speedup.exit_code, 0);
+  expect_contains(speedup.out, "| naive ");
+  const json document = json::parse(read_text(folder + "/s.json"));
+  assert_int_equal(document.at("benchmarks").size(), 3);
+  for (const char *key : {"commit", "cpu_model", "compiler", "build_naive", "device_naive"}) {
+    assert_true(document.at("context").contains(key));
+  }
+  const json &row = entry(document, "dam-break-2d/reference/threads:1");
+  const double ms = row.at("real_time");
+  assert_true(ms > 0);
+  assert_string_equal(row.at("time_unit").get<std::string>().c_str(), "ms");
+  assert_float_equal(row.at("ms_per_step").get<double>(), ms / 3, 1e-9 * ms);
+  const double iterations = 4 * 5000.0;
+  assert_float_equal(row.at("particle_iterations_per_second").get<double>(),
+                     iterations * 3 / (ms / 1e3), 1e-6 * iterations * 3 / (ms / 1e3));
+  assert_true(row.contains("density_error_mean"));
+  const json &naive = entry(document, "dam-break-2d/naive/threads:1");
+  assert_float_equal(naive.at("speedup_vs_naive").get<double>(), 1, 0);
+  assert_float_equal(row.at("speedup_vs_naive").get<double>(),
+                     naive.at("real_time").get<double>() / ms, 1e-9);
+  const json &absent = entry(document, "dam-break-2d/nonesuch/threads:1");
+  assert_true(absent.at("error_occurred").get<bool>());
+  expect_contains(absent.at("error_message"), "no backend of this name");
+}
+
+void the_page_needs_nothing_beside_it(void **) {
+  const std::string folder = work_folder("page");
+  skip_unless_available(folder, "reference");
+  run_program(folder,
+              std::string("speedup --steps 2 --backends naive --html deep/page.html ") + small);
+  const std::string page = read_text(folder + "/deep/page.html");
+  expect_contains(page, "data:image/png;base64,iVBORw0KGgo");
+  expect_contains(page, "naive, 1 thread");
+  expect_contains(page, "Commit");
+  assert_true(page.find("{{") == std::string::npos);
+  assert_true(page.find("http://") == std::string::npos);
+  assert_true(page.find("https://") == std::string::npos);
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(wrong_command_lines_exit_with_2),
+      cmocka_unit_test(a_backend_that_is_not_there_exits_with_3),
+      cmocka_unit_test(help_tells_the_exit_codes),
+      cmocka_unit_test(list_shows_scenes_and_backends),
+      cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
+      cmocka_unit_test(a_run_writes_its_trace_and_dumps),
+      cmocka_unit_test(a_trace_to_standard_output_is_alone_there),
+      cmocka_unit_test(batches_do_not_change_the_result),
+      cmocka_unit_test(speedup_writes_google_benchmarks_json),
+      cmocka_unit_test(the_page_needs_nothing_beside_it),
+  };
+  return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

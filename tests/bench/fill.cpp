@@ -1,0 +1,147 @@
+/* Particles of blocks, and what --particles does to a scene. */
+#include <cmath>
+
+#include "bench_test.h"
+#include "core/error.h"
+#include "scene/scene.h"
+
+namespace {
+
+using namespace bench;
+
+Scene load(const char *name, uint64_t particles = 0) {
+  SceneOptions options;
+  options.name = name;
+  options.particles = particles;
+  return load_scene(options);
+}
+
+// x = 0.25 + 0.575 (i mod 500), y = 0.25 + 0.575 (i div 500), at rest.
+void the_report_starts_where_it_says(void **) {
+  const Scene scene = load("report-30k");
+  const Particles particles = fill_scene(scene);
+  assert_int_equal(particles.count, 30000);
+  for (uint64_t i = 0; i < particles.count; ++i) {
+    assert_float_equal(particles.positions[2 * i], 0.25 + 0.575 * static_cast<double>(i % 500),
+                       1e-12);
+    assert_float_equal(particles.positions[2 * i + 1], 0.25 + 0.575 * static_cast<double>(i / 500),
+                       1e-12);
+    assert_float_equal(particles.velocities[2 * i], 0, 0);
+    assert_float_equal(particles.velocities[2 * i + 1], 0, 0);
+  }
+}
+
+// The right wall: 409.6 (0.9 + 0.1 sin(n pi / 450)) - 0.25 in step n.
+void the_reports_wall_moves_as_it_says(void **) {
+  const pbf_params params = load("report-30k").params;
+  for (int n = 1; n <= 100; ++n) {
+    const double wall = params.domain_max[0] +
+                        params.wall_amplitude[PBF_WALL_X_MAX] *
+                            std::sin(params.wall_frequency[PBF_WALL_X_MAX] * n * params.time_step);
+    const double said = 409.6 * (0.9 + 0.1 * std::sin(n * 3.14159265358979323846 / 450)) - 0.25;
+    assert_float_equal(wall, said, 1e-9);
+  }
+}
+
+void the_cube_grows_with_its_box(void **) {
+  for (const double n : {31.0, 50.0, 80.0}) {
+    const Scene scene = load("cube-collapse", static_cast<uint64_t>(n * n * n));
+    const double d = 0.05;
+    assert_int_equal(count_particles(scene), n * n * n);
+    assert_float_equal(scene.params.domain_max[0], 2 * (n + 2) * d, 1e-9);
+    assert_float_equal(scene.params.domain_max[1], 1.5 * (n + 2) * d, 1e-9);
+    assert_float_equal(scene.params.domain_max[2], (n + 2) * d, 1e-9);
+    assert_float_equal(fill_scene(scene).positions[0], 1.5 * d, 1e-12);
+    assert_float_equal(scene.params.smoothing_radius, 0.1, 0);
+  }
+}
+
+void the_shallow_block_stays_30_layers_high(void **) {
+  const Scene scene = load("shallow-dam-break", 1000000);
+  assert_int_equal(scene.blocks[0].counts[0], 183);
+  assert_int_equal(scene.blocks[0].counts[1], 30);
+  assert_int_equal(scene.blocks[0].counts[2], 183);
+  assert_float_equal(scene.params.domain_max[0], 2 * 183 * 0.05, 1e-9);
+  assert_float_equal(scene.params.domain_max[1], 3, 0);
+  assert_float_equal(scene.params.domain_max[2], 183 * 0.05, 1e-9);
+}
+
+// Eight times the particles in the same column: half of everything that resolves it.
+void refining_keeps_the_shape_and_the_time(void **) {
+  const Scene before = load("dam-break-3d");
+  const Scene after = load("dam-break-3d", 8 * count_particles(before));
+  assert_int_equal(count_particles(after), 8 * count_particles(before));
+  assert_float_equal(after.params.smoothing_radius, before.params.smoothing_radius / 2, 1e-9);
+  assert_float_equal(after.params.spacing, before.params.spacing / 2, 1e-9);
+  assert_float_equal(after.params.time_step, before.params.time_step / 2, 1e-9);
+  assert_float_equal(after.params.domain_max[0], before.params.domain_max[0], 0);
+  assert_int_equal(after.steps, 2 * before.steps);
+}
+
+void a_box_is_filled_in_the_middles_of_its_cells(void **) {
+  const Scene scene = load("still-tank");
+  const Particles particles = fill_scene(scene);
+  assert_int_equal(particles.count, 32 * 20 * 32);
+  double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
+  for (uint64_t i = 0; i < 3 * particles.count; ++i) {
+    low[i % 3] = std::fmin(low[i % 3], particles.positions[i]);
+    high[i % 3] = std::fmax(high[i % 3], particles.positions[i]);
+  }
+  const double top[3] = {1.6, 1, 1.6};
+  for (int axis = 0; axis < 3; ++axis) {
+    assert_float_equal(low[axis], 0.025, 1e-9);
+    assert_float_equal(high[axis], top[axis] - 0.025, 1e-9);
+  }
+}
+
+// Two drops of opposite velocities: no momentum; each turns about its middle with angular velocity
+// 1 about z, so that v = w × r beside its own velocity.
+void balls_are_round_and_turn(void **) {
+  const Scene scene = load("zero-gravity-drop");
+  const Particles particles = fill_scene(scene);
+  const Block &first = scene.blocks[0];
+  double momentum[3] = {0, 0, 0};
+  for (uint64_t i = 0; i < particles.count; ++i) {
+    const double *x = &particles.positions[3 * i], *v = &particles.velocities[3 * i];
+    for (int axis = 0; axis < 3; ++axis) momentum[axis] += v[axis];
+    if (i >= particles.count / 2) continue;
+    const double r[3] = {x[0] - first.center[0], x[1] - first.center[1], x[2] - first.center[2]};
+    assert_true(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] < first.radius * first.radius);
+    assert_float_equal(v[0], 0.5 - r[1], 1e-9);
+    assert_float_equal(v[1], r[0], 1e-9);
+  }
+  for (const double p : momentum) assert_float_equal(p, 0, 1e-9);
+  // The volume of a ball, to a few per cent at this spacing.
+  const double volume = 4.0 / 3 * 3.14159265358979 * std::pow(first.radius / 0.05, 3);
+  assert_float_equal(static_cast<double>(particles.count) / 2, volume, 0.05 * volume);
+}
+
+void a_scene_without_a_rule_has_a_fixed_number(void **) {
+  std::string text = read_text(PBF_TEST_SCENES "/still-tank.json");
+  const std::string rule = ",\n  \"scaling\": {\"rule\": \"refine\"}";
+  assert_true(text.find(rule) != std::string::npos);
+  text.erase(text.find(rule), rule.size());
+  write_text(PBF_TEST_WORK "/fixed.json", text);
+  try {
+    load(PBF_TEST_WORK "/fixed.json", 1000);
+    fail();
+  } catch (const Error &error) {
+    expect_contains(error.what(), "its number of particles is fixed");
+  }
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(the_report_starts_where_it_says),
+      cmocka_unit_test(the_reports_wall_moves_as_it_says),
+      cmocka_unit_test(the_cube_grows_with_its_box),
+      cmocka_unit_test(the_shallow_block_stays_30_layers_high),
+      cmocka_unit_test(refining_keeps_the_shape_and_the_time),
+      cmocka_unit_test(a_box_is_filled_in_the_middles_of_its_cells),
+      cmocka_unit_test(balls_are_round_and_turn),
+      cmocka_unit_test(a_scene_without_a_rule_has_a_fixed_number),
+  };
+  return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

@@ -1,0 +1,86 @@
+/* Ctrl-C: what there is gets written, whole lines, and the exit code says so. */
+#include <csignal>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "program.h"
+
+namespace {
+
+pid_t start_program(const std::string &folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), PBF_TEST_PROGRAM);
+  std::vector<char *> argv;
+  for (std::string &argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  assert_true(child >= 0);
+  if (child > 0) return child;
+  const int out = open((folder + "/out.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  dup2(out, STDOUT_FILENO);
+  if (chdir(folder.c_str()) == 0) execv(argv[0], argv.data());
+  _exit(99);
+}
+
+bool wait_for_bytes(const std::string &path, uintmax_t bytes) {
+  for (int i = 0; i < 3000; ++i) {
+    std::error_code failed;
+    const uintmax_t size = std::filesystem::file_size(path, failed);
+    if (!failed && size >= bytes) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+int exit_code_after_interrupt(pid_t child) {
+  assert_int_equal(kill(child, SIGINT), 0);
+  int status = 0;
+  assert_int_equal(waitpid(child, &status, 0), child);
+  assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+void an_interrupted_run_leaves_whole_files(void **) {
+  const std::string folder = work_folder("run");
+  skip_unless_available(folder, "reference");
+  const pid_t child = start_program(
+      folder, {"run", "--scene", "dam-break-2d", "--particles", "200", "--backend", "reference",
+               "--steps", "4000000000", "--csv", "t.csv", "--dump", "d"});
+  const bool began = wait_for_bytes(folder + "/t.csv", 4096);
+  assert_int_equal(exit_code_after_interrupt(child), 130);
+  assert_true(began);
+  const std::string csv = read_text(folder + "/t.csv");
+  assert_int_equal(csv.back(), '\n');
+  const std::string last = csv.substr(csv.rfind('\n', csv.size() - 2) + 1);
+  assert_int_equal(std::count(last.begin(), last.end(), ','), 11);
+  char name[64];
+  std::snprintf(name, sizeof name, "/d/positions_%06d.npy", std::stoi(last));
+  assert_true(std::filesystem::exists(folder + name));
+}
+
+void an_interrupted_speedup_still_prints_and_writes(void **) {
+  const std::string folder = work_folder("speedup");
+  skip_unless_available(folder, "reference");
+  const pid_t child = start_program(
+      folder, {"speedup", "--scene", "dam-break-2d", "--particles", "200", "--backends",
+               "naive,nonesuch", "--steps", "4000000000", "--json", "s.json"});
+  const bool began = wait_for_bytes(folder + "/out.txt", 10);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  assert_int_equal(exit_code_after_interrupt(child), 130);
+  assert_true(began);
+  expect_contains(read_text(folder + "/out.txt"), "| nonesuch ");
+  expect_contains(read_text(folder + "/s.json"), "\"error_message\": \"interrupted\"");
+}
+
+}  // namespace
+
+int main() {
+  const CMUnitTest tests[] = {
+      cmocka_unit_test(an_interrupted_run_leaves_whole_files),
+      cmocka_unit_test(an_interrupted_speedup_still_prints_and_writes),
+  };
+  return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
