@@ -89,9 +89,32 @@ static void clear_arrays(void *context, uint32_t thread, uint32_t threads) {
   }
 }
 
+/* Takes or releases the arrays that only an accelerated solve needs. 0 when there is no memory. */
+static int keep_totals(solver *s, int wanted) {
+  pbf_memory *m = &s->memory;
+  if (wanted && !s->total) {
+    pbf_real *total = pbf_memory_take(m, "total lambda", padded(s->capacity), sizeof *total);
+    pbf_real *before = pbf_memory_take(m, "lambda before", padded(s->capacity), sizeof *before);
+    if (!total || !before) {
+      pbf_memory_free(m, total);
+      pbf_memory_free(m, before);
+      return 0;
+    }
+    s->total = total;
+    s->before = before;
+  } else if (!wanted) {
+    pbf_memory_free(m, s->total);
+    pbf_memory_free(m, s->before);
+    s->total = s->before = NULL;
+  }
+  return 1;
+}
+
 static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
+  if (!keep_totals(s, schedule.accelerated)) return out_of_memory(s, "the accelerated solve");
   s->params = *params;
-  s->schedule = pbf_schedule_of(params, s->collider_count);
+  s->schedule = schedule;
   s->constants = pbf_constants_of(params);
   return PBF_OK;
 }
@@ -129,7 +152,11 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   }
   team_run(s->threads, clear_arrays, s);
   ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
-  set_params(s, params);
+  pbf_status status = set_params(s, params);
+  if (status != PBF_OK) {
+    destroy(s);
+    return status;
+  }
   *out = s;
   *api = &PBF_VARIANT_API;
   return PBF_OK;
@@ -139,14 +166,17 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
-  s->collider_time = time;
+  s->collider_time = s->now = time;
   s->schedule = pbf_schedule_of(&s->params, count);
   return PBF_OK;
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   step_job job = {s, time, steps, s->count ? 0 : steps};
-  if (s->count) team_run(s->threads, run_steps, &job);
+  if (s->count)
+    team_run(s->threads, run_steps, &job);
+  else
+    s->now = time + steps * s->params.time_step;
   *done = job.done;
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
 }

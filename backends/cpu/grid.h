@@ -94,26 +94,23 @@ PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int folded) {
   return row * g->cells[0] + grid_index(g, 0, x.c[0]);
 }
 
-/* The rows around `row`, itself included, each once; their number. */
+/* The rows around a row, itself in the middle, each once; opposite ones are equally far from the
+ * ends of their numbering. */
 enum { GRID_ROWS_AROUND = PBF_DIM == 3 ? 9 : 3 };
 
-static inline int grid_rows_around(const grid *g, uint32_t row, uint32_t around[GRID_ROWS_AROUND]) {
-  uint32_t at[3] = {0, row % g->rows[1], row / g->rows[1]};
-  int count = 0;
-  for (int dz = PBF_DIM == 3 ? -1 : 0; dz <= (PBF_DIM == 3 ? 1 : 0); ++dz)
-    for (int dy = -1; dy <= 1; ++dy) {
-      const int step[3] = {0, dy, dz};
-      uint32_t found = 0;
-      int inside = 1;
-      for (int k = PBF_DIM - 1; k > 0; --k) {
-        int64_t n = g->rows[k], c = (int64_t)at[k] + step[k];
-        if (g->rows[k] < g->cells[k]) c = (c + n) % n;
-        inside &= c >= 0 && c < n;
-        found = found * g->rows[k] + (uint32_t)c;
-      }
-      if (inside) around[count++] = found;
-    }
-  return count;
+#define GRID_NO_ROW UINT32_MAX
+
+static inline uint32_t grid_row_around(const grid *g, uint32_t row, int number) {
+  const int step[3] = {0, number % 3 - 1, PBF_DIM == 3 ? number / 3 - 1 : 0};
+  const uint32_t at[3] = {0, row % g->rows[1], row / g->rows[1]};
+  uint32_t found = 0;
+  for (int k = PBF_DIM - 1; k > 0; --k) {
+    int64_t n = g->rows[k], c = (int64_t)at[k] + step[k];
+    if (g->rows[k] < g->cells[k]) c = (c + n) % n;
+    if (c < 0 || c >= n) return GRID_NO_ROW;
+    found = found * g->rows[k] + (uint32_t)c;
+  }
+  return found;
 }
 
 #endif

@@ -6,23 +6,19 @@
 #include "cpu/grid.h"
 #include "physics/stages.h"
 
-/* Up to 31 consecutive sorted particles, and which of them are neighbours of which particle of a
- * group: one mask for each particle of the group, see lanes.h. */
-typedef struct window {
-  uint32_t first;  /* the particle in slot 1; slot 0 is nobody's neighbour */
-  uint32_t rounds; /* most bits in a mask */
-} window;
-
-/* As many consecutive sorted particles as the vectors have lanes, and their windows. */
+/* Where the neighbours of a group, as many consecutive sorted particles as the vectors have lanes,
+ * are listed: blocks.h. */
 typedef struct group {
-  uint32_t first, windows;
+  uint32_t begin; /* in units of LIST_UNIT bytes */
+  uint32_t blocks;
 } group;
+
+enum { LIST_UNIT = 16 };
 
 typedef struct lists {
   const group *groups;
-  const window *windows;
-  const uint32_t *masks;
-  pbf_real far;
+  const uint8_t *data;
+  pbf_real far;   /* an x out of everybody's reach */
   uint32_t count; /* particles */
 } lists;
 
@@ -35,8 +31,7 @@ typedef struct search {
   const uint32_t *cell_end; /* cell_end[c - 1] … cell_end[c] - 1 are the particles in cell c */
   uint32_t count;
   group *groups;
-  window *windows;
-  uint32_t *masks;
+  uint8_t *data;
 } search;
 
 /* What a pass over pairs needs beside the lists and its own arrays. */
@@ -44,8 +39,15 @@ typedef struct pair_pass {
   const pbf_constants *constants;
   int features;
   lists lists;
-  field x; /* sorted */
+  field x;                    /* sorted */
+  const pbf_obstacles *walls; /* that lend density; null: none do */
 } pair_pass;
+
+/* The accelerated solve's state; `total` null: every iteration starts from nothing. */
+typedef struct acceleration {
+  pbf_real weight;
+  pbf_real *total, *before;
+} acceleration;
 
 typedef struct kernels {
   uint32_t width; /* particles in a group */
@@ -59,10 +61,11 @@ typedef struct kernels {
   void (*velocity)(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
                    field before, field after, field v, uint32_t first, uint32_t last);
 
-  /* Groups first … last - 1 of sorted particles. The search stores windows from `begin` up to
-   * `end` - 1 and returns how many there were, also when that is more. */
+  /* Groups first … last - 1 of sorted particles. The search lists neighbours in the units `begin` …
+   * `end` - 1 and returns how many it needs, also when these are more. */
   uint64_t (*search)(const search *s, uint32_t first, uint32_t last, uint64_t begin, uint64_t end);
-  void (*lambda)(const pair_pass *p, pbf_real *lambda, uint32_t first, uint32_t last);
+  void (*lambda)(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
+                 uint32_t last);
   void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
                const pbf_real *lambda, field moved, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,

@@ -2,8 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
-#include "cpu/kernels.h"
-#include "cpu/lanes.h"
+#include "cpu/blocks.h"
 
 typedef struct lane_vec {
   lane c[PBF_DIM];
@@ -25,17 +24,16 @@ PBF_FN lane_vec lane_vec_load(const field *f, uint32_t i) {
   return a;
 }
 
-/* Slot 1 is particle `first`. */
-PBF_FN table_vec table_vec_of(const field *f, uint32_t first, pbf_real far) {
+PBF_FN table_vec table_vec_of(const field *f, const block *b, pbf_real nobody) {
   table_vec t;
-  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k] + first - 1, k ? 0 : far);
+  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : nobody);
   return t;
 }
 
-/* a - table[s] */
-PBF_FN lane_vec lane_vec_minus(const lane_vec *a, const table_vec *t, slots s) {
+/* a - table[p] */
+PBF_FN lane_vec lane_vec_minus(const lane_vec *a, const table_vec *t, place p) {
   lane_vec d;
-  for (int k = 0; k < PBF_DIM; ++k) d.c[k] = a->c[k] - table_at(&t->c[k], s);
+  for (int k = 0; k < PBF_DIM; ++k) d.c[k] = a->c[k] - table_at(&t->c[k], p);
   return d;
 }
 
@@ -70,35 +68,60 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
   return n->count - g * WIDTH < WIDTH ? n->count - g * WIDTH : WIDTH;
 }
 
-/* The windows of group g. */
-PBF_FN const window *group_begin(const lists *n, uint32_t g) {
-  return n->windows + n->groups[g].first;
-}
-
-PBF_FN const window *group_end(const lists *n, uint32_t g) {
-  return group_begin(n, g) + n->groups[g].windows;
-}
-
-PBF_FN slots window_masks(const lists *n, const window *w) {
-  return slots_load(n->masks + (uint64_t)(w - n->windows) * WIDTH);
-}
-
 /* ---- Density constraint -------------------------------------------------------------------- */
 
-PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, uint32_t first,
-                          uint32_t last) {
+/* Whether a wall or collider may lend density to one of a group's particles. Most groups are far
+ * from all. */
+PBF_FN int near_walls(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x) {
+  if (o->count) return 1;
+  int near = 0;
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    for (int k = 0; k < PBF_DIM; ++k)
+      near |= (x->c[k][l] - o->walls.lower.c[k] < c->h) | (o->walls.upper.c[k] - x->c[k][l] < c->h);
+  return near;
+}
+
+static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
+                                                const lane_values *x, pbf_real densities[WIDTH],
+                                                lane_values *gradients) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec gradient = lane_value(gradients, l);
+    pbf_add_walls(c, &o->walls, o->count, o->solids, lane_value(x, l), &densities[l], &gradient);
+    for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
+  }
+}
+
+/* Lambda of one group from its sums. */
+PBF_FN void lambda_group(const pbf_constants *c, const acceleration *a, const lane *density,
+                         const lane *slope2, const lane_values *gradients, pbf_real *lambda,
+                         uint32_t i) {
+  _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
+  lane_store(densities, *density);
+  lane_store(slopes2, *slope2);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    lambdas[l] = pbf_lambda(c, densities[l], slopes2[l], lane_value(gradients, l));
+  if (a->total)
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      lambdas[l] = pbf_accelerate(c, a->weight, lambdas[l], &a->total[i + l], &a->before[i + l]);
+  lane_store(lambda + i, lane_load(lambdas));
+}
+
+PBF_FN void lambda_groups(const int features, const pair_pass *p, acceleration accelerated,
+                          pbf_real *lambda, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     lane density = lane_set(c.value_scale), slope2 = lane_set(0);
     lane_vec gradient = lane_vec_zero();
-    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
-      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
-      slots masks = window_masks(&n, w);
-      for (uint32_t k = w->rounds; k > 0; --k) {
+    for (walk w = walk_group(&n, g); w.left;) {
+      const block *b = walk_block(&w);
+      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
         lane value, slope;
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, slots_take(&masks));
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, place_of(b->first, slots_of_bytes(list)));
         lane r2 = lane_vec_dot(&x_ij, &x_ij);
         lanes_kernel(features, &c, r2, &value, &slope);
         density = density + value;
@@ -106,21 +129,26 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
         lane_vec_add_scaled(&gradient, slope, &x_ij);
       }
     }
-    _Alignas(64) pbf_real densities[WIDTH], slopes2[WIDTH], lambdas[WIDTH];
     lane_values gradients = lane_vec_values(&gradient);
-    lane_store(densities, density);
-    lane_store(slopes2, slope2);
-    for (uint32_t l = 0; l < WIDTH; ++l)
-      lambdas[l] = pbf_lambda(&c, densities[l], slopes2[l], lane_value(&gradients, l));
-    lane_store(lambda + g * WIDTH, lane_load(lambdas));
+    if (p->walls) {
+      const lane_values xs = lane_vec_values(&x);
+      _Alignas(64) pbf_real densities[WIDTH];
+      if (near_walls(&c, p->walls, &xs)) {
+        lane_store(densities, density);
+        add_walls(p->constants, p->walls, &xs, densities, &gradients);
+        density = lane_load(densities);
+      }
+    }
+    lambda_group(&c, &accelerated, &density, &slope2, &gradients, lambda, g * WIDTH);
   }
 }
 
-static void lambda(const pair_pass *p, pbf_real *lambda, uint32_t first, uint32_t last) {
+static void lambda(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
+                   uint32_t last) {
   if (p->features & PBF_FEATURE_POLY6)
-    lambda_groups(PBF_FEATURE_POLY6, p, lambda, first, last);
+    lambda_groups(PBF_FEATURE_POLY6, p, accelerated, lambda, first, last);
   else
-    lambda_groups(0, p, lambda, first, last);
+    lambda_groups(0, p, accelerated, lambda, first, last);
 }
 
 /* Sum of eq. 12 or 14 for the particles of one group. */
@@ -129,16 +157,18 @@ PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const lists
   const lane_vec x = lane_vec_load(f, g * WIDTH);
   const lane lambda_i = lane_load(lambda + g * WIDTH);
   lane_vec sum = lane_vec_zero();
-  for (const window *w = group_begin(n, g), *end = group_end(n, g); w < end; ++w) {
-    const table_vec x_of = table_vec_of(f, w->first, n->far);
-    const table lambda_of = table_of(lambda + w->first - 1, 0);
-    slots masks = window_masks(n, w);
-    for (uint32_t k = w->rounds; k > 0; --k) {
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(n, g); w.left;) {
+    const block *b = walk_block(&w);
+    const table_vec x_of = table_vec_of(f, b, n->far);
+    const table lambda_of = table_of(lambda, b->first, 0);
+    const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+    for (; list < list_end; list += WIDTH) {
       lane value, slope;
-      slots s = slots_take(&masks);
-      lane_vec x_ij = lane_vec_minus(&x, &x_of, s);
+      place j = place_of(b->first, slots_of_bytes(list));
+      lane_vec x_ij = lane_vec_minus(&x, &x_of, j);
       lanes_kernel(features, c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
-      lane factor = lambda_i + table_at(&lambda_of, s);
+      lane factor = lambda_i + table_at(&lambda_of, j);
       if (features & PBF_FEATURE_SCORR) factor = factor + lanes_scorr(c, value);
       lane_vec_add_scaled(&sum, factor * slope, &x_ij);
     }
@@ -146,16 +176,44 @@ PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const lists
   return sum;
 }
 
+/* The walls' part of the change. */
+static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
+                                                          const pbf_real *lambda, uint32_t g,
+                                                          lane_values *sums) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), zero = lane_vec_zero();
+  const lane_values xs = lane_vec_values(&x);
+  lane_values gradients = lane_vec_values(&zero);
+  pbf_real densities[WIDTH] = {0};
+  if (!near_walls(p->constants, p->walls, &xs)) return;
+  add_walls(p->constants, p->walls, &xs, densities, &gradients);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec sum =
+        pbf_add_scaled(lane_value(sums, l), lambda[g * WIDTH + l], lane_value(&gradients, l));
+    for (int k = 0; k < PBF_DIM; ++k) sums->c[k][l] = sum.c[k];
+  }
+}
+
 PBF_FN void move_group(const pbf_constants *c, const pbf_obstacles *obstacles, int collide,
-                       const field *from, const lane_values *sums, const field *to, uint32_t i,
-                       const uint32_t lanes) {
-  for (uint32_t l = 0; l < lanes; ++l)
-    field_set(to, i + l, pbf_move(c, field_at(from, i + l), lane_value(sums, l)));
-  if (!collide) return;
-  const pbf_walls walls = obstacles->walls;
+                       const lane_values *from, const lane_values *sums, const field *to,
+                       uint32_t i, const uint32_t lanes) {
+  lane_values x;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec moved = pbf_move(c, lane_value(from, l), lane_value(sums, l));
+    if (collide) moved = pbf_clamp(&obstacles->walls, moved);
+    for (int k = 0; k < PBF_DIM; ++k) x.c[k][l] = moved.c[k];
+  }
+  for (int k = 0; k < PBF_DIM; ++k) memcpy(to->c[k] + i, x.c[k], lanes * sizeof(pbf_real));
+}
+
+static __attribute__((noinline)) void move_group_around(const pbf_constants *c,
+                                                        const pbf_obstacles *obstacles,
+                                                        const lane_values *from,
+                                                        const lane_values *sums, const field *to,
+                                                        uint32_t i, uint32_t lanes) {
   for (uint32_t l = 0; l < lanes; ++l)
     field_set(to, i + l,
-              pbf_resolve(&walls, obstacles->count, obstacles->solids, field_at(to, i + l)));
+              pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids,
+                          pbf_move(c, lane_value(from, l), lane_value(sums, l))));
 }
 
 PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstacles *obstacles,
@@ -164,13 +222,18 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstac
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    const lane_values xs = lane_vec_values(&x);
     lane_vec sum = move_sum(features, &c, &n, &p->x, lambda, g);
     lane_values sums = lane_vec_values(&sum);
+    if (p->walls) add_walls_to_change(p, lambda, g, &sums);
     uint32_t lanes = lanes_in_group(&n, g);
-    if (lanes == WIDTH)
-      move_group(&c, obstacles, collide, &p->x, &sums, &moved, g * WIDTH, WIDTH);
+    if (collide && obstacles->count)
+      move_group_around(&c, obstacles, &xs, &sums, &moved, g * WIDTH, lanes);
+    else if (lanes == WIDTH)
+      move_group(&c, obstacles, collide, &xs, &sums, &moved, g * WIDTH, WIDTH);
     else
-      move_group(&c, obstacles, collide, &p->x, &sums, &moved, g * WIDTH, lanes);
+      move_group(&c, obstacles, collide, &xs, &sums, &moved, g * WIDTH, lanes);
   }
 }
 
@@ -216,18 +279,20 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
                         uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
     lane_curls curls;
     memset(&curls, 0, sizeof curls);
-    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
-      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
-      const table_vec v_of = table_vec_of(&v, w->first, 0);
-      slots masks = window_masks(&n, w);
-      for (uint32_t k = w->rounds; k > 0; --k) {
+    for (walk w = walk_group(&n, g); w.left;) {
+      const block *b = walk_block(&w);
+      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const table_vec v_of = table_vec_of(&v, b, 0);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
         lane value, slope;
-        slots s = slots_take(&masks);
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, s), v_ij = lane_vec_minus(&v_i, &v_of, s), v_ji;
+        place j = place_of(b->first, slots_of_bytes(list));
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, j), v_ij = lane_vec_minus(&v_i, &v_of, j), v_ji;
         for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = -v_ij.c[a];
         lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
         add_curls(&curls, slope, &x_ij, &v_ji);
@@ -252,19 +317,21 @@ PBF_FN void confine_groups(const int features, const pair_pass *p, pbf_real stre
                            uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     lane_vec eta = lane_vec_zero();
-    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
-      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
-      const table size_of = table_of(size + w->first - 1, 0);
-      slots masks = window_masks(&n, w);
-      for (uint32_t k = w->rounds; k > 0; --k) {
+    for (walk w = walk_group(&n, g); w.left;) {
+      const block *b = walk_block(&w);
+      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const table size_of = table_of(size, b->first, 0);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
         lane value, slope;
-        slots s = slots_take(&masks);
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, s);
+        place j = place_of(b->first, slots_of_bytes(list));
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, j);
         lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
-        lane_vec_add_scaled(&eta, table_at(&size_of, s) * slope, &x_ij);
+        lane_vec_add_scaled(&eta, table_at(&size_of, j) * slope, &x_ij);
       }
     }
     lane_values etas = lane_vec_values(&eta);
@@ -289,16 +356,18 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
                              uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
     lane_vec sum = lane_vec_zero();
-    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
-      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
-      const table_vec v_of = table_vec_of(&v, w->first, 0);
-      slots masks = window_masks(&n, w);
-      for (uint32_t k = w->rounds; k > 0; --k) {
-        slots s = slots_take(&masks);
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, s), v_ij = lane_vec_minus(&v_i, &v_of, s);
+    for (walk w = walk_group(&n, g); w.left;) {
+      const block *b = walk_block(&w);
+      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const table_vec v_of = table_vec_of(&v, b, 0);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
+        place j = place_of(b->first, slots_of_bytes(list));
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, j), v_ij = lane_vec_minus(&v_i, &v_of, j);
         lane value = lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
         lane_vec_add_scaled(&sum, -value, &v_ij);
       }
@@ -322,21 +391,29 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
                            uint32_t *neighbors, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     lane density = lane_set(c.value_scale);
     slots count = slots_set(0);
-    for (const window *w = group_begin(&n, g), *end = group_end(&n, g); w < end; ++w) {
-      const table_vec x_of = table_vec_of(&p->x, w->first, n.far);
-      slots masks = window_masks(&n, w);
-      count = count + slots_popcount(masks);
-      for (uint32_t k = w->rounds; k > 0; --k) {
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, slots_take(&masks));
+    for (walk w = walk_group(&n, g); w.left;) {
+      const block *b = walk_block(&w);
+      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
+        slots s = slots_of_bytes(list);
+        lane_vec x_ij = lane_vec_minus(&x, &x_of, place_of(b->first, s));
+        count = count + (slots_set(1) & ~slots_below(s, 1));
         density = density + lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
       }
     }
     lane_store(densities + g * WIDTH, density);
     slots_store(neighbors + g * WIDTH, count);
+    if (p->walls) {
+      const lane_values xs = lane_vec_values(&x);
+      lane_values gradients = xs;
+      add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients);
+    }
   }
 }
 

@@ -1,10 +1,9 @@
-/* Neighbour search over particles sorted by cell: for each group the windows that hold neighbours
- * of its particles. Distances are tested for a whole group against one candidate at a time. */
+/* Neighbour search over particles sorted by cell. Distances are tested for a whole group against
+ * one candidate at a time. */
 #ifndef PBF_CPU_KERNELS_SEARCH_H
 #define PBF_CPU_KERNELS_SEARCH_H
 
-#include "cpu/kernels.h"
-#include "cpu/lanes.h"
+#include "cpu/blocks.h"
 
 /* Lanes begin … end - 1 of a group, whose particles lie near each other in one row. */
 typedef struct run {
@@ -26,22 +25,26 @@ static run run_from(const search *s, uint32_t i, uint32_t end) {
     end = k;
     last = s->cells[end - 1];
   }
-  return (run){.begin = i % WIDTH,
-               .end = (end - 1) % WIDTH + 1,
-               .row = row,
-               .first_cell = first - row * nx,
-               .last_cell = last - row * nx};
+  run r = {.group = i / WIDTH,
+           .begin = i % WIDTH,
+           .end = (end - 1) % WIDTH + 1,
+           .row = row,
+           .first_cell = first - row * nx,
+           .last_cell = last - row * nx};
+  for (int k = 0; k < PBF_DIM; ++k) r.x[k] = lane_load(s->x.c[k] + r.group * WIDTH);
+  return r;
 }
 
-/* Which of the particles first … first + size - 1 are within h of each particle of the run. */
-static inline slots near_mask(const search *s, const run *r, uint32_t first, uint32_t size) {
+/* Which of the candidates in slots begin … end - 1 of a window are neighbours of each particle of
+ * the run. */
+static inline slots near_mask(const search *s, const run *r, uint32_t first, uint32_t begin,
+                              uint32_t end) {
   slots near = slots_set(0);
   const lane h2 = lane_set(s->h2);
-  for (uint32_t slot = 1; slot <= size; ++slot) {
-    uint32_t j = first + slot - 1;
+  for (uint32_t slot = begin; slot < end; ++slot) {
     lane r2 = lane_set(0);
     for (int k = 0; k < PBF_DIM; ++k) {
-      lane d = r->x[k] - lane_set(s->x.c[k][j]);
+      lane d = r->x[k] - lane_set(s->x.c[k][first + slot - 1]);
       r2 = k ? lane_fma(d, d, r2) : d * d;
     }
     near = slots_mark(near, r2, h2, 0x80000000u >> slot);
@@ -52,55 +55,121 @@ static inline slots near_mask(const search *s, const run *r, uint32_t first, uin
   return r->begin ? near & ~slots_below(lane_number, r->begin) : near;
 }
 
-/* Windows over the particles begin … end - 1; `next` is where the first one goes. */
-static uint64_t search_range(const search *s, const run *r, uint32_t begin, uint32_t end,
-                             uint64_t next, uint64_t limit) {
-  while (begin < end) {
-    uint32_t size = end - begin < SLOTS - 1 ? end - begin : SLOTS - 1;
-    slots near = near_mask(s, r, begin, size);
-    uint32_t rounds = slots_max(slots_popcount(near));
-    if (rounds) {
-      if (next < limit) {
-        s->windows[next] = (window){begin, rounds};
-        slots_store(s->masks + next * WIDTH, near);
-      }
-      ++next;
+/* Candidates in one row that are still to be tested. */
+typedef struct candidates {
+  uint32_t next, end;
+} candidates;
+
+typedef struct neighbor_window {
+  uint32_t first;
+  slots near;
+} neighbor_window;
+
+/* The next window that has a neighbour, beginning with it; 0 at the end. */
+static int next_window(const search *s, const run *r, candidates *c, neighbor_window *w) {
+  while (c->next < c->end) {
+    uint32_t left = c->end - c->next, size = left < SLOTS - 1 ? left : SLOTS - 1;
+    slots near = near_mask(s, r, c->next, 1, 1 + size);
+    uint32_t any = slots_any(near);
+    c->next += size;
+    if (!any) continue;
+    uint32_t lead = (uint32_t)__builtin_clz(any) - 1;
+    w->first = c->next - size + lead;
+    w->near = slots_shift_left(near, (int)lead);
+    if (lead) {
+      uint32_t more = c->end - c->next < lead ? c->end - c->next : lead;
+      w->near = w->near | near_mask(s, r, w->first, 1 + size - lead, 1 + size - lead + more);
+      c->next += more;
     }
-    begin += size;
+    return 1;
   }
-  return next;
+  return 0;
 }
 
-static uint64_t search_run(const search *s, const run *r, uint64_t next, uint64_t limit) {
-  const grid *g = s->grid;
-  uint32_t rows[GRID_ROWS_AROUND];
-  int count = grid_rows_around(g, r->row, rows);
-  uint32_t left = r->first_cell > g->reach ? r->first_cell - g->reach : 0;
-  uint32_t right =
-      r->last_cell + g->reach < g->cells[0] ? r->last_cell + g->reach : g->cells[0] - 1;
-  for (int k = 0; k < count; ++k) {
-    const uint32_t *end = s->cell_end + (uint64_t)rows[k] * g->cells[0];
-    next = search_range(s, r, *(end + left - 1), end[right], next, limit);
+/* Puts windows together to blocks, and writes these one behind the other. */
+typedef struct builder {
+  uint8_t *data;
+  uint64_t next, end; /* in units */
+  uint32_t blocks;
+  uint32_t waiting; /* windows */
+  neighbor_window windows[PARTS];
+} builder;
+
+static void put_block(builder *b, const neighbor_window *windows, uint32_t count) {
+  block to;
+  slots masks[PARTS], neighbors = slots_set(0);
+  for (uint32_t part = 0; part < PARTS; ++part) {
+    to.first[part] = windows[part < count ? part : 0].first;
+    masks[part] = part < count ? windows[part].near : slots_set(0);
+    neighbors = neighbors + slots_popcount(masks[part]);
   }
-  return next;
+  to.rounds = slots_max(neighbors);
+  uint32_t units = block_units(to.rounds);
+  if (b->next + units <= b->end) block_write(b->data + b->next * LIST_UNIT, &to, masks);
+  b->next += units;
+  ++b->blocks;
+}
+
+static void put_waiting(builder *b) {
+  if (b->waiting) put_block(b, b->windows, b->waiting);
+  b->waiting = 0;
+}
+
+static void put_window(builder *b, const neighbor_window *w) {
+  b->windows[b->waiting++] = *w;
+  if (b->waiting == PARTS) put_waiting(b);
+}
+
+/* Windows of opposite rows share a block: a particle near the one is far from the other, so that
+ * all have about as many neighbours in both. */
+static void search_rows(const search *s, const run *r, candidates a, candidates opposite,
+                        builder *b) {
+  neighbor_window pair[2];
+  for (;;) {
+    int in_a = next_window(s, r, &a, &pair[0]),
+        in_opposite = next_window(s, r, &opposite, &pair[1]);
+    if (in_a && in_opposite && PARTS == 2) {
+      put_block(b, pair, 2);
+      continue;
+    }
+    if (in_a) put_window(b, &pair[0]);
+    if (in_opposite) put_window(b, &pair[1]);
+    if (!in_a && !in_opposite) return;
+  }
+}
+
+static void search_run(const search *s, const run *r, builder *b) {
+  const grid *g = s->grid;
+  uint32_t left = r->first_cell > g->reach ? r->first_cell - g->reach : 0;
+  uint32_t right = r->last_cell + g->reach, end = g->cells[0] - 1;
+  candidates in[GRID_ROWS_AROUND];
+  if (right > end) right = end;
+  for (int k = 0; k < GRID_ROWS_AROUND; ++k) {
+    uint32_t row = grid_row_around(g, r->row, k);
+    const uint32_t *ends = s->cell_end + (uint64_t)row * g->cells[0];
+    in[k] = row == GRID_NO_ROW ? (candidates){0, 0} : (candidates){*(ends + left - 1), ends[right]};
+  }
+  for (int k = 0; k < GRID_ROWS_AROUND / 2; ++k)
+    search_rows(s, r, in[k], in[GRID_ROWS_AROUND - 1 - k], b);
+  search_rows(s, r, in[GRID_ROWS_AROUND / 2], (candidates){0, 0}, b);
 }
 
 static uint64_t search_groups(const search *s, uint32_t first, uint32_t last, uint64_t begin,
                               uint64_t end) {
-  uint64_t next = begin;
+  builder b = {.data = s->data, .next = begin, .end = end};
   for (uint32_t g = first; g < last; ++g) {
-    uint64_t windows = next;
     uint32_t i = g * WIDTH, stop = s->count - i < WIDTH ? s->count : i + WIDTH;
+    uint64_t group_begin = b.next;
+    b.blocks = 0;
     while (i < stop) {
       run r = run_from(s, i, stop);
-      r.group = g;
-      for (int k = 0; k < PBF_DIM; ++k) r.x[k] = lane_load(s->x.c[k] + g * WIDTH);
-      next = search_run(s, &r, next, end);
+      search_run(s, &r, &b);
       i = g * WIDTH + r.end;
     }
-    s->groups[g] = (group){(uint32_t)windows, (uint32_t)(next - windows)};
+    put_waiting(&b);
+    s->groups[g] = (group){(uint32_t)group_begin, b.blocks};
   }
-  return next - begin;
+  return b.next - begin;
 }
 
 #endif

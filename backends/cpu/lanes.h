@@ -2,10 +2,11 @@
  *
  *   lane    WIDTH reals, with + - * and sqrt, rsqrt, max, fma
  *   slots   WIDTH unsigned 32-bit integers, with & | ~ + -
- *   table   31 neighbouring elements of an array, numbered as slots 1 … 31, to be looked up by
- *           each lane at an index of its own; slot 0 (and every slot above 31) is `far`
+ *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *
- * A mask has one bit a slot, slot s being bit 31 - s, so that the leading bit is the lowest slot.
+ * A window is 31 consecutive elements: slots 1 … 31 of part 0, 33 … 63 of part 1, and so on. Slot 0
+ * is nobody: a value given with the table. Which slots of a window a lane wants is a mask, slot s
+ * being bit 31 - s % 32.
  */
 #ifndef PBF_CPU_LANES_H
 #define PBF_CPU_LANES_H
@@ -41,12 +42,26 @@ PBF_FN slots slots_popcount(slots m) {
   return (m + slots_shift_right(m, 16)) & slots_set(63);
 }
 
-/* Takes the leading bit out of each lane's mask; gives its slot, or 32 and more for an empty one.
- */
-PBF_FN slots slots_take(slots *m) {
-  slots leading = slots_leading(*m);
-  *m = *m & ~slots_bit(leading);
-  return leading;
+/* Lists the slots in the masks of PARTS windows: byte r * WIDTH + l is lane l's r-th one, or 0. */
+#ifdef LANES_LIST_BY_MASKS
+PBF_FN void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
+  slots_list(masks, rounds, list);
 }
+#else
+static inline void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
+  uint32_t bits[PARTS][WIDTH];
+  memset(list, 0, (size_t)rounds * WIDTH);
+  for (int part = 0; part < PARTS; ++part) slots_store(bits[part], masks[part]);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    uint8_t *next = list + l;
+    for (uint32_t part = 0; part < PARTS; ++part)
+      for (uint32_t m = bits[part][l]; m; next += WIDTH) {
+        uint32_t slot = (uint32_t)__builtin_clz(m);
+        m &= ~(0x80000000u >> slot);
+        *next = (uint8_t)(part * SLOTS + slot);
+      }
+  }
+}
+#endif
 
 #endif

@@ -2,10 +2,15 @@
 typedef pbf_real lane __attribute__((vector_size(16)));
 enum { WIDTH = 16 / sizeof(pbf_real) };
 typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+enum { PARTS = 8 };
 typedef struct table {
-  const pbf_real *slot;
-  pbf_real far;
+  const pbf_real *array;
+  pbf_real nobody;
 } table;
+typedef struct place {
+  uint32_t index[WIDTH];
+  int known[WIDTH];
+} place;
 
 #if PBF_BITS == 32
 typedef int32_t lane_mask __attribute__((vector_size(16)));
@@ -52,10 +57,6 @@ PBF_FN slots slots_bit(slots s) {
   for (int k = 0; k < WIDTH; ++k) s[k] = s[k] < SLOTS ? 0x80000000u >> s[k] : 0;
   return s;
 }
-PBF_FN slots slots_leading(slots m) {
-  for (int k = 0; k < WIDTH; ++k) m[k] = m[k] ? (uint32_t)__builtin_clz(m[k]) : SLOTS;
-  return m;
-}
 PBF_FN uint32_t slots_max(slots a) {
   uint32_t most = a[0];
   for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
@@ -66,9 +67,32 @@ PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
 }
 PBF_FN slots slots_below(slots a, uint32_t limit) { return (slots)(a < slots_set(limit)); }
 
-PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, far}; }
-PBF_FN lane table_at(const table *t, slots s) {
+PBF_FN uint32_t slots_any(slots a) {
+  uint32_t any = a[0];
+  for (int k = 1; k < WIDTH; ++k) any |= a[k];
+  return any;
+}
+PBF_FN slots slots_shift_left(slots a, int count) { return a << slots_set((uint32_t)count); }
+PBF_FN slots slots_of_bytes(const uint8_t *p) {
+  slots s;
+  for (int k = 0; k < WIDTH; ++k) s[k] = p[k];
+  return s;
+}
+
+PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+  place p;
+  for (int k = 0; k < WIDTH; ++k) {
+    p.index[k] = first[s[k] / SLOTS] + s[k] % SLOTS - 1;
+    p.known[k] = s[k] != 0;
+  }
+  return p;
+}
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+  (void)first;
+  return (table){array, nobody};
+}
+PBF_FN lane table_at(const table *t, place p) {
   lane a;
-  for (int k = 0; k < WIDTH; ++k) a[k] = s[k] < SLOTS ? t->slot[s[k]] : t->far;
+  for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->nobody;
   return a;
 }

@@ -4,9 +4,10 @@
 typedef pbf_real lane __attribute__((vector_size(32)));
 enum { WIDTH = 32 / sizeof(pbf_real) };
 typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+enum { PARTS = 8 };
 typedef struct table {
-  const pbf_real *slot;
-  lane far;
+  const pbf_real *array;
+  lane nobody;
 } table;
 
 #if PBF_BITS == 32
@@ -39,13 +40,6 @@ PBF_FN slots slots_shift_right(slots a, int count) {
 PBF_FN slots slots_bit(slots s) {
   return (slots)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
 }
-/* The exponent of the mask as a float; what follows a set bit is dropped so that nothing rounds up.
- */
-PBF_FN slots slots_leading(slots m) {
-  slots leading = m & ~slots_shift_right(m, 1);
-  __m256 value = _mm256_cvtepi32_ps((__m256i)leading);
-  return slots_set(127 + 31) - slots_shift_right((slots)_mm256_castps_si256(value), 23);
-}
 PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
   return m | ((slots)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ) & slots_set(bit));
 }
@@ -53,10 +47,30 @@ PBF_FN slots slots_below(slots a, uint32_t limit) {
   return (slots)_mm256_cmpgt_epi32(_mm256_set1_epi32((int)limit), (__m256i)a);
 }
 
-PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, lane_set(far)}; }
-PBF_FN lane table_at(const table *t, slots s) {
-  __m256 known = _mm256_castsi256_ps((__m256i)slots_below(s, SLOTS));
-  return (lane)_mm256_mask_i32gather_ps((__m256)t->far, t->slot, (__m256i)s, known, 4);
+PBF_FN slots slots_shift_left(slots a, int count) {
+  return (slots)_mm256_slli_epi32((__m256i)a, count);
+}
+PBF_FN slots slots_of_bytes(const uint8_t *p) {
+  return (slots)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
+}
+
+typedef struct place {
+  __m256i index;
+  __m256 known;
+} place;
+PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+  __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
+  slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
+  __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
+  return (place){(__m256i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
+                 _mm256_castsi256_ps(known)};
+}
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+  (void)first;
+  return (table){array, lane_set(nobody)};
+}
+PBF_FN lane table_at(const table *t, place p) {
+  return (lane)_mm256_mask_i32gather_ps((__m256)t->nobody, t->array, p.index, p.known, 4);
 }
 
 #else
@@ -85,11 +99,6 @@ PBF_FN slots slots_shift_right(slots a, int count) {
 PBF_FN slots slots_bit(slots s) {
   return (slots)_mm_srlv_epi32(_mm_set1_epi32(INT32_MIN), (__m128i)s);
 }
-PBF_FN slots slots_leading(slots m) {
-  slots leading = m & ~slots_shift_right(m, 1);
-  __m128 value = _mm_cvtepi32_ps((__m128i)leading);
-  return slots_set(127 + 31) - slots_shift_right((slots)_mm_castps_si128(value), 23);
-}
 PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
   __m256i less = _mm256_castpd_si256(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ));
   __m256i packed = _mm256_permutevar8x32_epi32(less, _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6));
@@ -99,10 +108,33 @@ PBF_FN slots slots_below(slots a, uint32_t limit) {
   return (slots)_mm_cmpgt_epi32(_mm_set1_epi32((int)limit), (__m128i)a);
 }
 
-PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, lane_set(far)}; }
-PBF_FN lane table_at(const table *t, slots s) {
-  __m256d known = _mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)slots_below(s, SLOTS)));
-  return (lane)_mm256_mask_i32gather_pd((__m256d)t->far, t->slot, (__m128i)s, known, 8);
+PBF_FN slots slots_shift_left(slots a, int count) {
+  return (slots)_mm_slli_epi32((__m128i)a, count);
+}
+PBF_FN slots slots_of_bytes(const uint8_t *p) {
+  int32_t bytes;
+  memcpy(&bytes, p, sizeof bytes);
+  return (slots)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes));
+}
+
+typedef struct place {
+  __m128i index;
+  __m256d known;
+} place;
+PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+  __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
+  __m256i part = _mm256_castsi128_si256((__m128i)slots_shift_right(s, 5));
+  slots begin = (slots)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
+  __m128i known = _mm_cmpgt_epi32((__m128i)s, _mm_setzero_si128());
+  return (place){(__m128i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
+                 _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
+}
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+  (void)first;
+  return (table){array, lane_set(nobody)};
+}
+PBF_FN lane table_at(const table *t, place p) {
+  return (lane)_mm256_mask_i32gather_pd((__m256d)t->nobody, t->array, p.index, p.known, 8);
 }
 
 #endif
@@ -111,4 +143,10 @@ PBF_FN uint32_t slots_max(slots a) {
   uint32_t most = a[0];
   for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
   return most;
+}
+
+PBF_FN uint32_t slots_any(slots a) {
+  uint32_t any = a[0];
+  for (int k = 1; k < WIDTH; ++k) any |= a[k];
+  return any;
 }

@@ -1,5 +1,5 @@
-/* AVX-512 (F, CD, BW, DQ, VL): 16 floats or 8 doubles. A table of floats is two registers, and
- * looking up in it is one permutation; gathers cost ten times that. */
+/* AVX-512 (F, CD, BW, DQ, VL): 16 floats or 8 doubles. A window of floats is two registers, and
+ * looking up in it is one permutation; a gather costs ten times that. */
 #include <immintrin.h>
 
 typedef pbf_real lane __attribute__((vector_size(64)));
@@ -8,9 +8,14 @@ typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
 
 #if PBF_BITS == 32
 
+enum { PARTS = 2 };
 typedef struct table {
-  __m512 low, high;
+  __m512 low[PARTS], high[PARTS];
 } table;
+typedef struct place {
+  __m512i slot;
+  __mmask16 second;
+} place;
 
 PBF_FN lane lane_set(pbf_real a) { return (lane)_mm512_set1_ps(a); }
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm512_loadu_ps(p); }
@@ -38,7 +43,6 @@ PBF_FN slots slots_shift_right(slots a, int count) {
 PBF_FN slots slots_bit(slots s) {
   return (slots)_mm512_srlv_epi32(_mm512_set1_epi32(INT32_MIN), (__m512i)s);
 }
-PBF_FN slots slots_leading(slots m) { return (slots)_mm512_lzcnt_epi32((__m512i)m); }
 PBF_FN uint32_t slots_max(slots a) { return _mm512_reduce_max_epu32((__m512i)a); }
 PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
   __mmask16 less = _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
@@ -49,22 +53,61 @@ PBF_FN slots slots_below(slots a, uint32_t limit) {
   return (slots)_mm512_maskz_set1_epi32(below, -1);
 }
 
-PBF_FN table table_of(const pbf_real *slot, pbf_real far) {
-  table t = {_mm512_loadu_ps(slot), _mm512_loadu_ps(slot + WIDTH)};
-  t.low = _mm512_mask_mov_ps(t.low, 1, _mm512_set1_ps(far));
+PBF_FN uint32_t slots_any(slots a) { return (uint32_t)_mm512_reduce_or_epi32((__m512i)a); }
+PBF_FN slots slots_shift_left(slots a, int count) {
+  return (slots)_mm512_slli_epi32((__m512i)a, (unsigned int)count);
+}
+PBF_FN slots slots_of_bytes(const uint8_t *p) {
+  return (slots)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p));
+}
+
+PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+  (void)first;
+  return (place){(__m512i)s, _mm512_test_epi32_mask((__m512i)s, _mm512_set1_epi32(SLOTS))};
+}
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+  table t;
+  for (int part = 0; part < PARTS; ++part) {
+    t.low[part] = _mm512_loadu_ps(array + first[part] - 1);
+    t.high[part] = _mm512_loadu_ps(array + first[part] - 1 + WIDTH);
+  }
+  t.low[0] = _mm512_mask_mov_ps(t.low[0], 1, _mm512_set1_ps(nobody));
   return t;
 }
-/* Slot 32, of an empty mask, wraps to slot 0. */
-PBF_FN lane table_at(const table *t, slots s) {
-  return (lane)_mm512_permutex2var_ps(t->low, (__m512i)s, t->high);
+/* The permutation looks at the slot's low five bits. */
+PBF_FN lane table_at(const table *t, place p) {
+  __m512 first = _mm512_permutex2var_ps(t->low[0], p.slot, t->high[0]);
+  __m512 second = _mm512_permutex2var_ps(t->low[1], p.slot, t->high[1]);
+  return (lane)_mm512_mask_mov_ps(first, p.second, second);
+}
+
+/* The leading bit of the first mask, and once that is empty of the second; then 64, that is 0. */
+#define LANES_LIST_BY_MASKS
+PBF_FN void slots_list(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
+  const __m512i top = _mm512_set1_epi32(INT32_MIN);
+  __m512i a = (__m512i)masks[0], b = (__m512i)masks[1];
+  for (uint32_t r = 0; r < rounds; ++r, list += WIDTH) {
+    __m512i in_a = _mm512_lzcnt_epi32(a), in_b = _mm512_lzcnt_epi32(b);
+    __mmask16 from_b = _mm512_testn_epi32_mask(a, a);
+    __m512i slot = _mm512_mask_add_epi32(in_a, from_b, in_a, in_b);
+    a = _mm512_andnot_si512(_mm512_srlv_epi32(top, in_a), a);
+    b = _mm512_mask_andnot_epi32(b, from_b, _mm512_srlv_epi32(top, in_b), b);
+    slot = _mm512_and_si512(slot, _mm512_set1_epi32(PARTS * SLOTS - 1));
+    _mm_storeu_si128((__m128i *)(void *)list, _mm512_cvtepi32_epi8(slot));
+  }
 }
 
 #else
 
+enum { PARTS = 8 };
 typedef struct table {
-  const pbf_real *slot;
-  lane far;
+  const pbf_real *array;
+  lane nobody;
 } table;
+typedef struct place {
+  __m256i index;
+  __mmask8 known;
+} place;
 
 PBF_FN lane lane_set(pbf_real a) { return (lane)_mm512_set1_pd(a); }
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm512_loadu_pd(p); }
@@ -90,7 +133,6 @@ PBF_FN slots slots_shift_right(slots a, int count) {
 PBF_FN slots slots_bit(slots s) {
   return (slots)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
 }
-PBF_FN slots slots_leading(slots m) { return (slots)_mm256_lzcnt_epi32((__m256i)m); }
 PBF_FN uint32_t slots_max(slots a) {
   uint32_t most = a[0];
   for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
@@ -105,10 +147,30 @@ PBF_FN slots slots_below(slots a, uint32_t limit) {
   return (slots)_mm256_maskz_set1_epi32(below, -1);
 }
 
-PBF_FN table table_of(const pbf_real *slot, pbf_real far) { return (table){slot, lane_set(far)}; }
-PBF_FN lane table_at(const table *t, slots s) {
-  __mmask8 known = _mm256_cmplt_epu32_mask((__m256i)s, _mm256_set1_epi32(SLOTS));
-  return (lane)_mm512_mask_i32gather_pd((__m512d)t->far, known, (__m256i)s, t->slot, 8);
+PBF_FN uint32_t slots_any(slots a) {
+  uint32_t any = a[0];
+  for (int k = 1; k < WIDTH; ++k) any |= a[k];
+  return any;
+}
+PBF_FN slots slots_shift_left(slots a, int count) {
+  return (slots)_mm256_slli_epi32((__m256i)a, count);
+}
+PBF_FN slots slots_of_bytes(const uint8_t *p) {
+  return (slots)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
+}
+
+PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+  __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
+  slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
+  return (place){(__m256i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
+                 _mm256_test_epi32_mask((__m256i)s, (__m256i)s)};
+}
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+  (void)first;
+  return (table){array, lane_set(nobody)};
+}
+PBF_FN lane table_at(const table *t, place p) {
+  return (lane)_mm512_mask_i32gather_pd((__m512d)t->nobody, p.known, p.index, t->array, 8);
 }
 
 #endif

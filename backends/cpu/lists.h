@@ -1,53 +1,36 @@
-/* The windows of all groups, in memory that grows by need. */
+/* The neighbour lists of all groups, in memory that grows by need. */
 #ifndef PBF_CPU_LISTS_H
 #define PBF_CPU_LISTS_H
 
 #include "cpu/worker.h"
 
-/* Groups from `first` on store their windows from here on. */
-static uint64_t windows_begin(const worker *w, uint32_t first) {
-  uint32_t width = w->s->kernels->width;
-  uint64_t groups = ((uint64_t)w->s->count + width - 1) / width;
-  return (uint64_t)((double)w->s->window_capacity * first / (double)groups);
+/* Each thread writes the lists of its groups to a part of its own. */
+static uint64_t units_begin(const solver *s, uint32_t thread, uint32_t threads) {
+  return s->list_units / threads * thread;
 }
 
 static void free_lists(solver *s) {
-  pbf_memory_free(&s->memory, s->windows);
-  pbf_memory_free(&s->memory, s->masks);
-  s->windows = NULL;
-  s->masks = NULL;
-  s->window_capacity = 0;
+  pbf_memory_free(&s->memory, s->list_data);
+  s->list_data = NULL;
+  s->list_units = 0;
 }
 
-/* Room for every thread's windows in its part, and a quarter more. On failure there is none. */
+/* Makes room for every thread's lists, and a quarter more. On failure there is none at all. */
 static void grow_lists(worker *w) {
   solver *s = w->s;
-  range all = {0, (uint32_t)(((uint64_t)s->count + s->kernels->width - 1) / s->kernels->width)};
-  double most = 0;
-  for (uint32_t t = 0; t < w->threads; ++t) {
-    range r = part_of(all.last, t, w->threads);
-    if (r.last > r.first) most = fmax(most, (double)s->shares[t].windows / (r.last - r.first));
-  }
-  uint64_t capacity = (uint64_t)(1.25 * most * all.last) + 64;
+  uint64_t most = 0;
+  for (uint32_t t = 0; t < w->threads; ++t)
+    if (s->shares[t].units > most) most = s->shares[t].units;
+  uint64_t units = (most + most / 4 + 4) * w->threads;
   free_lists(s);
-  if (capacity > UINT32_MAX) return;
-  s->windows = pbf_memory_take(&s->memory, "window", capacity, sizeof *s->windows);
-  s->masks =
-      pbf_memory_take(&s->memory, "window mask", capacity * s->kernels->width, sizeof *s->masks);
-  if (s->windows && s->masks)
-    s->window_capacity = capacity;
-  else
-    free_lists(s);
+  if (units > UINT32_MAX) return;
+  s->list_data = pbf_memory_take(&s->memory, "neighbor list", units, LIST_UNIT);
+  if (s->list_data) s->list_units = units;
 }
 
 static int lists_fit(const worker *w) {
-  solver *s = w->s;
-  uint32_t width = s->kernels->width;
-  uint64_t groups = ((uint64_t)s->count + width - 1) / width;
-  for (uint32_t t = 0; t < w->threads; ++t) {
-    range r = part_of(groups, t, w->threads);
-    if (s->shares[t].windows > windows_begin(w, r.last) - windows_begin(w, r.first)) return 0;
-  }
+  for (uint32_t t = 0; t < w->threads; ++t)
+    if (w->s->shares[t].units > w->s->list_units / w->threads) return 0;
   return 1;
 }
 
@@ -63,29 +46,27 @@ static int find_neighbors(worker *w, field x) {
                   .cell_end = s->cell_end,
                   .count = s->count,
                   .groups = s->groups,
-                  .windows = s->windows,
-                  .masks = s->masks};
-    s->shares[w->thread].windows = s->kernels->search(
-        &job, r.first, r.last, windows_begin(w, r.first), windows_begin(w, r.last));
+                  .data = s->list_data};
+    s->shares[w->thread].units =
+        s->kernels->search(&job, r.first, r.last, units_begin(s, w->thread, w->threads),
+                           units_begin(s, w->thread + 1, w->threads));
     team_barrier();
     if (lists_fit(w)) return 1;
     team_barrier();
     if (w->thread == 0) grow_lists(w);
     team_barrier();
-    if (s->window_capacity == 0) return 0;
+    if (s->list_units == 0) return 0;
   }
 }
 
 static pair_pass pairs_at(const worker *w, field x) {
   const solver *s = w->s;
-  return (pair_pass){.constants = &s->constants,
-                     .features = s->schedule.features,
-                     .lists = {.groups = s->groups,
-                               .windows = s->windows,
-                               .masks = s->masks,
-                               .far = w->grid.far,
-                               .count = s->count},
-                     .x = x};
+  return (pair_pass){
+      .constants = &s->constants,
+      .features = s->schedule.features,
+      .lists = {.groups = s->groups, .data = s->list_data, .far = w->grid.far, .count = s->count},
+      .x = x,
+      .walls = s->schedule.wall_density ? &w->obstacles : NULL};
 }
 
 #endif

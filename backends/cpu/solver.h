@@ -21,7 +21,7 @@ typedef struct share {
   _Alignas(64) pbf_vec lower;
   pbf_vec upper;
   uint64_t particles; /* in the cells that the thread sorts */
-  uint64_t windows;   /* that its groups want */
+  uint64_t units;     /* of memory for neighbours that its groups want */
 } share;
 
 struct pbf_backend_solver {
@@ -38,6 +38,8 @@ struct pbf_backend_solver {
   uint32_t capacity, count;
   buffers buffers;
   pbf_real *lambda;
+  pbf_real *total,
+      *before; /* lambda of all iterations, and an iteration earlier: accelerated only */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */
@@ -47,9 +49,8 @@ struct pbf_backend_solver {
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
 
   group *groups;
-  window *windows;
-  uint32_t *masks;
-  uint64_t window_capacity;
+  uint8_t *list_data;
+  uint64_t list_units; /* room in it */
 
   share *shares; /* one a thread */
 
@@ -57,6 +58,7 @@ struct pbf_backend_solver {
   double seconds[PBF_STAGE_COUNT];
   uint64_t runs[PBF_STAGE_COUNT];
 
+  double now; /* end of the last step: where walls stand for statistics */
   uint32_t collider_count;
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];

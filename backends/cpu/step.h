@@ -11,20 +11,22 @@ typedef struct step_job {
   uint32_t steps, done;
 } step_job;
 
-static void place_obstacles(worker *w, double time) {
-  const solver *s = w->s;
-  w->obstacles.walls = pbf_walls_at(&s->params, time);
-  w->obstacles.count = (int)s->collider_count;
-  for (int k = 0; k < w->obstacles.count; ++k)
-    w->obstacles.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
+/* Lambda of all iterations starts from nothing in each step. */
+static void clear_totals(worker *w) {
+  solver *s = w->s;
+  range r = my_groups(w);
+  uint64_t width = s->kernels->width, bytes = (r.last - r.first) * width * sizeof *s->total;
+  memset(s->total + r.first * width, 0, bytes);
+  memset(s->before + r.first * width, 0, bytes);
 }
 
 /* One solver iteration moves the prediction from spare[2] to spare[0], and swaps them. */
-static void iterate(worker *w) {
+static void iterate(worker *w, double weight) {
   solver *s = w->s;
   range r = my_groups(w);
   pair_pass pairs = pairs_at(w, w->b.spare[2]);
-  s->kernels->lambda(&pairs, s->lambda, r.first, r.last);
+  acceleration accelerated = {(pbf_real)weight, s->total, s->before};
+  s->kernels->lambda(&pairs, accelerated, s->lambda, r.first, r.last);
   stage_end(w, PBF_STAGE_LAMBDA);
   s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, s->lambda,
                    w->b.spare[0], r.first, r.last);
@@ -81,7 +83,10 @@ static int step_once(worker *w, double time) {
   sort_particles(w, &w->b.spare[0], &w->b.spare[2], &w->b.x, &w->b.spare[1]);
   if (!find_neighbors(w, w->b.spare[2])) return 0;
   stage_end(w, PBF_STAGE_NEIGHBORS);
-  for (uint32_t k = 0; k < s->params.iterations; ++k) iterate(w);
+  if (s->total) clear_totals(w);
+  double weight = 1;
+  for (uint32_t k = 0; k < s->params.iterations; ++k)
+    iterate(w, weight = pbf_next_weight(&s->constants, k, weight));
   update_velocity(w);
   if (s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if (s->schedule.runs[PBF_STAGE_VISCOSITY]) smooth_velocity(w);
@@ -96,6 +101,7 @@ static void run_steps(void *context, uint32_t thread, uint32_t threads) {
   team_barrier();
   if (thread != 0) return;
   job->s->buffers = w.b;
+  job->s->now = job->time + done * job->s->params.time_step;
   job->done = done;
 }
 

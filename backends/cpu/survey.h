@@ -17,6 +17,7 @@ static void run_survey(void *context, uint32_t thread, uint32_t threads) {
   survey_job *job = context;
   solver *s = job->s;
   worker w = {.s = s, .thread = thread, .threads = threads, .b = s->buffers};
+  place_obstacles(&w, s->now);
   sort_particles(&w, &w.b.x, &w.b.spare[2], NULL, NULL);
   int complete = find_neighbors(&w, w.b.spare[2]);
   if (complete) {

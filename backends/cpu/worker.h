@@ -61,6 +61,15 @@ static inline void stage_end(worker *w, pbf_stage stage) {
   w->stage_begin = now;
 }
 
+/* Walls and colliders where they stand at a time. */
+static inline void place_obstacles(worker *w, double time) {
+  const solver *s = w->s;
+  w->obstacles.walls = pbf_walls_at(&s->params, time);
+  w->obstacles.count = (int)s->collider_count;
+  for (int k = 0; k < w->obstacles.count; ++k)
+    w->obstacles.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
+}
+
 static inline void swap_fields(field *a, field *b) {
   field c = *a;
   *a = *b;

@@ -1,0 +1,67 @@
+/* Neighbour lists of a group, in the order in which the passes over pairs read them: for each block
+ * of windows the slots of each particle's neighbours, a byte a neighbour, one round after another.
+ * A block with so many neighbours that its masks take less memory keeps those instead. */
+#ifndef PBF_CPU_BLOCKS_H
+#define PBF_CPU_BLOCKS_H
+
+#include "cpu/kernels.h"
+#include "cpu/lanes.h"
+
+typedef struct block {
+  _Alignas(LIST_UNIT) uint32_t first[PARTS]; /* the particle in slot 1 of each window */
+  uint32_t rounds;                           /* most neighbours of a particle */
+} block;
+
+enum { MOST_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 8 * PARTS };
+
+/* Bytes of a block's list or masks. */
+PBF_FN uint32_t block_payload(uint32_t rounds) {
+  if (rounds > DENSE_ROUNDS) return PARTS * WIDTH * sizeof(uint32_t);
+  return (rounds * WIDTH + LIST_UNIT - 1) / LIST_UNIT * LIST_UNIT;
+}
+
+PBF_FN uint32_t block_units(uint32_t rounds) {
+  return (uint32_t)(sizeof(block) + block_payload(rounds)) / LIST_UNIT;
+}
+
+PBF_FN void block_write(uint8_t *at, const block *b, const slots masks[PARTS]) {
+  memcpy(at, b, sizeof *b);
+  at += sizeof *b;
+  if (b->rounds <= DENSE_ROUNDS) {
+    list_slots(masks, b->rounds, at);
+    return;
+  }
+  for (int part = 0; part < PARTS; ++part)
+    slots_store((uint32_t *)(void *)at + part * WIDTH, masks[part]);
+}
+
+/* A walk over the blocks of a group. */
+typedef struct walk {
+  const uint8_t *next;
+  uint32_t left;
+} walk;
+
+PBF_FN walk walk_group(const lists *n, uint32_t g) {
+  return (walk){n->data + (uint64_t)n->groups[g].begin * LIST_UNIT, n->groups[g].blocks};
+}
+
+/* The block that the walk stands at. */
+PBF_FN const block *walk_block(const walk *w) { return (const block *)(const void *)w->next; }
+
+static __attribute__((noinline)) const uint8_t *list_dense(const block *b, uint8_t *list) {
+  slots masks[PARTS];
+  for (int part = 0; part < PARTS; ++part)
+    masks[part] = slots_load((const uint32_t *)(const void *)(b + 1) + part * WIDTH);
+  list_slots(masks, b->rounds, list);
+  return list;
+}
+
+/* The block's lists, unpacked into `space` where they are not stored; the walk goes on. */
+PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MOST_ROUNDS * WIDTH]) {
+  const block *b = walk_block(w);
+  w->next += sizeof *b + block_payload(b->rounds);
+  --w->left;
+  return b->rounds <= DENSE_ROUNDS ? (const uint8_t *)(b + 1) : list_dense(b, space);
+}
+
+#endif
