@@ -79,7 +79,8 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.epsilon = (pbf_real)d.epsilon;
   c.omega = (pbf_real)d.omega;
   c.tension = (pbf_real)(1 - params->separation);
-  c.min_diagonal = (pbf_real)(params->min_diagonal * d.diagonal);
+  /* Never 0, so that the lambda of a lone particle is finite, and moves nothing. */
+  c.min_diagonal = (pbf_real)(fmax(params->min_diagonal, 1e-12) * d.diagonal);
   c.scorr_k = (pbf_real)d.scorr_k;
   c.scorr_inv_w = (pbf_real)d.scorr_inv_w;
   c.vorticity = (pbf_real)params->vorticity;
