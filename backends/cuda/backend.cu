@@ -60,6 +60,12 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
   if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY], "smoothed velocity",
                                   n * sizeof(pbf_vec), &s->smoothed))
     return status;
+  if (pbf_status status =
+          take_if(s, has.accelerated, "total lambda", n * sizeof(pbf_real), &s->total))
+    return status;
+  if (pbf_status status =
+          take_if(s, has.accelerated, "lambda before", n * sizeof(pbf_real), &s->total_before))
+    return status;
   return take_if(s, has.colliders > 0, "colliders",
                  STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
 }
@@ -188,7 +194,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   if (pbf_status status = apply_params(s, &s->params, count)) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
-  s->collider_time = time;
+  s->collider_time = s->time = time;
   return PBF_OK;
 }
 
@@ -199,8 +205,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   *done = s->count ? 0 : steps;
   while (*done < steps) {
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
-    if (s->collider_count)
-      if (pbf_status status = place_solids(s, time + *done * dt, ahead)) return status;
+    if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
     for (uint32_t k = 0; k < ahead; ++k, ++*done)
       if (pbf_status status =
               run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))

@@ -29,13 +29,17 @@ struct cell_grid {
 /* Most cells for a capacity. */
 static inline uint32_t grid_cell_limit(uint32_t capacity) { return 2 * capacity + 4096; }
 
+/* Cells along a row in h: finer cells mean fewer candidates, and more cells. */
+enum { PBF_FINEST = 4 };
+
 static inline double grid_margin(double cells) {
   double epsilon = sizeof(pbf_real) == sizeof(float) ? FLT_EPSILON : DBL_EPSILON;
   return 1 + 1e-4 + 8 * epsilon * cells;
 }
 
 /* Stored cells of each axis, given those of width `reach` that cover the domain. */
-static inline void grid_fold(double limit, const double full[PBF_DIM], double stored[PBF_DIM]) {
+static inline void grid_fold(double limit, double finest, const double full[PBF_DIM],
+                             double stored[PBF_DIM]) {
   double along = fmin(full[0], 2 * pow(limit, 1.0 / PBF_DIM)), rows = 1;
   for (int k = 1; k < PBF_DIM; ++k) rows *= stored[k] = full[k];
   while (rows > limit / along) {
@@ -46,10 +50,11 @@ static inline void grid_fold(double limit, const double full[PBF_DIM], double st
     rows /= stored[longest];
     rows *= stored[longest] = fmax(3, floor(stored[longest] / 2));
   }
-  stored[0] = fmax(1, fmin(4 * full[0], floor(limit / rows)));
+  stored[0] = fmax(1, fmin(finest * full[0], floor(limit / rows)));
 }
 
-static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit) {
+/* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
+static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit, double finest) {
   enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float */
   cell_grid g;
   double extent[PBF_DIM], full[PBF_DIM], stored[PBF_DIM], most = 1;
@@ -63,7 +68,7 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
   double row_width = fmax(reach * grid_margin(0), most * h / MOST_CELLS);
   g.row_width = (pbf_real)row_width;
   for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
-  grid_fold(limit, full, stored);
+  grid_fold(limit, finest, full, stored);
   g.count = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     double width = k == 0 ? fmax(extent[0], row_width) / stored[0] : row_width;

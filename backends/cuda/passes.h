@@ -3,8 +3,7 @@
 #define PBF_CUDA_PASSES_H
 
 #include "cuda/lists.h"
-#include "cuda/sort.h"
-#include "physics/scalar.h"
+#include "cuda/sums.h"
 
 /* What every pass reads. */
 struct neighborhood {
@@ -16,51 +15,44 @@ struct neighborhood {
 
 /* How an iteration's move ends. */
 struct move_end {
-  step_obstacles obstacles;
   pbf_real inv_time_step;
   int collide;         /* with the obstacles */
   pbf_vec *velocities; /* of the step's last move: where the velocity goes; else null */
 };
 
-template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK) lambda_kernel(neighborhood n) {
+template <int FEATURES, bool EXTRAS>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    lambda_kernel(neighborhood n, iteration_extras extras) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1))), gradient = {{0}};
-  pbf_real density = c->value_scale, slope2 = 0;
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    pbf_real r2 = pbf_dot(x_ij, x_ij), value, slope;
-    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-    density += value;
-    slope2 += slope * slope * r2;
-    gradient = pbf_add_scaled(gradient, slope, x_ij);
-  });
-  if (i < n.particles.count) points[i].lambda = pbf_lambda(c, density, slope2, gradient);
+  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1)));
+  lambda_sums<FEATURES> sums;
+  for_neighbors(n.particles, n.grid, n.lists, i,
+                [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
+  if (i >= n.particles.count) return;
+  pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, x);
+  if (EXTRAS && extras.total)
+    lambda = pbf_accelerate(c, extras.weight, lambda, &extras.total[i], &extras.before[i]);
+  points[i].lambda = lambda;
 }
 
 /* From n.particles.points to `moved`. */
-template <int FEATURES>
+template <int FEATURES, bool EXTRAS>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    move_kernel(neighborhood n, point *moved, move_end end) {
+    move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   point own = load(points, min(i, n.particles.count - 1));
-  pbf_vec x = position_of(own), sum = {{0}};
+  pbf_vec x = position_of(own);
+  move_sum<FEATURES> sum;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     point other = load(points, j);
-    pbf_vec x_ij = pbf_sub(x, position_of(other));
-    pbf_real r2 = pbf_dot(x_ij, x_ij), value, slope, factor = own.lambda + other.lambda;
-    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-    if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-    sum = pbf_add_scaled(sum, factor * slope, x_ij);
+    sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
   if (i >= n.particles.count) return;
-  x = pbf_move(c, x, sum);
-  if (end.collide)
-    x = pbf_resolve(&end.obstacles.walls, end.obstacles.count, end.obstacles.solids, x);
+  x = sum.moved(c, extras.obstacles, EXTRAS && extras.wall_density, end.collide, own.lambda, x);
   store(moved, i, point_at(x));
   if (end.velocities) end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.before[i], x);
 }
@@ -118,7 +110,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = pbf_add_scaled(v, c->viscosity, sum);
 }
 
-/* rho/rho0 and the number of neighbours nearer than h, without lists. */
+/* rho/rho0 without the walls' part, and the number of neighbours nearer than h; without lists. */
 template <int FEATURES>
 static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uint32_t i,
                                                       uint32_t *neighbors) {

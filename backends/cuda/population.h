@@ -66,13 +66,22 @@ static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range 
   return copy_in(s, s->cells, rows->ids, rows->total * sizeof(uint32_t));
 }
 
-static inline cell_grid present_grid(const solver *s) {
-  pbf_walls walls = pbf_walls_at(&s->params, s->time);
-  return grid_over(&walls, s->params.smoothing_radius, grid_cell_limit(s->capacity));
+/* Walls and colliders where the last step left them. */
+static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
+  *extras = {};
+  extras->obstacles = {pbf_walls_at(&s->params, s->time), (int)s->collider_count, s->solids};
+  extras->wall_density = s->schedule.wall_density;
+  return extras->wall_density ? place_solids(s, s->time, 1) : PBF_OK;
+}
+
+static inline cell_grid present_grid(const solver *s, const pbf_walls &walls) {
+  return grid_over(&walls, s->params.smoothing_radius, grid_cell_limit(s->capacity), PBF_FINEST);
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
-  cell_grid grid = present_grid(s);
+  iteration_extras extras;
+  if (pbf_status status = present_extras(s, &extras)) return status;
+  cell_grid grid = present_grid(s, extras.obstacles.walls);
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_real *densities = reinterpret_cast<pbf_real *>(s->before);
@@ -80,7 +89,7 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   if (pbf_status status = sort_present(s, grid)) return status;
   with_kernel(s->schedule.features, [&](auto features) {
     density_kernel<decltype(features)::value>
-        <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), densities);
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), extras, densities);
   });
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,

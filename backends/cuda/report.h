@@ -25,15 +25,17 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   stats->count = s->count;
   stats->iterations = s->params.iterations;
   if (!s->count) return PBF_OK;
-  cell_grid grid = present_grid(s);
+  iteration_extras extras;
+  if (pbf_status status = present_extras(s, &extras)) return status;
+  cell_grid grid = present_grid(s, extras.obstacles.walls);
   if (pbf_status status = sort_present(s, grid)) return status;
   /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
   uint32_t blocks =
       blocks_for(s->count) < PBF_SUM_BLOCKS ? blocks_for(s->count) : (uint32_t)PBF_SUM_BLOCKS;
   partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_room);
   with_kernel(s->schedule.features, [&](auto features) {
-    stats_kernel<decltype(features)::value>
-        <<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), neighborhood_of(s, grid), on_device);
+    stats_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+        state_of(s), neighborhood_of(s, grid), extras, on_device);
   });
   if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;

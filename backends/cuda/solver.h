@@ -30,7 +30,7 @@ struct solver {
   pbf_params params;
   pbf_constants constants;
   pbf_schedule schedule;
-  double time; /* of the last step: where the walls stand for statistics */
+  double time; /* of the last step's end: where walls and colliders stand for statistics */
 
   uint32_t capacity, count;
   point *points; /* state */
@@ -46,9 +46,10 @@ struct solver {
   neighbor_lists lists;
   void *list_room; /* the lists, and before them the sort's scratch */
 
-  pbf_curl *curls;   /* with vorticity only */
-  pbf_vec *smoothed; /* with viscosity only */
-  pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
+  pbf_real *total, *total_before; /* lambda of a step's iterations: accelerated only */
+  pbf_curl *curls;                /* with vorticity only */
+  pbf_vec *smoothed;              /* with viscosity only */
+  pbf_solid *solids;              /* with colliders only: STEPS_AHEAD times their number */
   uint32_t collider_count;
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];

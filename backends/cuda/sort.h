@@ -40,28 +40,27 @@ static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_part
   return p.collide ? pbf_resolve(&p.obstacles.walls, p.obstacles.count, p.obstacles.solids, y) : y;
 }
 
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
-                   sort_scratch scratch) {
-  uint32_t i = thread_index();
-  if (i >= from.count) return;
+/* The stages of the sort for particle i. */
+static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
+                                                      const prediction &p, const cell_grid &grid,
+                                                      uint32_t *cell_count,
+                                                      const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
   uint32_t cell = grid_cell(grid, predicted_position(from, p, i, x));
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
 
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    scatter_kernel(unsorted_particles from, const uint32_t *cell_start, sort_scratch scratch) {
-  uint32_t i = thread_index();
-  if (i >= from.count) return;
+static __device__ __forceinline__ void scatter_particle(const unsorted_particles &from,
+                                                        const uint32_t *cell_start,
+                                                        const sort_scratch &scratch, uint32_t i) {
   scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
 }
 
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
-  uint32_t i = thread_index();
-  if (i >= from.count) return;
+static __device__ __forceinline__ void place_particle(const unsorted_particles &from,
+                                                      const prediction &p,
+                                                      const sort_scratch &scratch,
+                                                      const sorted_particles &to, uint32_t i) {
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
@@ -70,6 +69,25 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   to.before[place] = x;
   to.ids[place] = id;
   to.cells[place] = cell;
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
+                   sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i < from.count) count_particle(from, p, grid, cell_count, scratch, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    scatter_kernel(unsorted_particles from, const uint32_t *cell_start, sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i < from.count) scatter_particle(from, cell_start, scratch, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
+  uint32_t i = thread_index();
+  if (i < from.count) place_particle(from, p, scratch, to, i);
 }
 
 #endif

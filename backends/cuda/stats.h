@@ -39,6 +39,19 @@ static __host__ __device__ inline partial_stats empty_stats() {
   return s;
 }
 
+/* rho/rho0 of particle i of the sorted ones. */
+template <int FEATURES>
+static __device__ __forceinline__ pbf_real full_density(const neighborhood &n,
+                                                        const iteration_extras &extras, uint32_t i,
+                                                        uint32_t *neighbors) {
+  pbf_real density = density_at<FEATURES>(n, i, neighbors);
+  pbf_vec gradient = {{0}};
+  if (extras.wall_density)
+    add_walls(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)), &density,
+              &gradient);
+  return density;
+}
+
 static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v) {
   double v2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -56,12 +69,13 @@ static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v)
 /* `state` gives positions and velocities, `n` the same particles sorted. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    stats_kernel(unsorted_particles state, neighborhood n, partial_stats *partial) {
+    stats_kernel(unsorted_particles state, neighborhood n, iteration_extras extras,
+                 partial_stats *partial) {
   __shared__ partial_stats shared[PBF_BLOCK / 32];
   partial_stats s = empty_stats();
   for (uint32_t i = thread_index(); i < state.count; i += gridDim.x * blockDim.x) {
     uint32_t neighbors = 0;
-    double density = (double)density_at<FEATURES>(n, i, &neighbors);
+    double density = (double)full_density<FEATURES>(n, extras, i, &neighbors);
     add_motion(&s, position_of(load(state.points, i)), state.velocities[i]);
     s.density += density;
     s.density_error += larger(density - 1, 0);
@@ -88,9 +102,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    density_kernel(neighborhood n, pbf_real *densities) {
+    density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
   uint32_t i = thread_index(), neighbors = 0;
-  if (i < n.particles.count) densities[i] = density_at<FEATURES>(n, i, &neighbors);
+  if (i < n.particles.count) densities[i] = full_density<FEATURES>(n, extras, i, &neighbors);
 }
 
 #endif

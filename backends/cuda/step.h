@@ -47,35 +47,65 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   return launch_sort(s, neighborhood_of(s, grid), at_rest);
 }
 
-static inline void launch_lambda(solver *s, const neighborhood &n) {
+static inline bool has_extras(const solver *s) {
+  return s->schedule.wall_density || s->schedule.accelerated;
+}
+
+static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras) {
+  uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
-    lambda_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n);
+    constexpr int F = decltype(features)::value;
+    if (has_extras(s))
+      lambda_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras);
+    else
+      lambda_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras);
   });
 }
 
 static inline void launch_move(solver *s, const neighborhood &n, point *moved,
-                               const move_end &end) {
+                               const iteration_extras &extras, const move_end &end) {
+  uint32_t blocks = blocks_for(s->count);
   with_features(s->schedule.features, [&](auto features) {
-    move_kernel<decltype(features)::value>
-        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, moved, end);
+    constexpr int F = decltype(features)::value;
+    if (has_extras(s))
+      move_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+    else
+      move_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
+}
+
+/* Lambda adds up from 0 in every step. */
+static inline pbf_status clear_totals(solver *s) {
+  if (!s->schedule.accelerated) return PBF_OK;
+  for (pbf_real *lambdas : {s->total, s->total_before})
+    if (pbf_status status = pbf_cuda_check(
+            cudaMemsetAsync(lambdas, 0, s->count * sizeof *lambdas, s->stream), "cudaMemsetAsync"))
+      return status;
+  return PBF_OK;
 }
 
 static inline pbf_status solve_density(solver *s, neighborhood *n,
                                        const step_obstacles &obstacles) {
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
-  for (uint32_t left = s->params.iterations; left-- > 0;) {
-    move_end end = {obstacles, (pbf_real)(1 / s->params.time_step),
-                    has.collide_in_iteration || (left == 0 && has.collide_after_solve),
-                    left == 0 ? s->velocities : nullptr};
+  uint32_t iterations = s->params.iterations;
+  double weight = 1;
+  if (pbf_status status = clear_totals(s)) return status;
+  for (uint32_t k = 0; k < iterations; ++k) {
+    bool last = k + 1 == iterations;
+    weight = pbf_next_weight(&s->constants, k, weight);
+    iteration_extras extras = {obstacles, has.wall_density, (pbf_real)weight, s->total,
+                               s->total_before};
+    move_end end = {(pbf_real)(1 / s->params.time_step),
+                    has.collide_in_iteration || (last && has.collide_after_solve),
+                    last ? s->velocities : nullptr};
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
-          launch_lambda(s, *n);
+          launch_lambda(s, *n, extras);
           return PBF_OK;
         }))
       return status;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
-          launch_move(s, *n, moved, end);
+          launch_move(s, *n, moved, extras, end);
           return PBF_OK;
         }))
       return status;
@@ -122,8 +152,8 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   const pbf_schedule &has = s->schedule;
   step_obstacles obstacles = {pbf_walls_at(&s->params, time), (int)s->collider_count, solids};
   prediction p = {pbf_forces_of(&s->params), obstacles, has.collide_after_prediction};
-  cell_grid grid =
-      grid_over(&obstacles.walls, s->params.smoothing_radius, grid_cell_limit(s->capacity));
+  cell_grid grid = grid_over(&obstacles.walls, s->params.smoothing_radius,
+                             grid_cell_limit(s->capacity), PBF_FINEST);
   neighborhood n = neighborhood_of(s, grid);
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_PREDICT,
                                     [&] { return launch_predict(s, grid, p); }))
@@ -144,9 +174,11 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   return has.runs[PBF_STAGE_VISCOSITY] ? apply_viscosity(s, n) : PBF_OK;
 }
 
-/* Places the colliders of `steps` steps after `time`, and uploads them in one go. */
+/* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads
+ * them in one go. */
 static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
   uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_solid);
+  if (!bytes) return PBF_OK;
   pbf_solid *placed =
       static_cast<pbf_solid *>(s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_solid)));
   if (!placed) {
@@ -156,7 +188,7 @@ static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
   for (uint32_t k = 0; k < steps; ++k)
     for (uint32_t c = 0; c < s->collider_count; ++c)
       placed[k * s->collider_count + c] =
-          pbf_solid_at(&s->colliders[c], time + (k + 1) * s->params.time_step - s->collider_time);
+          pbf_solid_at(&s->colliders[c], time + k * s->params.time_step - s->collider_time);
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
       pbf_cuda_check(cudaMemcpyAsync(s->solids, placed, bytes, cudaMemcpyHostToDevice, s->stream),
