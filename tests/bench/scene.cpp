@@ -70,9 +70,9 @@ const Case cases[] = {
     {13, R"(  "steps": -7)", ":13:12: ", "the value is -7"},
     {11, R"(  "blocks": [],)", ":11:13: ", "wanted: a list of blocks"},
     {11, R"(  "blocks": [{"shape": "cone", "min": [0,0,0], "max": [1,1,1]}],)",
-     ":11:23: ", "\"cone\""},
+     ":11:24: ", "\"cone\""},
     {11, R"(  "blocks": [{"shape": "ball", "center": [0,0,0], "radius": 0}],)",
-     ":11:60: ", "a number above 0"},
+     ":11:61: ", "a number above 0"},
     {12, R"(  "colliders": [{"shape": "box", "position": [0,0,0], "motion": [{"duration": 0}]}],)",
      ":12:79: ", "a number above 0"},
     // Lists that do not fit the dimension
@@ -94,11 +94,11 @@ const Case cases[] = {
      ":11:13: ", "at most 1073741823 fit"},
     // Not JSON
     {2, R"(  "version": 1)", ":3:15: ", "this is not JSON"},
-    {13, R"(  "steps": 1e999)", ":13:17: ", "number overflow"},
-    {14, "", ":13:14", "this is not JSON"},
+    {13, R"(  "steps": 1e999)", ":13:16: ", "number overflow"},
+    {14, "", ":15:1: ", "this is not JSON"},
     {14, "}}", ":14:2", "this is not JSON"},
-    {9, R"(    "iterations": NaN)", ":9:20: ", "this is not JSON"},
-    {12, R"(  "colliders": [[[[[[[[[[[[[[[[[[[[[[[[)", ":12:30: ", "nested deeper"},
+    {9, R"(    "iterations": NaN)", ":9:19: ", "this is not JSON"},
+    {12, R"(  "colliders": [[[[[[[[[[[[[[[[[[[[[[[[)", ":12:31: ", "nested deeper"},
 };
 
 std::string text_of(const Case &wrong) {
