@@ -252,7 +252,7 @@ void add_pictures(const Speedup &speedup, data &page) {
   data pictures{data::type::list};
   for (size_t i = 0; i < shown.size(); ++i) {
     data picture;
-    picture.set("label", label_of(*shown[i]));
+    picture.set("label", shown[i]->contestant.name);
     picture.set("png", base64(draw_png(frames[i], view)));
     pictures << picture;
   }

@@ -116,9 +116,9 @@ class Collector : public benchmark::BenchmarkReporter {
 };
 
 void initialize_google_benchmark() {
-  static char program[] = "pbf-bench"; // Google Benchmark keeps the pointer for its JSON
+  static char program[] = "pbf-bench";  // Google Benchmark keeps the pointer for its JSON
   char interleave[] = "--benchmark_enable_random_interleaving=true";
-  char *arguments[] = {program, interleave, nullptr};
+  static char *arguments[] = {program, interleave, nullptr};
   int count = 2;
   benchmark::Initialize(&count, arguments);
 }

@@ -155,6 +155,8 @@ void speedup_writes_google_benchmarks_json(void **) {
   for (const char *key : {"commit", "cpu_model", "compiler", "build_naive", "device_naive"}) {
     assert_true(document.at("context").contains(key));
   }
+  assert_string_equal(document.at("context").at("executable").get<std::string>().c_str(),
+                      "pbf-bench");
   const json &row = entry(document, "dam-break-2d/reference/threads:1");
   const double ms = row.at("real_time");
   assert_true(ms > 0);
