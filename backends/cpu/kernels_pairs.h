@@ -37,10 +37,26 @@ PBF_FN lane_vec lane_vec_minus(const lane_vec *a, const table_vec *t, place p) {
   return d;
 }
 
+/* A pair in each lane: particle i, and the one at a place in the block's windows. */
+typedef struct pair_lanes {
+  place j;
+  lane_vec x_ij;
+  lane r2;
+} pair_lanes;
+
 PBF_FN lane lane_vec_dot(const lane_vec *a, const lane_vec *b) {
   lane sum = a->c[0] * b->c[0];
   for (int k = 1; k < PBF_DIM; ++k) sum = lane_fma(a->c[k], b->c[k], sum);
   return sum;
+}
+
+PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
+                               const table_vec *x_of) {
+  pair_lanes p;
+  p.j = place_of(b->first, slots_of_bytes(list));
+  p.x_ij = lane_vec_minus(x, x_of, p.j);
+  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
+  return p;
 }
 
 PBF_FN void lane_vec_add_scaled(lane_vec *a, lane s, const lane_vec *b) {
@@ -106,40 +122,59 @@ PBF_FN void lambda_group(const pbf_constants *c, const acceleration *a, const la
   lane_store(lambda + i, lane_load(lambdas));
 }
 
+typedef struct density_sums {
+  lane density, slope2;
+  lane_vec gradient;
+} density_sums;
+
+PBF_FN void add_density(const int features, const pbf_constants *c, density_sums *sums,
+                        const pair_lanes *p) {
+  lane value, slope;
+  lanes_kernel(features, c, p->r2, &value, &slope);
+  sums->density = sums->density + value;
+  sums->slope2 = lane_fma(slope * slope, p->r2, sums->slope2);
+  lane_vec_add_scaled(&sums->gradient, slope, &p->x_ij);
+}
+
+/* Here and in move_sum the next round's distances are begun before the present one's terms: their
+ * latency is the longest. */
+PBF_FN density_sums density_of(const int features, const pbf_constants *c, const lists *n,
+                               const field *f, const lane_vec *x, uint32_t g) {
+  density_sums sums = {lane_set(c->value_scale), lane_set(0), lane_vec_zero()};
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(n, g); w.left;) {
+    const block *b = walk_block(&w);
+    const table_vec x_of = table_vec_of(f, b, n->far);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    pair_lanes now = pairs_listed(b, list, x, &x_of);
+    while ((list += WIDTH) < end) {
+      const pair_lanes next = pairs_listed(b, list, x, &x_of);
+      add_density(features, c, &sums, &now);
+      now = next;
+    }
+    add_density(features, c, &sums, &now);
+  }
+  return sums;
+}
+
 PBF_FN void lambda_groups(const int features, const pair_pass *p, acceleration accelerated,
                           pbf_real *lambda, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
-  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    lane density = lane_set(c.value_scale), slope2 = lane_set(0);
-    lane_vec gradient = lane_vec_zero();
-    for (walk w = walk_group(&n, g); w.left;) {
-      const block *b = walk_block(&w);
-      const table_vec x_of = table_vec_of(&p->x, b, n.far);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        lane value, slope;
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, place_of(b->first, slots_of_bytes(list)));
-        lane r2 = lane_vec_dot(&x_ij, &x_ij);
-        lanes_kernel(features, &c, r2, &value, &slope);
-        density = density + value;
-        slope2 = lane_fma(slope * slope, r2, slope2);
-        lane_vec_add_scaled(&gradient, slope, &x_ij);
-      }
-    }
-    lane_values gradients = lane_vec_values(&gradient);
+    density_sums sums = density_of(features, &c, &n, &p->x, &x, g);
+    lane_values gradients = lane_vec_values(&sums.gradient);
     if (p->walls) {
       const lane_values xs = lane_vec_values(&x);
       _Alignas(64) pbf_real densities[WIDTH];
       if (near_walls(&c, p->walls, &xs)) {
-        lane_store(densities, density);
+        lane_store(densities, sums.density);
         add_walls(p->constants, p->walls, &xs, densities, &gradients);
-        density = lane_load(densities);
+        sums.density = lane_load(densities);
       }
     }
-    lambda_group(&c, &accelerated, &density, &slope2, &gradients, lambda, g * WIDTH);
+    lambda_group(&c, &accelerated, &sums.density, &sums.slope2, &gradients, lambda, g * WIDTH);
   }
 }
 
@@ -149,6 +184,14 @@ static void lambda(const pair_pass *p, acceleration accelerated, pbf_real *lambd
     lambda_groups(PBF_FEATURE_POLY6, p, accelerated, lambda, first, last);
   else
     lambda_groups(0, p, accelerated, lambda, first, last);
+}
+
+PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
+                     const pair_lanes *p) {
+  lane value, slope;
+  lanes_kernel(features, c, p->r2, &value, &slope);
+  if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(c, value);
+  lane_vec_add_scaled(sum, lambdas * slope, &p->x_ij);
 }
 
 /* Sum of eq. 12 or 14 for the particles of one group. */
@@ -162,16 +205,14 @@ PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const lists
     const block *b = walk_block(&w);
     const table_vec x_of = table_vec_of(f, b, n->far);
     const table lambda_of = table_of(lambda, b->first, 0);
-    const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-    for (; list < list_end; list += WIDTH) {
-      lane value, slope;
-      place j = place_of(b->first, slots_of_bytes(list));
-      lane_vec x_ij = lane_vec_minus(&x, &x_of, j);
-      lanes_kernel(features, c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
-      lane factor = lambda_i + table_at(&lambda_of, j);
-      if (features & PBF_FEATURE_SCORR) factor = factor + lanes_scorr(c, value);
-      lane_vec_add_scaled(&sum, factor * slope, &x_ij);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    pair_lanes now = pairs_listed(b, list, &x, &x_of);
+    while ((list += WIDTH) < end) {
+      const pair_lanes next = pairs_listed(b, list, &x, &x_of);
+      add_move(features, c, &sum, lambda_i + table_at(&lambda_of, now.j), &now);
+      now = next;
     }
+    add_move(features, c, &sum, lambda_i + table_at(&lambda_of, now.j), &now);
   }
   return sum;
 }
