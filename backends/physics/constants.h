@@ -30,12 +30,13 @@ typedef struct pbf_constants {
 } pbf_constants;
 
 /* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
- * largest with room for compression; a such that n iterations leave CHEBYSHEV_REST of what lies
- * inside, but not so small that the memory of the iteration outlasts changes of the contact set. */
+ * largest with room for compression; a such that the iterations of a step leave `rest` of what lies
+ * inside, but not so small that the memory of the iteration outlasts changes of the contact set:
+ * below about 0.2, tall columns that start too dense gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params) {
-  const double rest = 0.1, shortest_memory = 0.14;
-  double largest = 1.5 * PBF_SAFE_RELAXATION / (double)c->omega;
-  double angle = fmax(acosh(1 / rest) / params->iterations, shortest_memory);
+  const double rest = 0.3, least_angle = 0.25, room = 1.3;
+  double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
+  double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
   c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   c->one_sided = c->accelerated && params->separation >= 1;

@@ -23,7 +23,8 @@ typedef struct pbf_derived {
   double scorr_inv_w; /* 1 / (V W(delta q)) */
   double scorr_dq2;   /* (delta q)² in units of h² */
   double diagonal;    /* V² sum |grad W|² on the lattice */
-  double wall_offset; /* how far behind a wall's surface its density begins */
+  double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
+                         at */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -134,7 +135,8 @@ static inline double pbf_half_space(uint32_t kernel, uint32_t dimension, double 
   return t < 1 ? norm * outer : 0;
 }
 
-/* Where the half-space must begin so that the lattice's first layer, on the wall, is at rest. */
+/* A lattice that fills the space before a wall has its first layer half a spacing off. What that
+ * layer lacks, the half-space must lend: its t h there, less the half spacing. */
 static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double h, double d,
                                      double volume) {
   double missing = 0;
@@ -152,7 +154,7 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
     else
       high = middle;
   }
-  return low * h;
+  return low * h - 0.5 * d;
 }
 
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {

@@ -175,9 +175,9 @@ typedef struct pbf_params {
   double
       min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
                           keeps particles with few or coincident neighbours calm; 0: as in the paper */
-  double wall_density; /* 0 … 1: weight of the density that the walls and colliders lend to the
-                          fluid before them, as if they were fluid at rest that begins half a
-                          spacing behind their surface; 0: none, as in the paper */
+  double wall_density; /* 0 … 1: weight of the density that walls and colliders lend to the fluid
+                          before them, as if they were fluid at rest: particles then keep half a
+                          spacing off; 0: none, as in the paper: particles pile up on walls */
 
   double scorr_k;   /* artificial pressure, eq. 13: k; 0: none */
   double scorr_dq;  /* delta q / h, in (0, 1) */

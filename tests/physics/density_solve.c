@@ -161,10 +161,10 @@ static void relaxation_is_below_the_stability_limit(void **state) {
 }
 
 /* On independent constraints of stiffness k (in units of the diagonal) the error after n iterations
- * is the Chebyshev polynomial of the interval: at most a tenth inside it. Signs are kept. */
+ * is the Chebyshev polynomial of the interval: at most 0.3 inside it. Signs are kept. */
 static void chebyshev_reaches_its_rest(void **state) {
   (void)state;
-  for (uint32_t iterations = 2; iterations <= 12; iterations += 5) {
+  for (uint32_t iterations = 1; iterations <= 7; iterations += 2) {
     pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
     p.solver = PBF_SOLVER_CHEBYSHEV;
     p.separation = 1;
@@ -173,14 +173,14 @@ static void chebyshev_reaches_its_rest(void **state) {
     pbf_constants c = pbf_constants_of(&p);
     double largest = 1 / (c.step_size / (1 + c.contraction)),
            smallest = largest * (1 - c.contraction) / (1 + c.contraction);
-    assert_true(largest > 1.5 / 0.7);
+    assert_true(largest > 1.2 * 1.5 / 0.7);
     for (double k = smallest; k <= largest; k += (largest - smallest) / 64) {
       double error = 1, total = 0, before = 0, weight = 1;
       for (uint32_t n = 0; n < iterations; ++n) {
         weight = pbf_next_weight(&c, n, weight);
         error += k * c.omega * pbf_accelerate(&c, weight, -error, &total, &before);
       }
-      assert_true(fabs(error) < 0.1001);
+      assert_true(fabs(error) < 0.3001);
       assert_near(error, 1 + k * total, 1e-12);
     }
     double total = 0, before = 0; /* a density below rest: no pull */
