@@ -3,6 +3,7 @@
 
 #include "cuda/population.h"
 #include "cuda/report.h"
+#include "cuda/small_host.h"
 #include "cuda/step.h"
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
@@ -154,9 +155,16 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
                                          "cudaGetDeviceProperties"))
     return status;
   snprintf(s->device_name, sizeof s->device_name, "%.95s", properties.name);
+  s->multiprocessors = (uint32_t)properties.multiProcessorCount;
+  s->block_shared = properties.sharedMemPerBlockOptin;
+  s->ordered = true;
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;
   if (pbf_status status = place_nowhere(s)) return status;
+  if (small_possible(s)) {
+    if (pbf_status status = small_take(s)) return status;
+    if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
+  }
   if (pbf_status status = apply_params(s, params, 0)) return status;
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
@@ -206,6 +214,11 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   while (*done < steps) {
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
+    if (small_serves(s)) {
+      if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
+      *done += ahead;
+      continue;
+    }
     for (uint32_t k = 0; k < ahead; ++k, ++*done)
       if (pbf_status status =
               run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
@@ -232,6 +245,7 @@ static pbf_status remove_particles(pbf_backend_solver *handle, uint32_t count,
 
 static pbf_status remove_all(pbf_backend_solver *handle) {
   of(handle)->count = 0;
+  of(handle)->ordered = true;
   return PBF_OK;
 }
 

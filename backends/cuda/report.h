@@ -3,6 +3,7 @@
 #define PBF_CUDA_REPORT_H
 
 #include "cuda/population.h"
+#include "cuda/small_host.h"
 
 static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stats *stats) {
   double per_particle = 1.0 / count;
@@ -52,6 +53,8 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
     snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
     stage->runs_per_step = s->schedule.runs[k];
     stage->launches_per_step = s->schedule.runs[k] * launches_of((pbf_stage)k);
+    /* One launch does all the steps of a call, up to SMALL_STEPS. */
+    if (small_serves(s)) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
   }
   pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
                    sizeof(pbf_real));

@@ -10,12 +10,13 @@
 #include "cuda/memory.h"
 #include "cuda/passes.h"
 #include "cuda/scan.h"
+#include "cuda/small.h"
 #include "cuda/status.h"
 #include "cuda/timing.h"
 #include "physics/schedule.h"
 
 /* Steps whose colliders are placed and uploaded at once. */
-enum { STEPS_AHEAD = 64 };
+enum { STEPS_AHEAD = SMALL_STEPS };
 
 struct solver {
   pbf_allocator allocator;
@@ -23,6 +24,8 @@ struct solver {
   pbf_cuda_context context;
   cudaStream_t stream;
   bool owns_stream;
+  uint32_t multiprocessors;
+  size_t block_shared; /* bytes of shared memory that a block can have */
   char device_name[96];
   pbf_cuda_memory memory;
   stage_clock clock;
@@ -47,9 +50,13 @@ struct solver {
   void *list_room; /* the lists, and before them the sort's scratch */
 
   pbf_real *total, *total_before; /* lambda of a step's iterations: accelerated only */
-  pbf_curl *curls;                /* with vorticity only */
-  pbf_vec *smoothed;              /* with viscosity only */
-  pbf_solid *solids;              /* with colliders only: STEPS_AHEAD times their number */
+  bool ordered;                   /* the particles are in the order of their ids */
+  small_room small;               /* where small scenes are possible */
+  small_upload *small_table;
+
+  pbf_curl *curls;   /* with vorticity only */
+  pbf_vec *smoothed; /* with viscosity only */
+  pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
   uint32_t collider_count;
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];

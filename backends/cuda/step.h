@@ -168,6 +168,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   if (pbf_status status = solve_density(s, &n, obstacles)) return status;
   if (n.particles.points == s->other) exchange(&s->points, &s->other);
   exchange(&s->ids, &s->other_ids);
+  s->ordered = false;
   s->time = time;
   if (has.runs[PBF_STAGE_CURL])
     if (pbf_status status = confine_vorticity(s, n)) return status;

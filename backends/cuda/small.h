@@ -1,0 +1,351 @@
+/* Small scenes: all steps of a call in one launch. A step of 30,000 particles is a matter of
+ * latency: a launch takes longer than its work. Here a particle stays with the same few threads of
+ * a resident grid, which keep its neighbours in shared memory, and the stages are parted by
+ * barriers: one between the filling of the cells and the search, two an iteration; the last move
+ * of a step runs on into the next prediction. The particles are in the order of their ids, so that
+ * the order of every sum is a matter of cells and ids, as everywhere.
+ *
+ * Cells and lists have room for what fluids do. When one overflows, all blocks learn of it at the
+ * next barrier, and do this step over by general_step, which has no limits and takes its time. */
+#ifndef PBF_CUDA_SMALL_H
+#define PBF_CUDA_SMALL_H
+
+#include "cuda/barrier.h"
+#include "cuda/lists.h"
+#include "cuda/sums.h"
+
+enum {
+  SMALL_MOST_PARTICLES = 65535, /* cells and lists hold 16-bit numbers of particles */
+  SMALL_STEPS = 64,             /* a launch */
+  SMALL_THREADS = 1024,         /* of a block, at most */
+  SMALL_CELL_ROOM = PBF_DIM == 3 ? 32 : 16,
+  SMALL_LIST_ROOM = PBF_DIM == 3 ? 48 : 24, /* of each of a particle's threads, at most */
+  SMALL_ITERATIONS = 256,
+  SMALL_CELLS_AROUND = PBF_DIM == 3 ? 27 : 9
+};
+
+/* What differs from step to step. */
+struct small_step {
+  pbf_walls walls;
+  cell_grid grid;
+};
+
+struct small_scene {
+  point *points;
+  pbf_vec *velocities;
+  uint32_t count, steps, iterations;
+  uint32_t lanes;     /* threads of a particle, a power of two up to 16 */
+  uint32_t list_room; /* of each of them */
+  pbf_constants constants;
+  pbf_forces forces;
+  pbf_real inv_time_step;
+  int wall_density, accelerated;
+  int collide_after_prediction, collide_in_iteration, collide_after_solve;
+  const small_step *table; /* a step each */
+  const pbf_real *weights; /* of the Chebyshev iteration */
+  const pbf_solid *solids; /* solid_count a step */
+  int solid_count;
+};
+
+/* What a launch is told of its steps, in one copy. */
+struct small_upload {
+  small_step steps[SMALL_STEPS];
+  pbf_real weights[SMALL_ITERATIONS];
+};
+
+struct small_room {
+  point *points[2];     /* predicted, then moved to and fro */
+  uint32_t *cell_count; /* 0 between steps */
+  uint16_t *cell_list;  /* SMALL_CELL_ROOM each */
+  grid_control *control;
+};
+
+/* For general_step. Sorted particles carry their number in the order of ids in place of the id. */
+struct general_room {
+  sorted_particles sorted;
+  uint32_t *numbers;
+  sort_scratch scratch;
+  pbf_real *total, *before; /* of the Chebyshev iteration, else null */
+};
+
+/* The part of a particle's neighbours that one of its threads looks after, in shared memory. */
+struct small_list {
+  uint16_t *entries; /* this thread's, blockDim.x apart */
+  uint32_t room, size;
+
+  __device__ __forceinline__ uint16_t &at(uint32_t k) const { return entries[k * blockDim.x]; }
+
+  /* Keeps the entries from `first` on sorted; false when there is no room. */
+  __device__ __forceinline__ bool insert(uint32_t first, uint32_t j) {
+    if (size == room) return false;
+    uint32_t k = size++;
+    for (; k > first && at(k - 1) > j; --k) at(k) = at(k - 1);
+    at(k) = (uint16_t)j;
+    return true;
+  }
+
+  /* Calls use(neighbour); four loads are under way at a time. */
+  template <class Use>
+  __device__ __forceinline__ void gather(const point *points, Use use) const {
+    for (uint32_t first = 0; first < size; first += 4) {
+      point read[4];
+#pragma unroll
+      for (uint32_t q = 0; q < 4; ++q) read[q] = load(points, at(min(first + q, size - 1)));
+#pragma unroll
+      for (uint32_t q = 0; q < 4; ++q)
+        if (first + q < size) use(read[q]);
+    }
+  }
+};
+
+/* Sums over the threads of a particle; every one of them gets the same bits. */
+static __device__ __forceinline__ pbf_real sum_lanes(pbf_real value, uint32_t lanes) {
+  for (uint32_t step = 1; step < lanes; step *= 2) value += __shfl_xor_sync(~0u, value, (int)step);
+  return value;
+}
+static __device__ __forceinline__ pbf_vec sum_lanes(pbf_vec value, uint32_t lanes) {
+  for (int k = 0; k < PBF_DIM; ++k) value.c[k] = sum_lanes(value.c[k], lanes);
+  return value;
+}
+
+/* Cell `around` of the block of cells about `cell`; false when it is outside. */
+static __device__ __forceinline__ bool cell_around(const cell_grid &g, uint32_t cell,
+                                                   uint32_t around, uint32_t *neighbor) {
+  uint32_t at[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    bool folded = k > 0 && g.cells[k] <= (uint32_t)g.last.c[k];
+    uint32_t own = cell % g.cells[k], step = around % 3 - 1;
+    cell /= g.cells[k];
+    around /= 3;
+    at[k] = folded ? (own + g.cells[k] + step) % g.cells[k] : own + step;
+    if (at[k] >= g.cells[k]) return false;
+  }
+  *neighbor = grid_row(g, at) + at[0];
+  return true;
+}
+
+/* Adds the neighbours in one cell to `list`; false when they do not fit. */
+static __device__ __forceinline__ bool search_cell(const small_room &room, uint32_t cell,
+                                                   const point *points, pbf_vec x, uint32_t own,
+                                                   pbf_real h2, small_list *list) {
+  bool fits = true;
+  const uint2 *row =
+      reinterpret_cast<const uint2 *>(room.cell_list + (size_t)cell * SMALL_CELL_ROOM);
+  uint2 four = row[0]; /* in flight together with the count */
+  uint32_t count = min(room.cell_count[cell], (uint32_t)SMALL_CELL_ROOM), first = list->size;
+  for (uint32_t k = 0; k < count; k += 4) {
+    const uint32_t particles[4] = {four.x & 0xffff, four.x >> 16, four.y & 0xffff, four.y >> 16};
+    point candidates[4];
+#pragma unroll
+    for (uint32_t q = 0; q < 4; ++q)
+      candidates[q] = load(points, k + q < count ? particles[q] : own);
+    if (k + 4 < count) four = row[k / 4 + 1];
+#pragma unroll
+    for (uint32_t q = 0; q < 4; ++q) {
+      pbf_vec d = pbf_sub(x, position_of(candidates[q]));
+      if (k + q < count && pbf_dot(d, d) < h2 && particles[q] != own)
+        fits = list->insert(first, particles[q]) && fits;
+    }
+  }
+  return fits;
+}
+
+static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uint32_t count) {
+  __shared__ uint32_t shared[SMALL_THREADS];
+  uint32_t size = (count + blockDim.x - 1) / blockDim.x, sum = 0;
+  uint32_t first = min(threadIdx.x * size, count), end = min(first + size, count);
+  if (blockIdx.x != 0) return;
+  for (uint32_t k = first; k < end; ++k) sum += values[k];
+  shared[threadIdx.x] = sum;
+  __syncthreads();
+  sum = 0;
+  for (uint32_t k = 0; k < threadIdx.x; ++k) sum += shared[k];
+  for (uint32_t k = first; k < end; ++k) {
+    uint32_t value = values[k];
+    values[k] = sum;
+    sum += value;
+  }
+}
+
+/* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
+ * particles and a barrier, and no lists. Returns the number of the last barrier. */
+template <int FEATURES>
+static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
+                                                     const small_room &small,
+                                                     const general_room &room, uint32_t step,
+                                                     uint32_t turn) {
+  const pbf_constants *c = &scene.constants;
+  const cell_grid grid = scene.table[step].grid;
+  uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
+  const sorted_particles &p = room.sorted;
+  step_obstacles obstacles = {scene.table[step].walls, scene.solid_count,
+                              scene.solids + step * scene.solid_count};
+  prediction predict = {scene.forces, obstacles, scene.collide_after_prediction};
+  unsorted_particles from = {scene.points, scene.velocities, room.numbers, n};
+  grid_barrier(small.control, ++turn);
+  if (first == 0) small.control->cells_failed = small.control->lists_failed = 0;
+  for (uint32_t k = first; k <= grid.count; k += stride) p.cell_start[k] = 0;
+  for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
+  grid_barrier(small.control, ++turn);
+  for (uint32_t i = first; i < n; i += stride)
+    count_particle(from, predict, grid, p.cell_start, room.scratch, i);
+  grid_barrier(small.control, ++turn);
+  scan_by_first_block(p.cell_start, grid.count + 1);
+  grid_barrier(small.control, ++turn);
+  for (uint32_t i = first; i < n; i += stride)
+    scatter_particle(from, p.cell_start, room.scratch, i);
+  grid_barrier(small.control, ++turn);
+  for (uint32_t i = first; i < n; i += stride) {
+    place_particle(from, predict, room.scratch, p, i);
+    if (scene.accelerated) room.total[i] = room.before[i] = 0;
+  }
+  grid_barrier(small.control, ++turn);
+  point *points = p.points, *moved = small.points[0];
+  for (uint32_t k = 0; k < scene.iterations; ++k) {
+    bool last = k + 1 == scene.iterations;
+    for (uint32_t i = first; i < n; i += stride) {
+      pbf_vec x = position_of(load(points, i));
+      lambda_sums<FEATURES> sums;
+      walk_cells(p, grid, i,
+                 [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
+      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, x);
+      if (scene.accelerated)
+        lambda = pbf_accelerate(c, scene.weights[k], lambda, room.total + i, room.before + i);
+      points[i].lambda = lambda;
+    }
+    grid_barrier(small.control, ++turn);
+    for (uint32_t i = first; i < n; i += stride) {
+      point own = load(points, i);
+      pbf_vec x = position_of(own);
+      move_sum<FEATURES> sum;
+      walk_cells(p, grid, i, [&](uint32_t j) {
+        point other = load(points, j);
+        sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
+      });
+      x = sum.moved(c, obstacles, scene.wall_density,
+                    scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda,
+                    x);
+      store(moved, i, point_at(x));
+      if (!last) continue;
+      store(scene.points, p.ids[i], point_at(x));
+      scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.before[i], x);
+    }
+    grid_barrier(small.control, ++turn);
+    point *kept = points;
+    points = moved;
+    moved = kept;
+  }
+  return turn;
+}
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(SMALL_THREADS, 1)
+    small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
+                 const __grid_constant__ general_room general) {
+  extern __shared__ uint16_t shared_entries[];
+  __shared__ small_step table[SMALL_STEPS];
+  const pbf_constants *c = &scene.constants;
+  uint32_t lanes = scene.lanes, thread = thread_index();
+  uint32_t i = thread / lanes, lane = thread % lanes, turn = 0;
+  bool real = i < scene.count, leads = real && lane == 0;
+  small_list list = {shared_entries + threadIdx.x, scene.list_room, 0};
+  for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
+    reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
+  pbf_vec x = {{0}}, v = {{0}};
+  if (real) {
+    x = position_of(load(scene.points, i));
+    v = scene.velocities[i];
+  }
+  point *from = room.points[0], *to = room.points[1];
+  __syncthreads();
+  for (uint32_t step = 0; step < scene.steps; ++step) {
+    const cell_grid &grid = table[step].grid;
+    step_obstacles obstacles = {table[step].walls, scene.solid_count,
+                                scene.solids + step * scene.solid_count};
+    pbf_vec y = pbf_predict(&scene.forces, x, v);
+    if (scene.collide_after_prediction)
+      y = pbf_resolve(&obstacles.walls, obstacles.count, obstacles.solids, y);
+    uint32_t cell = grid_cell(grid, y);
+    if (leads) {
+      store(from, i, point_at(y));
+      uint32_t place = atomicAdd(room.cell_count + cell, 1u);
+      if (place < SMALL_CELL_ROOM)
+        room.cell_list[(size_t)cell * SMALL_CELL_ROOM + place] = (uint16_t)i;
+      else
+        room.control->cells_failed = 1;
+    }
+    bool failed = grid_barrier(room.control, ++turn).cells_failed != 0;
+    pbf_real total = 0, before = 0;
+    list.size = 0;
+    if (!failed && real) {
+      bool fits = true;
+      uint32_t neighbor;
+      for (uint32_t around = lane; around < SMALL_CELLS_AROUND; around += lanes)
+        if (cell_around(grid, cell, around, &neighbor))
+          fits = search_cell(room, neighbor, from, y, i, c->h2, &list) && fits;
+      if (!fits) room.control->lists_failed = 1;
+    }
+    for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
+      bool last = k + 1 == scene.iterations;
+      lambda_sums<FEATURES> sums;
+      list.gather(from, [&](const point &other) { sums.add(c, pbf_sub(y, position_of(other))); });
+      __syncwarp();
+      sums.density = sum_lanes(sums.density, lanes);
+      sums.slope2 = sum_lanes(sums.slope2, lanes);
+      sums.gradient = sum_lanes(sums.gradient, lanes);
+      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, y);
+      if (scene.accelerated) lambda = pbf_accelerate(c, scene.weights[k], lambda, &total, &before);
+      if (leads) from[i].lambda = lambda;
+      grid_verdict verdict = grid_barrier(room.control, ++turn);
+      failed = k == 0 && verdict.lists_failed;
+      if (failed) break;
+      if (k == 0 && leads) room.cell_count[cell] = 0;
+      move_sum<FEATURES> sum;
+      list.gather(from, [&](const point &other) {
+        sum.add(c, pbf_sub(y, position_of(other)), lambda + other.lambda);
+      });
+      __syncwarp();
+      sum.sum = sum_lanes(sum.sum, lanes);
+      y = sum.moved(c, obstacles, scene.wall_density,
+                    scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, y);
+      if (!last && leads) store(to, i, point_at(y));
+      /* Before the next prediction counts, all counts must have been cleared. */
+      if (!last || scene.iterations == 1) grid_barrier(room.control, ++turn);
+      point *kept = from;
+      from = to;
+      to = kept;
+    }
+    if (failed) {
+      if (leads) {
+        room.cell_count[cell] = 0;
+        store(scene.points, i, point_at(x));
+        scene.velocities[i] = v;
+      }
+      turn = general_step<FEATURES>(scene, room, general, step, turn);
+      if (real) {
+        x = position_of(load(scene.points, i));
+        v = scene.velocities[i];
+      }
+    } else {
+      v = pbf_velocity(scene.inv_time_step, x, y);
+      x = y;
+    }
+  }
+  if (!leads) return;
+  store(scene.points, i, point_at(x));
+  scene.velocities[i] = v;
+}
+
+/* Into the order of ids: a particle's place is the number of ids below its own. */
+static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
+                                    uint32_t *ids) {
+  uint32_t i = thread_index(), place = 0;
+  if (i >= from.count) return;
+  uint32_t id = from.ids[i];
+  for (uint32_t k = 0; k < from.count; ++k) place += from.ids[k] < id;
+  store(points, place, load(from.points, i));
+  velocities[place] = from.velocities[i];
+  ids[place] = id;
+}
+
+#endif
