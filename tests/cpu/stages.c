@@ -1,0 +1,113 @@
+/* The CPU solver against the reference in float64, each combination of stages, on a block in which
+ * both find the same neighbours. */
+#include "cpu_support.h"
+
+enum {
+  POLY6 = 1,
+  SCORR = 2,
+  VORTICITY = 4,
+  VISCOSITY = 8,
+  CHEBYSHEV = 16,
+  WALLS = 32,
+  COLLIDERS = 64,
+  ATTRACTION = 128,
+  COMBINATIONS = 256
+};
+
+static pbf_params params_with(unsigned bits) {
+  pbf_params params = cpu_block_params();
+  params.kernel = bits & POLY6 ? PBF_KERNEL_POLY6_SPIKY : PBF_KERNEL_WENDLAND_C2;
+  params.scorr_k = bits & SCORR ? 0.02 : 0;
+  params.vorticity = bits & VORTICITY ? 0.1 : 0;
+  params.viscosity = bits & VISCOSITY ? 0.1 : 0;
+  params.solver = bits & CHEBYSHEV ? PBF_SOLVER_CHEBYSHEV : PBF_SOLVER_JACOBI;
+  params.separation = bits & CHEBYSHEV ? 1 : 0.5;
+  params.wall_density = bits & WALLS ? 1 : 0;
+  params.collide = bits & COLLIDERS ? PBF_COLLIDE_IN_ITERATION : 5;
+  params.attraction = bits & ATTRACTION ? 2 : 0;
+  params.wall_velocity[PBF_WALL_Y_MIN] = 0.1;
+  return params;
+}
+
+/* All four shapes touch the lowest layer, at y = 0.03, and push it by a hundredth of a spacing. */
+static void set_colliders(pbf_solver *solver) {
+  static const double below[4] = {0, 0.06, 0.12, 0.05};
+  pbf_collider colliders[4];
+  for (uint32_t shape = 0; shape < 4; ++shape) {
+    pbf_collider *c = &colliders[shape];
+    assert_ok(pbf_collider_init(c, sizeof *c, shape));
+    c->radius = c->half_length = 0.06;
+    for (int k = 0; k < 3; ++k) c->half_extents[k] = 0.05, c->position[k] = 0.2 * shape - 0.08;
+    c->position[1] = 0.0302 - below[shape];
+    c->velocity[0] = 0.1;
+    c->angular_velocity[2] = 0.01;
+  }
+  colliders[PBF_COLLIDER_PLANE].position[1] = 0.0299;
+  assert_ok(pbf_set_colliders(solver, 4, colliders));
+}
+
+static pbf_solver *run(const char *backend, const cpu_block *block, uint32_t precision,
+                       unsigned bits) {
+  pbf_params params = params_with(bits);
+  pbf_desc desc = cpu_desc(backend, block->dimension, precision, block->count, 2);
+  pbf_solver *solver = test_create(&desc, &params);
+  if (bits & COLLIDERS) set_colliders(solver);
+  cpu_add(solver, precision, block->dimension, block->count, block->x, block->v);
+  assert_ok(pbf_step(solver, 3));
+  return solver;
+}
+
+static double worst_x, worst_v, worst_rho;
+
+/* Confinement divides by the size of a gradient, however small: rounding shows more there. */
+static double most_velocity(unsigned bits, double most) {
+  return (bits & VORTICITY ? 50 : 2) * most / 2e-4;
+}
+
+static void compare(const cpu_block *block, uint32_t precision, unsigned bits, double most) {
+  pbf_solver *expected = run("reference", block, PBF_FLOAT64, bits);
+  pbf_solver *found = run("openmp", block, precision, bits);
+  double x = cpu_difference(expected, found, PBF_FIELD_POSITION);
+  double v = cpu_difference(expected, found, PBF_FIELD_VELOCITY);
+  double rho = cpu_difference(expected, found, PBF_FIELD_DENSITY);
+  if (!(x < most && v < most_velocity(bits, most) && rho < 200 * most))
+    print_error("%ud, f%u, stages %u: x %g, v %g, density %g\n", block->dimension, 8 * precision,
+                bits, x, v, rho);
+  assert_true(x < most);
+  assert_true(v < most_velocity(bits, most));
+  assert_true(rho < 200 * most);
+  worst_x = fmax(worst_x, x);
+  worst_v = fmax(worst_v, v);
+  worst_rho = fmax(worst_rho, rho);
+  pbf_destroy(expected);
+  pbf_destroy(found);
+}
+
+static void compare_all(uint32_t precision, double most, unsigned each) {
+  worst_x = worst_v = worst_rho = 0;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    cpu_block block = cpu_make_block(dimension);
+    for (unsigned bits = 0; bits < COMBINATIONS; bits += each)
+      compare(&block, precision, bits, most);
+    cpu_free_block(&block);
+  }
+  print_message("float%u: x %g, v %g, density %g\n", 8 * precision, worst_x, worst_v, worst_rho);
+}
+
+static void stages_in_float64(void **state) {
+  (void)state;
+  compare_all(PBF_FLOAT64, 2e-12, 1);
+}
+
+static void stages_in_float32(void **state) {
+  (void)state;
+  compare_all(PBF_FLOAT32, 2e-6, 5);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(stages_in_float64),
+      cmocka_unit_test(stages_in_float32),
+  };
+  return TEST_RUN(tests);
+}
