@@ -114,6 +114,8 @@ static scene report_30k(void) {
   must(pbf_params_init(&s.params, sizeof s.params), "pbf_params_init");
   pbf_params *p = &s.params;
   p->kernel = PBF_KERNEL_POLY6_SPIKY;
+  p->solver = PBF_SOLVER_JACOBI;
+  p->separation = p->min_diagonal = p->wall_density = 0;
   p->smoothing_radius = 1.1;
   p->spacing = 0.575;
   p->particle_volume = 0.5138132684248845;
@@ -144,7 +146,6 @@ static scene shallow_dam_break(uint32_t particles, double support) {
   must(pbf_params_init(&s.params, sizeof s.params), "pbf_params_init");
   s.params.smoothing_radius = support * s.spacing;
   s.params.spacing = s.spacing;
-  s.params.epsilon = 0.5; /* without it, lone particles fly off, on every backend */
   s.params.domain_max[0] = 2 * side * s.spacing;
   s.params.domain_max[1] = 3;
   s.params.domain_max[2] = side * s.spacing;
@@ -161,8 +162,11 @@ static scene small_scene(uint32_t dimension) {
   if (dimension == 2) s.counts[0] = 40, s.counts[1] = 30;
   must(pbf_params_init(&s.params, sizeof s.params), "pbf_params_init");
   s.params.epsilon = 0.5;
+  s.params.solver = PBF_SOLVER_JACOBI;
   s.params.separation = 0.5;
   s.params.min_diagonal = 0.5;
+  s.params.wall_density = 0;
+  s.params.collide = PBF_COLLIDE_IN_ITERATION | PBF_COLLIDE_AFTER_SOLVE;
   s.params.domain_max[0] = dimension == 2 ? 4 : 1.6;
   s.params.domain_max[1] = 2;
   s.params.domain_max[2] = 0.7;
@@ -235,11 +239,13 @@ static int strictly_near(const scene *given, uint32_t precision, int timed, dist
   *d = between(ours, precision, oracle, &s);
   pbf_stats a = stats_of(ours), b = stats_of(oracle);
   double bound = precision == PBF_FLOAT32 ? 2e-3 : 1e-9;
+  /* The last stages sum over pairs after the move: there, too, lists and cells may differ. */
+  if (s.params.vorticity > 0 && precision == PBF_FLOAT64) bound = 1e-5;
   pbf_destroy(ours);
   pbf_destroy(oracle);
   return d->max <= bound && relative(a.density_mean, b.density_mean) <= bound &&
          relative(a.kinetic_energy, b.kinetic_energy) <= bound &&
-         relative(a.density_error_mean, b.density_error_mean) <= bound &&
+         fabs(a.density_error_mean - b.density_error_mean) <= bound * b.density_mean &&
          relative(a.neighbors_mean, b.neighbors_mean) <= bound &&
          relative(a.speed_max, b.speed_max) <= bound;
 }

@@ -3,20 +3,22 @@
 # asked: it does not accept the folders of the wheels, and the language alone is enough.
 option(PBF_REQUIRE_CUDA "No nvcc is an error instead of a build without the cuda backend" OFF)
 set(PBF_CUDA_WHEELS "" CACHE PATH "Folder into which cmake/fetch-nvcc.sh has put nvcc; empty: the machine's")
-set(PBF_CUDA_ARCHITECTURES "80-real;90-real;100-real;120" CACHE STRING
+set(PBF_CUDA_ARCHITECTURES "80-real;90" CACHE STRING
   "Machine code for each -real architecture, and code that a driver can compile for later ones")
 
 set(PBF_CUDA_FOUND FALSE)
 if(NOT CMAKE_CUDA_COMPILER)
-  find_program(PBF_NVCC nvcc
-    PATHS "${PBF_CUDA_WHEELS}/nvidia/cu13/bin" ENV CUDA_HOME ENV CUDA_PATH /usr/local/cuda/bin
-    PATH_SUFFIXES bin)
+  if(PBF_CUDA_WHEELS)
+    find_program(PBF_NVCC nvcc PATHS "${PBF_CUDA_WHEELS}/nvidia/cu13/bin" NO_DEFAULT_PATH)
+  else()
+    find_program(PBF_NVCC nvcc PATHS ENV CUDA_HOME ENV CUDA_PATH /usr/local/cuda PATH_SUFFIXES bin)
+  endif()
   if(PBF_NVCC)
     set(CMAKE_CUDA_COMPILER ${PBF_NVCC})
   endif()
 endif()
 if(NOT CMAKE_CUDA_COMPILER)
-  set(PBF_CUDA_REASON "no nvcc on PATH, in CUDA_HOME or /usr/local/cuda; cmake/fetch-nvcc.sh can fetch one")
+  set(PBF_CUDA_REASON "no nvcc in PBF_CUDA_WHEELS, on PATH, in CUDA_HOME or /usr/local/cuda; cmake/fetch-nvcc.sh can fetch one")
   return()
 endif()
 
@@ -32,5 +34,5 @@ function(pbf_cuda_target target)
     CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON CUDA_VISIBILITY_PRESET hidden
     CUDA_SEPARABLE_COMPILATION OFF LINKER_LANGUAGE CUDA)
   target_compile_options(${target} PRIVATE
-    $<$<COMPILE_LANGUAGE:CUDA>:-ftz=true --extended-lambda -Xcompiler=-Wall,-Wextra,-Wno-missing-field-initializers,-fno-exceptions,-fno-rtti>)
+    $<$<COMPILE_LANGUAGE:CUDA>:-ftz=true --compress-mode=size -Xcompiler=-Wall,-Wextra,-Wno-missing-field-initializers,-fno-exceptions,-fno-rtti>)
 endfunction()

@@ -19,23 +19,28 @@ static __device__ __forceinline__ void arrive(uint32_t *arrived) {
   asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(arrived) : "memory");
 }
 
-/* Barrier `turn` = 1, 2, … of a launch. What failed before it is read in the same word as the
- * arrivals: all blocks see what any of them wrote before the barrier. */
-static __device__ __forceinline__ grid_verdict grid_barrier(grid_control *control, uint32_t turn) {
+static __device__ __forceinline__ uint32_t relaxed(const uint32_t *word) {
+  uint32_t value;
+  asm volatile("ld.relaxed.gpu.global.u32 %0, [%1];" : "=r"(value) : "l"(word) : "memory");
+  return value;
+}
+
+/* Barrier `turn` = 1, 2, … of a launch. With `ask`, all blocks learn what any of them found to have
+ * failed before it. */
+static __device__ __forceinline__ grid_verdict grid_barrier(grid_control *control, uint32_t turn,
+                                                            bool ask = false) {
   __shared__ grid_verdict verdict;
   __syncthreads();
   if (threadIdx.x == 0) {
-    unsigned long long low, high;
+    uint32_t arrived;
     arrive(&control->arrived);
     do {
-      asm volatile(
-          "{ .reg .b128 word; ld.relaxed.gpu.global.b128 word, [%2]; mov.b128 {%0, %1}, word; }"
-          : "=l"(low), "=l"(high)
-          : "l"(control)
-          : "memory");
-    } while ((uint32_t)low < turn * gridDim.x);
-    __threadfence();
-    verdict = {(uint32_t)(low >> 32), (uint32_t)high};
+      asm volatile("ld.acquire.gpu.global.u32 %0, [%1];"
+                   : "=r"(arrived)
+                   : "l"(&control->arrived)
+                   : "memory");
+    } while (arrived < turn * gridDim.x);
+    if (ask) verdict = {relaxed(&control->cells_failed), relaxed(&control->lists_failed)};
   }
   __syncthreads();
   return verdict;

@@ -274,7 +274,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       else
         room.control->cells_failed = 1;
     }
-    bool failed = grid_barrier(room.control, ++turn).cells_failed != 0;
+    bool failed = grid_barrier(room.control, ++turn, true).cells_failed != 0;
     pbf_real total = 0, before = 0;
     list.size = 0;
     if (!failed && real) {
@@ -296,8 +296,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, y);
       if (scene.accelerated) lambda = pbf_accelerate(c, scene.weights[k], lambda, &total, &before);
       if (leads) from[i].lambda = lambda;
-      grid_verdict verdict = grid_barrier(room.control, ++turn);
-      failed = k == 0 && verdict.lists_failed;
+      grid_verdict verdict = grid_barrier(room.control, ++turn, k == 0);
+      failed = k == 0 && verdict.lists_failed != 0;
       if (failed) break;
       if (k == 0 && leads) room.cell_count[cell] = 0;
       move_sum<FEATURES> sum;

@@ -1,0 +1,86 @@
+#!/bin/sh
+# Builds, tests, verifies and times the cuda backend on a machine with an NVIDIA GPU, in one go:
+#
+#   bench/gpu.sh [outdir] [quick]
+#
+# Needs cmake 3.25, a C and C++ compiler, nvcc and DLPack's header; compute-sanitizer where it is.
+# Raw JSON, one object a line, goes to outdir (default: $OUT, else bench/results/<host>).
+# PBF_COMMIT names the commit where there is no git; PBF_BUILD_DIR a build to use as it is.
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+out=${1:-${OUT:-$root/bench/results/$(uname -n)}}
+quick=${2:-}
+build=${PBF_BUILD_DIR:-$root/build/gpu}
+mkdir -p "$out" || exit 1
+out=$(cd "$out" && pwd)
+failed=0
+
+# Where DLPack's header is, in the places of packages and of Python's.
+dlpack() {
+  for folder in /usr/include /usr/local/include; do
+    [ -e "$folder/dlpack/dlpack.h" ] && echo "$folder" && return
+  done
+  header=$(find / -name dlpack.h -path '*dlpack*' -not -path '/proc/*' 2>/dev/null | head -n 1)
+  [ -n "$header" ] || return
+  mkdir -p "$build/include/dlpack" && cp "$header" "$build/include/dlpack/dlpack.h"
+  echo "$build/include"
+}
+
+if [ -z "${PBF_BUILD_DIR:-}" ]; then
+  generator=
+  command -v ninja >/dev/null && generator='-G Ninja'
+  # shellcheck disable=SC2086
+  cmake -S "$root" -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DPBF_REQUIRE_CUDA=ON \
+    -DPBF_BACKENDS='reference;cuda' -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_BENCH=OFF \
+    -DPBF_BUILD_EXAMPLES=OFF -DPBF_DLPACK_INCLUDE_DIR="$(dlpack)" >"$out/build.log" 2>&1 &&
+    cmake --build "$build" --parallel >>"$out/build.log" 2>&1 || { tail -n 30 "$out/build.log"; exit 1; }
+fi
+check=$build/gpu_check
+${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" "$root/bench/gpu_check.c" -o "$check" \
+  -L"$build/lib" -lpbf -lm "-Wl,-rpath,$build/lib" || exit 1
+
+commit=${PBF_COMMIT:-$(git -C "$root" rev-parse HEAD 2>/dev/null || echo unknown)}
+driver=$(nvidia-smi --query-gpu=driver_version --format=csv,noheader 2>/dev/null | head -n 1)
+compiler=$(${CUDACXX:-nvcc} --version 2>/dev/null | sed -n 's/.*release \(.*\), V.*/\1/p')
+printf '{"machine": "%s", "commit": "%s", "driver": "%s", "cuda": "%s", "plugin_bytes": %s}\n' \
+  "$(nvidia-smi --query-gpu=name --format=csv,noheader | head -n 1)" "$commit" "$driver" "$compiler" \
+  "$(wc -c <"$build/lib/pbf/backends/pbf_backend_cuda.so")" | tee "$out/machine.json"
+
+# run NAME COMMAND...: its output goes to the file NAME.
+run() {
+  name=$1
+  shift
+  "$@" >"$out/$name" 2>&1
+  status=$?
+  echo "$name: exit code $status"
+  [ $status -eq 0 ] || failed=1
+}
+
+# Times first: nothing else runs then.
+: >"$out/times.json"
+timed() { "$check" time "$@" >>"$out/times.json" 2>&1 || failed=1; }
+timed report-30k 30000
+timed report-30k 30000 1.913 f64
+for support in 1.6666667 2; do
+  timed shallow-dam-break 30000 $support
+  timed shallow-dam-break 265000 $support
+  timed shallow-dam-break 1000000 $support
+  timed shallow-dam-break 4000000 $support
+done
+timed shallow-dam-break 1000000 1.93
+timed shallow-dam-break 1000000 2.25
+if [ -z "$quick" ]; then
+  timed shallow-dam-break 16000000 1.6666667
+  timed shallow-dam-break 100000000 1.6666667
+  timed shallow-dam-break 1000000 1.6666667 f64
+fi
+run same.json "$check" same
+run verify.json "$check" verify
+if command -v compute-sanitizer >/dev/null; then
+  for tool in memcheck racecheck initcheck synccheck; do
+    run "$tool.txt" compute-sanitizer --error-exitcode 1 --tool $tool "$check" exercise
+    tail -n 1 "$out/$tool.txt"
+  done
+fi
+grep -h '"good": false' "$out/same.json" "$out/verify.json"
+exit $failed
