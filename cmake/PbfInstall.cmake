@@ -17,7 +17,7 @@ install(EXPORT pbfTargets NAMESPACE pbf:: DESTINATION ${PBF_CMAKE_DIR})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pbfConfig.cmake.in
   ${PROJECT_BINARY_DIR}/pbfConfig.cmake
-  INSTALL_DESTINATION ${PBF_CMAKE_DIR} PATH_VARS PBF_BACKEND_DIR)
+  INSTALL_DESTINATION ${PBF_CMAKE_DIR} PATH_VARS PBF_BACKEND_DIR CMAKE_INSTALL_INCLUDEDIR)
 # Before 1.0 the API may change with the minor version.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/pbfConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
