@@ -20,7 +20,8 @@ dlpack() {
   for folder in /usr/include /usr/local/include; do
     [ -e "$folder/dlpack/dlpack.h" ] && echo "$folder" && return
   done
-  header=$(find / -name dlpack.h -path '*dlpack*' -not -path '/proc/*' 2>/dev/null | head -n 1)
+  header=$(find / -name dlpack.h -not -path '/proc/*' -exec grep -l '^#define DLPACK_.*VERSION' {} + \
+    2>/dev/null | head -n 1)
   [ -n "$header" ] || return
   mkdir -p "$build/include/dlpack" && cp "$header" "$build/include/dlpack/dlpack.h"
   echo "$build/include"
