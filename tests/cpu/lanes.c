@@ -1,0 +1,149 @@
+/* The vector types of one instruction set, operation by operation, against plain C. Compiled once
+ * for each set, and skipped where the machine lacks it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "cpu/isa.h"
+#include "cpu/lanes.h"
+
+static uint32_t random_bits(uint64_t *seed) {
+  *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+  return (uint32_t)(*seed >> 32);
+}
+
+/* Over many decades; float32 has 24 bits, the estimate alone has 14 or 12. */
+static void square_roots(void **state) {
+  (void)state;
+  const double most = sizeof(pbf_real) == 4 ? 3e-7 : 1e-15;
+  pbf_real in[WIDTH], rsqrt[WIDTH], sqrts[WIDTH];
+  uint64_t seed = 1;
+  for (int k = 0; k < 20000; ++k) {
+    for (int l = 0; l < WIDTH; ++l)
+      in[l] = (pbf_real)((1 + random_bits(&seed) / 4294967296.0) * pow(2, (int)(k % 100) - 60));
+    lane_store(rsqrt, lane_rsqrt(lane_load(in)));
+    lane_store(sqrts, lane_sqrt(lane_load(in)));
+    for (int l = 0; l < WIDTH; ++l) {
+      assert_true(fabs((double)rsqrt[l] * sqrt((double)in[l]) - 1) < most);
+      assert_true(fabs((double)sqrts[l] / sqrt((double)in[l]) - 1) < most);
+    }
+  }
+}
+
+static void arithmetic(void **state) {
+  (void)state;
+  pbf_real a[WIDTH], b[WIDTH], c[WIDTH], fma_abc[WIDTH], max_ab[WIDTH];
+  for (int l = 0; l < WIDTH; ++l) {
+    a[l] = (pbf_real)(l - 3);
+    b[l] = (pbf_real)(5 - 2 * l);
+    c[l] = (pbf_real)(l * l);
+  }
+  lane_store(fma_abc, lane_fma(lane_load(a), lane_load(b), lane_load(c)));
+  lane_store(max_ab, lane_max(lane_load(a), lane_load(b)));
+  for (int l = 0; l < WIDTH; ++l) {
+    assert_true(fma_abc[l] == a[l] * b[l] + c[l]);
+    assert_true(max_ab[l] == (a[l] > b[l] ? a[l] : b[l]));
+  }
+}
+
+static void masks(void **state) {
+  (void)state;
+  uint64_t seed = 2;
+  for (int k = 0; k < 1000; ++k) {
+    uint32_t in[WIDTH], count[WIDTH], marked[WIDTH], bit[WIDTH], below[WIDTH], any = 0, most = 0;
+    pbf_real x[WIDTH];
+    for (int l = 0; l < WIDTH; ++l) {
+      in[l] = random_bits(&seed) & random_bits(&seed) & 0x7fffffffu;
+      x[l] = (pbf_real)(random_bits(&seed) % 3);
+      any |= in[l];
+      most = (in[l] & 63) > most ? in[l] & 63 : most;
+    }
+    slots m = slots_load(in);
+    slots_store(count, slots_popcount(m));
+    slots_store(marked, slots_mark(m, lane_load(x), lane_set(1), 0x10));
+    slots_store(bit, slots_bit(m & slots_set(63)));
+    slots_store(below, slots_below(m & slots_set(63), 20));
+    assert_int_equal(slots_any(m), any);
+    assert_int_equal(slots_max(m & slots_set(63)), most);
+    for (int l = 0; l < WIDTH; ++l) {
+      assert_int_equal(count[l], __builtin_popcount(in[l]));
+      assert_int_equal(marked[l], in[l] | (x[l] < 1 ? 0x10 : 0));
+      assert_int_equal(bit[l], (in[l] & 63) < 32 ? 0x80000000u >> (in[l] & 63) : 0);
+      assert_int_equal(below[l], (in[l] & 63) < 20 ? UINT32_MAX : 0);
+    }
+    slots_store(in, slots_shift_left(m, 3) & slots_shift_right(m, 2));
+  }
+}
+
+/* A list has the slots of every mask, each once, and 0 where a lane has fewer. */
+static void lists(void **state) {
+  (void)state;
+  enum { MOST = PARTS * (SLOTS - 1) };
+  static uint8_t list[MOST * WIDTH];
+  uint64_t seed = 3;
+  for (int k = 0; k < 500; ++k) {
+    uint32_t in[PARTS][WIDTH], rounds = 0;
+    slots m[PARTS];
+    for (int l = 0; l < WIDTH; ++l) {
+      uint32_t bits = 0;
+      for (int part = 0; part < PARTS; ++part) {
+        in[part][l] = random_bits(&seed) & (k % 2 ? random_bits(&seed) : 0x7fffffffu) & 0x7fffffffu;
+        if (k % 7 == 0 && part) in[part][l] = 0;
+        bits += (uint32_t)__builtin_popcount(in[part][l]);
+      }
+      rounds = bits > rounds ? bits : rounds;
+    }
+    for (int part = 0; part < PARTS; ++part) m[part] = slots_load(in[part]);
+    list_slots(m, rounds, list);
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      uint32_t seen[PARTS] = {0}, listed = 0;
+      for (uint32_t r = 0; r < rounds; ++r) {
+        uint32_t slot = list[r * WIDTH + l];
+        if (!slot) continue;
+        assert_true(slot < PARTS * SLOTS);
+        seen[slot / SLOTS] |= 0x80000000u >> slot % SLOTS;
+        ++listed;
+      }
+      for (int part = 0; part < PARTS; ++part) {
+        assert_int_equal(seen[part], in[part][l]);
+        listed -= (uint32_t)__builtin_popcount(in[part][l]);
+      }
+      assert_int_equal(listed, 0);
+    }
+  }
+}
+
+static void look_ups(void **state) {
+  (void)state;
+  static pbf_real array[1024];
+  uint32_t first[PARTS];
+  for (int i = 0; i < 1024; ++i) array[i] = (pbf_real)(i + 1);
+  for (uint32_t part = 0; part < PARTS; ++part) first[part] = 20 + 53 * part;
+  const table t = table_of(array, first, -7);
+  for (uint32_t begin = 0; begin < PARTS * SLOTS; ++begin) {
+    uint8_t bytes[64] = {0};
+    pbf_real found[WIDTH];
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      bytes[l] = (uint8_t)((begin + 37 * l) % (PARTS * SLOTS));
+      if (bytes[l] % SLOTS == 0) bytes[l] = 0;
+    }
+    lane_store(found, table_at(&t, place_of(first, slots_of_bytes(bytes))));
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      uint32_t index = first[bytes[l] / SLOTS] + bytes[l] % SLOTS - 1;
+      assert_true(found[l] == (bytes[l] ? array[index] : -7));
+    }
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(square_roots), cmocka_unit_test(arithmetic), cmocka_unit_test(masks),
+      cmocka_unit_test(lists),        cmocka_unit_test(look_ups),
+  };
+  if (cpu_isa_best() < PBF_TEST_ISA) return 77;
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
