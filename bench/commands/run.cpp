@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "commands/options.h"
 #include "core/interrupt.h"
+#include "core/manifest.h"
 #include "core/npy.h"
 #include "core/progress.h"
 #include "core/solver.h"
@@ -33,11 +34,13 @@ struct RunOptions {
 // The state as NumPy files, each step at most once.
 class Dump {
  public:
-  Dump(const std::string &folder, uint64_t every) : folder_(folder), every_(every) {
+  Dump(const std::string &folder, uint64_t every, const Scene &scene, const pbf_info &info)
+      : folder_(folder), every_(every) {
     if (folder_.empty()) return;
     std::error_code failed;
     std::filesystem::create_directories(folder_, failed);
     if (failed) throw Error(exit_failure, folder_ + " can't be made: " + failed.message());
+    write_manifest(folder_ + "/dump.json", scene, info);
   }
 
   // Steps after `step` until the next dump is due.
@@ -156,7 +159,7 @@ int run(const RunOptions &options) {
       options.scene.steps > 0 ? scene.steps : uint64_t{scene.lead_in_steps} + scene.steps;
   Solver solver(scene, options.solver);
   if (options.stages) solver.set_timing(true);
-  Dump dump(options.dump, options.every);
+  Dump dump(options.dump, options.every, scene, solver.info());
   std::unique_ptr<Trace> trace;
   if (!options.csv.empty()) trace = std::make_unique<Trace>(options.csv);
   dump.write(solver);
@@ -187,10 +190,12 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
   add_device_option(*command, options->solver.device);
   command->add_option("--csv", options->csv, "one row a step into this file (-: standard output)")
       ->type_name("F");
-  auto *dump = command
-                   ->add_option("--dump", options->dump,
-                                "positions and velocities as .npy into this folder: first, last")
-                   ->type_name("DIR");
+  auto *dump =
+      command
+          ->add_option("--dump", options->dump,
+                       "positions and velocities as .npy into this folder, first and last, "
+                       "and dump.json for pbf-check")
+          ->type_name("DIR");
   command->add_option("--every", options->every, "… and every so many steps")
       ->type_name("K")
       ->check(positive())

@@ -1,0 +1,57 @@
+#include "core/manifest.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+
+namespace bench {
+namespace {
+
+nlohmann::json list(const double *values, size_t count) {
+  return std::vector<double>(values, values + count);
+}
+
+nlohmann::json walls_of(const pbf_params &params, unsigned dimension) {
+  nlohmann::json walls = {
+      {"velocity", list(params.wall_velocity, 2 * dimension)},
+      {"amplitude", list(params.wall_amplitude, 2 * dimension)},
+      {"frequency", list(params.wall_frequency, 2 * dimension)},
+      {"phase", list(params.wall_phase, 2 * dimension)},
+  };
+  // Walls that lend density keep particles half a spacing off: they begin where the domain ends.
+  if (params.wall_density > 0) walls["offset"] = 0;
+  return walls;
+}
+
+}  // namespace
+
+void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info) {
+  const pbf_params &p = scene.params;
+  const unsigned dimension = scene.dimension;
+  const nlohmann::json manifest = {
+      {"scene", scene.name},
+      {"backend", info.backend},
+      {"build_id", info.build_id},
+      {"precision", info.precision == PBF_FLOAT64 ? "f64" : "f32"},
+      {"dimension", dimension},
+      {"smoothing_radius", p.smoothing_radius},
+      {"spacing", p.spacing},
+      {"particle_volume", p.particle_volume},
+      {"kernel", p.kernel == PBF_KERNEL_POLY6_SPIKY ? "poly6_spiky" : "wendland_c2"},
+      {"gravity", list(p.gravity, dimension)},
+      {"attraction", p.attraction},
+      {"attraction_center", list(p.attraction_center, dimension)},
+      {"domain_min", list(p.domain_min, dimension)},
+      {"domain_max", list(p.domain_max, dimension)},
+      {"time_step", p.time_step},
+      {"iterations", p.iterations},
+      {"walls", walls_of(p, dimension)},
+  };
+  std::ofstream file(path);
+  file << manifest.dump(2) << '\n';
+  file.flush();
+  if (!file) throw Error(exit_failure, path + " can't be written");
+}
+
+}  // namespace bench
