@@ -51,6 +51,12 @@ static field take_field(solver *s, const char *name) {
   return f;
 }
 
+/* Read by whole vectors from before its first element on, as a field is. */
+static pbf_real *take_reals(solver *s, const char *name) {
+  pbf_real *base = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof *base);
+  return base ? base + FIELD_FRONT : NULL;
+}
+
 static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
 }
@@ -64,7 +70,7 @@ static int take_arrays(solver *s) {
   b->spare[0] = take_field(s, "predicted");
   b->spare[1] = take_field(s, "sorted position");
   b->spare[2] = take_field(s, "sorted predicted");
-  s->lambda = pbf_memory_take(&s->memory, "lambda", n, sizeof *s->lambda);
+  s->lambda = take_reals(s, "lambda");
   b->ids = take_indices(s, "id", n);
   b->spare_ids = take_indices(s, "sorted id", n);
   s->cells = take_indices(s, "cell", n);
