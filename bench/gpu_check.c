@@ -354,6 +354,7 @@ static void verify_all(void) {
   s = shallow_dam_break(27000, 1 / 0.6);
   verify("shallow-dam-break", &s, PBF_FLOAT32, 50);
   s = shallow_dam_break(27000, 2);
+  s.jitter = 0.02; /* on the lattice, whether 2 d is nearer than h = 2 d is a matter of rounding */
   verify("shallow-dam-break-2d", &s, PBF_FLOAT32, 50);
 }
 

@@ -19,7 +19,7 @@ enum {
   SMALL_STEPS = 64,             /* a launch */
   SMALL_THREADS = 1024,         /* of a block, at most */
   SMALL_CELL_ROOM = PBF_DIM == 3 ? 32 : 16,
-  SMALL_LIST_ROOM = PBF_DIM == 3 ? 48 : 24, /* of each of a particle's threads, at most */
+  SMALL_LIST_ROOM = PBF_DIM == 3 ? 128 : 64, /* at most */
   SMALL_ITERATIONS = 256,
   SMALL_CELLS_AROUND = PBF_DIM == 3 ? 27 : 9
 };
@@ -35,7 +35,7 @@ struct small_scene {
   pbf_vec *velocities;
   uint32_t count, steps, iterations;
   uint32_t lanes;     /* threads of a particle, a power of two up to 16 */
-  uint32_t list_room; /* of each of them */
+  uint32_t list_room; /* neighbours */
   pbf_constants constants;
   pbf_forces forces;
   pbf_real inv_time_step;
@@ -68,32 +68,29 @@ struct general_room {
   pbf_real *total, *before; /* of the Chebyshev iteration, else null */
 };
 
-/* The part of a particle's neighbours that one of its threads looks after, in shared memory. */
+/* A particle's neighbours in shared memory, which its threads take in turns. */
 struct small_list {
-  uint16_t *entries; /* this thread's, blockDim.x apart */
-  uint32_t room, size;
+  uint16_t *entries;     /* `stride` apart */
+  uint32_t stride, size; /* both the same in all threads of the particle */
+  uint32_t lane, lanes;
 
-  __device__ __forceinline__ uint16_t &at(uint32_t k) const { return entries[k * blockDim.x]; }
+  __device__ __forceinline__ uint16_t &at(uint32_t k) const { return entries[k * stride]; }
 
-  /* Keeps the entries from `first` on sorted; false when there is no room. */
-  __device__ __forceinline__ bool insert(uint32_t first, uint32_t j) {
-    if (size == room) return false;
-    uint32_t k = size++;
-    for (; k > first && at(k - 1) > j; --k) at(k) = at(k - 1);
-    at(k) = (uint16_t)j;
-    return true;
+  /* Sorts `particle` into the entries from `first` on, of which there are `size` so far. */
+  __device__ __forceinline__ void insert(uint32_t first, uint32_t count, uint32_t particle) const {
+    uint32_t k = first + count;
+    for (; k > first && at(k - 1) > particle; --k) at(k) = at(k - 1);
+    at(k) = (uint16_t)particle;
   }
 
-  /* Calls use(neighbour); four loads are under way at a time. */
+  /* Calls use(neighbour) for this thread's share; two loads are under way at a time. */
   template <class Use>
   __device__ __forceinline__ void gather(const point *points, Use use) const {
-    for (uint32_t first = 0; first < size; first += 4) {
-      point read[4];
-#pragma unroll
-      for (uint32_t q = 0; q < 4; ++q) read[q] = load(points, at(min(first + q, size - 1)));
-#pragma unroll
-      for (uint32_t q = 0; q < 4; ++q)
-        if (first + q < size) use(read[q]);
+    for (uint32_t k = lane; k < size; k += 2 * lanes) {
+      bool two = k + lanes < size;
+      point a = load(points, at(k)), b = load(points, at(two ? k + lanes : k));
+      use(a);
+      if (two) use(b);
     }
   }
 };
@@ -124,30 +121,58 @@ static __device__ __forceinline__ bool cell_around(const cell_grid &g, uint32_t 
   return true;
 }
 
-/* Adds the neighbours in one cell to `list`; false when they do not fit. */
-static __device__ __forceinline__ bool search_cell(const small_room &room, uint32_t cell,
-                                                   const point *points, pbf_vec x, uint32_t own,
-                                                   pbf_real h2, small_list *list) {
-  bool fits = true;
-  const uint2 *row =
-      reinterpret_cast<const uint2 *>(room.cell_list + (size_t)cell * SMALL_CELL_ROOM);
-  uint2 four = row[0]; /* in flight together with the count */
-  uint32_t count = min(room.cell_count[cell], (uint32_t)SMALL_CELL_ROOM), first = list->size;
+/* Which of the particles that a cell lists are near x; *row is where it lists them. */
+static __device__ __forceinline__ uint32_t near_in_cell(const small_room &room, uint32_t cell,
+                                                        const point *points, pbf_vec x,
+                                                        uint32_t own, pbf_real h2,
+                                                        const uint16_t **row) {
+  *row = room.cell_list + (size_t)cell * SMALL_CELL_ROOM;
+  const uint2 *fours = reinterpret_cast<const uint2 *>(*row);
+  uint2 four = fours[0]; /* in flight together with the count */
+  uint32_t count = min(room.cell_count[cell], (uint32_t)SMALL_CELL_ROOM), near = 0;
   for (uint32_t k = 0; k < count; k += 4) {
     const uint32_t particles[4] = {four.x & 0xffff, four.x >> 16, four.y & 0xffff, four.y >> 16};
     point candidates[4];
 #pragma unroll
     for (uint32_t q = 0; q < 4; ++q)
       candidates[q] = load(points, k + q < count ? particles[q] : own);
-    if (k + 4 < count) four = row[k / 4 + 1];
+    if (k + 4 < count) four = fours[k / 4 + 1];
 #pragma unroll
     for (uint32_t q = 0; q < 4; ++q) {
       pbf_vec d = pbf_sub(x, position_of(candidates[q]));
-      if (k + q < count && pbf_dot(d, d) < h2 && particles[q] != own)
-        fits = list->insert(first, particles[q]) && fits;
+      if (k + q < count && pbf_dot(d, d) < h2 && particles[q] != own) near |= 1u << (k + q);
     }
   }
-  return fits;
+  return near;
+}
+
+/* Fills the list with the neighbours in the cells around `cell`, cell by cell and sorted within
+ * each; false when there is no room. All threads of a warp call it together. */
+static __device__ __forceinline__ bool search(const small_room &room, const cell_grid &grid,
+                                              uint32_t cell, const point *points, pbf_vec x,
+                                              uint32_t own, bool real, pbf_real h2,
+                                              uint32_t list_room, small_list *list) {
+  list->size = 0;
+  for (uint32_t first = 0; first < SMALL_CELLS_AROUND; first += list->lanes) {
+    uint32_t around = first + list->lane, neighbor, near = 0;
+    const uint16_t *row = nullptr;
+    if (real && around < SMALL_CELLS_AROUND && cell_around(grid, cell, around, &neighbor))
+      near = near_in_cell(room, neighbor, points, x, own, h2, &row);
+    /* The threads' cells come one after the other. */
+    uint32_t count = (uint32_t)__popc(near), end = count;
+    for (uint32_t step = 1; step < list->lanes; step *= 2) {
+      uint32_t before = __shfl_up_sync(~0u, end, step, (int)list->lanes);
+      if (list->lane >= step) end += before;
+    }
+    uint32_t place = list->size + end - count;
+    list->size += __shfl_sync(~0u, end, (int)list->lanes - 1, (int)list->lanes);
+    for (uint32_t k = 0; near && list->size <= list_room; near &= near - 1, ++k)
+      list->insert(place, k, row[__ffs((int)near) - 1]);
+  }
+  __syncwarp();
+  if (list->size <= list_room) return true;
+  list->size = 0;
+  return false;
 }
 
 static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uint32_t count) {
@@ -248,7 +273,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   uint32_t lanes = scene.lanes, thread = thread_index();
   uint32_t i = thread / lanes, lane = thread % lanes, turn = 0;
   bool real = i < scene.count, leads = real && lane == 0;
-  small_list list = {shared_entries + threadIdx.x, scene.list_room, 0};
+  small_list list = {shared_entries + threadIdx.x / lanes, blockDim.x / lanes, 0, lane, lanes};
   for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
     reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
   pbf_vec x = {{0}}, v = {{0}};
@@ -276,15 +301,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     }
     bool failed = grid_barrier(room.control, ++turn, true).cells_failed != 0;
     pbf_real total = 0, before = 0;
-    list.size = 0;
-    if (!failed && real) {
-      bool fits = true;
-      uint32_t neighbor;
-      for (uint32_t around = lane; around < SMALL_CELLS_AROUND; around += lanes)
-        if (cell_around(grid, cell, around, &neighbor))
-          fits = search_cell(room, neighbor, from, y, i, c->h2, &list) && fits;
-      if (!fits) room.control->lists_failed = 1;
-    }
+    if (!failed && !search(room, grid, cell, from, y, i, real, c->h2, scene.list_room, &list))
+      room.control->lists_failed = 1;
     for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
       bool last = k + 1 == scene.iterations;
       lambda_sums<FEATURES> sums;

@@ -32,9 +32,14 @@ static inline uint32_t small_block(const solver *s) {
   return threads < SMALL_THREADS ? threads : (uint32_t)SMALL_THREADS;
 }
 
+/* Shared memory that lists can have: less the steps, and what general_step needs. */
+static inline size_t small_shared(const solver *s) {
+  return s->block_shared - SMALL_STEPS * sizeof(small_step) - SMALL_THREADS * sizeof(uint32_t) -
+         1024;
+}
+
 static inline uint32_t small_list_room(const solver *s) {
-  size_t table = SMALL_STEPS * sizeof(small_step) + SMALL_THREADS * sizeof(uint32_t) + 1024;
-  size_t room = (s->block_shared - table) / (small_block(s) * sizeof(uint16_t));
+  size_t room = small_shared(s) / (small_block(s) / small_lanes(s) * sizeof(uint16_t));
   return room < SMALL_LIST_ROOM ? (uint32_t)room : (uint32_t)SMALL_LIST_ROOM;
 }
 
@@ -44,7 +49,7 @@ static inline bool small_serves(const solver *s) {
   const pbf_schedule &has = s->schedule;
   return s->small.control && !s->clock.begin && s->count > 0 && !has.runs[PBF_STAGE_CURL] &&
          !has.runs[PBF_STAGE_VISCOSITY] && s->params.iterations <= SMALL_ITERATIONS &&
-         small_expected_neighbors(&s->params) <= 0.6 * small_list_room(s) * small_lanes(s);
+         small_expected_neighbors(&s->params) <= 0.6 * small_list_room(s);
 }
 
 static inline pbf_status small_take(solver *s) {
@@ -140,7 +145,7 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
   pbf_status status = PBF_OK;
   if constexpr (sizeof(Real) == sizeof(float)) {
     uint32_t block = small_block(s), blocks = (scene.lanes * s->count + block - 1) / block;
-    size_t shared = (size_t)block * scene.list_room * sizeof(uint16_t);
+    size_t shared = (size_t)(block / scene.lanes) * scene.list_room * sizeof(uint16_t);
     general_room general = {
         {s->other, s->before, s->other_ids, s->cells, s->cell_start, s->count},
         reinterpret_cast<uint32_t *>(s->small.points[1]), /* of a step that is done over */
@@ -160,13 +165,11 @@ template <class Real>
 static pbf_status small_allow_shared(const solver *s) {
   pbf_status status = PBF_OK;
   if constexpr (sizeof(Real) == sizeof(float)) {
-    size_t most = s->block_shared - SMALL_STEPS * sizeof(small_step) -
-                  SMALL_THREADS * sizeof(uint32_t) - 1024;
     for (int k = 0; k < PBF_FEATURE_COUNT && status == PBF_OK; ++k)
       with_features(k, [&](auto features) {
         status = pbf_cuda_check(
             cudaFuncSetAttribute(small_kernel<decltype(features)::value>,
-                                 cudaFuncAttributeMaxDynamicSharedMemorySize, (int)most),
+                                 cudaFuncAttributeMaxDynamicSharedMemorySize, (int)small_shared(s)),
             "cudaFuncSetAttribute");
       });
   }
