@@ -86,21 +86,36 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 
 /* ---- Density constraint -------------------------------------------------------------------- */
 
-/* Whether a wall or collider may lend density to one of a group's particles. Most groups are far
- * from all. */
-PBF_FN int near_walls(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x) {
-  if (o->count) return 1;
-  int near = 0;
+/* Distance of each particle from the nearest wall, or 0 where there are colliders; the smallest of
+ * them. Most groups are far from all. */
+PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
+                               pbf_real distances[WIDTH]) {
+  pbf_real least = 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real nearest =
+        pbf_real_min(x->c[0][l] - o->walls.lower.c[0], o->walls.upper.c[0] - x->c[0][l]);
+    for (int k = 1; k < PBF_DIM; ++k) {
+      nearest = pbf_real_min(nearest, x->c[k][l] - o->walls.lower.c[k]);
+      nearest = pbf_real_min(nearest, o->walls.upper.c[k] - x->c[k][l]);
+    }
+    distances[l] = o->count ? 0 : nearest;
+  }
   for (uint32_t l = 0; l < WIDTH; ++l)
-    for (int k = 0; k < PBF_DIM; ++k)
-      near |= (x->c[k][l] - o->walls.lower.c[k] < c->h) | (o->walls.upper.c[k] - x->c[k][l] < c->h);
-  return near;
+    least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
+  return least;
+}
+
+/* Beyond this distance no wall lends density; with room for rounding. */
+PBF_FN pbf_real wall_reach(const pbf_constants *c) {
+  return (pbf_real)1.001 * (c->h - c->wall_offset);
 }
 
 static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
-                                                const lane_values *x, pbf_real densities[WIDTH],
-                                                lane_values *gradients) {
+                                                const lane_values *x,
+                                                const pbf_real distances[WIDTH],
+                                                pbf_real densities[WIDTH], lane_values *gradients) {
   for (uint32_t l = 0; l < WIDTH; ++l) {
+    if (!(distances[l] < wall_reach(c))) continue;
     pbf_vec gradient = lane_value(gradients, l);
     pbf_add_walls(c, &o->walls, o->count, o->solids, lane_value(x, l), &densities[l], &gradient);
     for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
@@ -116,9 +131,15 @@ PBF_FN void lambda_group(const pbf_constants *c, const acceleration *a, const la
   lane_store(slopes2, *slope2);
   for (uint32_t l = 0; l < WIDTH; ++l)
     lambdas[l] = pbf_lambda(c, densities[l], slopes2[l], lane_value(gradients, l));
-  if (a->total)
+  if (a->total) {
+    _Alignas(64) pbf_real total[WIDTH], before[WIDTH];
+    memcpy(total, a->total + i, sizeof total);
+    memcpy(before, a->before + i, sizeof before);
     for (uint32_t l = 0; l < WIDTH; ++l)
-      lambdas[l] = pbf_accelerate(c, a->weight, lambdas[l], &a->total[i + l], &a->before[i + l]);
+      lambdas[l] = pbf_accelerate(c, a->weight, lambdas[l], &total[l], &before[l]);
+    memcpy(a->total + i, total, sizeof total);
+    memcpy(a->before + i, before, sizeof before);
+  }
   lane_store(lambda + i, lane_load(lambdas));
 }
 
@@ -167,10 +188,10 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, acceleration a
     lane_values gradients = lane_vec_values(&sums.gradient);
     if (p->walls) {
       const lane_values xs = lane_vec_values(&x);
-      _Alignas(64) pbf_real densities[WIDTH];
-      if (near_walls(&c, p->walls, &xs)) {
+      _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH];
+      if (wall_distances(p->walls, &xs, distances) < wall_reach(&c)) {
         lane_store(densities, sums.density);
-        add_walls(p->constants, p->walls, &xs, densities, &gradients);
+        add_walls(p->constants, p->walls, &xs, distances, densities, &gradients);
         sums.density = lane_load(densities);
       }
     }
@@ -224,9 +245,9 @@ static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH), zero = lane_vec_zero();
   const lane_values xs = lane_vec_values(&x);
   lane_values gradients = lane_vec_values(&zero);
-  pbf_real densities[WIDTH] = {0};
-  if (!near_walls(p->constants, p->walls, &xs)) return;
-  add_walls(p->constants, p->walls, &xs, densities, &gradients);
+  pbf_real densities[WIDTH] = {0}, distances[WIDTH];
+  if (!(wall_distances(p->walls, &xs, distances) < wall_reach(p->constants))) return;
+  add_walls(p->constants, p->walls, &xs, distances, densities, &gradients);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec sum =
         pbf_add_scaled(lane_value(sums, l), lambda[g * WIDTH + l], lane_value(&gradients, l));
@@ -453,7 +474,9 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     if (p->walls) {
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
-      add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients);
+      pbf_real distances[WIDTH];
+      if (wall_distances(p->walls, &xs, distances) < wall_reach(&c))
+        add_walls(p->constants, p->walls, &xs, distances, densities + g * WIDTH, &gradients);
     }
   }
 }
