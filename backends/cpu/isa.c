@@ -61,7 +61,7 @@ void cpu_brand(char *brand, size_t size) {
   snprintf(brand, size, "CPU");
 #if defined(__x86_64__)
   unsigned int words[13] = {0};
-  if (__get_cpuid_max(0x80000000u, NULL) < 0x80000004u) return;
+  if ((unsigned)__get_cpuid_max(0x80000000u, NULL) < 0x80000004u) return;
   for (unsigned int k = 0; k < 3; ++k)
     __get_cpuid(0x80000002u + k, &words[4 * k], &words[4 * k + 1], &words[4 * k + 2],
                 &words[4 * k + 3]);
