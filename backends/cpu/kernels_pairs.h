@@ -123,24 +123,24 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
 }
 
 /* Lambda of one group from its sums. */
-PBF_FN void lambda_group(const pbf_constants *c, const acceleration *a, const lane *density,
-                         const lane *slope2, const lane_values *gradients, pbf_real *lambda,
-                         uint32_t i) {
+PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
+                         const lane_values *gradients, pbf_real *lambda) {
   _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
   lane_store(slopes2, *slope2);
   for (uint32_t l = 0; l < WIDTH; ++l)
     lambdas[l] = pbf_lambda(c, densities[l], slopes2[l], lane_value(gradients, l));
-  if (a->total) {
-    _Alignas(64) pbf_real total[WIDTH], before[WIDTH];
-    memcpy(total, a->total + i, sizeof total);
-    memcpy(before, a->before + i, sizeof before);
-    for (uint32_t l = 0; l < WIDTH; ++l)
-      lambdas[l] = pbf_accelerate(c, a->weight, lambdas[l], &total[l], &before[l]);
-    memcpy(a->total + i, total, sizeof total);
-    memcpy(a->before + i, before, sizeof before);
-  }
-  lane_store(lambda + i, lane_load(lambdas));
+  lane_store(lambda, lane_load(lambdas));
+}
+
+/* A loop of its own, for the vectoriser. */
+static __attribute__((noinline)) void accelerate(const pbf_constants *constants, pbf_real weight,
+                                                 pbf_real *restrict lambda,
+                                                 pbf_real *restrict total,
+                                                 pbf_real *restrict before, uint32_t count) {
+  const pbf_constants c = *constants;
+  for (uint32_t i = 0; i < count; ++i)
+    lambda[i] = pbf_accelerate(&c, weight, lambda[i], &total[i], &before[i]);
 }
 
 typedef struct density_sums {
@@ -178,8 +178,8 @@ PBF_FN density_sums density_of(const int features, const pbf_constants *c, const
   return sums;
 }
 
-PBF_FN void lambda_groups(const int features, const pair_pass *p, acceleration accelerated,
-                          pbf_real *lambda, uint32_t first, uint32_t last) {
+PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, uint32_t first,
+                          uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
@@ -195,16 +195,20 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, acceleration a
         sums.density = lane_load(densities);
       }
     }
-    lambda_group(&c, &accelerated, &sums.density, &sums.slope2, &gradients, lambda, g * WIDTH);
+    lambda_group(&c, &sums.density, &sums.slope2, &gradients, lambda + g * WIDTH);
   }
 }
 
 static void lambda(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
                    uint32_t last) {
+  uint64_t begin = (uint64_t)first * WIDTH;
   if (p->features & PBF_FEATURE_POLY6)
-    lambda_groups(PBF_FEATURE_POLY6, p, accelerated, lambda, first, last);
+    lambda_groups(PBF_FEATURE_POLY6, p, lambda, first, last);
   else
-    lambda_groups(0, p, accelerated, lambda, first, last);
+    lambda_groups(0, p, lambda, first, last);
+  if (accelerated.total)
+    accelerate(p->constants, accelerated.weight, lambda + begin, accelerated.total + begin,
+               accelerated.before + begin, (last - first) * WIDTH);
 }
 
 PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
