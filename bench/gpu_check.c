@@ -73,6 +73,8 @@ static pbf_solver *solver_for(const scene *s, const char *name, uint32_t precisi
   desc.dimension = dim;
   desc.precision = precision;
   desc.capacity = count;
+  if (getenv("PBF_CHECK_CAPACITY")) /* a backend may choose its way by the capacity */
+    desc.capacity = (uint32_t)strtoul(getenv("PBF_CHECK_CAPACITY"), NULL, 10);
   must(pbf_create(&desc, &s->params, &solver), "pbf_create");
   void *positions = malloc((size_t)count * dim * precision);
   for (uint32_t i = 0; i < count; ++i)

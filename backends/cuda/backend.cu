@@ -22,11 +22,11 @@ static void destroy_solver(solver *s) {
 
 static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
 
-/* Neighbours of a particle of the rest lattice, half as many again, and some. */
+/* Neighbours of a particle of the rest lattice, half as many again, and a few. */
 static uint32_t list_chunks(const pbf_params *params) {
   double q = params->smoothing_radius / pbf_derive_spacing(params);
   double expected = PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
-  double room = fmin(PBF_MOST_LISTED, 1.5 * expected + 6);
+  double room = fmin(PBF_MOST_LISTED, 1.5 * expected + 4);
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
@@ -161,6 +161,11 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;
   if (pbf_status status = place_nowhere(s)) return status;
+  if (pbf_status status = pbf_cuda_check(
+          cudaFuncSetAttribute(list_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                               (int)list_shared(PBF_MOST_LISTED / PBF_CHUNK)),
+          "cudaFuncSetAttribute"))
+    return status;
   if (small_possible(s)) {
     if (pbf_status status = small_take(s)) return status;
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;

@@ -10,6 +10,7 @@
 #include "cuda/particles.h"
 
 enum {
+  LIST_BLOCK = 128, /* threads that build lists */
   PBF_PLACE_BITS = 12,
   PBF_PLACES = 1 << PBF_PLACE_BITS,
   PBF_CHUNK = 8,   /* neighbours */
@@ -30,46 +31,52 @@ static __device__ __forceinline__ uint4 *list_of(const neighbor_lists &lists, ui
   return lists.entries + (size_t)(i / 32) * lists.chunks * 32 + i % 32;
 }
 
-/* Collects neighbours, two a word, and writes full chunks. */
-struct list_writer {
-  uint4 *chunk, *end;
-  uint32_t word = 0, size = 0;
-  uint4 words = {0, 0, 0, 0};
-  bool fits = true;
+/* A thread's list while it grows, in shared memory, entries LIST_BLOCK apart. */
+struct growing_list {
+  uint16_t *entries;
+  uint32_t room, size;
+  bool fits;
 
-  __device__ __forceinline__ void add(uint32_t entry) {
-    word = __byte_perm(word, entry, 0x5432); /* the older one low */
-    if (++size % 2) return;
-    words = {words.y, words.z, words.w, word};
-    if (size % PBF_CHUNK) return;
-    if (chunk < end)
-      *chunk = words;
-    else
-      fits = false;
-    chunk += 32;
+  /* Adds the particles near x among start … end - 1, with OWN all but `own`; `entry` is that of
+   * `start`. Four at a time, reading up to three beyond the last. Every entry is written, and only
+   * those that count are not written over: no branch in which the threads of a warp part. */
+  template <bool OWN>
+  __device__ __forceinline__ void add_row(const point *points, uint32_t start, uint32_t end,
+                                          uint32_t own, pbf_vec x, pbf_real h2, uint32_t entry) {
+    for (uint32_t j = start; j < end; j += 4, entry += 4) {
+      if (size + 4 > room) {
+        fits = false;
+        return;
+      }
+#pragma unroll
+      for (uint32_t q = 0; q < 4; ++q) {
+        pbf_vec d = pbf_sub(x, position_of(load(points, j + q)));
+        entries[size * LIST_BLOCK] = (uint16_t)(entry + q);
+        size += pbf_dot(d, d) < h2 && j + q < end && !(OWN && j + q == own);
+      }
+    }
+  }
+
+  __device__ __forceinline__ uint32_t entry(uint32_t k) const {
+    return k < size ? entries[k * LIST_BLOCK] : (uint32_t)PBF_NOWHERE;
+  }
+
+  __device__ __forceinline__ void write(uint4 *chunk) const {
+    for (uint32_t k = 0; k < size; k += PBF_CHUNK, chunk += 32)
+      *chunk = {entry(k) | entry(k + 1) << 16, entry(k + 2) | entry(k + 3) << 16,
+                entry(k + 4) | entry(k + 5) << 16, entry(k + 6) | entry(k + 7) << 16};
   }
 };
 
-/* Which of the particles first … first + count - 1, at most 32, are near x. Four at a time, reading
- * up to three beyond the last. */
-static __device__ __forceinline__ uint32_t near_mask(const point *points, uint32_t first,
-                                                     uint32_t count, pbf_vec x, pbf_real h2) {
-  uint32_t mask = 0;
-  for (uint32_t k = 0; k < count; k += 4) {
-    uint32_t four = 0;
-#pragma unroll
-    for (uint32_t q = 0; q < 4; ++q) {
-      pbf_vec d = pbf_sub(x, position_of(load(points, first + k + q)));
-      if (pbf_dot(d, d) < h2) four |= 1u << q;
-    }
-    mask |= four << k;
-  }
-  return count < 32 ? mask & ((1u << count) - 1) : mask;
+/* Bytes of shared memory of a block of list_kernel. */
+static inline size_t list_shared(uint32_t chunks) {
+  return (size_t)chunks * PBF_CHUNK * LIST_BLOCK * sizeof(uint16_t);
 }
 
-static __global__ void __launch_bounds__(PBF_BLOCK)
+static __global__ void __launch_bounds__(LIST_BLOCK)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
-  __shared__ uint32_t starts[PBF_ROWS][PBF_BLOCK], ends[PBF_ROWS][PBF_BLOCK];
+  extern __shared__ uint16_t growing[];
+  __shared__ uint32_t starts[PBF_ROWS][LIST_BLOCK], ends[PBF_ROWS][LIST_BLOCK];
   uint32_t i = thread_index(), lane = threadIdx.x % 32;
   if (i - lane >= p.count) return;
   bool real = i < p.count;
@@ -83,29 +90,22 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     starts[row][threadIdx.x] = some ? p.cell_start[first] : 0;
     ends[row][threadIdx.x] = some ? p.cell_start[last + 1] : 0;
   }
-  list_writer list;
-  list.chunk = list_of(lists, i);
-  list.end = list.chunk + (size_t)lists.chunks * 32;
+  growing_list list = {growing + threadIdx.x, lists.chunks * PBF_CHUNK, 0, true};
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t start = starts[row][threadIdx.x], end = ends[row][threadIdx.x];
     uint32_t base = __reduce_min_sync(~0u, start < end ? start : ~0u);
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
     if (start < end && end - base > PBF_PLACES) list.fits = false;
-    for (; start < end; start += 32) {
-      uint32_t mask = near_mask(p.points, start, min(end - start, 32u), x, h2);
-      if (i - start < 32) mask &= ~(1u << (i - start));
-      uint32_t entry = ((uint32_t)row << PBF_PLACE_BITS) + start - base - 1;
-      while (mask) {
-        list.add(entry + (uint32_t)__ffs((int)mask));
-        mask &= mask - 1;
-      }
-    }
+    uint32_t entry = ((uint32_t)row << PBF_PLACE_BITS) + start - base;
+    if (row == PBF_ROWS / 2 && list.fits)
+      list.add_row<true>(p.points, start, end, i, x, h2, entry);
+    else if (list.fits)
+      list.add_row<false>(p.points, start, end, i, x, h2, entry);
     __syncwarp();
   }
   if (!real) return;
-  uint32_t size = list.size;
-  while (list.size % PBF_CHUNK) list.add(PBF_NOWHERE);
-  lists.sizes[i] = list.fits && size < PBF_WALKS ? (uint8_t)size : (uint8_t)PBF_WALKS;
+  lists.sizes[i] = list.fits ? (uint8_t)list.size : (uint8_t)PBF_WALKS;
+  if (list.fits) list.write(list_of(lists, i));
 }
 
 /* Calls visit(j) for all particles in the cells around particle i's. */

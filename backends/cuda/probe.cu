@@ -21,7 +21,7 @@ void say_no_driver(pbf_probe_result *result) {
 /* Millions of particle-iterations a second: a step's latency, then the pair loop's rate. Measured
  * on an H200, scaled by the number of multiprocessors. */
 int32_t score_of(const pbf_workload *workload, int multiprocessors) {
-  double latency_us = 16;
+  double latency_us = 30;
   double rate = (workload->precision == PBF_FLOAT64 ? 1500.0 : 6000.0) * multiprocessors / 132;
   double work = 5.0 * workload->capacity;
   double score = work / (latency_us + work / rate);

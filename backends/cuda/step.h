@@ -160,8 +160,9 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
     return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_NEIGHBORS, [&] {
         pbf_status sorted = launch_sort(s, n, p);
-        list_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n.particles, grid,
-                                                                       s->constants.h2, s->lists);
+        list_kernel<<<(s->count + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK,
+                      list_shared(s->lists.chunks), s->stream>>>(n.particles, grid, s->constants.h2,
+                                                                 s->lists);
         return sorted;
       }))
     return status;
