@@ -85,8 +85,9 @@ static int take_arrays(solver *s) {
 }
 
 /* Each thread writes its part first, so that the pages lie near it. */
-static void clear_arrays(void *context, uint32_t thread, uint32_t threads) {
+static void clear_arrays(void *context, member *me) {
   solver *s = context;
+  uint32_t thread = me->thread, threads = me->threads;
   for (uint32_t k = 0; k < s->memory.count; ++k) {
     const pbf_array *a = &s->memory.arrays[k];
     uint64_t begin = a->bytes / threads * thread;

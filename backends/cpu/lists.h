@@ -50,11 +50,11 @@ static int find_neighbors(worker *w, field x) {
     s->shares[w->thread].units =
         s->kernels->search(&job, r.first, r.last, units_begin(s, w->thread, w->threads),
                            units_begin(s, w->thread + 1, w->threads));
-    team_barrier();
+    team_barrier(w->me);
     if (lists_fit(w)) return 1;
-    team_barrier();
+    team_barrier(w->me);
     if (w->thread == 0) grow_lists(w);
-    team_barrier();
+    team_barrier(w->me);
     if (s->list_units == 0) return 0;
   }
 }

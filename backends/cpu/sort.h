@@ -132,19 +132,19 @@ static void gather(const uint32_t *order, range places, const field *from, const
 static void sort_particles(worker *w, const field *key, const field *sorted_key, const field *other,
                            const field *sorted_other) {
   find_bounds(w, *key);
-  team_barrier();
+  team_barrier(w->me);
   make_grid(w);
   find_cells(w, *key);
-  team_barrier();
+  team_barrier(w->me);
   range cells = my_cells(w);
   count_cells(w, cells);
-  team_barrier();
+  team_barrier(w->me);
   range places = my_places(w);
   place_particles(w, cells, places, w->b.ids, w->b.spare_ids);
   order_by_id(w->s, places, w->b.spare_ids);
   gather(w->s->order, places, key, sorted_key);
   if (other) gather(w->s->order, places, other, sorted_other);
-  team_barrier();
+  team_barrier(w->me);
 }
 
 #endif

@@ -93,13 +93,13 @@ static int step_once(worker *w, double time) {
   return 1;
 }
 
-static void run_steps(void *context, uint32_t thread, uint32_t threads) {
+static void run_steps(void *context, member *me) {
   step_job *job = context;
-  worker w = {.s = job->s, .thread = thread, .threads = threads, .b = job->s->buffers};
+  worker w = worker_of(job->s, me);
   uint32_t done = 0;
   while (done < job->steps && step_once(&w, job->time + done * job->s->params.time_step)) ++done;
-  team_barrier();
-  if (thread != 0) return;
+  team_barrier(me);
+  if (me->thread != 0) return;
   job->s->buffers = w.b;
   job->s->now = job->time + done * job->s->params.time_step;
   job->done = done;

@@ -13,10 +13,10 @@ typedef struct survey_job {
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
  * s->lambda[k] and s->cells[k] neighbours. */
-static void run_survey(void *context, uint32_t thread, uint32_t threads) {
+static void run_survey(void *context, member *me) {
   survey_job *job = context;
   solver *s = job->s;
-  worker w = {.s = s, .thread = thread, .threads = threads, .b = s->buffers};
+  worker w = worker_of(s, me);
   place_obstacles(&w, s->now);
   sort_particles(&w, &w.b.x, &w.b.spare[2], NULL, NULL);
   int complete = find_neighbors(&w, w.b.spare[2]);
@@ -25,7 +25,7 @@ static void run_survey(void *context, uint32_t thread, uint32_t threads) {
     pair_pass pairs = pairs_at(&w, w.b.spare[2]);
     s->kernels->density(&pairs, s->lambda, s->cells, r.first, r.last);
   }
-  if (thread == 0) job->complete = complete;
+  if (me->thread == 0) job->complete = complete;
 }
 
 static int survey(solver *s) {

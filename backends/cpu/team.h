@@ -6,7 +6,16 @@
 
 #include <stdint.h>
 
-typedef void (*team_function)(void *context, uint32_t thread, uint32_t threads);
+typedef struct team team;
+
+/* One thread's place in a running team. */
+typedef struct member {
+  team *team;
+  uint32_t thread, threads;
+  uint32_t barriers; /* that this thread has passed */
+} member;
+
+typedef void (*team_function)(void *context, member *me);
 
 /* Threads that a solver gets when its description asks for `wanted` (0: all there are). */
 uint32_t team_size(uint32_t wanted);
@@ -15,6 +24,6 @@ uint32_t team_size(uint32_t wanted);
 void team_run(uint32_t threads, team_function function, void *context);
 
 /* Within `function`: no thread goes on before all have come here. */
-void team_barrier(void);
+void team_barrier(member *me);
 
 #endif

@@ -1,3 +1,5 @@
+#include <stddef.h>
+
 #include "cpu/team.h"
 
 uint32_t team_size(uint32_t wanted) {
@@ -6,7 +8,8 @@ uint32_t team_size(uint32_t wanted) {
 }
 
 void team_run(uint32_t threads, team_function function, void *context) {
-  function(context, 0, threads);
+  member me = {.team = NULL, .thread = 0, .threads = threads};
+  function(context, &me);
 }
 
-void team_barrier(void) {}
+void team_barrier(member *me) { (void)me; }

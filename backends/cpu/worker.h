@@ -8,12 +8,17 @@
 
 typedef struct worker {
   solver *s;
-  uint32_t thread, threads;
-  buffers b; /* every thread swaps its own copy */
+  member *me;
+  uint32_t thread, threads; /* of me */
+  buffers b;                /* every thread swaps its own copy */
   grid grid;
   pbf_obstacles obstacles;
   double stage_begin;
 } worker;
+
+static inline worker worker_of(solver *s, member *me) {
+  return (worker){.s = s, .me = me, .thread = me->thread, .threads = me->threads, .b = s->buffers};
+}
 
 typedef struct range {
   uint32_t first, last; /* up to last - 1 */
@@ -53,7 +58,7 @@ static inline double seconds_now(void) {
 
 /* The end of a stage whose results other threads read next. */
 static inline void stage_end(worker *w, pbf_stage stage) {
-  team_barrier();
+  team_barrier(w->me);
   if (!w->s->timing || w->thread != 0) return;
   double now = seconds_now();
   w->s->seconds[stage] += now - w->stage_begin;
