@@ -30,11 +30,12 @@ typedef struct pbf_constants {
 } pbf_constants;
 
 /* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
- * largest with room for compression; a such that the iterations of a step leave `rest` of what lies
- * inside, but not so small that the memory of the iteration outlasts changes of the contact set:
- * below about 0.2, tall columns that start too dense gain energy. */
+ * largest with room for disorder (with 1.3, shallow-dam-break at h = spacing/0.6 gains energy); a
+ * such that the iterations of a step leave `rest` of what lies inside, but not so small that the
+ * memory of the iteration outlasts changes of the contact set: below about 0.2, tall columns that
+ * start too dense gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params) {
-  const double rest = 0.3, least_angle = 0.25, room = 1.3;
+  const double rest = 0.3, least_angle = 0.25, room = 1.9;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
