@@ -34,10 +34,42 @@ static int lists_fit(const worker *w) {
   return 1;
 }
 
+/* What a group's pairs cost, in units of its list, without any of these. */
+enum { GROUP_COST = 3 };
+
+/* Where the groups of a thread begin when all threads shall have equally much to do: the length of
+ * its list says what a group costs. */
+static uint32_t balanced_group(const worker *w, uint32_t thread) {
+  const solver *s = w->s;
+  uint64_t groups = groups_of(s), total = GROUP_COST * groups, before = 0;
+  for (uint32_t t = 0; t < w->threads; ++t) total += s->shares[t].units;
+  uint64_t target = total / w->threads * thread;
+  if (thread == w->threads) return (uint32_t)groups;
+  for (uint32_t t = 0; t < w->threads; ++t) {
+    range r = part_of(groups, t, w->threads);
+    uint64_t cost = s->shares[t].units + GROUP_COST * (uint64_t)(r.last - r.first);
+    if (before + cost > target) {
+      uint64_t begin = units_begin(s, t, w->threads);
+      uint32_t low = r.first, high = r.last;
+      while (low < high) {
+        uint32_t g = low + (high - low) / 2;
+        uint64_t at = before + s->groups[g].begin - begin + GROUP_COST * (uint64_t)(g - r.first);
+        if (at < target)
+          low = g + 1;
+        else
+          high = g;
+      }
+      return low;
+    }
+    before += cost;
+  }
+  return (uint32_t)groups;
+}
+
 /* Finds the neighbours at the sorted positions x. 0 when there is no memory for them. */
 static int find_neighbors(worker *w, field x) {
   solver *s = w->s;
-  range r = my_groups(w);
+  range r = part_of(groups_of(s), w->thread, w->threads);
   for (;;) {
     search job = {.grid = &w->grid,
                   .h2 = s->constants.h2,
@@ -51,12 +83,14 @@ static int find_neighbors(worker *w, field x) {
         s->kernels->search(&job, r.first, r.last, units_begin(s, w->thread, w->threads),
                            units_begin(s, w->thread + 1, w->threads));
     team_barrier(w->me);
-    if (lists_fit(w)) return 1;
+    if (lists_fit(w)) break;
     team_barrier(w->me);
     if (w->thread == 0) grow_lists(w);
     team_barrier(w->me);
     if (s->list_units == 0) return 0;
   }
+  w->groups = (range){balanced_group(w, w->thread), balanced_group(w, w->thread + 1)};
+  return 1;
 }
 
 static pair_pass pairs_at(const worker *w, field x) {

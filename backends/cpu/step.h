@@ -14,7 +14,7 @@ typedef struct step_job {
 /* Lambda of all iterations starts from nothing in each step. */
 static void clear_totals(worker *w) {
   solver *s = w->s;
-  range r = my_groups(w);
+  range r = w->groups;
   uint64_t width = s->kernels->width, bytes = (r.last - r.first) * width * sizeof *s->total;
   memset(s->total + r.first * width, 0, bytes);
   memset(s->before + r.first * width, 0, bytes);
@@ -23,7 +23,7 @@ static void clear_totals(worker *w) {
 /* One solver iteration moves the prediction from spare[2] to spare[0], and swaps them. */
 static void iterate(worker *w, double weight) {
   solver *s = w->s;
-  range r = my_groups(w);
+  range r = w->groups;
   pair_pass pairs = pairs_at(w, w->b.spare[2]);
   acceleration accelerated = {(pbf_real)weight, s->total, s->before};
   s->kernels->lambda(&pairs, accelerated, s->lambda, r.first, r.last);
@@ -51,7 +51,7 @@ static void update_velocity(worker *w) {
 
 static void confine_vorticity(worker *w) {
   solver *s = w->s;
-  range r = my_groups(w);
+  range r = w->groups;
   pair_pass pairs = pairs_at(w, w->b.x);
   pbf_real *curl[PBF_CURL_DIM];
   for (int k = 0; k < PBF_CURL_DIM; ++k) curl[k] = w->b.spare[0].c[k];
@@ -63,7 +63,7 @@ static void confine_vorticity(worker *w) {
 }
 
 static void smooth_velocity(worker *w) {
-  range r = my_groups(w);
+  range r = w->groups;
   pair_pass pairs = pairs_at(w, w->b.x);
   w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[1], r.first, r.last);
   swap_fields(&w->b.v, &w->b.spare[1]);

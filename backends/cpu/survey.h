@@ -21,7 +21,7 @@ static void run_survey(void *context, member *me) {
   sort_particles(&w, &w.b.x, &w.b.spare[2], NULL, NULL);
   int complete = find_neighbors(&w, w.b.spare[2]);
   if (complete) {
-    range r = my_groups(&w);
+    range r = w.groups;
     pair_pass pairs = pairs_at(&w, w.b.spare[2]);
     s->kernels->density(&pairs, s->lambda, s->cells, r.first, r.last);
   }

@@ -6,12 +6,17 @@
 
 #include "cpu/solver.h"
 
+typedef struct range {
+  uint32_t first, last; /* up to last - 1 */
+} range;
+
 typedef struct worker {
   solver *s;
   member *me;
   uint32_t thread, threads; /* of me */
   buffers b;                /* every thread swaps its own copy */
   grid grid;
+  range groups; /* whose pairs this thread sums up */
   pbf_obstacles obstacles;
   double stage_begin;
 } worker;
@@ -19,10 +24,6 @@ typedef struct worker {
 static inline worker worker_of(solver *s, member *me) {
   return (worker){.s = s, .me = me, .thread = me->thread, .threads = me->threads, .b = s->buffers};
 }
-
-typedef struct range {
-  uint32_t first, last; /* up to last - 1 */
-} range;
 
 static inline range part_of(uint64_t total, uint32_t thread, uint32_t threads) {
   return (range){(uint32_t)(total * thread / threads), (uint32_t)(total * (thread + 1) / threads)};
@@ -38,16 +39,15 @@ static inline range my_particles(const worker *w) {
   return (range){r.first * CHUNK, last < w->s->count ? (uint32_t)last : w->s->count};
 }
 
-static inline range my_groups(const worker *w) {
-  uint32_t width = w->s->kernels->width;
-  return part_of(((uint64_t)w->s->count + width - 1) / width, w->thread, w->threads);
+static inline uint64_t groups_of(const solver *s) {
+  return ((uint64_t)s->count + s->kernels->width - 1) / s->kernels->width;
 }
 
+/* The particles in this thread's groups. */
 static inline range my_sorted(const worker *w) {
-  range r = my_groups(w);
   uint32_t width = w->s->kernels->width;
-  uint64_t last = (uint64_t)r.last * width;
-  return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
+  uint64_t last = (uint64_t)w->groups.last * width;
+  return (range){w->groups.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
 }
 
 static inline double seconds_now(void) {
