@@ -1,12 +1,22 @@
 # pbf_add_backend(<name> <source>...)
-# A backend is a module with hidden visibility and one exported symbol, where libpbf looks for it.
+# A backend is a module with hidden visibility and one exported symbol, where libpbf looks for it;
+# with PBF_STATIC it is what lib/ links in.
 function(pbf_add_backend name)
   set(target pbf_backend_${name})
-  add_library(${target} MODULE ${ARGN})
+  if(PBF_STATIC)
+    pbf_add_linked_backend(${name} ${ARGN})
+  else()
+    pbf_add_plugin(${name} ${ARGN})
+  endif()
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/backends)
   target_compile_definitions(${target} PRIVATE PBF_BACKEND_NAME="${name}"
     PBF_BUILD_ID="${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}")
   target_link_libraries(${target} PRIVATE pbf_compile m)
+endfunction()
+
+function(pbf_add_plugin name)
+  set(target pbf_backend_${name})
+  add_library(${target} MODULE ${ARGN})
   target_link_options(${target} PRIVATE -Wl,--no-undefined -Wl,--exclude-libs,ALL)
   if(PBF_SANITIZE_ADDRESS OR PBF_SANITIZE_THREAD)
     # clang leaves the sanitizer's runtime to the program.
@@ -20,18 +30,35 @@ function(pbf_add_backend name)
   install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/pbf/backends)
 endfunction()
 
-# pbf_add_variant(<out> <backend> <dimension> <bits> <source>...)
-# The sources compiled for one dimension and one real type; the variant's table is the symbol
-# <backend>_<dimension>d_f<bits>. <out> gets the objects, to be listed among a backend's sources.
-function(pbf_add_variant out name dim bits)
-  set(target pbf_${name}_${dim}d_f${bits})
+# An archive of the backend's objects, of which lib/ makes one object.
+function(pbf_add_linked_backend name)
+  add_library(pbf_backend_${name} STATIC ${ARGN})
+  target_compile_definitions(pbf_backend_${name} PRIVATE PBF_LINKED_ENTRY=pbf_backend_negotiate_${name})
+  set_property(GLOBAL APPEND PROPERTY PBF_LINKED_BACKENDS ${name})
+endfunction()
+
+# pbf_variant_target(<out> <backend> <variant>): the target's name.
+function(pbf_variant_target out name variant)
+  string(REPLACE - _ variant ${variant})
+  set(${out} pbf_${name}_${variant} PARENT_SCOPE)
+endfunction()
+
+# pbf_add_variant(<out> <backend> <variant> <source>...)
+# The sources compiled for one of PBF_VARIANTS; its table is the symbol <backend>_<dimension>d_f<bits>.
+# <out> gets the objects, to be listed among a backend's sources.
+function(pbf_add_variant out name variant)
+  pbf_variant_target(target ${name} ${variant})
+  string(REGEX MATCH "^(.)d-f(..)$" _ ${variant})
+  set(dim ${CMAKE_MATCH_1})
+  set(bits ${CMAKE_MATCH_2})
   set(real float)
   if(bits EQUAL 64)
     set(real double)
   endif()
   add_library(${target} OBJECT ${ARGN})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/backends)
-  target_compile_definitions(${target} PRIVATE PBF_DIM=${dim} PBF_REAL=${real} PBF_VARIANT_API=${name}_${dim}d_f${bits})
+  target_compile_definitions(${target} PRIVATE
+    PBF_DIM=${dim} PBF_BITS=${bits} PBF_REAL=${real} PBF_VARIANT_API=${name}_${dim}d_f${bits})
   target_link_libraries(${target} PRIVATE pbf_compile)
   set(${out} $<TARGET_OBJECTS:${target}> PARENT_SCOPE)
 endfunction()

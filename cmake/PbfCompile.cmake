@@ -1,11 +1,17 @@
 # One interface target with the compile rules that every target of the project follows.
 add_library(pbf_compile INTERFACE)
+target_include_directories(pbf_compile INTERFACE ${PBF_GENERATED_DIR})
 set(CMAKE_C_STANDARD 17)
 set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_C_EXTENSIONS ON)
 set(CMAKE_C_VISIBILITY_PRESET hidden)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_C_FLAGS_RELEASE "-O3")
+set(CMAKE_C_FLAGS_MINSIZEREL "-Os -fno-asynchronous-unwind-tables")
+if(PBF_STATIC)
+  # A program's linker can drop the functions that it does not reach.
+  add_compile_options($<$<COMPILE_LANGUAGE:C>:-ffunction-sections> $<$<COMPILE_LANGUAGE:C>:-fdata-sections>)
+endif()
 
 # No contraction: what must be bit-equal is; a fused multiply-add stands where it is written.
 target_compile_options(pbf_compile INTERFACE

@@ -1,12 +1,9 @@
 #include "plugin.h"
 
-#include <dlfcn.h>
-#include <errno.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "error.h"
 #include "structs.h"
@@ -18,9 +15,7 @@ static const pbf_backend_host host = {
     .set_error = pbf_plugin_sentence_set,
 };
 
-__attribute__((format(printf, 3, 4))) static pbf_status refuse(pbf_plugin *plugin,
-                                                               pbf_status status,
-                                                               const char *format, ...) {
+pbf_status pbf_plugin_refuse(pbf_plugin *plugin, pbf_status status, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(plugin->reason, sizeof plugin->reason, format, arguments);
@@ -91,13 +86,14 @@ pbf_status pbf_plugin_copy_table(const pbf_backend_api *theirs, pbf_backend_api 
 
 static pbf_status check_name(const char *name, const char *expected, pbf_plugin *plugin) {
   if (!is_text(name, PBF_NAME_SIZE) || !name[0] || strcmp(name, "auto") == 0) {
-    return refuse(plugin, PBF_ERROR_PLUGIN,
-                  "its name is not a text of 1 … %d printable characters other than \"auto\"",
-                  PBF_NAME_SIZE - 1);
+    return pbf_plugin_refuse(
+        plugin, PBF_ERROR_PLUGIN,
+        "its name is not a text of 1 … %d printable characters other than \"auto\"",
+        PBF_NAME_SIZE - 1);
   }
   if (expected && strcmp(name, expected) != 0) {
-    return refuse(plugin, PBF_ERROR_PLUGIN, "it calls itself \"%s\"; its file is that of \"%s\"",
-                  name, expected);
+    return pbf_plugin_refuse(plugin, PBF_ERROR_PLUGIN,
+                             "it calls itself \"%s\"; its file is that of \"%s\"", name, expected);
   }
   return PBF_OK;
 }
@@ -105,55 +101,28 @@ static pbf_status check_name(const char *name, const char *expected, pbf_plugin 
 static pbf_status check_answer(const pbf_backend_answer *answer, const char *expected,
                                pbf_plugin *plugin) {
   if (answer->abi_version < host.abi_min || answer->abi_version > host.abi_max) {
-    return refuse(plugin, PBF_ERROR_UNSUPPORTED,
-                  "it speaks version %u of the plugin ABI; this library speaks %u … %u",
-                  answer->abi_version, host.abi_min, host.abi_max);
+    return pbf_plugin_refuse(plugin, PBF_ERROR_UNSUPPORTED,
+                             "it speaks version %u of the plugin ABI; this library speaks %u … %u",
+                             answer->abi_version, host.abi_min, host.abi_max);
   }
   pbf_status status = check_name(answer->name, expected, plugin);
   if (status != PBF_OK) return status;
   memcpy(plugin->name, answer->name, sizeof plugin->name);
   if (!is_text(answer->build_id, sizeof answer->build_id))
-    return refuse(plugin, PBF_ERROR_PLUGIN, "its build id is not a text");
+    return pbf_plugin_refuse(plugin, PBF_ERROR_PLUGIN, "its build id is not a text");
   memcpy(plugin->build_id, answer->build_id, sizeof plugin->build_id);
   return pbf_plugin_copy_table(answer->api, &plugin->api, plugin->reason, sizeof plugin->reason);
 }
 
-static pbf_status negotiate(pbf_backend_negotiate_fn entry, const char *expected,
-                            pbf_plugin *plugin) {
+pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,
+                                pbf_plugin *plugin) {
   pbf_backend_answer answer = {.struct_size = sizeof answer};
   pbf_plugin_sentence_clear();
   pbf_status status = entry(&host, &answer);
   if (status == PBF_OK) return check_answer(&answer, expected, plugin);
   const char *sentence = pbf_plugin_sentence();
   if (!sentence[0]) sentence = "it gave no reason";
-  return refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
-                "it refused to work with version %u … %u of the plugin ABI: %s", host.abi_min,
-                host.abi_max, sentence);
-}
-
-/* Opening a pipe or a device could wait for ever. */
-static pbf_status check_file(const char *path, pbf_plugin *plugin) {
-  struct stat file;
-  if (stat(path, &file) != 0) {
-    return refuse(plugin, errno == ENOENT ? PBF_ERROR_NOT_FOUND : PBF_ERROR_UNAVAILABLE,
-                  "can't open it: %s", strerror(errno));
-  }
-  if (!S_ISREG(file.st_mode))
-    return refuse(plugin, PBF_ERROR_UNAVAILABLE, "it is not a regular file");
-  return PBF_OK;
-}
-
-pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin) {
-  memset(plugin, 0, sizeof *plugin);
-  snprintf(plugin->name, sizeof plugin->name, "%s", expected ? expected : "");
-  snprintf(plugin->path, sizeof plugin->path, "%s", path);
-  pbf_status status = check_file(path, plugin);
-  if (status != PBF_OK) return status;
-  /* Threads of a backend's runtime outlive dlclose. */
-  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!library) return refuse(plugin, PBF_ERROR_UNAVAILABLE, "%s", dlerror());
-  pbf_backend_negotiate_fn entry;
-  *(void **)&entry = dlsym(library, PBF_BACKEND_ENTRY);
-  if (!entry) return refuse(plugin, PBF_ERROR_PLUGIN, "it exports no function " PBF_BACKEND_ENTRY);
-  return negotiate(entry, expected, plugin);
+  return pbf_plugin_refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
+                           "it refused to work with version %u … %u of the plugin ABI: %s",
+                           host.abi_min, host.abi_max, sentence);
 }

@@ -3,24 +3,20 @@
 #include "cpu/plugin.h"
 #include "cpu/step.h"
 #include "cpu/survey.h"
+#include "pbf_build.h"
 
 #define PASTE(isa, dim, bits) cpu_##isa##_##dim##d_f##bits
 #define KERNELS_OF(isa, dim, bits) PASTE(isa, dim, bits)
 #define KERNELS(isa) KERNELS_OF(isa, PBF_DIM, PBF_BITS)
 
-extern const kernels KERNELS(scalar);
-#ifdef PBF_CPU_X86
-extern const kernels KERNELS(sse2), KERNELS(avx2), KERNELS(avx512);
-#endif
+#define DECLARE(isa, ISA) extern const kernels KERNELS(isa);
+PBF_EACH_ISA(DECLARE)
 
+/* Of a set that the loops were built for. */
 static const kernels *kernels_for(cpu_isa isa) {
-#ifdef PBF_CPU_X86
-  if (isa == CPU_AVX512) return &KERNELS(avx512);
-  if (isa == CPU_AVX2) return &KERNELS(avx2);
-  if (isa == CPU_SSE2) return &KERNELS(sse2);
-#endif
-  (void)isa;
-  return &KERNELS(scalar);
+#define OF_ISA(isa, ISA) [CPU_##ISA] = &KERNELS(isa),
+  static const kernels *const all[CPU_ISA_COUNT] = {PBF_EACH_ISA(OF_ISA)};
+  return all[isa];
 }
 
 static pbf_status out_of_memory(const solver *s, const char *what) {

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pbf_build.h"
+
 #if defined(__x86_64__)
 #include <cpuid.h>
 #endif
@@ -31,24 +33,38 @@ static int has(cpu_isa isa) {
 #endif
 }
 
-cpu_isa cpu_isa_best(void) {
-  int isa = CPU_ISA_COUNT - 1;
-  while (!has((cpu_isa)isa)) --isa;
-  return (cpu_isa)isa;
+static int is_built(cpu_isa isa) {
+#define BIT(name, NAME) | 1 << CPU_##NAME
+  return ((0 PBF_EACH_ISA(BIT)) >> isa) & 1;
+}
+
+int cpu_isa_best(cpu_isa *isa, char *error, size_t size) {
+  for (int k = CPU_ISA_COUNT - 1; k >= 0; --k)
+    if (is_built((cpu_isa)k) && has((cpu_isa)k)) {
+      *isa = (cpu_isa)k;
+      return 1;
+    }
+  snprintf(error, size, "built without an instruction set that this machine has");
+  return 0;
+}
+
+static int judge(cpu_isa isa, cpu_isa best, char *error, size_t size) {
+  if (has(isa) && is_built(isa)) return 1;
+  snprintf(error, size, "PBF_ISA is '%s', which this %s; its best is '%s'", cpu_isa_name(isa),
+           has(isa) ? "build is without" : "machine can't run", cpu_isa_name(best));
+  return 0;
 }
 
 int cpu_isa_choose(cpu_isa *isa, char *error, size_t size) {
   const char *name = secure_getenv("PBF_ISA");
-  cpu_isa best = cpu_isa_best();
+  cpu_isa best;
+  if (!cpu_isa_best(&best, error, size)) return 0;
   *isa = best;
   if (!name || !*name) return 1;
   for (int k = 0; k < CPU_ISA_COUNT; ++k) {
     if (strcmp(name, cpu_isa_name((cpu_isa)k)) != 0) continue;
     *isa = (cpu_isa)k;
-    if (has(*isa)) return 1;
-    snprintf(error, size, "PBF_ISA is '%s', which this machine can't run; its best is '%s'", name,
-             cpu_isa_name(best));
-    return 0;
+    return judge(*isa, best, error, size);
   }
   snprintf(error, size,
            "PBF_ISA is '%.40s'; known are scalar, sse2, avx2 and avx512, and this machine's best "

@@ -8,11 +8,12 @@ typedef enum cpu_isa { CPU_SCALAR, CPU_SSE2, CPU_AVX2, CPU_AVX512, CPU_ISA_COUNT
 
 const char *cpu_isa_name(cpu_isa isa);
 
-/* The widest one that this machine has. */
-cpu_isa cpu_isa_best(void);
+/* The widest one that this machine has and the loops were built for. 0, with a sentence in `error`,
+ * when there is none. */
+int cpu_isa_best(cpu_isa *isa, char *error, size_t size);
 
 /* That, or the one that the environment variable PBF_ISA names. 0, with a sentence in `error`, for
- * a name that is unknown or that this machine can't run. */
+ * a name that is unknown, left out of the build, or that this machine can't run. */
 int cpu_isa_choose(cpu_isa *isa, char *error, size_t size);
 
 /* "AMD EPYC 9B45" or "CPU". */

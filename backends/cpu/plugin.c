@@ -3,10 +3,15 @@
 
 #include <stdio.h>
 
+#include "common/entry.h"
+#include "common/variants.h"
 #include "cpu/isa.h"
 #include "cpu/team.h"
 
 const pbf_backend_host *cpu_host;
+
+#define VARIANT(dim, bits) {dim, bits / 8, &cpu_##dim##d_f##bits},
+static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
 
 /* Millions of particle-iterations a second that one thread does in the benchmark, by the bits of
  * its vectors. */
@@ -19,7 +24,9 @@ static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
 
 /* A team's barriers cost as much as a few hundred particles. */
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
-  cpu_isa isa = cpu_isa_best();
+  cpu_isa isa;
+  if (pbf_variant_refuse(variants, workload, result)) return;
+  if (!cpu_isa_best(&isa, result->reason, sizeof result->reason)) return;
   char brand[64];
   double threads = team_size(workload->threads), work = workload->capacity;
   double speed_up = threads > 1 ? work / (work / threads + 300 + 100 * threads) : 1;
@@ -32,21 +39,15 @@ void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
-  const pbf_backend_api *variant =
-      desc->dimension == 2 ? (desc->precision == PBF_FLOAT32 ? &cpu_2d_f32 : &cpu_2d_f64)
-                           : (desc->precision == PBF_FLOAT32 ? &cpu_3d_f32 : &cpu_3d_f64);
-  return variant->create(desc, params, solver, api);
+  return pbf_variant_create(variants, cpu_host, desc, params, solver, api);
 }
 
-pbf_status pbf_backend_negotiate(const pbf_backend_host *host, pbf_backend_answer *answer);
-
-__attribute__((visibility("default"))) pbf_status pbf_backend_negotiate(
-    const pbf_backend_host *host, pbf_backend_answer *answer) {
+pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
   if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
     return PBF_ERROR_UNSUPPORTED;
   cpu_host = host;
-  table = cpu_3d_f32;
+  table = *variants[0].api;
   table.create = create;
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;

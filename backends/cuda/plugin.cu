@@ -3,27 +3,36 @@
 
 #include <stdio.h>
 
+#include "common/entry.h"
+#include "common/variants.h"
+
 const pbf_backend_host *pbf_cuda_host;
 
 namespace {
 
+#define VARIANT(dim, bits) {dim, bits / 8, &cuda_##dim##d_f##bits},
+const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, nullptr}};
+
 pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                   pbf_backend_solver **solver, const pbf_backend_api **api) {
-  const pbf_backend_api *variant =
-      desc->dimension == 2 ? (desc->precision == PBF_FLOAT32 ? &cuda_2d_f32 : &cuda_2d_f64)
-                           : (desc->precision == PBF_FLOAT32 ? &cuda_3d_f32 : &cuda_3d_f64);
-  return variant->create(desc, params, solver, api);
+  return pbf_variant_create(variants, pbf_cuda_host, desc, params, solver, api);
+}
+
+/* The variants' own tables ask the device alone: libpbf asks a backend's first table. */
+void probe(const pbf_workload *workload, pbf_probe_result *result) {
+  result->device_type = PBF_DEVICE_CUDA;
+  if (!pbf_variant_refuse(variants, workload, result)) pbf_cuda_probe(workload, result);
 }
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) pbf_status pbf_backend_negotiate(
-    const pbf_backend_host *host, pbf_backend_answer *answer) {
+pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
   if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
     return PBF_ERROR_UNSUPPORTED;
   pbf_cuda_host = host;
-  table = cuda_3d_f32;
+  table = *variants[0].api;
+  table.probe = probe;
   table.create = create;
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;

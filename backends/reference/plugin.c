@@ -4,10 +4,16 @@
 
 #include <stdio.h>
 
+#include "common/entry.h"
+#include "common/variants.h"
+
 const pbf_backend_host *reference_host;
 
+#define VARIANT(dim, bits) {dim, bits / 8, &reference_##dim##d_f##bits},
+static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
+
 void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
-  (void)workload;
+  if (pbf_variant_refuse(variants, workload, result)) return;
   result->score = 1;
   result->device_type = PBF_DEVICE_CPU;
   snprintf(result->device_name, sizeof result->device_name, "one CPU thread");
@@ -15,22 +21,15 @@ void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
-  const pbf_backend_api *variant =
-      desc->dimension == 2
-          ? (desc->precision == PBF_FLOAT32 ? &reference_2d_f32 : &reference_2d_f64)
-          : (desc->precision == PBF_FLOAT32 ? &reference_3d_f32 : &reference_3d_f64);
-  return variant->create(desc, params, solver, api);
+  return pbf_variant_create(variants, reference_host, desc, params, solver, api);
 }
 
-pbf_status pbf_backend_negotiate(const pbf_backend_host *host, pbf_backend_answer *answer);
-
-__attribute__((visibility("default"))) pbf_status pbf_backend_negotiate(
-    const pbf_backend_host *host, pbf_backend_answer *answer) {
+pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
   if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
     return PBF_ERROR_UNSUPPORTED;
   reference_host = host;
-  table = reference_3d_f32;
+  table = *variants[0].api;
   table.create = create;
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;

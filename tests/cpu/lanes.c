@@ -144,6 +144,8 @@ int main(void) {
       cmocka_unit_test(square_roots), cmocka_unit_test(arithmetic), cmocka_unit_test(masks),
       cmocka_unit_test(lists),        cmocka_unit_test(look_ups),
   };
-  if (cpu_isa_best() < PBF_TEST_ISA) return 77;
+  cpu_isa best;
+  char reason[128];
+  if (!cpu_isa_best(&best, reason, sizeof reason) || best < PBF_TEST_ISA) return 77;
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,8 +55,21 @@ ballistic_control *test_stub_control(void) {
   return control;
 }
 
+/* Whether the backend under test was built without it. */
+static int lacks_kind(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc;
+  pbf_backend_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_desc_init(&desc, sizeof desc));
+  desc.dimension = dimension;
+  desc.precision = precision;
+  for (uint32_t i = 0; pbf_get_backend_info(&desc, i, &info) == PBF_OK; ++i)
+    if (strcmp(info.name, test_backend()) == 0 && strstr(info.reason, "built without ")) return 1;
+  return 0;
+}
+
 pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity) {
   pbf_desc desc;
+  if (lacks_kind(dimension, precision)) skip();
   assert_ok(pbf_desc_init(&desc, sizeof desc));
   desc.dimension = dimension;
   desc.precision = precision;
@@ -86,10 +99,15 @@ pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacit
   return test_create(&desc, NULL);
 }
 
+static void with_kind(void (*function)(uint32_t, uint32_t), uint32_t dimension,
+                      uint32_t precision) {
+  if (!lacks_kind(dimension, precision)) function(dimension, precision);
+}
+
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision)) {
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
-    function(dimension, PBF_FLOAT32);
-    function(dimension, PBF_FLOAT64);
+    with_kind(function, dimension, PBF_FLOAT32);
+    with_kind(function, dimension, PBF_FLOAT64);
   }
 }
 

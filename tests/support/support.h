@@ -30,7 +30,8 @@ int test_run(const char *name, const struct CMUnitTest *tests, size_t count);
 /* The switches of the stub, back at "honest". */
 ballistic_control *test_stub_control(void);
 
-/* A description for the backend under test, strict, with the counting allocator. */
+/* A description for the backend under test, strict, with the counting allocator. Ends the test as
+ * skipped when the backend was built without the kind. */
 pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity);
 
 /* Default parameters, with a spacing of 0.05. */
@@ -40,7 +41,7 @@ pbf_params test_params(void);
 pbf_solver *test_create(const pbf_desc *desc, const pbf_params *params);
 pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacity);
 
-/* Calls for 2D and 3D, float32 and float64. */
+/* Calls for 2D and 3D, float32 and float64, as far as the build has them. */
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
 
 /* `count` positions on a lattice in the lower middle of the unit box, in the element type; freed by

@@ -1,0 +1,54 @@
+/* Which dimensions and element types a backend was built for, and its answer for the others. */
+#ifndef PBF_COMMON_VARIANTS_H
+#define PBF_COMMON_VARIANTS_H
+
+#include <stdio.h>
+
+#include <pbf/pbf_backend.h>
+
+#include "pbf_build.h"
+
+/* A backend's list of these ends with one whose api is null. */
+typedef struct pbf_variant {
+  uint32_t dimension, precision;
+  const pbf_backend_api *api;
+} pbf_variant;
+
+/* Null: built without it. */
+static inline const pbf_backend_api *pbf_variant_find(const pbf_variant *variants,
+                                                      uint32_t dimension, uint32_t precision) {
+  while (variants->api && (variants->dimension != dimension || variants->precision != precision))
+    ++variants;
+  return variants->api;
+}
+
+static inline void pbf_variant_say_missing(char *reason, size_t size, uint32_t dimension,
+                                           uint32_t precision) {
+  snprintf(reason, size, "built without %uD float%u", dimension, 8 * precision);
+}
+
+/* Fills the answer to a probe and returns 1 when the variant that it asks about is missing. */
+static inline int pbf_variant_refuse(const pbf_variant *variants, const pbf_workload *workload,
+                                     pbf_probe_result *result) {
+  if (pbf_variant_find(variants, workload->dimension, workload->precision)) return 0;
+  result->score = 0;
+  pbf_variant_say_missing(result->reason, sizeof result->reason, workload->dimension,
+                          workload->precision);
+  return 1;
+}
+
+/* `create` of a backend: that of the variant. */
+static inline pbf_status pbf_variant_create(const pbf_variant *variants,
+                                            const pbf_backend_host *host,
+                                            const pbf_backend_desc *desc, const pbf_params *params,
+                                            pbf_backend_solver **solver,
+                                            const pbf_backend_api **api) {
+  const pbf_backend_api *variant = pbf_variant_find(variants, desc->dimension, desc->precision);
+  char reason[64];
+  if (variant) return variant->create(desc, params, solver, api);
+  pbf_variant_say_missing(reason, sizeof reason, desc->dimension, desc->precision);
+  host->set_error(reason);
+  return PBF_ERROR_UNSUPPORTED;
+}
+
+#endif
