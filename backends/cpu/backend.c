@@ -1,4 +1,5 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
+#include "common/without.h"
 #include "cpu/particles.h"
 #include "cpu/plugin.h"
 #include "cpu/step.h"
@@ -114,6 +115,8 @@ static int keep_totals(solver *s, int wanted) {
 }
 
 static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
   if (!keep_totals(s, schedule.accelerated)) return out_of_memory(s, "the accelerated solve");
   s->params = *params;
@@ -167,6 +170,8 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
                                 double time) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
+  if (status != PBF_OK) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
@@ -208,6 +213,7 @@ static pbf_status remove_all(solver *s) {
 
 static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   if (which == PBF_FIELD_DENSITY) {
+    if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!survey(s)) return no_memory_for_neighbors(s);
     read_densities(s, rows, out);
   } else {
@@ -239,6 +245,7 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
 /* ---- Reports ------------------------------------------------------------------------------- */
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
+  if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   if (!survey(s)) return no_memory_for_neighbors(s);
   stats->count = s->count;
   stats->iterations = s->params.iterations;
@@ -306,6 +313,6 @@ const pbf_backend_api PBF_VARIANT_API = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
-    .set_timing = set_timing,
-    .get_timings = get_timings,
+    .set_timing = PBF_BUILT & PBF_FEATURE_TIMING ? set_timing : NULL,
+    .get_timings = PBF_BUILT & PBF_FEATURE_TIMING ? get_timings : NULL,
 };

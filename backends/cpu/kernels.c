@@ -14,8 +14,8 @@ const kernels PBF_VARIANT_API = {
     .search = search_groups,
     .lambda = lambda,
     .move = move,
-    .curl = curl,
-    .confine = confine,
-    .viscosity = viscosity,
-    .density = density,
+    .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
+    .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
+    .viscosity = PBF_BUILT & PBF_FEATURE_VISCOSITY ? viscosity : NULL,
+    .density = PBF_BUILT & PBF_FEATURE_STATS ? density : NULL,
 };

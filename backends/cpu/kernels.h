@@ -49,6 +49,7 @@ typedef struct acceleration {
   pbf_real *total, *before;
 } acceleration;
 
+/* Null: built without the feature. */
 typedef struct kernels {
   uint32_t width; /* particles in a group */
 

@@ -80,6 +80,13 @@ PBF_FN pbf_vec lane_value(const lane_values *v, uint32_t l) {
   return a;
 }
 
+/* What the loops are built for; a build that is without a feature has no loop for it. */
+PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
+
+PBF_FN const pbf_obstacles *lending_walls(const pair_pass *p) {
+  return PBF_BUILT & PBF_FEATURE_WALL_DENSITY ? p->walls : NULL;
+}
+
 PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
   return n->count - g * WIDTH < WIDTH ? n->count - g * WIDTH : WIDTH;
 }
@@ -98,7 +105,7 @@ PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
       nearest = pbf_real_min(nearest, x->c[k][l] - o->walls.lower.c[k]);
       nearest = pbf_real_min(nearest, o->walls.upper.c[k] - x->c[k][l]);
     }
-    distances[l] = o->count ? 0 : nearest;
+    distances[l] = pbf_solid_count(o) ? 0 : nearest;
   }
   for (uint32_t l = 0; l < WIDTH; ++l)
     least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
@@ -117,7 +124,8 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
   for (uint32_t l = 0; l < WIDTH; ++l) {
     if (!(distances[l] < wall_reach(c))) continue;
     pbf_vec gradient = lane_value(gradients, l);
-    pbf_add_walls(c, &o->walls, o->count, o->solids, lane_value(x, l), &densities[l], &gradient);
+    pbf_add_walls(c, &o->walls, pbf_solid_count(o), o->solids, lane_value(x, l), &densities[l],
+                  &gradient);
     for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
   }
 }
@@ -186,7 +194,7 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     density_sums sums = density_of(features, &c, &n, &p->x, &x, g);
     lane_values gradients = lane_vec_values(&sums.gradient);
-    if (p->walls) {
+    if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH];
       if (wall_distances(p->walls, &xs, distances) < wall_reach(&c)) {
@@ -202,11 +210,11 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
 static void lambda(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
                    uint32_t last) {
   uint64_t begin = (uint64_t)first * WIDTH;
-  if (p->features & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     lambda_groups(PBF_FEATURE_POLY6, p, lambda, first, last);
   else
     lambda_groups(0, p, lambda, first, last);
-  if (accelerated.total)
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && accelerated.total)
     accelerate(p->constants, accelerated.weight, lambda + begin, accelerated.total + begin,
                accelerated.before + begin, (last - first) * WIDTH);
 }
@@ -292,9 +300,9 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstac
     const lane_values xs = lane_vec_values(&x);
     lane_vec sum = move_sum(features, &c, &n, &p->x, lambda, g);
     lane_values sums = lane_vec_values(&sum);
-    if (p->walls) add_walls_to_change(p, lambda, g, &sums);
+    if (lending_walls(p)) add_walls_to_change(p, lambda, g, &sums);
     uint32_t lanes = lanes_in_group(&n, g);
-    if (collide && obstacles->count)
+    if (collide && pbf_solid_count(obstacles))
       move_group_around(&c, obstacles, &xs, &sums, &moved, g * WIDTH, lanes);
     else if (lanes == WIDTH)
       move_group(&c, obstacles, collide, &xs, &sums, &moved, g * WIDTH, WIDTH);
@@ -306,11 +314,11 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstac
 static void move(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
                  const pbf_real *lambda, field moved, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
-  if ((p->features & BOTH) == BOTH)
+  if ((hot_features(p) & BOTH) == BOTH)
     move_groups(BOTH, p, obstacles, collide, lambda, moved, first, last);
-  else if (p->features & PBF_FEATURE_POLY6)
+  else if (hot_features(p) & PBF_FEATURE_POLY6)
     move_groups(PBF_FEATURE_POLY6, p, obstacles, collide, lambda, moved, first, last);
-  else if (p->features & PBF_FEATURE_SCORR)
+  else if (hot_features(p) & PBF_FEATURE_SCORR)
     move_groups(PBF_FEATURE_SCORR, p, obstacles, collide, lambda, moved, first, last);
   else
     move_groups(0, p, obstacles, collide, lambda, moved, first, last);
@@ -372,7 +380,7 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
 
 static void curl(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                  uint32_t first, uint32_t last) {
-  if (p->features & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     curl_groups(PBF_FEATURE_POLY6, p, v, curl, size, first, last);
   else
     curl_groups(0, p, v, curl, size, first, last);
@@ -412,7 +420,7 @@ PBF_FN void confine_groups(const int features, const pair_pass *p, pbf_real stre
 
 static void confine(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
                     const pbf_real *size, field v, uint32_t first, uint32_t last) {
-  if (p->features & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     confine_groups(PBF_FEATURE_POLY6, p, strength, curl, size, v, first, last);
   else
     confine_groups(0, p, strength, curl, size, v, first, last);
@@ -445,7 +453,7 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
 }
 
 static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last) {
-  if (p->features & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     viscosity_groups(PBF_FEATURE_POLY6, p, v, smoothed, first, last);
   else
     viscosity_groups(0, p, v, smoothed, first, last);
@@ -475,7 +483,7 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     }
     lane_store(densities + g * WIDTH, density);
     slots_store(neighbors + g * WIDTH, count);
-    if (p->walls) {
+    if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
       pbf_real distances[WIDTH];
@@ -487,7 +495,7 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
 
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
-  if (p->features & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     density_groups(PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
   else
     density_groups(0, p, densities, neighbors, first, last);

@@ -6,7 +6,7 @@
 
 static void collide_range(const pbf_obstacles *o, field x, uint32_t first, uint32_t last) {
   const pbf_walls walls = o->walls;
-  if (o->count == 0) {
+  if (pbf_solid_count(o) == 0) {
     for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
     return;
   }

@@ -75,7 +75,7 @@ static int step_once(worker *w, double time) {
   solver *s = w->s;
   pbf_forces forces = pbf_forces_of(&s->params);
   range r = my_particles(w);
-  if (s->timing) w->stage_begin = seconds_now();
+  if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   place_obstacles(w, time + s->params.time_step);
   s->kernels->predict(&forces, &w->obstacles, s->schedule.collide_after_prediction, w->b.x, w->b.v,
                       w->b.spare[0], r.first, r.last);
@@ -83,13 +83,14 @@ static int step_once(worker *w, double time) {
   sort_particles(w, &w->b.spare[0], &w->b.spare[2], &w->b.x, &w->b.spare[1]);
   if (!find_neighbors(w, w->b.spare[2])) return 0;
   stage_end(w, PBF_STAGE_NEIGHBORS);
-  if (s->total) clear_totals(w);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->total) clear_totals(w);
   double weight = 1;
   for (uint32_t k = 0; k < s->params.iterations; ++k)
     iterate(w, weight = pbf_next_weight(&s->constants, k, weight));
   update_velocity(w);
-  if (s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
-  if (s->schedule.runs[PBF_STAGE_VISCOSITY]) smooth_velocity(w);
+  if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
+  if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
+    smooth_velocity(w);
   return 1;
 }
 

@@ -59,7 +59,7 @@ static inline double seconds_now(void) {
 /* The end of a stage whose results other threads read next. */
 static inline void stage_end(worker *w, pbf_stage stage) {
   team_barrier(w->me);
-  if (!w->s->timing || w->thread != 0) return;
+  if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->thread != 0) return;
   double now = seconds_now();
   w->s->seconds[stage] += now - w->stage_begin;
   ++w->s->runs[stage];
@@ -71,7 +71,7 @@ static inline void place_obstacles(worker *w, double time) {
   const solver *s = w->s;
   w->obstacles.walls = pbf_walls_at(&s->params, time);
   w->obstacles.count = (int)s->collider_count;
-  for (int k = 0; k < w->obstacles.count; ++k)
+  for (int k = 0; k < pbf_solid_count(&w->obstacles); ++k)
     w->obstacles.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
 }
 

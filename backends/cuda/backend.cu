@@ -1,4 +1,5 @@
 /* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
+#include "common/without.h"
 #include "cuda/plugin.h"
 
 #include "cuda/population.h"
@@ -72,6 +73,8 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
 }
 
 static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
+  if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, colliders)))
+    return status;
   pbf_schedule schedule = pbf_schedule_of(params, colliders);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
@@ -256,6 +259,8 @@ static pbf_status remove_all(pbf_backend_solver *handle) {
 
 static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
                        void *out) {
+  if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
+    return pbf_refuse_without(pbf_cuda_host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
   return population_read(of(handle), field, rows, out);
 }
@@ -284,6 +289,7 @@ static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view
 }
 
 static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
+  if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(pbf_cuda_host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
   return report_stats(of(handle), stats);
 }
@@ -335,7 +341,7 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     get_stats,
     get_plan,
     describe,
-    set_timing,
-    get_timings,
+    PBF_BUILT &PBF_FEATURE_TIMING ? set_timing : nullptr,
+    PBF_BUILT &PBF_FEATURE_TIMING ? get_timings : nullptr,
     nullptr,
 };

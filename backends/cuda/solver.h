@@ -70,18 +70,19 @@ static void with_features(int features, Launch launch) {
     case 0:
       return launch(std::integral_constant<int, 0>());
     case 1:
-      return launch(std::integral_constant<int, 1>());
+      return launch(std::integral_constant<int, 1 & PBF_BUILT>());
     case 2:
-      return launch(std::integral_constant<int, 2>());
+      return launch(std::integral_constant<int, 2 & PBF_BUILT>());
     default:
-      return launch(std::integral_constant<int, 3>());
+      return launch(std::integral_constant<int, 3 & PBF_BUILT>());
   }
 }
 
 /* For what does not depend on the artificial pressure. */
 template <class Launch>
 static void with_kernel(int features, Launch launch) {
-  if (features & PBF_FEATURE_POLY6) return launch(std::integral_constant<int, PBF_FEATURE_POLY6>());
+  if (features & PBF_BUILT & PBF_FEATURE_POLY6)
+    return launch(std::integral_constant<int, PBF_BUILT & PBF_FEATURE_POLY6>());
   launch(std::integral_constant<int, 0>());
 }
 

@@ -155,6 +155,11 @@ typedef struct pbf_obstacles {
   pbf_solid solids[PBF_MAX_COLLIDERS];
 } pbf_obstacles;
 
+/* A build without colliders has no code for them. */
+PBF_FN int pbf_solid_count(const pbf_obstacles *o) {
+  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o->count : 0;
+}
+
 /* Walls last: whatever a collider does, the domain holds. */
 PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, pbf_vec x) {
   for (int k = 0; k < count; ++k) x = pbf_collide(&solids[k], x);

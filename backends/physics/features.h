@@ -1,14 +1,29 @@
-/* What the hot loop is built for: compile-time constants of a variant. Tested with an ordinary
- * `if (features & …)`, so that both branches stay type-checked and the dead one vanishes. */
+/* What the hot loop is built for: compile-time constants of a variant; and what the build has at
+ * all. Tested with an ordinary `if (features & …)`, so that both branches stay type-checked and the
+ * dead one vanishes. */
 #ifndef PBF_PHYSICS_FEATURES_H
 #define PBF_PHYSICS_FEATURES_H
 
 #include <pbf/pbf.h>
 
+#include "pbf_build.h"
+
 enum {
   PBF_FEATURE_POLY6 = 1, /* poly6 density and spiky gradient; otherwise Wendland C2 */
   PBF_FEATURE_SCORR = 2, /* artificial pressure */
-  PBF_FEATURE_COUNT = 4  /* combinations of the bits above */
+  PBF_FEATURE_COUNT = 4, /* combinations of the bits above, those of the hot loop */
+
+  /* What is asked for outside the hot loop. */
+  PBF_FEATURE_VORTICITY = 1 << 2,
+  PBF_FEATURE_VISCOSITY = 1 << 3,
+  PBF_FEATURE_COLLIDERS = 1 << 4,
+  PBF_FEATURE_WALL_DENSITY = 1 << 5,
+  PBF_FEATURE_CHEBYSHEV = 1 << 6,
+  PBF_FEATURE_TIMING = 1 << 7, /* times of stages */
+  PBF_FEATURE_STATS = 1 << 8,  /* statistics and densities */
+
+  /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
+  PBF_BUILT = ((1 << 9) - 1) & ~(PBF_WITHOUT)
 };
 
 static inline int pbf_features_of(const pbf_params *params) {

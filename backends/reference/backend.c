@@ -1,5 +1,6 @@
 /* The `reference` backend's table for one variant: particles in and out, statistics, plan. */
 #include "common/rows.h"
+#include "common/without.h"
 #include "reference/plugin.h"
 #include "reference/step.h"
 
@@ -28,6 +29,8 @@ static int keep_arrays(solver *s, const pbf_schedule *has) {
 }
 
 static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
   if (!keep_arrays(s, &schedule)) {
     keep_arrays(s, &s->schedule);
@@ -83,6 +86,8 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
                                 double time) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
+  if (status != PBF_OK) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
@@ -144,6 +149,8 @@ static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
 }
 
 static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, void *out) {
+  if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
+    return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   if (field == PBF_FIELD_DENSITY)
     read_densities(s, rows, out);
   else
@@ -191,6 +198,7 @@ static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles 
 }
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
+  if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   stats->count = s->count;
   stats->iterations = s->params.iterations;
   if (!s->count) return PBF_OK;

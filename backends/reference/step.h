@@ -7,7 +7,7 @@
 static inline pbf_obstacles obstacles_at(const solver *s, double time) {
   pbf_obstacles o;
   o.walls = pbf_walls_at(&s->params, time);
-  o.count = (int)s->collider_count;
+  o.count = PBF_BUILT & PBF_FEATURE_COLLIDERS ? (int)s->collider_count : 0;
   for (int k = 0; k < o.count; ++k)
     o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
   return o;
@@ -26,7 +26,7 @@ static inline void predict(solver *s) {
 /* What walls and colliders add to the density of particle i at x, and to its gradient. */
 static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x, pbf_real *density,
                              pbf_vec *gradient) {
-  if (s->schedule.wall_density)
+  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
     pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
 }
 
@@ -45,7 +45,7 @@ static inline void compute_lambda(solver *s, const pbf_obstacles *o, pbf_real we
     }
     add_walls(s, o, s->predicted[i], &density, &gradient);
     s->lambda[i] = pbf_lambda(c, density, slope2, gradient);
-    if (s->schedule.accelerated)
+    if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       s->lambda[i] = pbf_accelerate(c, weight, s->lambda[i], &s->total[i], &s->before[i]);
   }
 }
@@ -127,7 +127,7 @@ static inline void solver_step(solver *s, double time) {
   if (has->collide_after_prediction) collide_all(s, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->predicted);
   double weight = 1;
-  if (has->accelerated) {
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->total, 0, s->count * sizeof *s->total);
     memset(s->before, 0, s->count * sizeof *s->before);
   }
@@ -139,11 +139,11 @@ static inline void solver_step(solver *s, double time) {
   }
   if (has->collide_after_solve) collide_all(s, &obstacles);
   update_velocity(s);
-  if (has->runs[PBF_STAGE_CURL]) {
+  if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {
     compute_curl(s);
     confine_vorticity(s);
   }
-  if (has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
+  if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
   memcpy(s->x, s->predicted, s->count * sizeof *s->x);
 }
 

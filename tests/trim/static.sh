@@ -1,33 +1,49 @@
 #!/bin/sh
-# static.sh CMAKE CTEST CC SOURCE BUILD: the smallest build, its tests, and what a program linked
-# against it holds.
+# static.sh CMAKE CTEST CC SOURCE FOLDER: two static builds for one scene's kind, one with all
+# features and one with none; their tests, and what a program linked against them holds.
 set -eu
-cmake=$1 ctest=$2 cc=$3 source=$4 build=$5
+cmake=$1 ctest=$2 cc=$3 source=$4 folder=$5
 most_bytes=200000
 
-quiet() { "$@" >"$build/log" 2>&1 || { cat "$build/log"; exit 1; }; }
+quiet() { "$@" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }; }
 
-mkdir -p "$build"
-quiet "$cmake" -S "$source" -B "$build" -DCMAKE_C_COMPILER="$cc" -DCMAKE_BUILD_TYPE=MinSizeRel -DPBF_WERROR=ON \
-  -DPBF_STATIC=ON -DPBF_BACKENDS=serial -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" \
-  -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_EXAMPLES=OFF -DPBF_BUILD_TESTS=ON
-quiet "$cmake" --build "$build" --parallel 2 --target pbf api_tests
-(cd "$build" && quiet "$ctest" -L 'api|trim|install' --output-on-failure)
-grep -E 'tests passed|Skipped' "$build/log"
+# build NAME FEATURES-LEFT-OUT
+build() {
+  mkdir -p "$folder/$1"
+  quiet "$cmake" -S "$source" -B "$folder/$1" -DCMAKE_C_COMPILER="$cc" -DCMAKE_BUILD_TYPE=MinSizeRel \
+    -DPBF_WERROR=ON -DPBF_STATIC=ON -DPBF_BACKENDS=serial -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" \
+    "-DPBF_WITHOUT=$2" -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_EXAMPLES=OFF -DPBF_BUILD_TESTS=ON
+  quiet "$cmake" --build "$folder/$1" --parallel 2 --target pbf "$3"
+  (cd "$folder/$1" && quiet "$ctest" -L "$4" --output-on-failure)
+  grep -E 'tests passed|Skipped' "$folder/log"
+}
 
-program=$build/hello
-"$cc" -Os -std=c11 -I"$source/include" "$source/examples/hello.c" "$build/lib/libpbf.a" -o "$program" \
-  -Wl,--gc-sections -pthread -lm
-if nm -u "$program" | grep -E ' (dlopen|dlsym|dladdr)(@|$)'; then
-  echo "a program with the static library loads files" >&2
-  exit 1
-fi
+# link NAME SOURCE
+link() {
+  program=$folder/$1/$(basename "$2" .c)
+  "$cc" -Os -std=c11 -I"$source/include" "$2" "$folder/$1/lib/libpbf.a" -o "$program" -Wl,--gc-sections -pthread -lm
+  if nm -u "$program" | grep -E ' (dlopen|dlsym|dladdr)(@|$)'; then
+    echo "a program with the static library loads files" >&2
+    exit 1
+  fi
+  strip "$program"
+}
+
+build all "" api_tests 'api|trim|install'
+build few "poly6;scorr;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats" test_trim_without trim
+
 # Nothing but the API can be seen from outside, even where a program exports all it has.
-"$cc" -shared -o "$build/all.so" -Wl,--whole-archive "$build/lib/libpbf.a" -Wl,--no-whole-archive -pthread -lm
-"$source/tests/abi/symbols.sh" "$build/all.so" "$source/tests/abi/libpbf.symbols"
+"$cc" -shared -o "$folder/all.so" -Wl,--whole-archive "$folder/all/lib/libpbf.a" -Wl,--no-whole-archive -pthread -lm
+"$source/tests/abi/symbols.sh" "$folder/all.so" "$source/tests/abi/libpbf.symbols"
 
-"$program" | tail -n 1
-strip "$program"
-bytes=$(wc -c <"$program")
-echo "examples/hello.c with the library in it: $bytes bytes"
+# A scene that needs none of the features comes to the same bits and bytes in both.
+link all "$source/tests/trim/bits.c"
+link few "$source/tests/trim/bits.c"
+"$folder/all/bits" | tee "$folder/all.bits"
+"$folder/few/bits" | diff "$folder/all.bits" -
+
+link all "$source/examples/hello.c"
+"$folder/all/hello" | tail -n 1
+bytes=$(wc -c <"$folder/all/hello")
+echo "examples/hello.c: $bytes bytes; the scene without features: $(wc -c <"$folder/few/bits") bytes"
 [ "$bytes" -lt "$most_bytes" ] || { echo "more than $most_bytes" >&2; exit 1; }

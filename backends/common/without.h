@@ -1,0 +1,51 @@
+/* What a build that was trimmed with PBF_WITHOUT refuses. */
+#ifndef PBF_COMMON_WITHOUT_H
+#define PBF_COMMON_WITHOUT_H
+
+#include <stddef.h>
+
+#include <pbf/pbf_backend.h>
+
+#include "physics/features.h"
+
+/* What parameters and colliders ask for. */
+static inline int pbf_features_wanted(const pbf_params *params, uint32_t colliders) {
+  return pbf_features_of(params) | (params->vorticity > 0 ? PBF_FEATURE_VORTICITY : 0) |
+         (params->viscosity > 0 ? PBF_FEATURE_VISCOSITY : 0) |
+         (colliders > 0 ? PBF_FEATURE_COLLIDERS : 0) |
+         (params->wall_density > 0 ? PBF_FEATURE_WALL_DENSITY : 0) |
+         (params->solver == PBF_SOLVER_CHEBYSHEV ? PBF_FEATURE_CHEBYSHEV : 0);
+}
+
+/* The sentence for the first of the wanted features that the build is without; null: it has all. */
+static inline const char *pbf_without(int wanted) {
+  static const struct {
+    int feature;
+    const char *sentence;
+  } refusals[] = {
+      {PBF_FEATURE_POLY6, "built without the kernel PBF_KERNEL_POLY6_SPIKY"},
+      {PBF_FEATURE_SCORR, "built without artificial pressure; params.scorr_k must be 0"},
+      {PBF_FEATURE_VORTICITY, "built without vorticity confinement; params.vorticity must be 0"},
+      {PBF_FEATURE_VISCOSITY, "built without viscosity; params.viscosity must be 0"},
+      {PBF_FEATURE_COLLIDERS, "built without colliders"},
+      {PBF_FEATURE_WALL_DENSITY, "built without the walls' density; params.wall_density must be 0"},
+      {PBF_FEATURE_CHEBYSHEV,
+       "built without PBF_SOLVER_CHEBYSHEV; params.solver must be "
+       "PBF_SOLVER_JACOBI"},
+      {PBF_FEATURE_STATS, "built without statistics and densities"},
+  };
+  wanted &= ~PBF_BUILT;
+  for (unsigned k = 0; wanted && k < sizeof refusals / sizeof refusals[0]; ++k)
+    if (wanted & refusals[k].feature) return refusals[k].sentence;
+  return NULL;
+}
+
+/* PBF_OK, or a refusal with its sentence. */
+static inline pbf_status pbf_refuse_without(const pbf_backend_host *host, int wanted) {
+  const char *sentence = pbf_without(wanted);
+  if (!sentence) return PBF_OK;
+  host->set_error(sentence);
+  return PBF_ERROR_UNSUPPORTED;
+}
+
+#endif
