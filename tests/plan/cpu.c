@@ -1,0 +1,57 @@
+/* The CPU solver, in scalar lanes and one thread: what it runs and holds. */
+#define PBF_VARIANT_API PBF_KERNELS_API
+#include "cpu/kernels.c"
+#undef PBF_VARIANT_API
+#define PBF_VARIANT_API cpu_under_test
+#include "cpu/plugin.h"
+extern const pbf_backend_api cpu_under_test;
+#include "cpu/backend.c"
+
+/* Bytes that features take. */
+static uint64_t bytes_of(int features);
+#include "entered.h"
+
+static uint64_t bytes_of(int features) {
+  return features & CHEBYSHEV ? 2 * padded(COUNT) * sizeof(pbf_real) : 0;
+}
+
+static const watched *watched_at(unsigned k) {
+  static const watched list[] = {
+      WATCH_STAGE(predict, NOTHING, "predict"),
+      WATCH_STAGE(sort_particles, NOTHING, "neighbors"),
+      WATCH_STAGE(find_neighbors, NOTHING, "neighbors"),
+      WATCH_STAGE(lambda, NOTHING, "lambda"),
+      WATCH_STAGE(move, NOTHING, "move"),
+      WATCH_STAGE(velocity, NOTHING, "velocity"),
+      WATCH_STAGE(curl, VORTICITY, "curl"),
+      WATCH_STAGE(confine, VORTICITY, "confine"),
+      WATCH_STAGE(viscosity, VISCOSITY, "viscosity"),
+      WATCH(lanes_poly6, POLY6),
+      WATCH(lanes_scorr, SCORR),
+      WATCH(pbf_add_curl, VORTICITY),
+      WATCH(pbf_confine, VORTICITY),
+      WATCH(pbf_solid_at, COLLIDERS),
+      WATCH(pbf_collide, COLLIDERS),
+      WATCH(move_group_around, COLLIDERS),
+      WATCH(pbf_add_wall, WALL_DENSITY),
+      WATCH(wall_distances, WALL_DENSITY),
+      WATCH(clear_totals, CHEBYSHEV),
+      WATCH(accelerate, CHEBYSHEV),
+      WATCH(pbf_accelerate, CHEBYSHEV),
+      WATCH(density, STATS),
+      WATCH(run_survey, STATS),
+      WATCH(add_to_stats, STATS),
+      WATCH(seconds_now, TIMING),
+      {NULL, NULL, 0, NULL},
+  };
+  _Static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  return &list[k];
+}
+
+const pbf_backend_host *cpu_host;
+
+void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
+  (void)workload, (void)result;
+}
+
+int main(void) { return test_the_plan(); }

@@ -1,0 +1,262 @@
+/* What a backend runs and allocates, counted where it happens: the backend's own source is compiled
+ * into the test with every function telling when it is entered, and its memory comes from a
+ * counting allocator. What the plan says is compared with that, never trusted.
+ *
+ * The includer has included a backend's source before, and defines `watched_functions`. */
+#ifndef PBF_TESTS_PLAN_ENTERED_H
+#define PBF_TESTS_PLAN_ENTERED_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "allocator.h"
+
+/* Optional features, one bit each. */
+enum {
+  NOTHING = 0,
+  POLY6 = 1 << 0,
+  SCORR = 1 << 1,
+  VORTICITY = 1 << 2,
+  VISCOSITY = 1 << 3,
+  COLLIDERS = 1 << 4,
+  WALL_DENSITY = 1 << 5,
+  CHEBYSHEV = 1 << 6,
+  FEATURES = 7,
+  STATS = 1 << 7,
+  TIMING = 1 << 8
+};
+
+/* A function that runs for a feature only, or that is a stage of the plan. */
+typedef struct watched {
+  const char *name;
+  void *function;
+  int feature;
+  const char *stage; /* null: none */
+} watched;
+
+enum { MOST_WATCHED = 40 };
+static uint64_t entered[MOST_WATCHED];
+
+#define UNTOLD __attribute__((no_instrument_function))
+
+UNTOLD static const watched *watched_at(unsigned k);
+
+UNTOLD void __cyg_profile_func_enter(void *function, void *site);
+UNTOLD void __cyg_profile_func_exit(void *function, void *site);
+
+void __cyg_profile_func_enter(void *function, void *site) {
+  const watched *w;
+  (void)site;
+  for (unsigned k = 0; (w = watched_at(k))->name; ++k)
+    if (w->function == function) ++entered[k];
+}
+
+void __cyg_profile_func_exit(void *function, void *site) { (void)function, (void)site; }
+
+#define WATCH(function, feature) \
+  { #function, (void *)(uintptr_t)&function, feature, NULL }
+#define WATCH_STAGE(function, feature, stage) \
+  { #function, (void *)(uintptr_t)&function, feature, stage }
+
+/* ---- The scene: a block in a corner, a sphere in its way ------------------------------------- */
+
+enum {
+  SIDE = 6,
+  COUNT = PBF_DIM == 3 ? SIDE * SIDE * SIDE : SIDE * SIDE,
+  STEPS = 3,
+  ITERATIONS = 2
+};
+
+static pbf_params params_with(int features) {
+  pbf_params p = {.struct_size = sizeof p};
+  p.kernel = features & POLY6 ? PBF_KERNEL_POLY6_SPIKY : PBF_KERNEL_WENDLAND_C2;
+  p.solver = features & CHEBYSHEV ? PBF_SOLVER_CHEBYSHEV : PBF_SOLVER_JACOBI;
+  p.smoothing_radius = 0.1;
+  p.spacing = 0.05;
+  p.time_step = 1.0 / 120;
+  p.iterations = ITERATIONS;
+  p.collide = PBF_COLLIDE_AFTER_PREDICTION | PBF_COLLIDE_IN_ITERATION;
+  p.gravity[1] = -9.81;
+  p.separation = p.min_diagonal = 1;
+  p.scorr_k = features & SCORR ? 0.01 : 0;
+  p.scorr_dq = 0.2;
+  p.scorr_n = 4;
+  p.vorticity = features & VORTICITY ? 0.1 : 0;
+  p.viscosity = features & VISCOSITY ? 0.1 : 0;
+  p.wall_density = features & WALL_DENSITY ? 1 : 0;
+  for (int k = 0; k < 3; ++k) p.domain_max[k] = 1;
+  return p;
+}
+
+static pbf_collider sphere(void) {
+  pbf_collider c = {.struct_size = sizeof c, .shape = PBF_COLLIDER_SPHERE, .radius = 0.05};
+  c.orientation[3] = 1;
+  return c;
+}
+
+static void no_log(void *user, int32_t level, const char *message) {
+  (void)user, (void)level, (void)message;
+}
+
+typedef struct fluid {
+  const pbf_backend_api *api;
+  pbf_backend_solver *solver;
+  double time;
+} fluid;
+
+static void set_features(fluid *f, int features) {
+  pbf_params params = params_with(features);
+  pbf_collider collider = sphere();
+  assert_int_equal(f->api->set_params(f->solver, &params), PBF_OK);
+  assert_int_equal(
+      f->api->set_colliders(f->solver, features & COLLIDERS ? 1 : 0, &collider, f->time), PBF_OK);
+}
+
+static void add_block(fluid *f) {
+  pbf_real x[COUNT][PBF_DIM];
+  uint32_t ids[COUNT];
+  for (uint32_t i = 0, rest; i < COUNT; ++i) {
+    rest = ids[i] = i;
+    for (int k = 0; k < PBF_DIM; ++k, rest /= SIDE)
+      x[i][k] = (pbf_real)(0.026 + 0.05 * (rest % SIDE));
+  }
+  pbf_particles particles = {sizeof particles, COUNT, ids, x, NULL};
+  assert_int_equal(f->api->add_particles(f->solver, &particles), PBF_OK);
+}
+
+static fluid fluid_with(int features) {
+  fluid f = {0};
+  pbf_params params = params_with(NOTHING);
+  const pbf_backend_desc desc = {.struct_size = sizeof desc,
+                                 .dimension = PBF_DIM,
+                                 .precision = sizeof(pbf_real),
+                                 .capacity = COUNT,
+                                 .threads = 1,
+                                 .allocator = test_allocator,
+                                 .log = no_log};
+  assert_int_equal(create(&desc, &params, &f.solver, &f.api), PBF_OK);
+  add_block(&f);
+  set_features(&f, features);
+  return f;
+}
+
+static void advance(fluid *f, uint32_t steps) {
+  uint32_t done = 0;
+  assert_int_equal(f->api->step(f->solver, f->time, steps, &done), PBF_OK);
+  assert_int_equal(done, steps);
+  f->time += steps * params_with(NOTHING).time_step;
+}
+
+static void drop(fluid *f) {
+  f->api->destroy(f->solver);
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
+static pbf_plan plan_of(const fluid *f) {
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_int_equal(f->api->get_plan(f->solver, &plan), PBF_OK);
+  return plan;
+}
+
+/* ---- What runs ------------------------------------------------------------------------------- */
+
+static uint32_t planned_runs(const pbf_plan *plan, const char *stage) {
+  for (uint32_t k = 0; k < plan->stage_count; ++k)
+    if (strcmp(plan->stages[k].name, stage) == 0) return plan->stages[k].runs_per_step;
+  return 0;
+}
+
+static void check_entered(int features, const pbf_plan *plan) {
+  const watched *w;
+  for (unsigned k = 0; (w = watched_at(k))->name; ++k) {
+    int wanted = (w->feature & features) != 0;
+    if (w->feature && (entered[k] != 0) != wanted)
+      fail_msg("%s: entered %u times with features %x", w->name, (unsigned)entered[k], features);
+    if (!w->stage) continue;
+    uint64_t planned = (uint64_t)STEPS * planned_runs(plan, w->stage);
+    if (entered[k] != planned)
+      fail_msg("%s: entered %u times in %d steps with features %x, and the plan says %u", w->name,
+               (unsigned)entered[k], STEPS, features, (unsigned)planned);
+  }
+}
+
+static void check_steps(int features) {
+  fluid f = fluid_with(features);
+  pbf_plan plan = plan_of(&f);
+  memset(entered, 0, sizeof entered);
+  advance(&f, STEPS);
+  check_entered(features, &plan);
+  set_features(&f, NOTHING);
+  plan = plan_of(&f);
+  memset(entered, 0, sizeof entered);
+  advance(&f, STEPS);
+  check_entered(NOTHING, &plan);
+  drop(&f);
+}
+
+static void only_what_is_asked_for_runs(void **state) {
+  (void)state;
+  check_steps(NOTHING);
+  for (int k = 0; k < FEATURES; ++k) check_steps(1 << k);
+  check_steps((1 << FEATURES) - 1);
+}
+
+/* Statistics run when they are asked for, times are taken while they are on. */
+static void requests(void **state) {
+  (void)state;
+  fluid f = fluid_with(NOTHING);
+  pbf_stats stats = {.struct_size = sizeof stats};
+  pbf_plan plan = plan_of(&f);
+  advance(&f, 1);
+  memset(entered, 0, sizeof entered);
+  assert_int_equal(f.api->get_stats(f.solver, &stats), PBF_OK);
+  for (unsigned k = 0; watched_at(k)->name; ++k)
+    if (watched_at(k)->feature & STATS) assert_true(entered[k] > 0);
+  for (int on = 1; f.api->set_timing && on >= 0; --on) {
+    assert_int_equal(f.api->set_timing(f.solver, (uint32_t)on), PBF_OK);
+    memset(entered, 0, sizeof entered);
+    advance(&f, STEPS);
+    check_entered(on ? TIMING : NOTHING, &plan);
+  }
+  drop(&f);
+}
+
+/* ---- What is allocated ----------------------------------------------------------------------- */
+
+static void check_bytes(int features) {
+  fluid f = fluid_with(NOTHING);
+  advance(&f, 1);
+  uint64_t bare = test_count.live_bytes;
+  assert_int_equal(plan_of(&f).bytes, bare);
+  set_features(&f, features);
+  if (test_count.live_bytes - bare != bytes_of(features))
+    fail_msg("features %x take %u bytes more", features, (unsigned)(test_count.live_bytes - bare));
+  assert_int_equal(plan_of(&f).bytes, test_count.live_bytes);
+  uint64_t calls = test_count.calls;
+  advance(&f, 1);
+  assert_int_equal(test_count.calls, calls);
+  set_features(&f, NOTHING);
+  assert_int_equal(test_count.live_bytes, bare);
+  assert_int_equal(plan_of(&f).bytes, bare);
+  drop(&f);
+}
+
+static void only_what_is_asked_for_is_held(void **state) {
+  (void)state;
+  for (int k = 0; k < FEATURES; ++k) check_bytes(1 << k);
+  check_bytes((1 << FEATURES) - 1);
+}
+
+static int test_the_plan(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(only_what_is_asked_for_runs),
+      cmocka_unit_test(requests),
+      cmocka_unit_test(only_what_is_asked_for_is_held),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+#endif

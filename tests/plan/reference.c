@@ -1,0 +1,48 @@
+/* The reference: what it runs and holds. */
+#define PBF_VARIANT_API reference_under_test
+#include "reference/plugin.h"
+extern const pbf_backend_api reference_under_test;
+#include "reference/backend.c"
+
+/* Bytes that features take. */
+static uint64_t bytes_of(int features);
+#include "entered.h"
+
+static uint64_t bytes_of(int features) {
+  return (features & CHEBYSHEV ? 2 * COUNT * sizeof(pbf_real) : 0) +
+         (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0);
+}
+
+static const watched *watched_at(unsigned k) {
+  static const watched list[] = {
+      WATCH_STAGE(predict, NOTHING, "predict"),
+      WATCH_STAGE(grid_build, NOTHING, "neighbors"),
+      WATCH_STAGE(compute_lambda, NOTHING, "lambda"),
+      WATCH_STAGE(move, NOTHING, "move"),
+      WATCH_STAGE(update_velocity, NOTHING, "velocity"),
+      WATCH_STAGE(compute_curl, VORTICITY, "curl"),
+      WATCH_STAGE(confine_vorticity, VORTICITY, "confine"),
+      WATCH_STAGE(apply_viscosity, VISCOSITY, "viscosity"),
+      WATCH(pbf_pair_poly6, POLY6),
+      WATCH(pbf_pair_scorr, SCORR),
+      WATCH(pbf_add_curl, VORTICITY),
+      WATCH(pbf_confine, VORTICITY),
+      WATCH(pbf_solid_at, COLLIDERS),
+      WATCH(pbf_collide, COLLIDERS),
+      WATCH(pbf_add_wall, WALL_DENSITY),
+      WATCH(pbf_accelerate, CHEBYSHEV),
+      WATCH(solver_density, STATS),
+      WATCH(add_to_stats, STATS),
+      {NULL, NULL, 0, NULL},
+  };
+  _Static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  return &list[k];
+}
+
+const pbf_backend_host *reference_host;
+
+void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
+  (void)workload, (void)result;
+}
+
+int main(void) { return test_the_plan(); }
