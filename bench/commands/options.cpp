@@ -21,6 +21,13 @@ void add_scene_options(CLI::App &command, SceneOptions &options) {
       .add_option("--particles", options.particles, "about so many particles, by the scene's rule")
       ->type_name("N")
       ->check(positive());
+  command
+      .add_option("--finer", options.finer,
+                  "so many times as fine, 0.01 … 100: spacing, h and time step shrink, steps make "
+                  "up for it")
+      ->type_name("F")
+      ->check(CLI::Range(0.01, 100.0).description(""))
+      ->excludes("--particles");
   command.add_option("--steps", options.steps, "in place of the scene's number of steps")
       ->type_name("N")
       ->check(positive());

@@ -8,7 +8,8 @@ namespace {
 
 using Counts = std::array<uint64_t, 3>;
 
-// Any block is a lattice, of which a ball keeps the points within its radius.
+// Any block is a lattice, of which a ball keeps the points within its radius, and `within` those
+// that lie in all its regions.
 struct Lattice {
   Vector first;
   Counts counts;
@@ -48,7 +49,19 @@ Vector middle_of(const Lattice &lattice, double spacing) {
   return middle;
 }
 
+bool inside_region(const Region &region, const Vector &x) {
+  double sum = 0;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double r = x[axis] - region.center[axis];
+    sum += (region.squares[axis] * r + region.slopes[axis]) * r;
+  }
+  return sum < region.below;
+}
+
 bool inside(const Block &block, const Vector &x) {
+  for (const Region &region : block.within) {
+    if (!inside_region(region, x)) return false;
+  }
   if (block.shape != Block::Shape::ball) return true;
   double square = 0;
   for (unsigned axis = 0; axis < 3; ++axis) {
@@ -60,9 +73,14 @@ bool inside(const Block &block, const Vector &x) {
 Vector velocity_at(const Block &block, const Vector &x, const Vector &middle) {
   const Vector &w = block.angular_velocity;
   const Vector r{x[0] - middle[0], x[1] - middle[1], x[2] - middle[2]};
-  return {block.velocity[0] + w[1] * r[2] - w[2] * r[1],
-          block.velocity[1] + w[2] * r[0] - w[0] * r[2],
-          block.velocity[2] + w[0] * r[1] - w[1] * r[0]};
+  Vector v{block.velocity[0] + w[1] * r[2] - w[2] * r[1],
+           block.velocity[1] + w[2] * r[0] - w[0] * r[2],
+           block.velocity[2] + w[0] * r[1] - w[1] * r[0]};
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const Vector &gradient = block.velocity_gradient[axis];
+    v[axis] += gradient[0] * r[0] + gradient[1] * r[1] + gradient[2] * r[2];
+  }
+  return v;
 }
 
 template <typename Visit>
@@ -84,9 +102,10 @@ uint64_t count_block(const Block &block, unsigned dimension) {
   const double points = static_cast<double>(lattice.counts[0]) *
                         static_cast<double>(lattice.counts[1]) *
                         static_cast<double>(lattice.counts[2]);
-  // A ball so large is not counted point by point: it is refused all the same.
+  // A body so large is not counted point by point: it is refused all the same.
   if (points > 4.0 * PBF_MAX_CAPACITY) return uint64_t{4} * PBF_MAX_CAPACITY;
-  if (block.shape != Block::Shape::ball) return static_cast<uint64_t>(points);
+  if (block.shape != Block::Shape::ball && block.within.empty())
+    return static_cast<uint64_t>(points);
   uint64_t count = 0;
   for_each_point(block, lattice, [&](const Vector &) { ++count; });
   return count;

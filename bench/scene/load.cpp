@@ -55,7 +55,34 @@ double spacing_of(const pbf_params &params) {
   return params.spacing > 0 ? params.spacing : params.smoothing_radius / 2;
 }
 
-Block read_block(const Members &in, const pbf_params &params) {
+void read_gradient(const Members &in, unsigned dimension, std::array<Vector, 3> &rows) {
+  if (!in.has("velocity_gradient")) return;
+  const json &list = in.at("velocity_gradient");
+  const Pointer where = in.pointer("velocity_gradient");
+  if (list.size() != dimension) {
+    throw ValueError{where, "the list has " + std::to_string(list.size()) +
+                                " rows; this scene's dimension wants " + std::to_string(dimension)};
+  }
+  for (unsigned row = 0; row < dimension; ++row)
+    read_vector(list[row], where / row, dimension, rows[row].data());
+}
+
+std::vector<Region> read_regions(const Members &in, unsigned dimension) {
+  std::vector<Region> regions;
+  if (!in.has("within")) return regions;
+  for (const json &item : in.at("within")) {
+    const Members members(item, in.pointer("within") / regions.size(), dimension);
+    Region region;
+    members.vector("center", region.center);
+    members.vector("squares", region.squares);
+    members.vector("slopes", region.slopes);
+    members.value("below", region.below);
+    regions.push_back(region);
+  }
+  return regions;
+}
+
+Block read_block(const Members &in, const pbf_params &params, unsigned dimension) {
   Block block;
   const std::string shape = in.text("shape");
   block.shape = shape == "box"    ? Block::Shape::box
@@ -71,6 +98,8 @@ Block read_block(const Members &in, const pbf_params &params) {
   in.value("spacing", block.spacing);
   in.vector("velocity", block.velocity);
   in.vector3("angular_velocity", block.angular_velocity);
+  read_gradient(in, dimension, block.velocity_gradient);
+  block.within = read_regions(in, dimension);
   return block;
 }
 
@@ -143,7 +172,8 @@ Scene build_scene(const json &root) {
   read_params(in.at("params"), in.pointer("params"), scene.dimension, scene.params);
   for (const json &item : in.at("blocks")) {
     const Pointer where = in.pointer("blocks") / scene.blocks.size();
-    scene.blocks.push_back(read_block(Members(item, where, scene.dimension), scene.params));
+    scene.blocks.push_back(
+        read_block(Members(item, where, scene.dimension), scene.params, scene.dimension));
   }
   if (in.has("colliders")) {
     for (const json &item : in.at("colliders")) {
@@ -177,6 +207,7 @@ Scene load_scene(const SceneOptions &options) {
     Scene scene = build_scene(document.value);
     scene.name = std::filesystem::path(path).stem().string();
     if (options.particles > 0) scale_scene(scene, options.particles);
+    if (options.finer != 1) refine_scene(scene, options.finer);
     if (options.steps > 0) {
       if (options.steps > std::numeric_limits<uint32_t>::max()) {
         throw Error(exit_usage,

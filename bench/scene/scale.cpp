@@ -18,7 +18,7 @@ void refine(Scene &scene, double finer) {
   for (Block &block : scene.blocks) {
     if (block.shape == Block::Shape::lattice) {
       throw Error(exit_usage,
-                  "--particles: scene " + scene.name +
+                  "--particles, --finer: scene " + scene.name +
                       " has a lattice of fixed counts; only boxes and balls are refined");
     }
     block.spacing /= finer;
@@ -63,6 +63,15 @@ void scale_scene(Scene &scene, uint64_t particles) {
   } else {
     grow(scene, more);
   }
+}
+
+void refine_scene(Scene &scene, double finer) {
+  if (!scene.scaling || scene.scaling->rule != Scaling::Rule::refine) {
+    throw Error(exit_usage,
+                "--finer: scene " + scene.name +
+                    " has no \"scaling\" with the rule \"refine\", so its spacing is fixed");
+  }
+  refine(scene, finer);
 }
 
 }  // namespace bench

@@ -13,16 +13,26 @@ namespace bench {
 
 using Vector = std::array<double, 3>;  // 2D: the third is 0
 
+// Points x with  sum over the axes of squares (x - center)² + slopes (x - center) < below:
+// half-spaces, ellipsoids, cylinders, paraboloids, their outsides.
+struct Region {
+  Vector center{}, squares{}, slopes{};
+  double below = 0;
+};
+
 // A body of fluid that is filled with particles. A lattice has its first particle at `first`; a
-// box from `min` to `max` and a ball have theirs in the middles of cells of side `spacing`.
+// box from `min` to `max` and a ball have theirs in the middles of cells of side `spacing`. Only
+// particles that lie in every region of `within` are there.
 struct Block {
   enum class Shape { lattice, box, ball } shape = Shape::lattice;
   Vector first{}, min{}, max{}, center{};
   std::array<uint32_t, 3> counts{1, 1, 1};
   double radius = 0;
   double spacing = 0;
-  Vector velocity{};          // of the block's middle
-  Vector angular_velocity{};  // about the block's middle
+  Vector velocity{};                          // of the block's middle
+  Vector angular_velocity{};                  // about the block's middle
+  std::array<Vector, 3> velocity_gradient{};  // row k: of velocity k, from the block's middle
+  std::vector<Region> within;
 };
 
 // A stretch of a collider's motion; the stretches play over and over.
@@ -59,6 +69,7 @@ struct SceneOptions {
   std::string name = "report-30k";    // of a scene that comes with the program, or a file's path
   std::vector<std::string> settings;  // key=value
   uint64_t particles = 0;             // 0: as the scene has it
+  double finer = 1;                   // so many times as fine, by the scene's rule
   uint64_t steps = 0;                 // 0: as the scene has it
 };
 
@@ -68,6 +79,9 @@ std::vector<std::string> scene_names();
 
 // Changes the scene so that it has about `particles` of them; refused when the scene says not how.
 void scale_scene(Scene &scene, uint64_t particles);
+
+// The same scene with all its lengths of discretisation divided by `finer`.
+void refine_scene(Scene &scene, double finer);
 
 // Positions and velocities of the particles at the start, `dimension` numbers each.
 struct Particles {

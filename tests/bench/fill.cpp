@@ -78,6 +78,25 @@ void refining_keeps_the_shape_and_the_time(void **) {
   assert_int_equal(after.steps, 2 * before.steps);
 }
 
+void as_fine_as_asked_for(void **) {
+  SceneOptions options;
+  options.name = "dam-break-2d";
+  const Scene before = load_scene(options);
+  options.finer = 2;
+  const Scene after = load_scene(options);
+  assert_int_equal(count_particles(after), 4 * count_particles(before));
+  assert_float_equal(after.params.spacing, before.params.spacing / 2, 1e-12);
+  assert_float_equal(after.params.time_step, before.params.time_step / 2, 1e-12);
+  assert_int_equal(after.steps, 2 * before.steps);
+  options.name = "report-30k";
+  try {
+    load_scene(options);
+    fail();
+  } catch (const Error &error) {
+    expect_contains(error.what(), "--finer: scene report-30k has no \"scaling\"");
+  }
+}
+
 void a_box_is_filled_in_the_middles_of_its_cells(void **) {
   const Scene scene = load("still-tank");
   const Particles particles = fill_scene(scene);
@@ -116,6 +135,42 @@ void balls_are_round_and_turn(void **) {
   assert_float_equal(static_cast<double>(particles.count) / 2, volume, 0.05 * volume);
 }
 
+// The lower half (y < 0.3) of an upright cylinder of radius 0.4 round (0.5, 0.5), from which a
+// paraboloid is taken; each particle with the affine velocity of its place.
+void regions_cut_and_gradients_shear(void **) {
+  write_text(PBF_TEST_WORK "/cut.json", R"({
+    "version": 1, "description": "A cut block", "purpose": "The tests.", "dimension": 3,
+    "params": {"smoothing_radius": 0.04},
+    "blocks": [{
+      "shape": "box", "min": [0, 0, 0], "max": [1, 1, 1], "velocity": [7, 0, 0],
+      "velocity_gradient": [[1, 2, 3], [0, -4, 0], [5, 0, 6]],
+      "within": [
+        {"center": [0.5, 0, 0.5], "squares": [1, 0, 1], "below": 0.16},
+        {"slopes": [0, 1, 0], "below": 0.3},
+        {"center": [0.5, 0.1, 0.5], "squares": [-1, 0, -1], "slopes": [0, 1, 0], "below": 0}
+      ]
+    }],
+    "steps": 1
+  })");
+  const Scene scene = load(PBF_TEST_WORK "/cut.json");
+  const Particles particles = fill_scene(scene);
+  assert_int_equal(particles.count, count_particles(scene));
+  double volume = 0, expected = 0;
+  for (uint64_t i = 0; i < particles.count; ++i) {
+    const double *x = &particles.positions[3 * i], *v = &particles.velocities[3 * i];
+    const double r[3] = {x[0] - 0.5, x[1] - 0.5, x[2] - 0.5};
+    const double radius2 = r[0] * r[0] + r[2] * r[2];
+    assert_true(radius2 < 0.16 && x[1] < 0.3 && x[1] - 0.1 < radius2);
+    assert_float_equal(v[0], 7 + r[0] + 2 * r[1] + 3 * r[2], 1e-9);
+    assert_float_equal(v[1], -4 * r[1], 1e-9);
+    assert_float_equal(v[2], 5 * r[0] + 6 * r[2], 1e-9);
+    volume += 0.02 * 0.02 * 0.02;
+  }
+  // Integral of 2 pi r (0.1 + r²) from 0 to 0.4: the paraboloid is below y = 0.3 throughout.
+  expected = 3.14159265358979 * (0.1 * 0.16 + 0.16 * 0.16 / 2);
+  assert_float_equal(volume, expected, 0.02 * expected);
+}
+
 void a_scene_without_a_rule_has_a_fixed_number(void **) {
   std::string text = read_text(PBF_TEST_SCENES "/still-tank.json");
   const std::string rule = ",\n  \"scaling\": {\"rule\": \"refine\"}";
@@ -139,8 +194,10 @@ int main() {
       cmocka_unit_test(the_cube_grows_with_its_box),
       cmocka_unit_test(the_shallow_block_stays_30_layers_high),
       cmocka_unit_test(refining_keeps_the_shape_and_the_time),
+      cmocka_unit_test(as_fine_as_asked_for),
       cmocka_unit_test(a_box_is_filled_in_the_middles_of_its_cells),
       cmocka_unit_test(balls_are_round_and_turn),
+      cmocka_unit_test(regions_cut_and_gradients_shear),
       cmocka_unit_test(a_scene_without_a_rule_has_a_fixed_number),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);

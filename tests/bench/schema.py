@@ -16,7 +16,7 @@ schema = json.loads((folder / "scene.schema.json").read_text())
 jsonschema.Draft7Validator.check_schema(schema)
 validator = jsonschema.Draft7Validator(schema)
 
-scenes = [path for path in sorted(folder.glob("*.json")) if path.name != "scene.schema.json"]
+scenes = [path for path in sorted(folder.rglob("*.json")) if path.name != "scene.schema.json"]
 wanted = """report-30k dam-break-3d dam-break-2d shallow-dam-break cube-collapse double-dam-break
 drop-into-pool still-tank moving-paddle zero-gravity-drop""".split()
 missing = set(wanted) - {path.stem for path in scenes}
