@@ -11,6 +11,7 @@ namespace bench {
 using Command = std::function<int()>;
 using AddCommand = std::pair<CLI::App *, Command> (*)(CLI::App &app);
 
+std::pair<CLI::App *, Command> add_ablation(CLI::App &app);
 std::pair<CLI::App *, Command> add_list(CLI::App &app);
 std::pair<CLI::App *, Command> add_run(CLI::App &app);
 std::pair<CLI::App *, Command> add_speedup(CLI::App &app);

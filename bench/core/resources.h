@@ -8,6 +8,7 @@ namespace bench {
 
 std::string scene_schema_text();
 std::string report_page_text();
+std::string ablation_page_text();
 
 }  // namespace bench
 

@@ -161,6 +161,18 @@ pbf_timings Solver::timings() const {
   return timings;
 }
 
+pbf_plan Solver::plan() const {
+  pbf_plan plan = {};
+  plan.struct_size = sizeof plan;
+  check(pbf_get_plan(solver_.get(), &plan));
+  return plan;
+}
+
+void Solver::place(const Bytes &positions, const Bytes &velocities) {
+  check(pbf_set_positions(solver_.get(), 0, count(), positions.data()));
+  check(pbf_set_velocities(solver_.get(), 0, count(), velocities.data()));
+}
+
 uint64_t Solver::hash() const {
   uint64_t hash = 0;
   check(pbf_hash(solver_.get(), &hash));

@@ -35,9 +35,11 @@ class Solver {
   pbf_info info() const;
   pbf_stats stats() const;
   pbf_timings timings() const;
+  pbf_plan plan() const;
   void set_timing(bool enabled);
   Bytes positions() const { return read(pbf_get_positions); }
   Bytes velocities() const { return read(pbf_get_velocities); }
+  void place(const Bytes &positions, const Bytes &velocities);  // of all particles
   uint64_t hash() const;
   Bytes save() const;
   void load(const Bytes &state);
