@@ -53,9 +53,11 @@ Bytes to_precision(const std::vector<double> &values, uint32_t precision) {
   return bytes;
 }
 
-// Whole steps, so that stretches that mirror each other bring a collider back to where it was.
+// Whole steps, so that stretches that mirror each other bring a collider back to where it was. One
+// beyond any run's end may end there, so that the sum of all is a number of steps, too.
 uint64_t steps_of(const Stretch &stretch, double time_step) {
-  return static_cast<uint64_t>(std::max(1.0, std::round(stretch.duration / time_step)));
+  const double steps = std::round(stretch.duration / time_step);
+  return static_cast<uint64_t>(std::clamp(steps, 1.0, 0x1p34));
 }
 
 // The stretch that the step after `step` belongs to, and how many steps of it are left.

@@ -96,6 +96,9 @@ Block read_block(const Members &in, const pbf_params &params, unsigned dimension
   in.value("radius", block.radius);
   block.spacing = spacing_of(params);
   in.value("spacing", block.spacing);
+  if (!(block.spacing > 0)) {
+    throw ValueError{in.pointer("spacing"), "the spacing is 0, as half of smoothing_radius is"};
+  }
   in.vector("velocity", block.velocity);
   in.vector3("angular_velocity", block.angular_velocity);
   read_gradient(in, dimension, block.velocity_gradient);

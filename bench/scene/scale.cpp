@@ -1,10 +1,21 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "scene/scene.h"
 
 namespace bench {
 namespace {
+
+uint32_t scaled_steps(uint32_t steps, double finer, uint32_t least) {
+  const double scaled = std::round(steps * finer);
+  if (scaled > std::numeric_limits<uint32_t>::max()) {
+    throw Error(exit_usage,
+                "--particles: the same simulated time would take more than 4294967295 steps");
+  }
+  return std::max(static_cast<uint32_t>(scaled), least);
+}
 
 // The same shapes, filled more finely. Lengths of the discretisation and the time step shrink
 // together (displacements in units of h stay), and the steps make up for it in simulated time.
@@ -23,8 +34,8 @@ void refine(Scene &scene, double finer) {
     }
     block.spacing /= finer;
   }
-  scene.steps = static_cast<uint32_t>(std::lround(scene.steps * finer));
-  scene.lead_in_steps = static_cast<uint32_t>(std::lround(scene.lead_in_steps * finer));
+  scene.steps = scaled_steps(scene.steps, finer, 1);
+  scene.lead_in_steps = scaled_steps(scene.lead_in_steps, finer, 0);
 }
 
 // The same particles, more of them: the lattice grows, and the upper walls move away with it.
@@ -40,7 +51,8 @@ void grow(Scene &scene, double more) {
   for (unsigned axis = 0; axis < scene.dimension; ++axis) {
     if (!scene.scaling->axes[axis]) continue;
     const uint32_t before = block.counts[axis];
-    block.counts[axis] = static_cast<uint32_t>(std::max(1.0, std::round(before * longer)));
+    const double counts = std::clamp(std::round(before * longer), 1.0, double{PBF_MAX_CAPACITY});
+    block.counts[axis] = static_cast<uint32_t>(counts);
     const double growth = (static_cast<double>(block.counts[axis]) - before) * block.spacing;
     scene.params.domain_max[axis] += scene.scaling->upper_walls[axis] * growth;
   }
@@ -57,12 +69,21 @@ void scale_scene(Scene &scene, uint64_t particles) {
     throw Error(exit_usage, "--particles " + std::to_string(particles) + " is above " +
                                 std::to_string(PBF_MAX_CAPACITY));
   }
-  const double more = static_cast<double>(particles) / static_cast<double>(count_particles(scene));
+  const uint64_t before = count_particles(scene);
+  if (before == 0) {
+    throw Error(exit_usage, "--particles: scene " + scene.name +
+                                " holds no particles, so there is nothing to have more of");
+  }
+  const double more = static_cast<double>(particles) / static_cast<double>(before);
   if (scene.scaling->rule == Scaling::Rule::refine) {
     refine(scene, std::pow(more, 1.0 / scene.dimension));
   } else {
     grow(scene, more);
   }
+  const uint64_t after = count_particles(scene);
+  if (after <= PBF_MAX_CAPACITY) return;
+  throw Error(exit_usage, "--particles: scene " + scene.name + " would have more than the " +
+                              std::to_string(PBF_MAX_CAPACITY) + " particles that fit");
 }
 
 void refine_scene(Scene &scene, double finer) {

@@ -1,0 +1,227 @@
+/* Sequences of calls on the C API, right ones and wrong ones in any order, on two backends at once.
+ */
+#include <dlpack/dlpack.h>
+#include <math.h>
+
+#include "draw.h"
+#include "target.h"
+#include "twins.h"
+
+enum { MOST_CALLS = 48, MOST_AT_ONCE = 16 };
+
+/* What one call is made with; both twins get the same. */
+typedef struct arguments {
+  kind k;
+  uint32_t first, count;
+  _Alignas(8) unsigned char x[MOST_AT_ONCE * 3 * 8], v[MOST_AT_ONCE * 3 * 8];
+  int with_velocities;
+  uint32_t ids[MOST_AT_ONCE];
+  pbf_params params;
+  pbf_collider colliders[3];
+  uint32_t field;
+} arguments;
+
+static void draw_numbers(input *in, const arguments *a, double low, double high, void *out,
+                         int *wild) {
+  uint32_t numbers = MOST_AT_ONCE * a->k.dimension;
+  int bad = take_u8(in) > 0xe8;
+  for (uint32_t i = 0; i < a->count * a->k.dimension && i < numbers; ++i)
+    put_number(out, i, a->k.precision, take_from(in, low, high));
+  if (!bad || a->count == 0) return;
+  *wild = 1;
+  put_number(out, take_u8(in) % (a->count * a->k.dimension), a->k.precision, draw_wild(in));
+}
+
+/* ---- The calls ---- */
+
+static pbf_status add(pbf_solver *s, void *context) {
+  arguments *a = context;
+  uint32_t first = 0;
+  return pbf_add_particles(s, a->count, a->x, a->with_velocities ? a->v : NULL, &first);
+}
+
+static pbf_status drop(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_remove_particles(s, a->count, a->ids);
+}
+
+static pbf_status set_params(pbf_solver *s, void *context) {
+  return pbf_set_params(s, &((arguments *)context)->params);
+}
+
+static pbf_status set_colliders(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_set_colliders(s, a->count, a->colliders);
+}
+
+static pbf_status set_positions(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_set_positions(s, a->first, a->count, a->x);
+}
+
+static pbf_status set_velocities(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_set_velocities(s, a->first, a->count, a->v);
+}
+
+static pbf_status get_rows(pbf_solver *s, void *context) {
+  arguments *a = context;
+  _Alignas(8) unsigned char out[TWIN_CAPACITY * 3 * 8];
+  if (a->field == 0) return pbf_get_positions(s, a->first, a->count, out);
+  if (a->field == 1) return pbf_get_velocities(s, a->first, a->count, out);
+  if (a->field == 2) return pbf_get_densities(s, a->first, a->count, out);
+  return pbf_get_ids(s, a->first, a->count, (uint32_t *)(void *)out);
+}
+
+static pbf_status map(pbf_solver *s, void *context) {
+  pbf_view view = {.struct_size = sizeof view};
+  return pbf_map(s, ((arguments *)context)->field, &view);
+}
+
+static pbf_status unmap(pbf_solver *s, void *context) {
+  return pbf_unmap(s, ((arguments *)context)->field);
+}
+
+static pbf_status export_and_delete(pbf_solver *s, void *context) {
+  DLManagedTensor *tensor = NULL;
+  pbf_status status = pbf_export_dlpack(s, ((arguments *)context)->field, &tensor);
+  if (status == PBF_OK) {
+    insist(pbf_step(s, 1) == PBF_ERROR_STATE);
+    tensor->deleter(tensor);
+  }
+  return status;
+}
+
+static pbf_status load_garbage(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_load(s, a->x, a->count * 8);
+}
+
+static pbf_status save_and_load(pbf_solver *s, void *context) {
+  _Alignas(8) static unsigned char buffer[1 << 16];
+  uint64_t size = sizeof buffer;
+  (void)context;
+  insist(pbf_save(s, buffer, &size) == PBF_OK);
+  return pbf_load(s, buffer, size);
+}
+
+/* ---- Drawing them ---- */
+
+static void draw_ids(input *in, const twins *t, arguments *a) {
+  uint32_t present[TWIN_CAPACITY], count = twins_count(t);
+  insist(pbf_get_ids(t->solver[0], 0, count, present) == PBF_OK);
+  a->count = take_u8(in) % (MOST_AT_ONCE + 1);
+  uint8_t start = take_u8(in), stride = take_u8(in) | 1;
+  for (uint32_t i = 0; i < a->count; ++i)
+    a->ids[i] = count ? present[(start + i * stride) % count] : i;
+  if (start > 0xf0 && a->count) a->ids[start % a->count] = take_u32(in);
+}
+
+static void draw_rows(input *in, const twins *t, arguments *a) {
+  uint8_t how = take_u8(in);
+  uint32_t count = twins_count(t);
+  a->first = count ? how % count : 0;
+  a->count = count ? (how / 8) % (count - a->first + 1) : 0;
+  if (how > 0xf0) a->first = take_u32(in);
+  if (how > 0xf8) a->count = take_u32(in);
+}
+
+static void draw_some_colliders(input *in, arguments *a, int *wild) {
+  a->count = take_u8(in) % 4;
+  for (uint32_t i = 0; i < a->count; ++i) *wild |= draw_collider(in, &a->colliders[i]);
+}
+
+static void change_params(input *in, twins *t, arguments *a) {
+  int wild = 0;
+  a->params.struct_size = sizeof a->params;
+  insist(pbf_get_params(t->solver[0], &a->params) == PBF_OK);
+  if (take_u8(in) % 8 == 0) { /* back to where distances can be stated, but for the particles */
+    insist(pbf_params_init(&a->params, sizeof a->params) == PBF_OK);
+  } else {
+    wild = draw_params(in, &a->params);
+  }
+  if (twins_call(t, set_params, a) == PBF_OK) t->wild |= wild;
+}
+
+static void call_with_particles(input *in, twins *t, arguments *a, unsigned which) {
+  int wild = 0;
+  twin_call calls[] = {add, set_positions, set_velocities};
+  draw_rows(in, t, a);
+  if (which == 0) a->count = take_u8(in) % (MOST_AT_ONCE + 1);
+  if (a->count > MOST_AT_ONCE && a->count <= TWIN_CAPACITY) a->count = MOST_AT_ONCE;
+  if (a->count <= MOST_AT_ONCE) {
+    a->with_velocities = take_u8(in) & 1;
+    draw_numbers(in, a, 0.21, 0.79, a->x, &wild);
+    draw_numbers(in, a, -4, 4, a->v, &wild);
+  }
+  if (twins_call(t, calls[which], a) == PBF_OK) t->wild |= wild;
+}
+
+static void step_some(input *in, twins *t) {
+  uint8_t how = take_u8(in);
+  for (int steps = 1 + how % 3; steps > 0; --steps) {
+    if (twins_step(t, how & 0x80) != PBF_OK) return;
+  }
+}
+
+static void call(input *in, twins *t) {
+  arguments a = {.k = t->k};
+  int wild = 0;
+  switch (take_u8(in) % 16) {
+    case 0:
+    case 1:
+      call_with_particles(in, t, &a, 0);
+      break;
+    case 2:
+      call_with_particles(in, t, &a, 1);
+      break;
+    case 3:
+      call_with_particles(in, t, &a, 2);
+      break;
+    case 4:
+      draw_ids(in, t, &a);
+      twins_call(t, drop, &a);
+      break;
+    case 5:
+    case 6:
+      change_params(in, t, &a);
+      break;
+    case 7:
+      draw_some_colliders(in, &a, &wild);
+      if (twins_call(t, set_colliders, &a) == PBF_OK) t->wild |= wild;
+      break;
+    case 8:
+      draw_rows(in, t, &a);
+      a.field = take_u8(in) % 4;
+      twins_call(t, get_rows, &a);
+      break;
+    case 9:
+      a.field = take_u8(in) % 6;
+      if (twins_call(t, map, &a) == PBF_OK && take_u8(in) % 4) twins_call(t, unmap, &a);
+      break;
+    case 10:
+      a.field = take_u8(in) % 6;
+      twins_call(t, take_u8(in) & 1 ? unmap : export_and_delete, &a);
+      break;
+    case 11:
+      twins_call(t, take_u8(in) % 4 ? save_and_load : load_garbage, &a);
+      break;
+    case 12:
+      twins_compare_reports(t);
+      break;
+    default:
+      step_some(in, t);
+      break;
+  }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  input in = {data, size, 0};
+  uint32_t count;
+  twins t = twins_make(kind_of(take_u8(&in)));
+  for (int calls = 0; calls < MOST_CALLS && !input_ended(&in); ++calls) call(&in, &t);
+  twins_destroy(&t);
+  for (int i = 0; i < TWINS; ++i)
+    insist(pbf_get_count(t.solver[i], &count) == PBF_ERROR_INVALID_ARGUMENT);
+  return 0;
+}

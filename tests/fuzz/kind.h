@@ -1,0 +1,51 @@
+/* Solvers that the fuzz targets make. */
+#ifndef PBF_TESTS_FUZZ_KIND_H
+#define PBF_TESTS_FUZZ_KIND_H
+
+#include <pbf/pbf.h>
+
+#include "insist.h"
+
+typedef struct kind {
+  uint32_t dimension, precision;
+} kind;
+
+static inline kind kind_of(unsigned bits) {
+  return (kind){bits & 1 ? 3 : 2, bits & 2 ? PBF_FLOAT64 : PBF_FLOAT32};
+}
+
+static inline pbf_solver *make_solver(const char *backend, kind k, uint32_t capacity) {
+  pbf_desc desc;
+  pbf_solver *solver = NULL;
+  insist(pbf_desc_init(&desc, sizeof desc) == PBF_OK);
+  desc.dimension = k.dimension;
+  desc.precision = k.precision;
+  desc.capacity = capacity;
+  desc.backend = backend;
+  desc.strict = 1;
+  desc.threads = 1;
+  insist(pbf_create(&desc, NULL, &solver) == PBF_OK);
+  return solver;
+}
+
+static inline void put_number(void *array, size_t index, uint32_t precision, double value) {
+  if (precision == PBF_FLOAT64) {
+    ((double *)array)[index] = value;
+  } else {
+    ((float *)array)[index] = (float)value;
+  }
+}
+
+static inline double number_at(const void *array, size_t index, uint32_t precision) {
+  return precision == PBF_FLOAT64 ? ((const double *)array)[index]
+                                  : (double)((const float *)array)[index];
+}
+
+/* FNV-1a, as at the end of a saved state. */
+static inline uint64_t checksum_of(const unsigned char *bytes, size_t size) {
+  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+  return hash;
+}
+
+#endif
