@@ -65,8 +65,9 @@ static int take_arrays(solver *s) {
   b->x = take_field(s, "position");
   b->v = take_field(s, "velocity");
   b->spare[0] = take_field(s, "predicted");
-  b->spare[1] = take_field(s, "sorted position");
+  b->spare[1] = take_field(s, "predicted velocity");
   b->spare[2] = take_field(s, "sorted predicted");
+  b->spare[3] = take_field(s, "sorted velocity");
   s->lambda = take_reals(s, "lambda");
   b->ids = take_indices(s, "id", n);
   b->spare_ids = take_indices(s, "sorted id", n);
@@ -78,7 +79,7 @@ static int take_arrays(solver *s) {
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
   s->shares = pbf_memory_take(&s->memory, "thread", s->threads, sizeof *s->shares);
-  return s->memory.count == 16;
+  return s->memory.count == 17;
 }
 
 /* Each thread writes its part first, so that the pages lie near it. */
@@ -93,24 +94,14 @@ static void clear_arrays(void *context, member *me) {
   }
 }
 
-/* Takes or releases the arrays that only an accelerated solve needs. 0 when there is no memory. */
-static int keep_totals(solver *s, int wanted) {
+/* Takes or releases the array that only an accelerated solve needs. 0 when there is no memory. */
+static int keep_before(solver *s, int wanted) {
   pbf_memory *m = &s->memory;
-  if (wanted && !s->total) {
-    pbf_real *total = pbf_memory_take(m, "total lambda", padded(s->capacity), sizeof *total);
-    pbf_real *before = pbf_memory_take(m, "lambda before", padded(s->capacity), sizeof *before);
-    if (!total || !before) {
-      pbf_memory_free(m, total);
-      pbf_memory_free(m, before);
-      return 0;
-    }
-    s->total = total;
-    s->before = before;
-  } else if (!wanted) {
-    pbf_memory_free(m, s->total);
-    pbf_memory_free(m, s->before);
-    s->total = s->before = NULL;
-  }
+  if (wanted && !s->before)
+    s->before = pbf_memory_take(m, "lambda before", padded(s->capacity), sizeof *s->before);
+  if (wanted) return s->before != NULL;
+  pbf_memory_free(m, s->before);
+  s->before = NULL;
   return 1;
 }
 
@@ -118,7 +109,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
-  if (!keep_totals(s, schedule.accelerated)) return out_of_memory(s, "the accelerated solve");
+  if (!keep_before(s, schedule.accelerated)) return out_of_memory(s, "the accelerated solve");
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);

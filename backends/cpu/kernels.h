@@ -43,31 +43,26 @@ typedef struct pair_pass {
   const pbf_obstacles *walls; /* that lend density; null: none do */
 } pair_pass;
 
-/* The accelerated solve's state; `total` null: every iteration starts from nothing. */
-typedef struct acceleration {
-  pbf_real weight;
-  pbf_real *total, *before;
-} acceleration;
-
 /* Null: built without the feature. */
 typedef struct kernels {
   uint32_t width; /* particles in a group */
 
   /* Particles first … last - 1, in any order. */
   void (*predict)(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
-                  field v, field predicted, uint32_t first, uint32_t last);
+                  field v, field predicted, field velocity, uint32_t first, uint32_t last);
   void (*bounds)(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper);
   void (*cells)(const grid *grid, field x, uint32_t first, uint32_t last, uint32_t *cells,
                 uint32_t *lowest, uint32_t *highest);
   void (*velocity)(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
-                   field before, field after, field v, uint32_t first, uint32_t last);
+                   field velocity, field predicted, field after, field v, uint32_t first,
+                   uint32_t last);
 
   /* Groups first … last - 1 of sorted particles. The search lists neighbours in the units `begin` …
    * `end` - 1 and returns how many it needs, also when these are more. */
   uint64_t (*search)(const search *s, uint32_t first, uint32_t last, uint64_t begin, uint64_t end);
-  void (*lambda)(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
+  void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *before, uint32_t first,
                  uint32_t last);
-  void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
+  void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide, field predicted,
                const pbf_real *lambda, field moved, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                uint32_t first, uint32_t last);

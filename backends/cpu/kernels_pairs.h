@@ -132,23 +132,16 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
 
 /* Lambda of one group from its sums. */
 PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
-                         const lane_values *gradients, pbf_real *lambda) {
+                         const lane_values *gradients, pbf_real *lambda, pbf_real *before) {
   _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
   lane_store(slopes2, *slope2);
   for (uint32_t l = 0; l < WIDTH; ++l)
     lambdas[l] = pbf_lambda(c, densities[l], slopes2[l], lane_value(gradients, l));
-  lane_store(lambda, lane_load(lambdas));
-}
-
-/* A loop of its own, for the vectoriser. */
-static __attribute__((noinline)) void accelerate(const pbf_constants *constants, pbf_real weight,
-                                                 pbf_real *restrict lambda,
-                                                 pbf_real *restrict total,
-                                                 pbf_real *restrict before, uint32_t count) {
-  const pbf_constants c = *constants;
-  for (uint32_t i = 0; i < count; ++i)
-    lambda[i] = pbf_accelerate(&c, weight, lambda[i], &total[i], &before[i]);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
+    for (uint32_t l = 0; l < WIDTH; ++l) pbf_accelerate(c, lambdas[l], &lambda[l], &before[l]);
+  else
+    lane_store(lambda, lane_load(lambdas));
 }
 
 typedef struct density_sums {
@@ -186,8 +179,8 @@ PBF_FN density_sums density_of(const int features, const pbf_constants *c, const
   return sums;
 }
 
-PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, uint32_t first,
-                          uint32_t last) {
+PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda,
+                          pbf_real *before, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
@@ -203,20 +196,17 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
         sums.density = lane_load(densities);
       }
     }
-    lambda_group(&c, &sums.density, &sums.slope2, &gradients, lambda + g * WIDTH);
+    lambda_group(&c, &sums.density, &sums.slope2, &gradients, lambda + g * WIDTH,
+                 before + g * WIDTH);
   }
 }
 
-static void lambda(const pair_pass *p, acceleration accelerated, pbf_real *lambda, uint32_t first,
+static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *before, uint32_t first,
                    uint32_t last) {
-  uint64_t begin = (uint64_t)first * WIDTH;
   if (hot_features(p) & PBF_FEATURE_POLY6)
-    lambda_groups(PBF_FEATURE_POLY6, p, lambda, first, last);
+    lambda_groups(PBF_FEATURE_POLY6, p, lambda, before, first, last);
   else
-    lambda_groups(0, p, lambda, first, last);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && accelerated.total)
-    accelerate(p->constants, accelerated.weight, lambda + begin, accelerated.total + begin,
-               accelerated.before + begin, (last - first) * WIDTH);
+    lambda_groups(0, p, lambda, before, first, last);
 }
 
 PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
@@ -267,61 +257,71 @@ static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
   }
 }
 
-PBF_FN void move_group(const pbf_constants *c, const pbf_obstacles *obstacles, int collide,
-                       const lane_values *from, const lane_values *sums, const field *to,
-                       uint32_t i, const uint32_t lanes) {
+/* Where the iteration moves the particles of a group: from x*, its lambda and sums. */
+PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *predicted,
+                               const lane_values *from, const pbf_real *lambda,
+                               const lane_values *sums) {
   lane_values x;
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec moved = pbf_move(c, lane_value(from, l), lane_value(sums, l));
-    if (collide) moved = pbf_clamp(&obstacles->walls, moved);
+    pbf_vec sum = lane_value(sums, l), at = lane_value(from, l);
+    pbf_vec moved = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated
+                        ? pbf_relax(c, lane_value(predicted, l), at, lambda[l], sum)
+                        : pbf_move(c, at, sum);
     for (int k = 0; k < PBF_DIM; ++k) x.c[k][l] = moved.c[k];
   }
-  for (int k = 0; k < PBF_DIM; ++k) memcpy(to->c[k] + i, x.c[k], lanes * sizeof(pbf_real));
+  return x;
 }
 
-static __attribute__((noinline)) void move_group_around(const pbf_constants *c,
-                                                        const pbf_obstacles *obstacles,
-                                                        const lane_values *from,
-                                                        const lane_values *sums, const field *to,
-                                                        uint32_t i, uint32_t lanes) {
-  for (uint32_t l = 0; l < lanes; ++l)
-    field_set(to, i + l,
-              pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids,
-                          pbf_move(c, lane_value(from, l), lane_value(sums, l))));
+PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec clamped = pbf_clamp(&obstacles->walls, lane_value(x, l));
+    for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = clamped.c[k];
+  }
+}
+
+static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles, lane_values *x,
+                                                    uint32_t lanes) {
+  for (uint32_t l = 0; l < lanes; ++l) {
+    pbf_vec resolved =
+        pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids, lane_value(x, l));
+    for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
+  }
 }
 
 PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstacles *obstacles,
-                        int collide, const pbf_real *lambda, field moved, uint32_t first,
-                        uint32_t last) {
+                        int collide, const field *predicted, const pbf_real *lambda,
+                        const field *to, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    const lane_values xs = lane_vec_values(&x);
+    const lane_vec start = lane_vec_load(predicted, g * WIDTH);
+    const lane_values xs = lane_vec_values(&x), starts = lane_vec_values(&start);
     lane_vec sum = move_sum(features, &c, &n, &p->x, lambda, g);
     lane_values sums = lane_vec_values(&sum);
     if (lending_walls(p)) add_walls_to_change(p, lambda, g, &sums);
+    lane_values moved = moved_group(&c, &starts, &xs, lambda + g * WIDTH, &sums);
     uint32_t lanes = lanes_in_group(&n, g);
     if (collide && pbf_solid_count(obstacles))
-      move_group_around(&c, obstacles, &xs, &sums, &moved, g * WIDTH, lanes);
-    else if (lanes == WIDTH)
-      move_group(&c, obstacles, collide, &xs, &sums, &moved, g * WIDTH, WIDTH);
-    else
-      move_group(&c, obstacles, collide, &xs, &sums, &moved, g * WIDTH, lanes);
+      resolve_group(obstacles, &moved, lanes);
+    else if (collide)
+      clamp_group(obstacles, &moved);
+    for (int k = 0; k < PBF_DIM; ++k)
+      memcpy(to->c[k] + g * WIDTH, moved.c[k], lanes * sizeof(pbf_real));
   }
 }
 
-static void move(const pair_pass *p, const pbf_obstacles *obstacles, int collide,
+static void move(const pair_pass *p, const pbf_obstacles *obstacles, int collide, field predicted,
                  const pbf_real *lambda, field moved, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
   if ((hot_features(p) & BOTH) == BOTH)
-    move_groups(BOTH, p, obstacles, collide, lambda, moved, first, last);
+    move_groups(BOTH, p, obstacles, collide, &predicted, lambda, &moved, first, last);
   else if (hot_features(p) & PBF_FEATURE_POLY6)
-    move_groups(PBF_FEATURE_POLY6, p, obstacles, collide, lambda, moved, first, last);
+    move_groups(PBF_FEATURE_POLY6, p, obstacles, collide, &predicted, lambda, &moved, first, last);
   else if (hot_features(p) & PBF_FEATURE_SCORR)
-    move_groups(PBF_FEATURE_SCORR, p, obstacles, collide, lambda, moved, first, last);
+    move_groups(PBF_FEATURE_SCORR, p, obstacles, collide, &predicted, lambda, &moved, first, last);
   else
-    move_groups(0, p, obstacles, collide, lambda, moved, first, last);
+    move_groups(0, p, obstacles, collide, &predicted, lambda, &moved, first, last);
 }
 
 /* ---- Velocity ------------------------------------------------------------------------------ */

@@ -15,11 +15,15 @@ static void collide_range(const pbf_obstacles *o, field x, uint32_t first, uint3
 }
 
 static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
-                    field v, field predicted, uint32_t first, uint32_t last) {
+                    field v, field predicted, field velocity, uint32_t first, uint32_t last) {
   const pbf_forces f = *forces;
   for (uint32_t i = first; i < last; ++i)
     field_set(&predicted, i, pbf_predict(&f, field_at(&x, i), field_at(&v, i)));
   if (collide) collide_range(obstacles, predicted, first, last);
+  for (uint32_t i = first; i < last; ++i)
+    field_set(
+        &velocity, i,
+        pbf_predicted_velocity(&f, field_at(&x, i), field_at(&v, i), field_at(&predicted, i)));
 }
 
 /* NaN leaves the bounds as they are. */
@@ -58,10 +62,13 @@ static void cells(const grid *of, field x, uint32_t first, uint32_t last, uint32
 }
 
 static void velocity(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
-                     field before, field after, field v, uint32_t first, uint32_t last) {
+                     field velocity, field predicted, field after, field v, uint32_t first,
+                     uint32_t last) {
   if (collide) collide_range(obstacles, after, first, last);
   for (uint32_t i = first; i < last; ++i)
-    field_set(&v, i, pbf_velocity(inv_time_step, field_at(&before, i), field_at(&after, i)));
+    field_set(&v, i,
+              pbf_velocity(inv_time_step, field_at(&velocity, i), field_at(&predicted, i),
+                           field_at(&after, i)));
 }
 
 #endif

@@ -96,7 +96,7 @@ static int find_neighbors(worker *w, field x) {
 static pair_pass pairs_at(const worker *w, field x) {
   const solver *s = w->s;
   return (pair_pass){
-      .constants = &s->constants,
+      .constants = &w->constants,
       .features = s->schedule.features,
       .lists = {.groups = s->groups, .data = s->list_data, .far = w->grid.far, .count = s->count},
       .x = x,

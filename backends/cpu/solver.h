@@ -11,7 +11,7 @@
 /* Fields change their parts from stage to stage, so that nothing is copied back. */
 typedef struct buffers {
   field x, v;     /* the state */
-  field spare[3]; /* predicted; sorted positions and prediction; what later stages need */
+  field spare[4]; /* prediction and its velocity, the same sorted; x*; what later stages need */
   uint32_t *ids;  /* of the state */
   uint32_t *spare_ids;
 } buffers;
@@ -37,9 +37,8 @@ struct pbf_backend_solver {
 
   uint32_t capacity, count;
   buffers buffers;
-  pbf_real *lambda;
-  pbf_real *total,
-      *before; /* lambda of all iterations, and an iteration earlier: accelerated only */
+  pbf_real *lambda; /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *before; /* … the lambda an iteration earlier */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */

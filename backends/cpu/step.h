@@ -15,34 +15,33 @@ typedef struct step_job {
 static void clear_totals(worker *w) {
   solver *s = w->s;
   range r = w->groups;
-  uint64_t width = s->kernels->width, bytes = (r.last - r.first) * width * sizeof *s->total;
-  memset(s->total + r.first * width, 0, bytes);
+  uint64_t width = s->kernels->width, bytes = (r.last - r.first) * width * sizeof *s->lambda;
+  memset(s->lambda + r.first * width, 0, bytes);
   memset(s->before + r.first * width, 0, bytes);
 }
 
-/* One solver iteration moves the prediction from spare[2] to spare[0], and swaps them. */
-static void iterate(worker *w, double weight) {
+/* Moves x*, which starts as the prediction in spare[2] and is in spare[1] after each iteration. */
+static void iterate(worker *w, uint32_t k) {
   solver *s = w->s;
   range r = w->groups;
-  pair_pass pairs = pairs_at(w, w->b.spare[2]);
-  acceleration accelerated = {(pbf_real)weight, s->total, s->before};
-  s->kernels->lambda(&pairs, accelerated, s->lambda, r.first, r.last);
+  pbf_set_iteration(&w->constants, &s->params, k);
+  pair_pass pairs = pairs_at(w, w->b.spare[k ? 1 : 2]);
+  s->kernels->lambda(&pairs, s->lambda, s->before, r.first, r.last);
   stage_end(w, PBF_STAGE_LAMBDA);
-  s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, s->lambda,
-                   w->b.spare[0], r.first, r.last);
-  swap_fields(&w->b.spare[0], &w->b.spare[2]);
+  s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, w->b.spare[2],
+                   s->lambda, w->b.spare[0], r.first, r.last);
+  swap_fields(&w->b.spare[0], &w->b.spare[1]);
   stage_end(w, PBF_STAGE_MOVE);
 }
 
-/* Positions before the step are in spare[1], after it in spare[2]. From here nothing can fail, and
- * the old state gives way to the new one. */
+/* From here nothing can fail, and the old state gives way to the new one. */
 static void update_velocity(worker *w) {
   solver *s = w->s;
   range r = my_sorted(w);
   s->kernels->velocity(&w->obstacles, s->schedule.collide_after_solve,
-                       (pbf_real)(1 / s->params.time_step), w->b.spare[1], w->b.spare[2], w->b.v,
-                       r.first, r.last);
-  swap_fields(&w->b.x, &w->b.spare[2]);
+                       (pbf_real)(1 / s->params.time_step), w->b.spare[3], w->b.spare[2],
+                       w->b.spare[1], w->b.v, r.first, r.last);
+  swap_fields(&w->b.x, &w->b.spare[1]);
   uint32_t *ids = w->b.ids;
   w->b.ids = w->b.spare_ids;
   w->b.spare_ids = ids;
@@ -78,15 +77,13 @@ static int step_once(worker *w, double time) {
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   place_obstacles(w, time + s->params.time_step);
   s->kernels->predict(&forces, &w->obstacles, s->schedule.collide_after_prediction, w->b.x, w->b.v,
-                      w->b.spare[0], r.first, r.last);
+                      w->b.spare[0], w->b.spare[1], r.first, r.last);
   stage_end(w, PBF_STAGE_PREDICT);
-  sort_particles(w, &w->b.spare[0], &w->b.spare[2], &w->b.x, &w->b.spare[1]);
+  sort_particles(w, &w->b.spare[0], &w->b.spare[2], &w->b.spare[1], &w->b.spare[3]);
   if (!find_neighbors(w, w->b.spare[2])) return 0;
   stage_end(w, PBF_STAGE_NEIGHBORS);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->total) clear_totals(w);
-  double weight = 1;
-  for (uint32_t k = 0; k < s->params.iterations; ++k)
-    iterate(w, weight = pbf_next_weight(&s->constants, k, weight));
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated) clear_totals(w);
+  for (uint32_t k = 0; k < s->params.iterations; ++k) iterate(w, k);
   update_velocity(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])

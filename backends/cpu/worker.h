@@ -18,11 +18,17 @@ typedef struct worker {
   grid grid;
   range groups; /* whose pairs this thread sums up */
   pbf_obstacles obstacles;
+  pbf_constants constants; /* of the present iteration */
   double stage_begin;
 } worker;
 
 static inline worker worker_of(solver *s, member *me) {
-  return (worker){.s = s, .me = me, .thread = me->thread, .threads = me->threads, .b = s->buffers};
+  return (worker){.s = s,
+                  .me = me,
+                  .thread = me->thread,
+                  .threads = me->threads,
+                  .b = s->buffers,
+                  .constants = s->constants};
 }
 
 static inline range part_of(uint64_t total, uint32_t thread, uint32_t threads) {

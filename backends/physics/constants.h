@@ -21,8 +21,10 @@ typedef struct pbf_constants {
   int scorr_n;
   int accelerated;    /* lambda adds up over the iterations, with … */
   int one_sided;      /* … its sign kept */
-  pbf_real step_size; /* of the Chebyshev iteration, and */
-  double contraction; /* what its weights follow from, pbf_next_weight */
+  pbf_real step_size; /* of the Chebyshev iteration, */
+  double contraction; /* what its weights follow from, pbf_next_weight, */
+  pbf_real weight;    /* and the one of this iteration */
+  pbf_real stiffness; /* 1/length², see pbf_relax */
   pbf_real wall_offset;
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
@@ -30,12 +32,12 @@ typedef struct pbf_constants {
 } pbf_constants;
 
 /* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
- * largest with room for disorder (with 1.3, shallow-dam-break at h = spacing/0.6 gains energy); a
- * such that the iterations of a step leave `rest` of what lies inside, but not so small that the
- * memory of the iteration outlasts changes of the contact set: below about 0.2, tall columns that
- * start too dense gain energy. */
-static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params) {
-  const double rest = 0.3, least_angle = 0.25, room = 1.9;
+ * largest with room for disorder; a such that the iterations of a step leave `rest` of what lies
+ * inside, but not so small that the memory of the iteration outlasts changes of the contact set:
+ * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
+static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
+                                        double stiffness) {
+  const double rest = 0.3, least_angle = 0.25, room = 1.15;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
@@ -43,12 +45,17 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->one_sided = c->accelerated && params->separation >= 1;
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);
+  c->weight = 1;
+  c->stiffness = (pbf_real)stiffness;
 }
 
-/* Weight of iteration k = 0, 1, … from that of the one before (Golub & Varga 1961). */
-static inline double pbf_next_weight(const pbf_constants *c, uint32_t k, double weight) {
+/* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga
+ * 1961), and the artificial pressure that has acted so often by then. */
+static inline void pbf_set_iteration(pbf_constants *c, const pbf_params *params, uint32_t k) {
+  if (!c->accelerated) return;
   double r2 = c->contraction * c->contraction;
-  return k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * weight);
+  c->weight = (pbf_real)(k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * (double)c->weight));
+  c->scorr_k = (pbf_real)(params->scorr_k * (double)c->omega * (k + 1));
 }
 
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params, double offset) {
@@ -88,7 +95,7 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.vorticity = (pbf_real)params->vorticity;
   c.viscosity = (pbf_real)params->viscosity;
   c.scorr_n = (int)params->scorr_n;
-  pbf_set_acceleration(&c, params);
+  pbf_set_acceleration(&c, params, d.stiffness);
   pbf_set_walls(&c, params, d.wall_offset);
   if (c.one_sided) c.tension = 1; /* the sign of lambda does what the constraint's would */
   return c;

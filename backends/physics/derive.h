@@ -23,6 +23,7 @@ typedef struct pbf_derived {
   double scorr_inv_w; /* 1 / (V W(delta q)) */
   double scorr_dq2;   /* (delta q)² in units of h² */
   double diagonal;    /* V² sum |grad W|² on the lattice */
+  double stiffness;   /* largest curvature of a pressed lattice for lambda = 1, 1/length² */
   double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
                          at */
 } pbf_derived;
@@ -110,6 +111,50 @@ static inline double pbf_lattice_lambda_max(uint32_t kernel, uint32_t dimension,
   return largest;
 }
 
+/* Derivative of pbf_shape_slope. */
+static inline double pbf_shape_slope_rate(uint32_t kernel, double q) {
+  if (q >= 1) return 0;
+  double u = 1 - q;
+  return kernel == PBF_KERNEL_POLY6_SPIKY ? -2 * u : u * u * (1 - 4 * q);
+}
+
+/* A lattice under an even pressure lambda_i = lambda_j = -1 pushes back when a wave displaces its
+ * particles along the unit vector `along`: by this times the displacement, for V = 1. */
+static inline double pbf_lattice_curvature(uint32_t kernel, uint32_t dimension, double h, double d,
+                                           const double wave[3], const double along[3]) {
+  int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
+  double norm = pbf_norm_slope(kernel, dimension, h), sum = 0;
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double r = d * sqrt((double)(i * i + j * j + k * k)), q = r / h;
+        if (q >= 1 || r <= 0) continue;
+        double cosine = d / r * (along[0] * i + along[1] * j + along[2] * k), c2 = cosine * cosine;
+        double second =
+            pbf_shape_slope_rate(kernel, q) / h * c2 + pbf_shape_slope(kernel, q) / r * (1 - c2);
+        sum -= 2 * norm * second * (1 - cos(d * (wave[0] * i + wave[1] * j + wave[2] * k)));
+      }
+  return sum;
+}
+
+/* Its largest value over the waves along the lattice's axes and diagonals, lengthwise and across.
+ */
+static inline double pbf_lattice_stiffness(uint32_t kernel, uint32_t dimension, double h,
+                                           double d) {
+  enum { SAMPLES = 12 };
+  double largest = 0;
+  for (uint32_t axes = 1; axes <= dimension; ++axes)
+    for (int s = 1; s <= SAMPLES; ++s) {
+      double k = PBF_PI / d * s / SAMPLES, part = 1 / sqrt((double)axes), across = sqrt(0.5);
+      double wave[3] = {k, axes > 1 ? k : 0, axes > 2 ? k : 0};
+      double lengthwise[3] = {part, axes > 1 ? part : 0, axes > 2 ? part : 0};
+      double crosswise[3] = {axes > 1 ? across : 0, axes > 1 ? -across : 1, 0};
+      largest = fmax(largest, pbf_lattice_curvature(kernel, dimension, h, d, wave, lengthwise));
+      largest = fmax(largest, pbf_lattice_curvature(kernel, dimension, h, d, wave, crosswise));
+    }
+  return largest;
+}
+
 /* Jacobi is stable below 2 / largest eigenvalue; compression raises the eigenvalue a little. */
 #define PBF_SAFE_RELAXATION 1.5
 
@@ -168,6 +213,8 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.value_scale = d.volume * pbf_norm_value(kernel, dimension, h);
   d.gradient_scale = d.volume * pbf_norm_slope(kernel, dimension, h);
   d.diagonal = d.volume * d.volume * sums.slope2;
+  if (params->solver == PBF_SOLVER_CHEBYSHEV)
+    d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
   if (params->wall_density > 0)
     d.wall_offset = pbf_wall_offset(kernel, dimension, h, d.spacing, d.volume);
   d.epsilon = params->epsilon / (h * h);

@@ -7,7 +7,7 @@
 
 /* Forces of one step (Algorithm 1, line 2), in the precision of the particles. */
 typedef struct pbf_forces {
-  pbf_real time_step;
+  pbf_real time_step, inv_time_step;
   pbf_vec gravity;
   pbf_real attraction;
   pbf_vec attraction_center;
@@ -16,6 +16,7 @@ typedef struct pbf_forces {
 static inline pbf_forces pbf_forces_of(const pbf_params *params) {
   pbf_forces f;
   f.time_step = (pbf_real)params->time_step;
+  f.inv_time_step = (pbf_real)(1 / params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {
     f.gravity.c[k] = (pbf_real)params->gravity[k];
@@ -24,83 +25,129 @@ static inline pbf_forces pbf_forces_of(const pbf_params *params) {
   return f;
 }
 
-/* Lines 2 and 3: the predicted position of a particle at x with velocity v. */
-PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
+/* Line 2: the velocity that the forces leave a particle at x. */
+PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   pbf_vec acceleration = f->gravity;
   if (f->attraction != 0)
     acceleration = pbf_add_scaled(acceleration, -f->attraction, pbf_sub(x, f->attraction_center));
-  v = pbf_add_scaled(v, f->time_step, acceleration);
-  return pbf_add_scaled(x, f->time_step, v);
+  return pbf_add_scaled(v, f->time_step, acceleration);
+}
+
+/* Lines 2 and 3: the predicted position of a particle at x with velocity v. */
+PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
+  return pbf_add_scaled(x, f->time_step, pbf_apply_forces(f, x, v));
+}
+
+/* The velocity that goes with it: `predicted` may have been moved out of an obstacle. */
+PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
+                                      pbf_vec predicted) {
+  pbf_vec moved = pbf_sub(predicted, pbf_predict(f, x, v));
+  return pbf_add_scaled(pbf_apply_forces(f, x, v), f->inv_time_step, moved);
 }
 
 /* Line 10, eqs. 1 and 11, from density = V sum W (the particle itself included), gradient = sum
- * over the others of V grad W, slope2 = sum over the others of |V grad W|². */
+ * over the others of V grad W, slope2 = sum over the others of |V grad W|². In a crowd the
+ * eigenvalues of the iteration grow with the density, and a step that is to stay inside them has to
+ * shrink with it; no step undoes more than a density of twice the rest's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real density, pbf_real slope2,
                            pbf_vec gradient) {
   pbf_real constraint = density - 1;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
-  return -constraint / pbf_real_max(diagonal, c->min_diagonal);
+  diagonal = pbf_real_max(diagonal, c->min_diagonal);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated) {
+    diagonal *= pbf_real_max(density, 1);
+    constraint = pbf_real_min(constraint, 1);
+  }
+  return -constraint / diagonal;
 }
 
-/* One Chebyshev step: `lambda` is pbf_lambda's, `weight` from pbf_next_weight; *total is the lambda
- * that acts, *before the one of an iteration earlier (both 0 at the start of a step). Returns what
- * the position change of this iteration takes for lambda. */
-PBF_FN pbf_real pbf_accelerate(const pbf_constants *c, pbf_real weight, pbf_real lambda,
-                               pbf_real *total, pbf_real *before) {
+/* One Chebyshev step: `lambda` is pbf_lambda's; *total is the lambda that acts, *before the one of
+ * an iteration earlier (both 0 at the start of a step). */
+PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real lambda, pbf_real *total,
+                           pbf_real *before) {
   pbf_real now = *total;
-  pbf_real next = weight * (now + c->step_size * lambda - *before) + *before;
-  if (c->one_sided) next = pbf_real_min(next, 0);
-  *total = next;
+  pbf_real next = c->weight * (now + c->step_size * lambda - *before) + *before;
+  *total = c->one_sided ? pbf_real_min(next, 0) : next;
   *before = now;
-  return (next - now) / c->omega;
 }
 
-/* Density that a plane wall lends at a distance, and its gradient, added to the sums. */
-PBF_FN void pbf_add_wall(const pbf_constants *c, pbf_real distance, pbf_vec normal,
-                         pbf_real *density, pbf_vec *gradient) {
+/* Density that a plane wall lends at a distance, and its derivative. */
+PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
   enum { LAST = PBF_WALL_NODES - 1 };
   pbf_real t = (distance + c->wall_offset) * c->inv_h * LAST;
-  if (!(t < LAST)) return;
+  *slope = 0;
+  if (!(t < LAST)) return 0;
   t = pbf_real_max(t, 0);
   int k = (int)t;
   pbf_real s = t - k, s2 = s * s;
   pbf_real v0 = c->wall_value[k], v1 = c->wall_value[k + 1];
   pbf_real g0 = c->wall_slope[k], g1 = c->wall_slope[k + 1], rise = v1 - v0;
-  *density += v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
-  pbf_real slope = g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1;
-  *gradient = pbf_add_scaled(*gradient, slope * LAST * c->inv_h, normal);
+  *slope = LAST * c->inv_h *
+           (g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1);
+  return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
 }
 
-/* The same for all walls of the domain and all colliders, each by its nearest plane. */
+/* Joins what one more obstacle lends, `value` with the gradient `slope` * `normal`, to what others
+ * lend. Half-spaces overlap, where walls meet at right angles: what is free of both is about the
+ * product of what is free of each, exactly so for a kernel that is a product over the axes. */
+PBF_FN void pbf_join_wall(pbf_real value, pbf_real slope, pbf_vec normal, pbf_real *lent,
+                          pbf_vec *gradient) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    gradient->c[k] = gradient->c[k] * (1 - value) + (1 - *lent) * slope * normal.c[k];
+  *lent += (1 - *lent) * value;
+}
+
+/* Adds what all walls of the domain and all colliders lend, each by its nearest plane. */
 PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
                           const pbf_solid *solids, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {
-  for (int side = 0; side < 2 * PBF_DIM; ++side) {
-    int k = side / 2;
-    pbf_vec normal = {{0}};
-    normal.c[k] = side % 2 ? (pbf_real)-1 : (pbf_real)1;
-    pbf_real distance = side % 2 ? walls->upper.c[k] - x.c[k] : x.c[k] - walls->lower.c[k];
-    pbf_add_wall(c, distance, normal, density, gradient);
+  pbf_real lent = 0;
+  pbf_vec lent_gradient = {{0}};
+  for (int k = 0; k < PBF_DIM; ++k) {
+    pbf_vec axis = {{0}};
+    axis.c[k] = 1;
+    pbf_real rise, fall, value = pbf_wall(c, x.c[k] - walls->lower.c[k], &rise);
+    value += pbf_wall(c, walls->upper.c[k] - x.c[k], &fall);
+    pbf_join_wall(value, rise - fall, axis, &lent, &lent_gradient);
   }
   for (int k = 0; k < count; ++k) {
     pbf_vec normal;
-    pbf_real distance = pbf_solid_distance(&solids[k], x, &normal);
-    pbf_add_wall(c, distance, normal, density, gradient);
+    pbf_real slope, distance = pbf_solid_distance(&solids[k], x, &normal);
+    pbf_real value = pbf_wall(c, distance, &slope);
+    pbf_join_wall(value, slope, normal, &lent, &lent_gradient);
   }
+  *density += lent;
+  *gradient = pbf_add_scaled(*gradient, 1, lent_gradient);
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is
  * lambda_i + lambda_j + s_ij; `sum` is the sum of these products over the others. */
-PBF_FN pbf_vec pbf_move(const pbf_constants *c, pbf_vec predicted, pbf_vec sum) {
-  return pbf_add_scaled(predicted, c->omega, sum);
+PBF_FN pbf_vec pbf_move(const pbf_constants *c, pbf_vec x, pbf_vec sum) {
+  return pbf_add_scaled(x, c->omega, sum);
 }
 
-/* Line 21: the velocity that explains the step. */
-PBF_FN pbf_vec pbf_velocity(pbf_real inv_time_step, pbf_vec before, pbf_vec after) {
-  pbf_vec v = pbf_sub(after, before);
-  for (int k = 0; k < PBF_DIM; ++k) v.c[k] *= inv_time_step;
-  return v;
+/* The same with the lambda that has added up, whose change counts from the prediction.
+ *
+ * Where fluid is pressed hard, the large forces of a particle's neighbours cancel, and what is left
+ * when one is out of place grows like stiffness * |lambda|: above 2 (above about 4 for the
+ * velocity) an explicit step overshoots, however well the constraint is solved. So x* goes to the
+ * fixed point x = predicted + sum(x) by relaxation: an implicit step. Its factor is 1, and momentum
+ * kept to rounding, unless stiffness * |lambda| > 1/2, which is some five layers of water at 1/120
+ * s. */
+PBF_FN pbf_vec pbf_relax(const pbf_constants *c, pbf_vec predicted, pbf_vec x, pbf_real total,
+                         pbf_vec sum) {
+  pbf_real stiff = c->stiffness * (total < 0 ? -total : total);
+  pbf_real factor = pbf_real_min(1, (pbf_real)1.5 / (1 + stiff));
+  for (int k = 0; k < PBF_DIM; ++k) x.c[k] += factor * (predicted.c[k] + sum.c[k] - x.c[k]);
+  return x;
+}
+
+/* Line 21: the velocity that explains the step, as the predicted one and what the solve changed:
+ * dividing x* - x by the time step would round away what a particle does not move in a step. */
+PBF_FN pbf_vec pbf_velocity(pbf_real inv_time_step, pbf_vec velocity, pbf_vec predicted,
+                            pbf_vec after) {
+  return pbf_add_scaled(velocity, inv_time_step, pbf_sub(after, predicted));
 }
 
 /* One pair's part of the curl of the velocity (eq. 15): (v_j - v_i) x V grad_j W, with

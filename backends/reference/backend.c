@@ -24,7 +24,6 @@ static int keep_array(solver *s, int wanted, void **array, const char *name, uin
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
                     sizeof *s->curl) &&
-         keep_array(s, has->accelerated, (void **)&s->total, "total lambda", sizeof *s->total) &&
          keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before);
 }
 
@@ -54,6 +53,7 @@ static int take_arrays(solver *s) {
   return (s->x = pbf_memory_take(m, "position", n, sizeof *s->x)) &&
          (s->v = pbf_memory_take(m, "velocity", n, sizeof *s->v)) &&
          (s->predicted = pbf_memory_take(m, "predicted", n, sizeof *s->predicted)) &&
+         (s->moved = pbf_memory_take(m, "moved", n, sizeof *s->moved)) &&
          (s->change = pbf_memory_take(m, "change", n, sizeof *s->change)) &&
          (s->lambda = pbf_memory_take(m, "lambda", n, sizeof *s->lambda)) &&
          (s->ids = pbf_memory_take(m, "id", n, sizeof *s->ids)) &&

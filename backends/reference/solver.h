@@ -17,12 +17,12 @@ struct pbf_backend_solver {
   pbf_schedule schedule;
   uint32_t capacity, count;
   pbf_vec *x, *v;     /* state */
-  pbf_vec *predicted; /* x* */
+  pbf_vec *predicted; /* where x* starts */
+  pbf_vec *moved;     /* x* */
   pbf_vec *change;    /* position change of an iteration; the second velocity of viscosity */
-  pbf_real *lambda;
-  pbf_real *total,
-      *before;    /* lambda of all iterations, and an iteration earlier: accelerated only */
-  pbf_curl *curl; /* with vorticity only */
+  pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *before;   /* … the lambda an iteration earlier */
+  pbf_curl *curl;     /* with vorticity only */
   uint32_t *ids;
   grid grid;
   uint32_t collider_count;

@@ -15,12 +15,17 @@ static inline pbf_obstacles obstacles_at(const solver *s, double time) {
 
 static inline void collide_all(const solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i)
-    s->predicted[i] = pbf_resolve(&o->walls, o->count, o->solids, s->predicted[i]);
+    s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, s->moved[i]);
 }
 
-static inline void predict(solver *s) {
+static inline void predict(solver *s, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params);
-  for (uint32_t i = 0; i < s->count; ++i) s->predicted[i] = pbf_predict(&forces, s->x[i], s->v[i]);
+  for (uint32_t i = 0; i < s->count; ++i) s->moved[i] = pbf_predict(&forces, s->x[i], s->v[i]);
+  if (s->schedule.collide_after_prediction) collide_all(s, o);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    s->predicted[i] = s->moved[i];
+    s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], s->predicted[i]);
+  }
 }
 
 /* What walls and colliders add to the density of particle i at x, and to its gradient. */
@@ -30,23 +35,25 @@ static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x,
     pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
 }
 
-static inline void compute_lambda(solver *s, const pbf_obstacles *o, pbf_real weight) {
+static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real density = c->value_scale, slope2 = 0;
     pbf_vec gradient = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       density += value;
       slope2 += slope * slope * n.r2;
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
-    add_walls(s, o, s->predicted[i], &density, &gradient);
-    s->lambda[i] = pbf_lambda(c, density, slope2, gradient);
+    add_walls(s, o, s->moved[i], &density, &gradient);
+    pbf_real lambda = pbf_lambda(c, density, slope2, gradient);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
-      s->lambda[i] = pbf_accelerate(c, weight, s->lambda[i], &s->total[i], &s->before[i]);
+      pbf_accelerate(c, lambda, &s->lambda[i], &s->before[i]);
+    else
+      s->lambda[i] = lambda;
   }
 }
 
@@ -56,7 +63,7 @@ static inline void move(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec sum = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(features, c, n.r2, &value, &slope);
       pbf_real factor = s->lambda[i] + s->lambda[n.j];
@@ -65,17 +72,19 @@ static inline void move(solver *s, const pbf_obstacles *o) {
     }
     pbf_real density = 0;
     pbf_vec from_walls = {{0}};
-    add_walls(s, o, s->predicted[i], &density, &from_walls);
+    add_walls(s, o, s->moved[i], &density, &from_walls);
     s->change[i] = pbf_add_scaled(sum, s->lambda[i], from_walls);
   }
   for (uint32_t i = 0; i < s->count; ++i)
-    s->predicted[i] = pbf_move(c, s->predicted[i], s->change[i]);
+    s->moved[i] = s->schedule.accelerated
+                      ? pbf_relax(c, s->predicted[i], s->moved[i], s->lambda[i], s->change[i])
+                      : pbf_move(c, s->moved[i], s->change[i]);
 }
 
 static inline void update_velocity(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   for (uint32_t i = 0; i < s->count; ++i)
-    s->v[i] = pbf_velocity(inv_time_step, s->x[i], s->predicted[i]);
+    s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->predicted[i], s->moved[i]);
 }
 
 static inline void compute_curl(solver *s) {
@@ -83,7 +92,7 @@ static inline void compute_curl(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_curl curl = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       pbf_add_curl(&curl, slope, n.x_ij, pbf_sub(s->v[n.j], s->v[i]));
@@ -98,7 +107,7 @@ static inline void confine_vorticity(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec eta = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->predicted, c->h2, &n)) {
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       eta = pbf_add_scaled(eta, pbf_curl_size(s->curl[n.j]) * slope, n.x_ij);
@@ -112,7 +121,7 @@ static inline void apply_viscosity(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec sum = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->predicted, c->h2, &n))
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n))
       sum = pbf_add_scaled(sum, pbf_pair_density(s->schedule.features, c, n.r2),
                            pbf_sub(s->v[n.j], s->v[i]));
     s->change[i] = pbf_add_scaled(s->v[i], c->viscosity, sum);
@@ -123,17 +132,15 @@ static inline void apply_viscosity(solver *s) {
 static inline void solver_step(solver *s, double time) {
   const pbf_schedule *has = &s->schedule;
   pbf_obstacles obstacles = obstacles_at(s, time + s->params.time_step);
-  predict(s);
-  if (has->collide_after_prediction) collide_all(s, &obstacles);
-  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->predicted);
-  double weight = 1;
+  predict(s, &obstacles);
+  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
-    memset(s->total, 0, s->count * sizeof *s->total);
+    memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->before, 0, s->count * sizeof *s->before);
   }
   for (uint32_t iteration = 0; iteration < s->params.iterations; ++iteration) {
-    weight = pbf_next_weight(&s->constants, iteration, weight);
-    compute_lambda(s, &obstacles, (pbf_real)weight);
+    pbf_set_iteration(&s->constants, &s->params, iteration);
+    compute_lambda(s, &obstacles);
     move(s, &obstacles);
     if (has->collide_in_iteration) collide_all(s, &obstacles);
   }
@@ -144,7 +151,7 @@ static inline void solver_step(solver *s, double time) {
     confine_vorticity(s);
   }
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
-  memcpy(s->x, s->predicted, s->count * sizeof *s->x);
+  memcpy(s->x, s->moved, s->count * sizeof *s->x);
 }
 
 /* rho/rho0 of particle i, positions sorted into s->grid; adds up its neighbours. */

@@ -133,6 +133,12 @@ static pbf_constants wall_constants(uint32_t kernel) {
   return pbf_constants_of(&p);
 }
 
+static void add_wall(const pbf_constants *c, double distance, pbf_vec normal, double *density,
+                     pbf_vec *gradient) {
+  double slope, value = pbf_wall(c, distance, &slope);
+  pbf_join_wall(value, slope, normal, density, gradient);
+}
+
 /* Half the kernel lies beyond a plane through its centre; of Wendland C2 in 3D, with u = 1 - t,
  * 3.5 u⁶ - 4.5 u⁷ + 1.5 u⁸ lies beyond the distance t h. */
 static void half_space_density(void **state) {
@@ -143,7 +149,7 @@ static void half_space_density(void **state) {
   for (double t = 0; PBF_DIM == 3 && t < 1.2; t += 0.05) {
     double u = fmax(1 - t, 0), density = 0;
     pbf_vec gradient = {{0}}, normal = {{0}};
-    pbf_add_wall(&c, t * c.h - c.wall_offset, normal, &density, &gradient);
+    add_wall(&c, t * c.h - c.wall_offset, normal, &density, &gradient);
     assert_near(density, pow(u, 6) * (3.5 - 4.5 * u + 1.5 * u * u), 3e-4);
   }
 }
@@ -158,9 +164,9 @@ static void wall_gradient_is_the_derivative(void **state) {
     for (double x = 0.011; x < c.h; x += 0.037) {
       pbf_vec gradient = {{0}};
       double up = 0, down = 0, here = 0;
-      pbf_add_wall(&c, x, normal, &here, &gradient);
-      pbf_add_wall(&c, x + e, normal, &up, &unused);
-      pbf_add_wall(&c, x - e, normal, &down, &unused);
+      add_wall(&c, x, normal, &here, &gradient);
+      add_wall(&c, x + e, normal, &up, &unused);
+      add_wall(&c, x - e, normal, &down, &unused);
       assert_near(gradient.c[1], (up - down) / (2 * e), 1e-4);
       assert_near(gradient.c[0], 0, 0);
     }
@@ -175,15 +181,42 @@ static void a_lattice_on_a_wall_is_at_rest(void **state) {
   double d = test_params(PBF_KERNEL_WENDLAND_C2).spacing;
   int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
   for (int layer = 0; layer < 3; ++layer) {
-    double density = 0;
+    double density = 0, lent = 0;
     pbf_vec gradient = {{0}}, normal = {{0}};
     for (int k = -nz; k <= nz; ++k)
       for (int j = -layer; j <= n; ++j)
         for (int i = -n; i <= n; ++i)
           density += pbf_pair_density(0, &c, d * d * (i * i + j * j + k * k));
-    pbf_add_wall(&c, (layer + 0.5) * d, normal, &density, &gradient);
-    assert_near(density, 1, layer == 0 ? 1e-4 : 0.015);
+    add_wall(&c, (layer + 0.5) * d, normal, &lent, &gradient);
+    assert_near(density + lent, 1, layer == 0 ? 1e-4 : 0.015);
   }
+}
+
+/* A lattice that fills a corner of the box is nearly at rest there: where two or three walls meet,
+ * what lies beyond more than one of them counts once. */
+static void a_lattice_in_a_corner_is_at_rest(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
+  pbf_constants c = pbf_constants_of(&p);
+  pbf_walls walls = pbf_walls_at(&p, 0);
+  double d = p.spacing, density = 0, e = 1e-6;
+  int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
+  for (int k = 0; k <= nz; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        density += pbf_pair_density(0, &c, d * d * (i * i + j * j + k * k));
+  pbf_vec x, gradient = {{0}}, unused = {{0}};
+  for (int a = 0; a < PBF_DIM; ++a) x.c[a] = 0.5 * d;
+  double lent = 0, up = 0, down = 0;
+  pbf_add_walls(&c, &walls, 0, NULL, x, &lent, &gradient);
+  assert_near(density + lent, 1, 0.02);
+  x.c[1] += e;
+  pbf_add_walls(&c, &walls, 0, NULL, x, &up, &unused);
+  x.c[1] -= 2 * e;
+  pbf_add_walls(&c, &walls, 0, NULL, x, &down, &unused);
+  assert_near(gradient.c[1], (up - down) / (2 * e), 1e-4);
 }
 
 int main(void) {
@@ -198,6 +231,7 @@ int main(void) {
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
+      cmocka_unit_test(a_lattice_in_a_corner_is_at_rest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
