@@ -94,22 +94,29 @@ static void clear_arrays(void *context, member *me) {
   }
 }
 
-/* Takes or releases the array that only an accelerated solve needs. 0 when there is no memory. */
-static int keep_before(solver *s, int wanted) {
-  pbf_memory *m = &s->memory;
-  if (wanted && !s->before)
-    s->before = pbf_memory_take(m, "lambda before", padded(s->capacity), sizeof *s->before);
-  if (wanted) return s->before != NULL;
-  pbf_memory_free(m, s->before);
-  s->before = NULL;
+/* Takes or releases an array that only some parameters need. 0 when there is no memory. */
+static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name) {
+  if (wanted && !*array)
+    *array = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof **array);
+  if (wanted) return *array != NULL;
+  pbf_memory_free(&s->memory, *array);
+  *array = NULL;
   return 1;
+}
+
+static int keep_arrays(solver *s, const pbf_schedule *has) {
+  return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
+         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack");
 }
 
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
-  if (!keep_before(s, schedule.accelerated)) return out_of_memory(s, "the accelerated solve");
+  if (!keep_arrays(s, &schedule)) {
+    keep_arrays(s, &s->schedule);
+    return out_of_memory(s, "the arrays of an optional stage");
+  }
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);

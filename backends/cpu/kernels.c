@@ -17,5 +17,7 @@ const kernels PBF_VARIANT_API = {
     .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
     .viscosity = PBF_BUILT & PBF_FEATURE_VISCOSITY ? viscosity : NULL,
-    .density = PBF_BUILT & PBF_FEATURE_STATS ? density : NULL,
+    .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
+    .backtrack = backtrack,
+    .slack = slack,
 };

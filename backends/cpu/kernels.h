@@ -41,6 +41,7 @@ typedef struct pair_pass {
   lists lists;
   field x;                    /* sorted */
   const pbf_obstacles *walls; /* that lend density; null: none do */
+  const pbf_real *slack;      /* null: none */
 } pair_pass;
 
 /* Null: built without the feature. */
@@ -50,6 +51,8 @@ typedef struct kernels {
   /* Particles first … last - 1, in any order. */
   void (*predict)(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
                   field v, field predicted, field velocity, uint32_t first, uint32_t last);
+  void (*backtrack)(pbf_real time_step, field predicted, field velocity, field before,
+                    uint32_t first, uint32_t last);
   void (*bounds)(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper);
   void (*cells)(const grid *grid, field x, uint32_t first, uint32_t last, uint32_t *cells,
                 uint32_t *lowest, uint32_t *highest);
@@ -71,6 +74,7 @@ typedef struct kernels {
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);
+  void (*slack)(const pbf_constants *constants, pbf_real *density, uint32_t first, uint32_t last);
 } kernels;
 
 #endif

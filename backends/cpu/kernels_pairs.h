@@ -132,12 +132,14 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
 
 /* Lambda of one group from its sums. */
 PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
-                         const lane_values *gradients, pbf_real *lambda, pbf_real *before) {
+                         const lane_values *gradients, const pbf_real *slack, pbf_real *lambda,
+                         pbf_real *before) {
   _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
   lane_store(slopes2, *slope2);
   for (uint32_t l = 0; l < WIDTH; ++l)
-    lambdas[l] = pbf_lambda(c, densities[l], slopes2[l], lane_value(gradients, l));
+    lambdas[l] =
+        pbf_lambda(c, slack ? slack[l] : 0, densities[l], slopes2[l], lane_value(gradients, l));
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
     for (uint32_t l = 0; l < WIDTH; ++l) pbf_accelerate(c, lambdas[l], &lambda[l], &before[l]);
   else
@@ -196,8 +198,8 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
         sums.density = lane_load(densities);
       }
     }
-    lambda_group(&c, &sums.density, &sums.slope2, &gradients, lambda + g * WIDTH,
-                 before + g * WIDTH);
+    lambda_group(&c, &sums.density, &sums.slope2, &gradients,
+                 p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, before + g * WIDTH);
   }
 }
 

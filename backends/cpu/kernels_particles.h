@@ -26,6 +26,20 @@ static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, in
         pbf_predicted_velocity(&f, field_at(&x, i), field_at(&v, i), field_at(&predicted, i)));
 }
 
+/* Where particles were at the start of the step. */
+static void backtrack(pbf_real time_step, field predicted, field velocity, field before,
+                      uint32_t first, uint32_t last) {
+  for (uint32_t i = first; i < last; ++i)
+    field_set(&before, i,
+              pbf_add_scaled(field_at(&predicted, i), -time_step, field_at(&velocity, i)));
+}
+
+static void slack(const pbf_constants *constants, pbf_real *density, uint32_t first,
+                  uint32_t last) {
+  const pbf_constants c = *constants;
+  for (uint32_t i = first; i < last; ++i) density[i] = pbf_slack(&c, density[i]);
+}
+
 /* NaN leaves the bounds as they are. */
 static void bounds(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper) {
   for (int k = 0; k < PBF_DIM; ++k) {

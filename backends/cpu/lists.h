@@ -100,7 +100,8 @@ static pair_pass pairs_at(const worker *w, field x) {
       .features = s->schedule.features,
       .lists = {.groups = s->groups, .data = s->list_data, .far = w->grid.far, .count = s->count},
       .x = x,
-      .walls = s->schedule.wall_density ? &w->obstacles : NULL};
+      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
+      .slack = s->slack};
 }
 
 #endif

@@ -39,6 +39,7 @@ struct pbf_backend_solver {
   buffers buffers;
   pbf_real *lambda; /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *before; /* … the lambda an iteration earlier */
+  pbf_real *slack;  /* in very short steps only */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */

@@ -20,6 +20,18 @@ static void clear_totals(worker *w) {
   memset(s->before + r.first * width, 0, bytes);
 }
 
+static void find_slack(worker *w) {
+  solver *s = w->s;
+  range sorted = my_sorted(w), r = w->groups;
+  s->kernels->backtrack((pbf_real)s->params.time_step, w->b.spare[2], w->b.spare[3], w->b.spare[0],
+                        sorted.first, sorted.last);
+  team_barrier(w->me);
+  pair_pass pairs = pairs_at(w, w->b.spare[0]);
+  s->kernels->density(&pairs, s->slack, s->cells, r.first, r.last);
+  s->kernels->slack(&s->constants, s->slack, sorted.first, sorted.last);
+  stage_end(w, PBF_STAGE_SLACK);
+}
+
 /* Moves x*, which starts as the prediction in spare[2] and is in spare[1] after each iteration. */
 static void iterate(worker *w, uint32_t k) {
   solver *s = w->s;
@@ -83,6 +95,7 @@ static int step_once(worker *w, double time) {
   if (!find_neighbors(w, w->b.spare[2])) return 0;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated) clear_totals(w);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
   for (uint32_t k = 0; k < s->params.iterations; ++k) iterate(w, k);
   update_velocity(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);

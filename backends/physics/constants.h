@@ -25,11 +25,23 @@ typedef struct pbf_constants {
   double contraction; /* what its weights follow from, pbf_next_weight, */
   pbf_real weight;    /* and the one of this iteration */
   pbf_real stiffness; /* 1/length², see pbf_relax */
+  pbf_real slack;     /* part of a density error that a step leaves, see pbf_slack */
   pbf_real wall_offset;
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
 } pbf_constants;
+
+/* What a step does to the density error that it finds becomes velocity: error times h / dt, without
+ * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
+ * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
+static inline double pbf_slack_of(const pbf_params *params) {
+  double g2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) g2 += params->gravity[k] * params->gravity[k];
+  if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g2 > 0)) return 0;
+  double time = 0.02 * sqrt(params->smoothing_radius / sqrt(g2));
+  return fmax(0, 1 - params->time_step / time);
+}
 
 /* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
  * largest with room for disorder; a such that the iterations of a step leave `rest` of what lies
@@ -47,6 +59,7 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
   c->stiffness = (pbf_real)stiffness;
+  c->slack = (pbf_real)pbf_slack_of(params);
 }
 
 /* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga

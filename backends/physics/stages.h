@@ -48,10 +48,11 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
 /* Line 10, eqs. 1 and 11, from density = V sum W (the particle itself included), gradient = sum
  * over the others of V grad W, slope2 = sum over the others of |V grad W|². In a crowd the
  * eigenvalues of the iteration grow with the density, and a step that is to stay inside them has to
- * shrink with it; no step undoes more than a density of twice the rest's. */
-PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real density, pbf_real slope2,
-                           pbf_vec gradient) {
-  pbf_real constraint = density - 1;
+ * shrink with it; no iteration undoes more than a density of twice the rest's. `slack` is 0 or
+ * pbf_slack's. */
+PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
+                           pbf_real slope2, pbf_vec gradient) {
+  pbf_real constraint = density - 1 - slack;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
   diagonal = pbf_real_max(diagonal, c->min_diagonal);
@@ -60,6 +61,11 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real density, pbf_real sl
     constraint = pbf_real_min(constraint, 1);
   }
   return -constraint / diagonal;
+}
+
+/* What a step leaves of the density error at its start. */
+PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
+  return c->slack * pbf_real_max(density - 1, 0);
 }
 
 /* One Chebyshev step: `lambda` is pbf_lambda's; *total is the lambda that acts, *before the one of

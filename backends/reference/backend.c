@@ -24,6 +24,8 @@ static int keep_array(solver *s, int wanted, void **array, const char *name, uin
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
                     sizeof *s->curl) &&
+         keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
+                    sizeof *s->slack) &&
          keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before);
 }
 

@@ -22,6 +22,7 @@ struct pbf_backend_solver {
   pbf_vec *change;    /* position change of an iteration; the second velocity of viscosity */
   pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *before;   /* … the lambda an iteration earlier */
+  pbf_real *slack;    /* in very short steps only */
   pbf_curl *curl;     /* with vorticity only */
   uint32_t *ids;
   grid grid;

@@ -35,6 +35,27 @@ static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x,
     pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
 }
 
+/* rho/rho0 of particle i, positions sorted into s->grid; adds up its neighbours. */
+static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
+                                      uint32_t *neighbors) {
+  pbf_real density = s->constants.value_scale;
+  pbf_vec gradient = {{0}};
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, s->x, s->constants.h2, &n)) {
+    density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
+    ++*neighbors;
+  }
+  add_walls(s, o, s->x[i], &density, &gradient);
+  return density;
+}
+
+/* From the positions at the start of the step. */
+static inline void compute_slack(solver *s, const pbf_obstacles *o) {
+  uint32_t neighbors = 0;
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->slack[i] = pbf_slack(&s->constants, solver_density(s, o, i, &neighbors));
+}
+
 static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -49,7 +70,7 @@ static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
     add_walls(s, o, s->moved[i], &density, &gradient);
-    pbf_real lambda = pbf_lambda(c, density, slope2, gradient);
+    pbf_real lambda = pbf_lambda(c, s->slack ? s->slack[i] : 0, density, slope2, gradient);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       pbf_accelerate(c, lambda, &s->lambda[i], &s->before[i]);
     else
@@ -134,6 +155,7 @@ static inline void solver_step(solver *s, double time) {
   pbf_obstacles obstacles = obstacles_at(s, time + s->params.time_step);
   predict(s, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
+  if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->before, 0, s->count * sizeof *s->before);
@@ -152,20 +174,6 @@ static inline void solver_step(solver *s, double time) {
   }
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
   memcpy(s->x, s->moved, s->count * sizeof *s->x);
-}
-
-/* rho/rho0 of particle i, positions sorted into s->grid; adds up its neighbours. */
-static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
-                                      uint32_t *neighbors) {
-  pbf_real density = s->constants.value_scale;
-  pbf_vec gradient = {{0}};
-  neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->x, s->constants.h2, &n)) {
-    density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
-    ++*neighbors;
-  }
-  add_walls(s, o, s->x[i], &density, &gradient);
-  return density;
 }
 
 #endif

@@ -42,7 +42,8 @@ static void lambda_against_finite_differences(void **state) {
       }
     double expected = -constraint / (gradient2 + p.epsilon / pow(p.smoothing_radius, 2));
     sums s = sums_at(0, &c, x, i);
-    assert_near(pbf_lambda(&c, s.density, s.slope2, s.gradient), expected, 1e-6 * fabs(expected));
+    assert_near(pbf_lambda(&c, 0, s.density, s.slope2, s.gradient), expected,
+                1e-6 * fabs(expected));
   }
 }
 
@@ -58,7 +59,7 @@ static void one_constraint_projects_to_its_surface(void **state) {
   int i = 3;
   double before = brute_density(0, &c, x, i) - 1;
   sums s = sums_at(0, &c, x, i);
-  double lambda = pbf_lambda(&c, s.density, s.slope2, s.gradient), fraction = 1e-4;
+  double lambda = pbf_lambda(&c, 0, s.density, s.slope2, s.gradient), fraction = 1e-4;
   pbf_vec moved[CLOUD];
   memcpy(moved, x, sizeof x);
   moved[i] = pbf_add_scaled(x[i], fraction * lambda, s.gradient);
@@ -82,7 +83,7 @@ static void position_changes_keep_the_centre_of_mass(void **state) {
   fill_cloud(x, 1.0);
   for (int i = 0; i < CLOUD; ++i) {
     sums s = sums_at(PBF_FEATURE_POLY6, &c, x, i);
-    lambda[i] = pbf_lambda(&c, s.density, s.slope2, s.gradient);
+    lambda[i] = pbf_lambda(&c, 0, s.density, s.slope2, s.gradient);
   }
   for (int i = 0; i < CLOUD; ++i) {
     pbf_vec sum = {{0}};
@@ -197,12 +198,12 @@ static void separation_scales_the_pull(void **state) {
   pbf_vec none = {{0}};
   p.separation = 0.75;
   pbf_constants c = pbf_constants_of(&p);
-  assert_near(pbf_lambda(&c, 0.8, 2, none), 0.25 * 0.2 / 2, 1e-15);
-  assert_near(pbf_lambda(&c, 1.2, 2, none), -0.2 / 2, 1e-15);
+  assert_near(pbf_lambda(&c, 0, 0.8, 2, none), 0.25 * 0.2 / 2, 1e-15);
+  assert_near(pbf_lambda(&c, 0, 1.2, 2, none), -0.2 / 2, 1e-15);
   p.min_diagonal = 3;
   c = pbf_constants_of(&p);
   double least = 3 * pbf_derive(&p, PBF_DIM).diagonal;
-  assert_near(pbf_lambda(&c, 1.2, 1e-9, none), -0.2 / least, 1e-12);
+  assert_near(pbf_lambda(&c, 0, 1.2, 1e-9, none), -0.2 / least, 1e-12);
 }
 
 static void prediction_is_symplectic_euler(void **state) {
