@@ -12,7 +12,7 @@ static uint64_t bytes_of(int features);
 #include "entered.h"
 
 static uint64_t bytes_of(int features) {
-  return features & CHEBYSHEV ? 2 * padded(COUNT) * sizeof(pbf_real) : 0;
+  return features & CHEBYSHEV ? padded(COUNT) * sizeof(pbf_real) : 0;
 }
 
 static const watched *watched_at(unsigned k) {
@@ -32,12 +32,12 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
       WATCH(pbf_collide, COLLIDERS),
-      WATCH(move_group_around, COLLIDERS),
-      WATCH(pbf_add_wall, WALL_DENSITY),
+      WATCH(resolve_group, COLLIDERS),
+      WATCH(pbf_wall, WALL_DENSITY),
       WATCH(wall_distances, WALL_DENSITY),
       WATCH(clear_totals, CHEBYSHEV),
-      WATCH(accelerate, CHEBYSHEV),
       WATCH(pbf_accelerate, CHEBYSHEV),
+      WATCH(pbf_relax, CHEBYSHEV),
       WATCH(density, STATS),
       WATCH(run_survey, STATS),
       WATCH(add_to_stats, STATS),
