@@ -281,11 +281,12 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   }
 }
 
-static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles, lane_values *x,
+static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles,
+                                                    const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved =
-        pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids, lane_value(x, l));
+    pbf_vec resolved = pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids, 0,
+                                   lane_value(from, l), lane_value(x, l));
     for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
   }
 }
@@ -305,7 +306,7 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstac
     lane_values moved = moved_group(&c, &starts, &xs, lambda + g * WIDTH, &sums);
     uint32_t lanes = lanes_in_group(&n, g);
     if (collide && pbf_solid_count(obstacles))
-      resolve_group(obstacles, &moved, lanes);
+      resolve_group(obstacles, &starts, &moved, lanes);
     else if (collide)
       clamp_group(obstacles, &moved);
     for (int k = 0; k < PBF_DIM; ++k)

@@ -4,14 +4,20 @@
 
 #include "cpu/kernels.h"
 
-static void collide_range(const pbf_obstacles *o, field x, uint32_t first, uint32_t last) {
+/* Particles on their way from `from` to x; from before the obstacles moved where these `carried`
+ * it.
+ */
+static void collide_range(const pbf_obstacles *o, int carried, field from, field x, uint32_t first,
+                          uint32_t last) {
   const pbf_walls walls = o->walls;
   if (pbf_solid_count(o) == 0) {
     for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
     return;
   }
   for (uint32_t i = first; i < last; ++i)
-    field_set(&x, i, pbf_resolve(&walls, o->count, o->solids, field_at(&x, i)));
+    field_set(&x, i,
+              pbf_resolve(&walls, pbf_solid_count(o), o->solids, carried, field_at(&from, i),
+                          field_at(&x, i)));
 }
 
 static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
@@ -19,7 +25,7 @@ static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, in
   const pbf_forces f = *forces;
   for (uint32_t i = first; i < last; ++i)
     field_set(&predicted, i, pbf_predict(&f, field_at(&x, i), field_at(&v, i)));
-  if (collide) collide_range(obstacles, predicted, first, last);
+  if (collide) collide_range(obstacles, 1, x, predicted, first, last);
   for (uint32_t i = first; i < last; ++i)
     field_set(
         &velocity, i,
@@ -78,7 +84,7 @@ static void cells(const grid *of, field x, uint32_t first, uint32_t last, uint32
 static void velocity(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
                      field velocity, field predicted, field after, field v, uint32_t first,
                      uint32_t last) {
-  if (collide) collide_range(obstacles, after, first, last);
+  if (collide) collide_range(obstacles, 0, predicted, after, first, last);
   for (uint32_t i = first; i < last; ++i)
     field_set(&v, i,
               pbf_velocity(inv_time_step, field_at(&velocity, i), field_at(&predicted, i),

@@ -78,7 +78,8 @@ static inline void place_obstacles(worker *w, double time) {
   w->obstacles.walls = pbf_walls_at(&s->params, time);
   w->obstacles.count = (int)s->collider_count;
   for (int k = 0; k < pbf_solid_count(&w->obstacles); ++k)
-    w->obstacles.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
+    w->obstacles.solids[k] =
+        pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
 }
 
 static inline void swap_fields(field *a, field *b) {

@@ -1,6 +1,6 @@
-/* Collision response (Algorithm 1, line 14): a position inside a solid goes to the nearest point of
- * its surface. Shapes are prepared once a step in float64 and applied in the particles' precision.
- */
+/* Collision response (Algorithm 1, line 14): a particle whose way leads into a solid stays on the
+ * side it came from. Shapes are prepared once a step in float64 and applied in the particles'
+ * precision. */
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H
 
@@ -27,8 +27,8 @@ PBF_FN pbf_vec pbf_clamp(const pbf_walls *walls, pbf_vec x) {
   return x;
 }
 
-/* A collider in one pose. Rows of `frame` are directions in space: a box's own axes, otherwise the
- * normal or capsule axis and one perpendicular to it. */
+/* A collider at the end of a step, and where it was at its start. Rows of `frame` are directions in
+ * space: a box's own axes, otherwise the normal or capsule axis and perpendiculars to it. */
 typedef struct pbf_solid {
   int shape;
   pbf_real sign; /* 1: the fluid stays outside, -1: inside */
@@ -36,6 +36,8 @@ typedef struct pbf_solid {
   pbf_vec frame[PBF_DIM];
   pbf_vec half_extents;
   pbf_real radius, half_length;
+  pbf_real bound; /* nothing of it is farther from the centre */
+  pbf_vec start_center, start_frame[PBF_DIM];
 } pbf_solid;
 
 static inline void pbf_rotate(const double q[4], const double v[3], double out[3]) {
@@ -58,26 +60,46 @@ static inline void pbf_axis_frame(const double axis[3], double frame[3][3]) {
     frame[1][k] = (k == far) - frame[0][far] * frame[0][k];
     across2 += frame[1][k] * frame[1][k];
   }
-  for (int k = 0; k < 3; ++k) frame[1][k] /= sqrt(across2), frame[2][k] = 0;
+  for (int k = 0; k < 3; ++k) frame[1][k] /= sqrt(across2);
+  for (int k = 0; k < 3; ++k) {
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    frame[2][k] = frame[0][l] * frame[1][m] - frame[0][m] * frame[1][l];
+  }
 }
 
-static inline pbf_solid pbf_solid_at(const pbf_collider *at_set, double elapsed) {
+static inline void pbf_place_solid(const pbf_collider *at_set, double elapsed, pbf_vec *center,
+                                   pbf_vec frame[PBF_DIM]) {
   pbf_collider now;
-  double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double own[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   pbf_motion_collider(at_set, elapsed, &now);
-  if (now.shape != PBF_COLLIDER_BOX) pbf_axis_frame(now.axis, frame);
-  pbf_solid s = {0};
-  s.shape = (int)now.shape;
-  s.sign = now.inverted ? (pbf_real)-1 : (pbf_real)1;
-  s.radius = (pbf_real)now.radius;
-  s.half_length = (pbf_real)now.half_length;
+  if (now.shape != PBF_COLLIDER_BOX) pbf_axis_frame(now.axis, own);
   for (int row = 0; row < PBF_DIM; ++row) {
     double turned[3];
-    pbf_rotate(now.orientation, frame[row], turned);
-    for (int k = 0; k < PBF_DIM; ++k) s.frame[row].c[k] = (pbf_real)turned[k];
-    s.center.c[row] = (pbf_real)now.position[row];
-    s.half_extents.c[row] = (pbf_real)now.half_extents[row];
+    pbf_rotate(now.orientation, own[row], turned);
+    for (int k = 0; k < PBF_DIM; ++k) frame[row].c[k] = (pbf_real)turned[k];
+    center->c[row] = (pbf_real)now.position[row];
   }
+}
+
+/* At the end of a step, `elapsed` after the collider was set. */
+static inline pbf_solid pbf_solid_at(const pbf_collider *at_set, double elapsed, double time_step) {
+  double extent2 = 0;
+  pbf_solid s = {0};
+  s.shape = (int)at_set->shape;
+  s.sign = at_set->inverted ? (pbf_real)-1 : (pbf_real)1;
+  s.radius = (pbf_real)at_set->radius;
+  s.half_length = (pbf_real)at_set->half_length;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    s.half_extents.c[k] = (pbf_real)at_set->half_extents[k];
+    extent2 += at_set->half_extents[k] * at_set->half_extents[k];
+  }
+  double bound = s.shape == PBF_COLLIDER_BOX       ? sqrt(extent2)
+                 : s.shape == PBF_COLLIDER_CAPSULE ? at_set->radius + at_set->half_length
+                                                   : at_set->radius;
+  s.bound = s.shape == PBF_COLLIDER_PLANE || at_set->inverted ? (pbf_real)INFINITY
+                                                              : (pbf_real)(1.0001 * bound);
+  pbf_place_solid(at_set, elapsed, &s.center, s.frame);
+  pbf_place_solid(at_set, elapsed - time_step, &s.start_center, s.start_frame);
   return s;
 }
 
@@ -141,11 +163,69 @@ PBF_FN pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *norma
   return s->sign * distance;
 }
 
+/* Whether x is farther than `reach` from anything of the solid, cheaply. */
+PBF_FN int pbf_solid_beyond(const pbf_solid *s, pbf_vec x, pbf_real reach) {
+  pbf_vec p = pbf_sub(x, s->center);
+  pbf_real far = s->bound + reach;
+  return pbf_dot(p, p) > far * far;
+}
+
+/* Where a point that the solid carries along is at the end of the step. */
+PBF_FN pbf_vec pbf_carried(const pbf_solid *s, pbf_vec x) {
+  pbf_vec p = pbf_sub(x, s->start_center), moved = s->center;
+  for (int row = 0; row < PBF_DIM; ++row)
+    moved = pbf_add_scaled(moved, pbf_dot(p, s->start_frame[row]), s->frame[row]);
+  return moved;
+}
+
 /* Moves x out of the solid along the shortest way. */
 PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
   pbf_vec normal;
   pbf_real distance = pbf_solid_distance(s, x, &normal);
   return distance < 0 ? pbf_add_scaled(x, -distance, normal) : x;
+}
+
+/* Where the way of length `length` from `from` to x, `distance` before the solid, first meets it,
+ * found by stepping on by the distance from it (sphere tracing); *normal is that of its surface
+ * there. Returns 0 where it does not. */
+PBF_FN int pbf_meet(const pbf_solid *s, pbf_vec from, pbf_vec x, pbf_real length, pbf_real distance,
+                    pbf_real close, pbf_vec *at, pbf_vec *normal) {
+  enum { STEPS = 48 };
+  pbf_real way = distance;
+  for (int k = 0; k < STEPS && way < length; ++k) {
+    *at = pbf_add_scaled(from, way / length, pbf_sub(x, from));
+    distance = pbf_solid_distance(s, *at, normal);
+    if (distance < close) {
+      *at = pbf_add_scaled(*at, -distance, *normal);
+      return 1;
+    }
+    way += distance;
+  }
+  return 0;
+}
+
+/* A particle on its way from `from`, which the solid carries along, to x: where the way enters the
+ * solid it slides on along the surface, so that nothing goes through however thin the solid and
+ * however fast the particle. What starts inside leaves by the face that is nearest to the start. */
+PBF_FN pbf_vec pbf_collide_on_way(const pbf_solid *s, pbf_vec from, pbf_vec x) {
+  pbf_vec way = pbf_sub(x, from), at = from, normal;
+  pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
+  if (s->bound == (pbf_real)INFINITY) return pbf_collide(s, x);
+  if (pbf_solid_beyond(s, from, length)) return x;
+  pbf_real distance = pbf_solid_distance(s, from, &normal);
+  if (!(distance < length)) return x;
+  pbf_real close = (pbf_real)1e-6 * (s->bound + length + pbf_real_sqrt(pbf_dot(from, from)));
+  if (distance > close) {
+    if (!pbf_meet(s, from, x, length, distance, close, &at, &normal)) return pbf_collide(s, x);
+  } else {
+    pbf_vec unused, middle = pbf_add_scaled(from, (pbf_real)0.5, way);
+    if (pbf_solid_distance(s, x, &unused) >= 0 && pbf_solid_distance(s, middle, &unused) >= 0)
+      return x;
+    at = pbf_add_scaled(from, -distance, normal);
+  }
+  pbf_real depth = pbf_dot(pbf_sub(at, x), normal);
+  if (depth > 0) x = pbf_add_scaled(x, depth, normal);
+  return pbf_collide(s, x);
 }
 
 /* Walls and colliders of one step. */
@@ -160,9 +240,14 @@ PBF_FN int pbf_solid_count(const pbf_obstacles *o) {
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o->count : 0;
 }
 
-/* Walls last: whatever a collider does, the domain holds. */
-PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, pbf_vec x) {
-  for (int k = 0; k < count; ++k) x = pbf_collide(&solids[k], x);
+/* The way of a particle from `from` to x; with `carried` obstacles have moved since it was there,
+ * in the prediction, and otherwise not. Walls last: whatever a collider does, the domain holds. */
+PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, int carried,
+                           pbf_vec from, pbf_vec x) {
+  for (int k = 0; k < count; ++k) {
+    const pbf_solid *s = &solids[k];
+    x = pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
+  }
   return pbf_clamp(walls, x);
 }
 

@@ -118,6 +118,7 @@ PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int co
     pbf_join_wall(value, rise - fall, axis, &lent, &lent_gradient);
   }
   for (int k = 0; k < count; ++k) {
+    if (pbf_solid_beyond(&solids[k], x, c->h - c->wall_offset)) continue;
     pbf_vec normal;
     pbf_real slope, distance = pbf_solid_distance(&solids[k], x, &normal);
     pbf_real value = pbf_wall(c, distance, &slope);

@@ -9,19 +9,22 @@ static inline pbf_obstacles obstacles_at(const solver *s, double time) {
   o.walls = pbf_walls_at(&s->params, time);
   o.count = PBF_BUILT & PBF_FEATURE_COLLIDERS ? (int)s->collider_count : 0;
   for (int k = 0; k < o.count; ++k)
-    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time);
+    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
   return o;
 }
 
-static inline void collide_all(const solver *s, const pbf_obstacles *o) {
+/* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
+ * it. */
+static inline void collide_all(const solver *s, const pbf_obstacles *o, int carried,
+                               const pbf_vec *from) {
   for (uint32_t i = 0; i < s->count; ++i)
-    s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, s->moved[i]);
+    s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, carried, from[i], s->moved[i]);
 }
 
 static inline void predict(solver *s, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) s->moved[i] = pbf_predict(&forces, s->x[i], s->v[i]);
-  if (s->schedule.collide_after_prediction) collide_all(s, o);
+  if (s->schedule.collide_after_prediction) collide_all(s, o, 1, s->x);
   for (uint32_t i = 0; i < s->count; ++i) {
     s->predicted[i] = s->moved[i];
     s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], s->predicted[i]);
@@ -164,9 +167,9 @@ static inline void solver_step(solver *s, double time) {
     pbf_set_iteration(&s->constants, &s->params, iteration);
     compute_lambda(s, &obstacles);
     move(s, &obstacles);
-    if (has->collide_in_iteration) collide_all(s, &obstacles);
+    if (has->collide_in_iteration) collide_all(s, &obstacles, 0, s->predicted);
   }
-  if (has->collide_after_solve) collide_all(s, &obstacles);
+  if (has->collide_after_solve) collide_all(s, &obstacles, 0, s->predicted);
   update_velocity(s);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {
     compute_curl(s);

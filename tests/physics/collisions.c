@@ -49,11 +49,11 @@ static void plane(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_PLANE);
   c.axis[0] = c.axis[1] = 3; /* any length */
   c.position[0] = 1;
-  pbf_solid s = pbf_solid_at(&c, 0);
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0, 0, 1)), 0.5, 0.5, 1);
   assert_at(pbf_collide(&s, point(2, 2, 1)), 2, 2, 1);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0);
+  s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0, 0, 1)), 0, 0, 1);
   assert_at(pbf_collide(&s, point(2, 1, 1)), 1, 0, 1);
 }
@@ -63,14 +63,14 @@ static void sphere(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_SPHERE);
   c.position[0] = 1;
   c.position[1] = 1;
-  pbf_solid s = pbf_solid_at(&c, 0);
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(1.25, 1, 0)), 1.5, 1, 0);
   assert_at(pbf_collide(&s, point(1, 2, 0)), 1, 2, 0);
   pbf_vec out = pbf_collide(&s, point(1, 1, 0)); /* from the very centre: out, somewhere */
   pbf_vec r = pbf_sub(out, point(1, 1, 0));
   assert_near(pbf_dot(r, r), 0.25, 1e-12);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0);
+  s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(1, 4, 0)), 1, 1.5, 0);
   assert_at(pbf_collide(&s, point(1.1, 1, 0)), 1.1, 1, 0);
 }
@@ -78,7 +78,7 @@ static void sphere(void **state) {
 static void capsule(void **state) {
   (void)state;
   pbf_collider c = collider(PBF_COLLIDER_CAPSULE); /* from (0,-1,0) to (0,1,0), radius 0.5 */
-  pbf_solid s = pbf_solid_at(&c, 0);
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0.2, 0.7, 0)), 0.5, 0.7, 0);
   assert_at(pbf_collide(&s, point(0, 1.2, 0)), 0, 1.5, 0);
   assert_at(pbf_collide(&s, point(0, 1.6, 0)), 0, 1.6, 0);
@@ -90,12 +90,12 @@ static void capsule(void **state) {
 static void box(void **state) {
   (void)state;
   pbf_collider c = collider(PBF_COLLIDER_BOX); /* 2 × 4 (× 6) */
-  pbf_solid s = pbf_solid_at(&c, 0);
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0.9, 0.3, 1)), 1, 0.3, 1);
   assert_at(pbf_collide(&s, point(-0.5, -1.9, 1)), -0.5, -2, 1);
   assert_at(pbf_collide(&s, point(1.2, 0, 0)), 1.2, 0, 0);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0);
+  s = pbf_solid_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(4, 7, 1)), 1, 2, 1);
   assert_at(pbf_collide(&s, point(0, 0, 0)), 0, 0, 0);
 }
@@ -106,7 +106,7 @@ static void a_box_turns_and_travels(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.velocity[0] = 2;
   c.angular_velocity[2] = PBF_PI / 4;
-  pbf_solid s = pbf_solid_at(&c, 2);
+  pbf_solid s = pbf_solid_at(&c, 2, 0);
   assert_at(s.center, 4, 0, 0);
   assert_at(pbf_collide(&s, point(4, 0.8, 0)), 4, 1, 0);
   assert_at(pbf_collide(&s, point(5.9, 0.1, 0)), 6, 0.1, 0);
@@ -122,9 +122,47 @@ static void the_domain_has_the_last_word(void **state) {
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
   pbf_collider c = collider(PBF_COLLIDER_PLANE);
   c.position[1] = 20;
-  pbf_solid s = pbf_solid_at(&c, 0);
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
   pbf_walls w = pbf_walls_at(&p, 0);
-  assert_at(pbf_resolve(&w, 1, &s, point(5, 5, 5)), 5, 10, 5);
+  assert_at(pbf_resolve(&w, 1, &s, 0, point(5, 5, 5), point(5, 5, 5)), 5, 10, 5);
+}
+
+/* A plate 0.01 thin, and ways that end far behind it, on the way out, and beside it. */
+static void nothing_goes_through_a_thin_plate(void **state) {
+  (void)state;
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = 0.005;
+  c.half_extents[1] = c.half_extents[2] = 2;
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  assert_at(pbf_collide_on_way(&s, point(-3, 0.5, 0), point(40, 0.7, 0)), -0.005, 0.7, 0);
+  assert_at(pbf_collide_on_way(&s, point(3, -1, 0), point(-1, -1.5, 0)), 0.005, -1.5, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.005, 0, 0), point(0.001, 0.1, 0)), -0.005, 0.1, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.005, 0, 0), point(-0.5, 0.1, 0)), -0.5, 0.1, 0);
+  assert_at(pbf_collide_on_way(&s, point(-3, 2.5, 0), point(40, 2.5, 0)), 40, 2.5, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.004, 0, 0), point(0.004, 0, 0)), -0.005, 0, 0);
+  c = collider(PBF_COLLIDER_SPHERE);
+  c.radius = 0.01;
+  s = pbf_solid_at(&c, 0, 0);
+  assert_at(pbf_collide_on_way(&s, point(-3, 0, 0), point(5, 0, 0)), -0.01, 0, 0);
+  assert_at(pbf_collide_on_way(&s, point(-3, 1, 0), point(5, 1, 0)), 5, 1, 0);
+}
+
+/* The plate travels and turns over particles that rest: they end before it. */
+static void a_moving_plate_takes_along(void **state) {
+  (void)state;
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = 0.005;
+  c.half_extents[1] = c.half_extents[2] = 2;
+  c.velocity[0] = 10;
+  pbf_solid s = pbf_solid_at(&c, 1, 1);
+  assert_at(pbf_carried(&s, point(3, 1, 0)), 13, 1, 0);
+  assert_at(pbf_collide_on_way(&s, pbf_carried(&s, point(3, 1, 0)), point(3, 1, 0)), 10.005, 1, 0);
+  c.velocity[0] = 0;
+  c.angular_velocity[2] = 1;
+  s = pbf_solid_at(&c, 0.5, 0.5);
+  pbf_vec rest = point(-0.2, 1, 0);
+  pbf_vec out = pbf_collide_on_way(&s, pbf_carried(&s, rest), rest), n = s.frame[0];
+  assert_near(pbf_dot(pbf_sub(out, s.center), n), -0.005, 1e-5);
 }
 
 static pbf_constants wall_constants(uint32_t kernel) {
@@ -236,6 +274,8 @@ int main(void) {
       cmocka_unit_test(box),
       cmocka_unit_test(a_box_turns_and_travels),
       cmocka_unit_test(the_domain_has_the_last_word),
+      cmocka_unit_test(nothing_goes_through_a_thin_plate),
+      cmocka_unit_test(a_moving_plate_takes_along),
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),

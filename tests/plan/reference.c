@@ -28,7 +28,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
-      WATCH(pbf_collide, COLLIDERS),
+      WATCH(pbf_collide_on_way, COLLIDERS),
       WATCH(pbf_wall, WALL_DENSITY),
       WATCH(pbf_accelerate, CHEBYSHEV),
       WATCH(pbf_relax, CHEBYSHEV),
