@@ -5,6 +5,7 @@
 #include "error.h"
 #include "ids.h"
 #include "memory.h"
+#include "separate.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;
@@ -64,8 +65,11 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   uint32_t *ids;
   pbf_status status = take_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
-  const pbf_particles particles = {sizeof particles, count, ids, positions, velocities};
-  status = add_to_backend(solver, &particles);
+  pbf_separated separated;
+  status = pbf_separate(solver, positions, count, &separated);
+  const pbf_particles particles = {sizeof particles, count, ids, separated.positions, velocities};
+  if (status == PBF_OK) status = add_to_backend(solver, &particles);
+  pbf_separated_give(solver, &separated);
   give_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;

@@ -168,6 +168,45 @@ static void the_wall_itself_is_inside(void **state) {
   pbf_destroy(s);
 }
 
+/* Five particles at one point, and one beside them. */
+static void those_at_one_point_are_set_apart(uint32_t dimension, uint32_t precision) {
+  enum { COUNT = 6, LONELY = 3 };
+  pbf_solver *s = test_solver(dimension, precision, COUNT);
+  unsigned char in[COUNT * 3 * 8] = {0}, out[COUNT * 3 * 8];
+  for (uint32_t i = 0; i < COUNT; ++i)
+    for (uint32_t k = 0; k < dimension; ++k) {
+      double value = i == LONELY ? 0.75 : 0.5;
+      float single = (float)value;
+      memcpy(in + (i * dimension + k) * precision,
+             precision == PBF_FLOAT32 ? (void *)&single : (void *)&value, precision);
+    }
+  assert_ok(pbf_add_particles(s, COUNT, in, NULL, NULL));
+  assert_ok(pbf_get_positions(s, 0, COUNT, out));
+  double spacing = 0.5 * test_params().smoothing_radius;
+  for (uint32_t k = 0; k < dimension; ++k) {
+    double centre = 0;
+    assert_true(test_value(out, LONELY * dimension + k, precision) == 0.75);
+    for (uint32_t i = 0; i < COUNT; ++i)
+      if (i != LONELY) centre += test_value(out, i * dimension + k, precision) / (COUNT - 1);
+    assert_true(fabs(centre - 0.5) < 1e-7);
+  }
+  for (uint32_t i = 0; i < COUNT; ++i)
+    for (uint32_t j = 0; j < i; ++j) {
+      double distance2 = 0;
+      for (uint32_t k = 0; k < dimension; ++k)
+        distance2 += pow(test_value(out, i * dimension + k, precision) -
+                             test_value(out, j * dimension + k, precision),
+                         2);
+      assert_true(sqrt(distance2) > 0.2 * spacing);
+    }
+  pbf_destroy(s);
+}
+
+static void coincident_particles(void **state) {
+  (void)state;
+  test_for_each_kind(those_at_one_point_are_set_apart);
+}
+
 static void nothing_at_all(void **state) {
   (void)state;
   pbf_solver *s = test_solver(3, PBF_FLOAT64, 4);
@@ -191,6 +230,7 @@ int main(void) {
       cmocka_unit_test(above_capacity),
       cmocka_unit_test(bad_numbers_are_refused),
       cmocka_unit_test(the_wall_itself_is_inside),
+      cmocka_unit_test(coincident_particles),
       cmocka_unit_test(nothing_at_all),
   };
   return TEST_RUN(particles);

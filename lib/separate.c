@@ -1,0 +1,133 @@
+#include "separate.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "fnv.h"
+#include "memory.h"
+#include "physics/motion.h"
+
+/* A point that particles are at: a slot of a hash table with open addressing. */
+typedef struct place {
+  uint32_t first; /* particle there, + 1; 0: the slot is free */
+  uint32_t count, seen;
+} place;
+
+typedef struct places {
+  const pbf_solver *solver;
+  const char *positions;
+  uint64_t point_bytes;
+  place *slots;
+  uint64_t mask;
+} places;
+
+static double component(const places *p, uint32_t i, uint32_t k) {
+  const char *point = p->positions + i * p->point_bytes;
+  if (pbf_element_size(p->solver) == sizeof(float)) {
+    float value;
+    memcpy(&value, point + k * sizeof value, sizeof value);
+    return (double)value;
+  }
+  double value;
+  memcpy(&value, point + k * sizeof value, sizeof value);
+  return value;
+}
+
+static int same_point(const places *p, uint32_t i, uint32_t j) {
+  for (uint32_t k = 0; k < p->solver->kind.dimension; ++k)
+    if (component(p, i, k) < component(p, j, k) || component(p, i, k) > component(p, j, k))
+      return 0;
+  return 1;
+}
+
+static place *place_of(const places *p, uint32_t i) {
+  double point[3] = {0, 0, 0};
+  for (uint32_t k = 0; k < p->solver->kind.dimension; ++k)
+    point[k] = component(p, i, k) + 0.0; /* -0 is 0 */
+  uint64_t slot = pbf_fnv(PBF_FNV_START, point, sizeof point);
+  for (slot ^= slot >> 32;; ++slot) {
+    place *there = &p->slots[slot & p->mask];
+    if (!there->first || same_point(p, i, there->first - 1)) return there;
+  }
+}
+
+/* Returns whether some are at one point. */
+static int find_places(places *p, uint32_t count) {
+  int shared = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    place *there = place_of(p, i);
+    if (!there->first) there->first = i + 1;
+    shared |= ++there->count > 1;
+  }
+  return shared;
+}
+
+/* Where the particle `member` of `count` at one point goes from there; directions turn by the
+ * golden angle. */
+static void separation(uint32_t dimension, double spacing, uint32_t member, uint32_t count,
+                       double offset[3]) {
+  const double golden_angle = 2.399963229728653;
+  uint32_t pair = member / 2, pairs = count / 2;
+  offset[0] = offset[1] = offset[2] = 0;
+  if (pair == pairs) return; /* the last of an odd number stays */
+  double angle = golden_angle * pair, height = dimension == 3 ? 1 - (pair + 0.5) / pairs : 0;
+  double radius = 0.25 * spacing * pow(pair + 1, 1.0 / dimension) * (member % 2 ? -1 : 1);
+  double across = radius * sqrt(1 - height * height);
+  offset[0] = across * cos(angle);
+  offset[1] = across * sin(angle);
+  offset[2] = radius * height;
+}
+
+static void move_apart(places *p, uint32_t count, double spacing, char *copy) {
+  uint32_t dimension = p->solver->kind.dimension, size = pbf_element_size(p->solver);
+  double lower[3], upper[3], time = pbf_solver_time(p->solver);
+  for (int k = 0; k < 3; ++k) {
+    lower[k] = pbf_motion_wall(&p->solver->params, 2 * k, time);
+    upper[k] = pbf_motion_wall(&p->solver->params, 2 * k + 1, time);
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    double offset[3];
+    place *there = place_of(p, i);
+    separation(dimension, spacing, there->seen++, there->count, offset);
+    for (uint32_t k = 0; k < dimension && there->count > 1; ++k) {
+      double value = fmin(component(p, i, k) + offset[k], upper[k]);
+      value = fmax(value, lower[k]);
+      float single = (float)value;
+      memcpy(copy + i * p->point_bytes + k * size,
+             size == sizeof single ? (void *)&single : (void *)&value, size);
+    }
+  }
+}
+
+static double spacing_of(const pbf_params *params) {
+  return params->spacing > 0 ? params->spacing : 0.5 * params->smoothing_radius;
+}
+
+pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_t count,
+                        pbf_separated *separated) {
+  uint64_t point_bytes = (uint64_t)pbf_element_size(solver) * solver->kind.dimension, slots = 2;
+  while (slots < 2 * (uint64_t)count) slots *= 2;
+  void *memory;
+  *separated = (pbf_separated){.positions = positions};
+  pbf_status status = pbf_memory_take(&solver->allocator, slots * sizeof(place),
+                                      "a table of the new positions", &memory);
+  if (status != PBF_OK) return status;
+  memset(memory, 0, slots * sizeof(place));
+  places p = {solver, positions, point_bytes, memory, slots - 1};
+  if (find_places(&p, count)) {
+    separated->bytes = count * point_bytes;
+    status = pbf_memory_take(&solver->allocator, separated->bytes, "a copy of the new positions",
+                             &separated->copy);
+    if (status == PBF_OK) {
+      memcpy(separated->copy, positions, separated->bytes);
+      move_apart(&p, count, spacing_of(&solver->params), separated->copy);
+      separated->positions = separated->copy;
+    }
+  }
+  pbf_memory_give(&solver->allocator, memory, slots * sizeof(place));
+  return status;
+}
+
+void pbf_separated_give(const pbf_solver *solver, pbf_separated *separated) {
+  pbf_memory_give(&solver->allocator, separated->copy, separated->bytes);
+}
