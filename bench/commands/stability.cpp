@@ -60,7 +60,7 @@ int exit_code_of(const Judgement &judgement, const std::vector<int> &known) {
 }
 
 int judge_and_show(const StabilityOptions &options) {
-  const Judgement judgement = judge(options.suite.dump);
+  const Judgement judgement = judge(options.suite);
   std::printf("%s", verdict_table(judgement).c_str());
   std::fflush(stdout);
   if (!options.json.empty()) {

@@ -6,7 +6,7 @@ namespace bench::stability {
 
 void deep_columns(Record &record) {
   const std::vector<unsigned> depths =
-      record.quick() ? std::vector<unsigned>{30, 100} : std::vector<unsigned>{100, 300, 1000};
+      record.quick() ? std::vector<unsigned>{20, 60} : std::vector<unsigned>{100, 300, 1000};
   for (const unsigned layers : depths) {
     const double side = 4 * spacing, height = layers * spacing;
     Start start = tank({side, 1.1 * height, side}, {side, height, side});

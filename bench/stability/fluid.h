@@ -24,6 +24,9 @@ Particles at(std::initializer_list<Vector> positions);
 // A box of this size from the origin, with fluid from there to `fluid`.
 Start tank(const Vector &size, const Vector &fluid);
 
+// Steps after which a tank is judged to be at rest.
+constexpr uint32_t settling_steps = 360;
+
 // A column of water that falls over: what most systems are tried with first.
 Start dam_break(bool small);
 

@@ -13,11 +13,11 @@ Start half_full(bool quick) {
 
 void heavy(Record &record) {
   Start start = half_full(record.quick());
-  Trial trial(record, "heavy", [&] {
-    Start heavier = start;
-    heavier.params.gravity[1] *= 1000;
-    return heavier;
-  }());
+  Trial trial(record, "settling", start);
+  trial.run(settling_steps, 2);
+  pbf_params heavier = start.params;
+  heavier.gravity[1] *= 1000;
+  trial.change(heavier, "heavy");
   trial.run(60, 12);
   trial.draw("Gravity x 1,000 for half a second");
   trial.change(start.params, "after");
@@ -27,7 +27,9 @@ void heavy(Record &record) {
 
 void flipping_gravity(Record &record) {
   Start start = half_full(record.quick());
-  Trial trial(record, "second-0", start);
+  Trial trial(record, "settling", start);
+  trial.run(settling_steps, 2);
+  trial.begin("second-0");
   const unsigned flips = record.quick_or(2u, 10u);
   for (unsigned second = 1; second <= flips; ++second) {
     trial.run(120, 3);

@@ -80,7 +80,7 @@ void dense_start(Record &record) {
   const auto count = static_cast<uint64_t>(1.5 * volume / (spacing * spacing * spacing));
   start.particles = random_box({0, 0, 0}, {size[0], height, size[2]}, count, 36);
   Trial trial(record, "dense", start);
-  trial.run(record.quick_or(480u, 1200u), 24);
+  trial.run(record.quick_or(360u, 1200u), 24);
   trial.draw("Random start at 1.5 times the rest density, after it has settled");
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 // Memory is looked at after the first tenth, when everything has been allocated, and at the end.
 void run_long(Record &record, Trial &trial, const std::string &label) {
-  const uint32_t steps = record.quick_or(1500u, 100000u);
+  const uint32_t steps = record.quick_or(1200u, 100000u);
   trial.run(steps / 10, 10);
   record.memory(label + ", a tenth");
   trial.run(steps - steps / 10, 90);
@@ -20,7 +20,8 @@ void run_long(Record &record, Trial &trial, const std::string &label) {
 }  // namespace
 
 void long_runs(Record &record) {
-  Start start = tank({0.3, 0.5, 0.3}, {0.3, 0.3, 0.3});
+  const double side = record.quick_or(0.25, 0.3);
+  Start start = tank({side, 0.5, side}, {side, side, side});
   Trial rest(record, "rest", start);
   run_long(record, rest, "rest");
   rest.draw("At rest for 100,000 steps");

@@ -45,8 +45,8 @@ struct Judgement {
   std::string text;  // pbf-check's report, JSON
 };
 
-// Runs pbf-check over the folder. Throws Error when that is not possible.
-Judgement judge(const std::string &folder);
+// Runs pbf-check over what the options choose of the dumps. Throws Error when that is not possible.
+Judgement judge(const SuiteOptions &options);
 
 std::string verdict_table(const Judgement &judgement);
 void write_verdict_page(const Judgement &judgement, const std::string &path);

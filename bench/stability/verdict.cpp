@@ -68,12 +68,18 @@ std::vector<std::string> backends_of(const Judgement &judgement) {
 
 }  // namespace
 
-Judgement judge(const std::string &folder) {
+Judgement judge(const SuiteOptions &options) {
+  const std::string &folder = options.dump;
   const std::string path = folder + "/verdicts.json";
   std::error_code failed;
   fs::remove(path, failed);
-  const Ended ended =
-      run_program({python(), "-B", checker(), "stability", folder, "--json", path, "--silent"});
+  std::vector<std::string> words = {python(), "-B",     checker(), "stability",
+                                    folder,   "--json", path,      "--silent"};
+  for (const int number : options.cases)
+    words.insert(words.end(), {"--case", std::to_string(number)});
+  for (const std::string &backend : options.backends)
+    words.insert(words.end(), {"--backend", backend});
+  const Ended ended = run_program(words);
   std::ifstream file(path);
   if (!file) {
     throw Error(exit_failure, "the dumps in " + folder + " could not be judged" +

@@ -68,6 +68,8 @@ def build_parser():
                                     epilog=EXIT_CODES)
     stability.add_argument("folder", help="of <case>/<backend>/facts.json beside their dumps")
     stability.add_argument("--json", metavar="FILE", help="write the verdicts; - for standard output")
+    stability.add_argument("--case", type=int, action="append", default=[], metavar="N", help="this one; again for more")
+    stability.add_argument("--backend", action="append", default=[], metavar="B", help="this one; again for more")
     stability.add_argument("--silent", action="store_true", help="no table")
     return parser
 
@@ -137,7 +139,7 @@ def _order(args):
 
 
 def _stability(args):
-    text, table, good = judge_folder(args.folder)
+    text, table, good = judge_folder(args.folder, args.case, args.backend)
     if args.json:
         _write(text, args.json)
     if args.json != "-" and not args.silent:

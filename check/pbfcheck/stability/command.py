@@ -11,9 +11,9 @@ def _line(entry):
     return f'{head}{worst["name"]}: {worst["shown"]} {worst["bound_shown"]}'
 
 
-def judge_folder(folder):
+def judge_folder(folder, cases, backends):
     """(report as JSON text, table as text, whether no case fails)"""
-    entries = verdicts(folder)
+    entries = verdicts(folder, cases, backends)
     text = report.to_json({"tool": "pbf-check", "format": FORMAT_VERSION, "verdicts": entries})
     table = "\n".join(_line(entry) for entry in entries) + "\n"
     return text, table, all(entry["verdict"] != "fails" for entry in entries)

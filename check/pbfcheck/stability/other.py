@@ -42,6 +42,7 @@ def long_runs(files):
     return [at_most("at rest: centre of mass drifts by, in spacings", drift, 0.01),
             at_most("at rest: noise at the end, over sqrt(g d)", late, 0.01),
             at_most("at rest: noise in the last third over the first", late / max(early, 1e-9), 1.05),
+            at_most("at rest: volume lost or gained", abs(volume(rest, last(rest)) / volume(rest, first(rest)) - 1), 0.02),
             at_most("shaken: volume lost or gained", kept, 0.02),
             at_most("at rest: memory grown, MiB", _growth(files, "rest"), 1),
             at_most("shaken: memory grown, MiB", _growth(files, "motion"), 1)]

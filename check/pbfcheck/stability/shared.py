@@ -20,10 +20,10 @@ def volume(dump, frame):
 
 
 def compression(dump, frame):
-    """max(rho/rho0 - 1, 0) of each particle by the solver's own kernel."""
+    """max(rho/rho0 - 1, 0) of each particle by the solver's own kernel, walls mirroring the fluid."""
     m = dump.manifest
     rho = densities(frame.positions, m.kernel, m.smoothing_radius, m.particle_volume,
-                    m.walls.surfaces(frame.time), dump.rest_spacing, "none")
+                    m.walls.surfaces(frame.time), dump.rest_spacing)
     return np.maximum(rho - 1, 0)
 
 

@@ -1,7 +1,7 @@
 """Which function judges which case, and the verdicts of a whole folder."""
 import os
 
-from ..fault import DumpFault
+from ..fault import DumpFault, NotApplicable
 from . import column, few, gravity, other, overlap, place, same, time_step, walls
 from .everywhere import everywhere
 from .files import CaseFiles
@@ -20,10 +20,13 @@ JUDGES = {
 
 
 def _figures(files):
+    """(figures, the one nearest to its bound first; a note)"""
+    figures = everywhere(files)
+    if not all(f.holds for f in figures):  # the others may mean nothing then
+        return figures, ""
     judged = JUDGES[files.number](files)
-    figures, note = judged if isinstance(judged, tuple) else (judged, "")
-    figures = everywhere(files) + figures
-    return sorted(figures, key=lambda f: -f.strain), note
+    more, note = judged if isinstance(judged, tuple) else (judged, "")
+    return sorted(figures + more, key=lambda f: -f.strain), note
 
 
 def verdict(folder):
@@ -40,23 +43,31 @@ def verdict(folder):
             return {**result, "verdict": verdict_of, "reason": str(facts[outcome])}
     try:
         figures, note = _figures(files)
-    except DumpFault as fault:
+    except (DumpFault, NotApplicable) as fault:
         return {**result, "verdict": "fails", "reason": str(fault)}
     holds = bool(figures) and all(f.holds for f in figures)
     return {**result, "verdict": "holds" if holds else "fails", "note": note,
             "figures": [f.to_json() for f in figures]}
 
 
-def verdicts(root):
-    """Those of all cases on all backends below a folder, in the order of the cases."""
+def _usual_order(backend):
+    known = ("reference", "serial", "openmp", "cuda")
+    return (known.index(backend) if backend in known else len(known), backend)
+
+
+def verdicts(root, cases=(), backends=()):
+    """Those of the cases on the backends below a folder (none: all), in the order of the cases."""
     if not os.path.isdir(root):
         raise DumpFault(root, "is not a folder")
     folders = []
     for case in sorted(os.listdir(root)):
         if case[:2].isdecimal() and os.path.isdir(os.path.join(root, case)):
             inner = os.path.join(root, case)
-            folders += [os.path.join(inner, b) for b in sorted(os.listdir(inner))
-                        if os.path.exists(os.path.join(inner, b, "facts.json"))]
+            if cases and int(case[:2]) not in cases:
+                continue
+            folders += [os.path.join(inner, b) for b in sorted(os.listdir(inner), key=_usual_order)
+                        if (not backends or b in backends)
+                        and os.path.exists(os.path.join(inner, b, "facts.json"))]
     if not folders:
         raise DumpFault(root, "holds no <case>/<backend>/facts.json")
     return [verdict(folder) for folder in folders]

@@ -38,10 +38,10 @@ def _depth(frame):
 
 
 def _recovered(files):
-    dump, after = files.trial("stroke"), files.trial("after")
+    settled, after = files.trial("settling"), files.trial("after")
     return [at_most("volume lost or gained, once recovered",
-                    abs(volume(after, last(after)) / volume(dump, first(dump)) - 1), 0.01),
-            at_most("speed at the end over sqrt(g d)", noise(after, last(after)), 0.2)]
+                    abs(volume(after, last(after)) / volume(settled, last(settled)) - 1), 0.01),
+            at_most("speed at the end over sqrt(g d)", noise(after, last(after)), 0.3)]
 
 
 def piston(files):
@@ -49,22 +49,23 @@ def piston(files):
     deepest = max(_depth(f) for f in frames(dump)) / _depth(first(dump))
     worst = max(compression(dump, f).mean() for f in frames(dump))
     return [at_least("mean height at the stroke's end over that at first", deepest, 1.8),
-            at_most("largest mean compression", worst, 0.1)] + _recovered(files)
+            at_most("largest mean compression", worst, 0.15)] + _recovered(files)
 
 
 def overfull_piston(files):
     dump = files.trial("stroke")
-    squeezed = dump.frame(120)
+    squeezed = dump.frame(dump.steps[len(dump.steps) // 2])
     room = np.prod(np.subtract(*reversed(dump.manifest.walls.bounds(squeezed.time))))
     excess = len(squeezed.positions) * dump.rest_volume / room - 1
     told = files.fact("reported")["density_error_mean"]
-    return [at_least("reported mean density error over the overload", told / excess, 0.5),
-            at_least("mean compression over the overload", compression(dump, squeezed).mean() / excess, 0.3),
+    return [at_least("reported mean density error over the overload", told / excess, 0.3),
+            at_least("mean compression over the overload", compression(dump, squeezed).mean() / excess, 0.5),
             ] + _recovered(files)
 
 
 def thin_domain(files):
-    return [at_most(f"{label}: energy gained", energy_gain(dump), GAIN) for label, dump in files.trials()]
+    # Eight particles that rise by a hundredth of a spacing gain that much.
+    return [at_most(f"{label}: energy gained", energy_gain(dump), 0.01) for label, dump in files.trials()]
 
 
 def leaving(files):
