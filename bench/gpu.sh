@@ -5,7 +5,8 @@
 #
 # Needs cmake 3.25, a C and C++ compiler, nvcc and DLPack's header; compute-sanitizer where it is.
 # Raw JSON, one object a line, goes to outdir (default: $OUT, else bench/results/<host>).
-# PBF_COMMIT names the commit where there is no git; PBF_BUILD_DIR a build to use as it is.
+# PBF_COMMIT names the commit where there is no git; PBF_BUILD_DIR a build to use as it is;
+# if that has pbf-bench, the stability suite runs, too.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-${OUT:-$root/bench/results/$(uname -n)}}
@@ -81,6 +82,17 @@ if command -v compute-sanitizer >/dev/null; then
     run "$tool.txt" compute-sanitizer --error-exitcode 1 --tool $tool "$check" exercise
     tail -n 1 "$out/$tool.txt"
   done
+fi
+# The stiff and extreme cases, where the harness has been built too. They are judged here if Python
+# has NumPy and SciPy, else from the dumps: pbf-check stability.
+if [ -x "$build/bin/pbf-bench" ]; then
+  cases=$out/stability
+  run stability-run.txt "$build/bin/pbf-bench" stability --backend cuda ${quick:+--quick} --dump "$cases" --only-dump
+  if "${PBF_PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
+    run stability.txt "${PBF_PYTHON:-python3}" -B "$root/check/pbf-check" stability "$cases" --json "$out/stability.json"
+  else
+    tar -C "$out" -czf "$out/stability.tar.gz" stability && rm -r "$cases"
+  fi
 fi
 grep -h '"good": false' "$out/same.json" "$out/verify.json"
 exit $failed
