@@ -15,18 +15,18 @@ static void too_large_for_the_device(void **state) {
   pbf_desc desc = test_desc(3, PBF_FLOAT64, PBF_MAX_CAPACITY);
   pbf_solver *solver = NULL;
   pbf_params params = test_params();
-  params.smoothing_radius =
-      4 * params.spacing; /* 168 bytes a particle of lists and as much again */
+  params.spacing = 0.05;
+  params.smoothing_radius = 0.2; /* 256 bytes a particle of lists and as much again */
   assert_fails(pbf_create(&desc, &params, &solver), PBF_ERROR_OUT_OF_MEMORY, "capacity");
   assert_null(solver);
   assert_int_equal(test_count.live_blocks, 0);
   pbf_destroy(test_filled(3, PBF_FLOAT32, 100, 100)); /* the device is as good as before */
 }
 
-/* Takes what the device has, down to blocks of a megabyte; returns the number of blocks. */
+/* Takes what the device has but for less than 32 MB, in so many blocks. */
 static uint32_t take_all(cuda_address *taken, uint32_t most) {
   uint32_t count = 0;
-  for (uint64_t bytes = cuda_free_bytes(); bytes >= 1 << 20 && count < most; bytes /= 2)
+  for (uint64_t bytes = cuda_free_bytes(); bytes >= 32 << 20 && count < most; bytes /= 2)
     while (count < most && (taken[count] = cuda_take(bytes))) ++count;
   return count;
 }
@@ -66,7 +66,7 @@ static void memory_that_others_hold(void **state) {
 
 /* Both where lists and cells have room and where a step must do without. */
 static void crowds_keep_their_bits(void **state) {
-  enum { COUNT = 3000 };
+  enum { COUNT = 960 };
   (void)state;
   for (int crowded = 0; crowded < 2; ++crowded) {
     uint64_t hashes[2];
