@@ -95,6 +95,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
+  s->now = time;
   for (*done = 0; *done < steps; ++*done) {
     if (s->count) solver_step(s, time + *done * s->params.time_step);
     s->now = time + (*done + 1) * s->params.time_step;
