@@ -22,6 +22,7 @@ struct AblationRow {
 struct Ablation {
   Scene scene;  // as it is run, with the steps of a round
   SolverOptions solver;
+  bool cpu_time;
   std::vector<AblationRow> variants;  // the first is the minimal plan
   std::vector<AblationRow> builds;    // the minimal plan: this build, it again, then the others
 };
@@ -29,6 +30,7 @@ struct Ablation {
 struct AblationOptions {
   SolverOptions solver;
   unsigned rounds = 9;
+  bool cpu_time = false;
   uint32_t run_up = 0;               // steps before the measured ones
   std::vector<std::string> against;  // folders of other builds' backends
 };

@@ -72,6 +72,9 @@ std::pair<CLI::App *, Command> add_ablation(CLI::App &app) {
       ->type_name("N")
       ->check(positive())
       ->capture_default_str();
+  command->add_flag("--cpu-time", ablation.cpu_time,
+                    "what the process has worked, for machines that others use too; CPU backends "
+                    "with one thread");
   command
       ->add_option("--run-up", ablation.run_up,
                    "steps of the scene as it is before the measured ones")
