@@ -27,12 +27,17 @@ struct Ablation {
   std::vector<AblationRow> builds;    // the minimal plan: this build, it again, then the others
 };
 
+// Another build, by the folder of its backends.
+struct Build {
+  std::string name, folder;
+};
+
 struct AblationOptions {
   SolverOptions solver;
   unsigned rounds = 9;
   bool cpu_time = false;
-  uint32_t run_up = 0;               // steps before the measured ones
-  std::vector<std::string> against;  // folders of other builds' backends
+  uint32_t run_up = 0;  // steps before the measured ones
+  std::vector<Build> against;
 };
 
 // Rounds in which every row runs once, in one order and then in the other, each from the same

@@ -15,10 +15,10 @@ for without in "" scorr poly6 vorticity viscosity colliders wall_density chebysh
   "scorr;poly6;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats"; do
   case $without in "") name=with_all ;; *";"*) name=without_any ;; *) name=without_$without ;; esac
   cmake -S "$source" -B "$folder/$name" -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=reference;serial;openmp" \
-    -DPBF_VARIANTS="${VARIANTS:-3d-f32}" "-DPBF_WITHOUT=$without" \
+    -DPBF_VARIANTS=3d-f32 "-DPBF_WITHOUT=$without" \
     -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_EXAMPLES=OFF >/dev/null
   cmake --build "$folder/$name" --parallel 2 >/dev/null
-  against="$against --against $folder/$name/lib/pbf/backends"
+  against="$against --against $name=$folder/$name/lib/pbf/backends"
 done
 # shellcheck disable=SC2086 # words on purpose
 exec "$build/bin/pbf-bench" ablation $against "$@"

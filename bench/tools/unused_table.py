@@ -11,11 +11,6 @@ START, END = "<!-- table: unused -->", "<!-- end -->"
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "trim.md"
 
 
-def name_of(row):
-    """with_all, without_scorr, …: the folder of the build."""
-    return pathlib.Path(row["name"]).parts[-4].replace("_", " ", 1) if "/" in row["name"] else row["name"]
-
-
 def percent(ratio):
     return f"{100 * (ratio - 1):+.1f} %"
 
@@ -24,10 +19,10 @@ def lines_of(result):
     first = result["builds"][0]
     for row in result["builds"][1:]:
         if "reason" in row:
-            yield (result["backend"], name_of(row), row["reason"], "", "", "", "")
+            yield (result["backend"], row["name"].replace("_", " ", 1), row["reason"], "", "", "", "")
             continue
         low, high = row["ratio_middle_half"]
-        yield (result["backend"], name_of(row), percent(row["ratio_median"]), f"{percent(low)} … {percent(high)}",
+        yield (result["backend"], row["name"].replace("_", " ", 1), percent(row["ratio_median"]), f"{percent(low)} … {percent(high)}",
                percent(row["ms_per_step_least"] / first["ms_per_step_least"]),
                f"{row['bytes'] - first['bytes']}", "the same" if row["state"] == first["state"] else "others")
 
