@@ -22,7 +22,7 @@ static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
   return workload->dimension == 3 ? score / 3 : score;
 }
 
-/* A team's barriers cost as much as a few hundred particles. */
+/* What a team's loops cost beside their work is as much as a few hundred particles. */
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
   cpu_isa isa;
   if (pbf_variant_refuse(variants, workload, result)) return;

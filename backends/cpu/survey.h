@@ -6,32 +6,34 @@
 #include "cpu/lists.h"
 #include "cpu/sort.h"
 
-typedef struct survey_job {
-  solver *s;
-  int complete;
-} survey_job;
+static void density_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.spare[2]);
+  w->s->kernels->density(&pairs, w->s->lambda, w->s->cells, r.first, r.last);
+}
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
  * s->lambda[k] and s->cells[k] neighbours. */
 static void run_survey(void *context, member *me) {
-  survey_job *job = context;
-  solver *s = job->s;
+  solver *s = context;
   worker w = worker_of(s, me);
+  w.key = &w.b.x;
+  w.sorted_key = &w.b.spare[2];
   place_obstacles(&w, s->now);
-  sort_particles(&w, &w.b.x, &w.b.spare[2], NULL, NULL);
-  int complete = find_neighbors(&w, w.b.spare[2]);
-  if (complete) {
-    range r = w.groups;
-    pair_pass pairs = pairs_at(&w, w.b.spare[2]);
-    s->kernels->density(&pairs, s->lambda, s->cells, r.first, r.last);
-  }
-  if (me->thread == 0) job->complete = complete;
+  team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
+  sort_particles(&w);
+  if (find_neighbors(&w)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
 }
 
+/* 0 when the memory for the neighbours is lacking. */
 static int survey(solver *s) {
-  survey_job job = {s, 1};
-  if (s->count) team_run(s->threads, run_survey, &job);
-  return job.complete;
+  if (!s->count) return 1;
+  do {
+    atomic_store(&s->stopped, 0);
+    team_run(s->team, s->threads, run_survey, s);
+  } while (atomic_load(&s->stopped) && grow_lists(s));
+  return !atomic_load(&s->stopped);
 }
 
 static void add_to_stats(pbf_stats *stats, const solver *s, uint32_t k) {
