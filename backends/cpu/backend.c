@@ -281,12 +281,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
 
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
   char variant[sizeof plan->variant - 8];
-  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
-    if (!s->schedule.runs[k]) continue;
-    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->runs_per_step = s->schedule.runs[k];
-  }
+  pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(variant, sizeof variant, s->schedule.features, PBF_DIM, sizeof(pbf_real));
   snprintf(plan->variant, sizeof plan->variant, "%s-%s", variant, cpu_isa_name(s->isa));
   pbf_memory_plan(&s->memory, s->capacity, plan);
