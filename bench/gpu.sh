@@ -3,9 +3,12 @@
 #
 #   bench/gpu.sh [outdir] [quick]
 #
-# Needs cmake 3.25, a C and C++ compiler, nvcc and DLPack's header; compute-sanitizer where it is.
+# Needs cmake 3.25, a C and C++ compiler, nvcc and DLPack's header; compute-sanitizer and cmocka
+# (CMAKE_PREFIX_PATH names where, if not in the usual place) where they are: without them their part
+# says so and is left out.
 # Raw JSON, one object a line, goes to outdir (default: $OUT, else bench/results/<host>).
-# PBF_COMMIT names the commit where there is no git; PBF_BUILD_DIR a build to use as it is.
+# PBF_COMMIT names the commit where there is no git; PBF_BUILD_DIR a build to use as it is;
+# if that has pbf-bench, the stability suite runs, too.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-${OUT:-$root/bench/results/$(uname -n)}}
@@ -30,11 +33,21 @@ dlpack() {
 if [ -z "${PBF_BUILD_DIR:-}" ]; then
   generator=
   command -v ninja >/dev/null && generator='-G Ninja'
+  configure() {
+    # shellcheck disable=SC2086
+    cmake -S "$root" -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DPBF_REQUIRE_CUDA=ON \
+      -DPBF_BACKENDS='reference;cuda' -DPBF_BUILD_TESTS="$1" -DPBF_BUILD_BENCH=OFF \
+      -DPBF_BUILD_EXAMPLES=OFF -DPBF_DLPACK_INCLUDE_DIR="$(dlpack)" >"$out/build.log" 2>&1
+  }
+  targets='pbf pbf_backend_reference pbf_backend_cuda'
+  if configure ON; then
+    targets="$targets test_cuda_plugin test_cuda_device test_cuda_caller test_cuda_lost"
+  else
+    configure OFF || { tail -n 30 "$out/build.log"; exit 1; }
+  fi
   # shellcheck disable=SC2086
-  cmake -S "$root" -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DPBF_REQUIRE_CUDA=ON \
-    -DPBF_BACKENDS='reference;cuda' -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_BENCH=OFF \
-    -DPBF_BUILD_EXAMPLES=OFF -DPBF_DLPACK_INCLUDE_DIR="$(dlpack)" >"$out/build.log" 2>&1 &&
-    cmake --build "$build" --parallel >>"$out/build.log" 2>&1 || { tail -n 30 "$out/build.log"; exit 1; }
+  cmake --build "$build" --parallel --target $targets >>"$out/build.log" 2>&1 ||
+    { tail -n 30 "$out/build.log"; exit 1; }
 fi
 check=$build/gpu_check
 ${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" "$root/bench/gpu_check.c" -o "$check" \
@@ -74,6 +87,15 @@ if [ -z "$quick" ]; then
   timed shallow-dam-break 100000000 2
   timed shallow-dam-break 1000000 2 f64
 fi
+export PBF_TEST_BACKEND=cuda # of the tests
+for test in plugin device caller lost; do
+  program=$build/bin/test_cuda_$test
+  if [ -x "$program" ]; then
+    run "test-$test.txt" "$program"
+  else
+    echo "test-$test.txt: not built: no cmocka"
+  fi
+done
 run same.json "$check" same
 run verify.json "$check" verify
 if command -v compute-sanitizer >/dev/null; then
@@ -81,6 +103,17 @@ if command -v compute-sanitizer >/dev/null; then
     run "$tool.txt" compute-sanitizer --error-exitcode 1 --tool $tool "$check" exercise
     tail -n 1 "$out/$tool.txt"
   done
+fi
+# The stiff and extreme cases, where the harness has been built too. They are judged here if Python
+# has NumPy and SciPy, else from the dumps: pbf-check stability.
+if [ -x "$build/bin/pbf-bench" ]; then
+  cases=$out/stability
+  run stability-run.txt "$build/bin/pbf-bench" stability --backend cuda ${quick:+--quick} --dump "$cases" --only-dump
+  if "${PBF_PYTHON:-python3}" -c 'import numpy, scipy' 2>/dev/null; then
+    run stability.txt "${PBF_PYTHON:-python3}" -B "$root/check/pbf-check" stability "$cases" --json "$out/stability.json"
+  else
+    tar -C "$out" -czf "$out/stability.tar.gz" stability && rm -r "$cases"
+  fi
 fi
 grep -h '"good": false' "$out/same.json" "$out/verify.json"
 exit $failed

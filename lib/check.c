@@ -22,6 +22,7 @@ static const char *objection(double value, pbf_range range, uint32_t precision) 
   if (range == PBF_ABOVE_ZERO && value <= 0) return "above 0";
   if (range == PBF_ABOVE_ZERO && precision == PBF_FLOAT32 && value < FLT_MIN)
     return "a normal number in float32, at least 1.2e-38";
+  if (range == PBF_ABOVE_ZERO && value < DBL_MIN) return "a normal number, at least 2.3e-308";
   return NULL;
 }
 

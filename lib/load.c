@@ -222,6 +222,7 @@ static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
                            solver->collider_time);
   set_params(solver, &solver->params);
+  pbf_solver_tell_time(solver, pbf_solver_time(solver));
   return pbf_fail(status, "%s", why);
 }
 
@@ -233,6 +234,7 @@ static pbf_status give_to_backend(pbf_solver *solver, incoming *in) {
                                     in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
+  if (status == PBF_OK) status = pbf_solver_tell_time(solver, in->time);
   return status == PBF_OK ? PBF_OK : undo(solver, in, status);
 }
 

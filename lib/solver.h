@@ -66,6 +66,10 @@ pbf_status pbf_check_unmapped(pbf_solver *solver);
 
 double pbf_solver_time(const pbf_solver *solver);
 
+/* Tells the backend what the time is, for where walls and colliders stand in densities and
+ * statistics: after any change of it that was no step of the backend's. In step.c. */
+pbf_status pbf_solver_tell_time(pbf_solver *solver, double time);
+
 /* From now on steps have another length. */
 void pbf_solver_rebase_time(pbf_solver *solver);
 

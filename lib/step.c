@@ -19,8 +19,8 @@ static uint32_t steps_with_room(const pbf_solver *solver, uint32_t steps) {
   return steps;
 }
 
-static pbf_status run_backend(pbf_solver *solver, uint32_t steps, uint32_t *done) {
-  pbf_status status = solver->api.step(solver->backend, pbf_solver_time(solver), steps, done);
+static pbf_status run_backend(pbf_solver *solver, double time, uint32_t steps, uint32_t *done) {
+  pbf_status status = solver->api.step(solver->backend, time, steps, done);
   if (*done > steps || (status == PBF_OK && *done != steps)) {
     uint32_t claimed = *done;
     *done = claimed > steps ? steps : claimed;
@@ -30,13 +30,19 @@ static pbf_status run_backend(pbf_solver *solver, uint32_t steps, uint32_t *done
   return pbf_backend_result(solver, status, "step");
 }
 
+pbf_status pbf_solver_tell_time(pbf_solver *solver, double time) {
+  uint32_t done = 0;
+  return run_backend(solver, time, 0, &done);
+}
+
 static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   uint32_t done = 0;
-  pbf_status status = PBF_OK;
+  pbf_status status;
   if (solver->count > 0) {
-    status = run_backend(solver, steps, &done);
+    status = run_backend(solver, pbf_solver_time(solver), steps, &done);
   } else {
-    done = steps;
+    status = pbf_solver_tell_time(solver, time_after(solver, steps));
+    done = status == PBF_OK ? steps : 0;
   }
   solver->step += done;
   solver->steps_since += done;

@@ -3,6 +3,8 @@
 #ifndef PBF_COMMON_ENTRY_H
 #define PBF_COMMON_ENTRY_H
 
+#include <stdio.h>
+
 #include <pbf/pbf_backend.h>
 
 #ifdef PBF_LINKED_ENTRY
@@ -18,5 +20,17 @@ extern "C"
 #endif
     __attribute__((visibility(PBF_ENTRY_VISIBILITY))) pbf_status
     PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer);
+
+/* The answer, under the names that the build gives: PBF_OK, or no version in common. */
+static inline pbf_status pbf_entry_answer(const pbf_backend_host *host, const pbf_backend_api *api,
+                                          pbf_backend_answer *answer) {
+  if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
+    return PBF_ERROR_UNSUPPORTED;
+  answer->abi_version = PBF_BACKEND_ABI_VERSION;
+  answer->api = api;
+  snprintf(answer->name, sizeof answer->name, "%s", PBF_BACKEND_NAME);
+  snprintf(answer->build_id, sizeof answer->build_id, "%s", PBF_BUILD_ID);
+  return PBF_OK;
+}
 
 #endif

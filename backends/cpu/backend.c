@@ -58,6 +58,23 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
 }
 
+/* What the threads need to share their work out; 0 when one is lacking. */
+static int take_pieces(solver *s) {
+  pbf_memory *m = &s->memory;
+  uint64_t threads = s->threads, ranges = RANGE_PIECES * threads;
+  s->sample = take_indices(s, "sampled cell", ranges * SAMPLES_A_RANGE);
+  s->first_cell = take_indices(s, "first cell of a range", ranges + 1);
+  s->first_place = take_indices(s, "first place of a range", ranges + 1);
+  s->first_group = take_indices(s, "first group of a piece", PAIR_PIECES * threads + 1);
+  s->boxes = pbf_memory_take(m, "box of a piece", PARTICLE_PIECES * threads, sizeof *s->boxes);
+  s->list_sizes =
+      pbf_memory_take(m, "list size of a piece", SEARCH_PIECES * threads, sizeof *s->list_sizes);
+  s->slab_counters = pbf_memory_take(m, "slabs taken", threads, sizeof *s->slab_counters);
+  s->team = pbf_memory_take(m, "team", team_bytes(s->threads), 1);
+  return s->team && s->sample && s->first_cell && s->first_place && s->first_group && s->boxes &&
+         s->list_sizes && s->slab_counters;
+}
+
 /* 0 when one is lacking. */
 static int take_arrays(solver *s) {
   uint64_t n = padded(s->capacity), chunks = chunks_of(s->capacity);
@@ -78,20 +95,29 @@ static int take_arrays(solver *s) {
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  s->shares = pbf_memory_take(&s->memory, "thread", s->threads, sizeof *s->shares);
-  return s->memory.count == 17;
+  return s->memory.count == 16 && take_pieces(s);
+}
+
+typedef struct clearing {
+  solver *s;
+  uint32_t parts;
+} clearing;
+
+static void clear_part(void *context, uint32_t part) {
+  const clearing *c = context;
+  for (uint32_t k = 0; k < c->s->memory.count; ++k) {
+    const pbf_array *a = &c->s->memory.arrays[k];
+    if (a->data == c->s->team) continue;
+    uint64_t begin = a->bytes / c->parts * part;
+    uint64_t end = part + 1 == c->parts ? a->bytes : a->bytes / c->parts * (part + 1);
+    memset((char *)a->data + begin, 0, end - begin);
+  }
 }
 
 /* Each thread writes its part first, so that the pages lie near it. */
 static void clear_arrays(void *context, member *me) {
-  solver *s = context;
-  uint32_t thread = me->thread, threads = me->threads;
-  for (uint32_t k = 0; k < s->memory.count; ++k) {
-    const pbf_array *a = &s->memory.arrays[k];
-    uint64_t begin = a->bytes / threads * thread;
-    uint64_t end = thread + 1 == threads ? a->bytes : a->bytes / threads * (thread + 1);
-    memset((char *)a->data + begin, 0, end - begin);
-  }
+  clearing c = {context, me->threads};
+  team_for(me, me->threads, clear_part, NULL, &c);
 }
 
 /* Takes or releases an array that only some parameters need. 0 when there is no memory. */
@@ -154,7 +180,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
     destroy(s);
     return status;
   }
-  team_run(s->threads, clear_arrays, s);
+  team_run(s->team, s->threads, clear_arrays, s);
   ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
   pbf_status status = set_params(s, params);
   if (status != PBF_OK) {
@@ -178,9 +204,9 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
-  step_job job = {s, time, steps, s->count ? 0 : steps};
+  step_job job = {.s = s, .time = time, .steps = steps, .done = s->count ? 0 : steps};
   if (s->count)
-    team_run(s->threads, run_steps, &job);
+    run_job(&job);
   else
     s->now = time + steps * s->params.time_step;
   *done = job.done;
@@ -253,12 +279,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
 
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
   char variant[sizeof plan->variant - 8];
-  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
-    if (!s->schedule.runs[k]) continue;
-    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->runs_per_step = s->schedule.runs[k];
-  }
+  pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(variant, sizeof variant, s->schedule.features, PBF_DIM, sizeof(pbf_real));
   snprintf(plan->variant, sizeof plan->variant, "%s-%s", variant, cpu_isa_name(s->isa));
   pbf_memory_plan(&s->memory, s->capacity, plan);

@@ -1,5 +1,5 @@
-/* The grid of the neighbour search. Cells are numbered along x first, so that the cells within
- * reach of a particle are a contiguous run in each of the 3 (in 3D: 9) rows around it. */
+/* The grid of the neighbour search. Cells are numbered along rows, so that the cells within reach
+ * of a particle are a contiguous run in each of the 3 (in 3D: 9) rows around it. */
 #ifndef PBF_CPU_GRID_H
 #define PBF_CPU_GRID_H
 
@@ -8,18 +8,21 @@
 
 #include "cpu/field.h"
 
+/* Everything along axes is in the grid's own order of them: along rows first. */
 typedef struct grid {
+  int axis[PBF_DIM]; /* which of the particles' axes */
   pbf_real lower[PBF_DIM];
   pbf_real inv_width[PBF_DIM];
   pbf_real last[PBF_DIM]; /* index of the last cell along each axis */
   uint32_t cells[PBF_DIM];
-  uint32_t rows[PBF_DIM]; /* y, z: cells after folding; a row further on shares the one before */
-  uint32_t reach;         /* cells along x that h can span */
+  uint32_t rows[PBF_DIM]; /* across rows: cells after folding; one further on shares that before */
+  uint32_t reach;         /* cells along a row that h can span */
   uint32_t total;
   pbf_real far; /* an x out of everybody's reach */
 } grid;
 
-/* Cells are narrower along x, where this costs nothing: fewer candidates at the ends of a run. */
+/* Cells are narrower along rows, where this costs nothing: fewer candidates at the ends of a run.
+ */
 enum { GRID_CELLS_PER_H = 2 };
 
 /* As much wider than h / parts as rounding in grid_index may move a particle. */
@@ -43,22 +46,55 @@ static inline void grid_fold(grid *g, double cells[PBF_DIM], uint64_t limit) {
   for (int k = 1; k < PBF_DIM; ++k) g->rows[k] = (uint32_t)cells[k];
 }
 
-/* A grid of at most `limit` cells (100 or more) around the box lower … upper. In a box too large
- * for that, rows far apart share their cells, and then cells get longer: both cost distance tests
- * and lose no pair. */
-static inline grid grid_around(pbf_vec lower, pbf_vec upper, double h, uint64_t limit) {
+/* The last axis is the longest: what lies between two cuts through the numbering then has the least
+ * border. Rows are the longer of the others. */
+static inline void grid_axes(const double size[PBF_DIM], int axis[PBF_DIM]) {
+  for (int k = 0; k < PBF_DIM; ++k) axis[k] = k;
+  for (int k = 0; k + 1 < PBF_DIM; ++k)
+    if (size[axis[k]] > size[axis[PBF_DIM - 1]]) {
+      int longer = axis[k];
+      axis[k] = axis[PBF_DIM - 1];
+      axis[PBF_DIM - 1] = longer;
+    }
+  if (PBF_DIM == 3 && size[axis[1]] > size[axis[0]]) {
+    int longer = axis[1];
+    axis[1] = axis[0];
+    axis[0] = longer;
+  }
+}
+
+/* A vector or a field in the grid's order. */
+PBF_FN pbf_vec grid_vec(const int axis[PBF_DIM], pbf_vec a) {
+  pbf_vec b;
+  for (int k = 0; k < PBF_DIM; ++k) b.c[k] = a.c[axis[k]];
+  return b;
+}
+
+PBF_FN field grid_field(const int axis[PBF_DIM], field a) {
+  field b;
+  for (int k = 0; k < PBF_DIM; ++k) b.c[k] = a.c[axis[k]];
+  return b;
+}
+
+/* A grid of at most `limit` cells (100 or more) around the box low … high. In a box too large for
+ * that, rows far apart share their cells, and then cells get longer: both cost distance tests and
+ * lose no pair. */
+static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
+                               uint64_t limit) {
+  const pbf_vec lower = grid_vec(axis, low), upper = grid_vec(axis, high);
   grid g = {0};
   double cells[PBF_DIM], row = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     double extent = fmax((double)upper.c[k] - (double)lower.c[k], 0);
     double width = grid_width(h, extent, k ? 1 : GRID_CELLS_PER_H);
     cells[k] = fmin(floor(extent / width) + 1, 1 << 30);
+    g.axis[k] = axis[k];
     g.lower[k] = lower.c[k];
     g.inv_width[k] = (pbf_real)(1 / width);
     g.cells[k] = (uint32_t)cells[k];
     g.last[k] = (pbf_real)(cells[k] - 1);
   }
-  g.far = (pbf_real)((double)upper.c[0] + 4 * ((double)upper.c[0] - (double)lower.c[0] + h));
+  g.far = (pbf_real)((double)high.c[0] + 4 * ((double)high.c[0] - (double)low.c[0] + h));
   g.reach = GRID_CELLS_PER_H;
   grid_fold(&g, cells, limit);
   for (int k = 1; k < PBF_DIM; ++k) row *= g.rows[k];
@@ -72,7 +108,7 @@ static inline grid grid_around(pbf_vec lower, pbf_vec upper, double h, uint64_t 
   return g;
 }
 
-/* Cell along one axis; the last one for all that is beyond, the first for NaN. */
+/* Cell along one of the grid's axes; the last one for all that is beyond, the first for NaN. */
 PBF_FN uint32_t grid_index(const grid *g, int axis, pbf_real x) {
   pbf_real t = (x - g->lower[axis]) * g->inv_width[axis];
   t = pbf_real_min(pbf_real_max(t, 0), g->last[axis]);
@@ -85,6 +121,7 @@ PBF_FN int grid_is_folded(const grid *g) {
   return folded;
 }
 
+/* Cell of a position in the grid's order. */
 PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int folded) {
   uint32_t row = 0;
   for (int k = PBF_DIM - 1; k > 0; --k) {

@@ -22,6 +22,21 @@ typedef struct lists {
   uint32_t count; /* particles */
 } lists;
 
+/* Memory for lists: the units next … end - 1, and who knows of more when these are used up (and
+ * then sets both, or returns 0). */
+typedef struct room {
+  uint64_t next, end;
+  int (*more)(void *context, struct room *space);
+  void *context;
+} room;
+
+/* What the lists of some groups take, whether or not there was room. */
+typedef struct list_size {
+  uint64_t units;
+  uint32_t largest; /* of a group */
+  uint32_t lacking; /* 1: there was not */
+} list_size;
+
 /* What the search reads and where it writes. */
 typedef struct search {
   const grid *grid;
@@ -60,9 +75,8 @@ typedef struct kernels {
                    field velocity, field predicted, field after, field v, uint32_t first,
                    uint32_t last);
 
-  /* Groups first … last - 1 of sorted particles. The search lists neighbours in the units `begin` …
-   * `end` - 1 and returns how many it needs, also when these are more. */
-  uint64_t (*search)(const search *s, uint32_t first, uint32_t last, uint64_t begin, uint64_t end);
+  /* Groups first … last - 1 of sorted particles. */
+  list_size (*search)(const search *s, uint32_t first, uint32_t last, room *space);
   void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *before, uint32_t first,
                  uint32_t last);
   void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide, field predicted,

@@ -8,11 +8,11 @@
 /* Lanes begin … end - 1 of a group, whose particles lie near each other in one row. */
 typedef struct run {
   uint32_t group, begin, end;
-  uint32_t row, first_cell, last_cell; /* the cells along x */
+  uint32_t row, first_cell, last_cell; /* the cells along the row */
   lane x[PBF_DIM];
 } run;
 
-/* Farther apart than this along x, particles do not search together. */
+/* Farther apart than this along a row, particles do not search together. */
 static inline uint32_t widest_gap(const grid *g) { return 2 * g->reach + 1; }
 
 static run run_from(const search *s, uint32_t i, uint32_t end) {
@@ -89,11 +89,27 @@ static int next_window(const search *s, const run *r, candidates *c, neighbor_wi
 /* Puts windows together to blocks, and writes these one behind the other. */
 typedef struct builder {
   uint8_t *data;
-  uint64_t next, end; /* in units */
+  room *room;
+  uint64_t begin, next; /* of the group's list, in units */
+  uint32_t lacking;     /* 1: no room; only counts */
   uint32_t blocks;
   uint32_t waiting; /* windows */
   neighbor_window windows[PARTS];
 } builder;
+
+/* A group's list is in one piece: what there is of it moves to where there is room for the next
+ * block too. */
+static __attribute__((noinline)) void move_list(builder *b, uint32_t units) {
+  room *r = b->room;
+  uint64_t size = b->next - b->begin;
+  if (!r->more(r->context, r) || size + units > r->end - r->next) {
+    b->lacking = 1;
+    return;
+  }
+  memcpy(b->data + r->next * LIST_UNIT, b->data + b->begin * LIST_UNIT, size * LIST_UNIT);
+  b->begin = r->next;
+  b->next = b->begin + size;
+}
 
 static void put_block(builder *b, const neighbor_window *windows, uint32_t count) {
   block to;
@@ -105,7 +121,8 @@ static void put_block(builder *b, const neighbor_window *windows, uint32_t count
   }
   to.rounds = slots_max(neighbors);
   uint32_t units = block_units(to.rounds);
-  if (b->next + units <= b->end) block_write(b->data + b->next * LIST_UNIT, &to, masks);
+  if (b->next + units > b->room->end && !b->lacking) move_list(b, units);
+  if (!b->lacking) block_write(b->data + b->next * LIST_UNIT, &to, masks);
   b->next += units;
   ++b->blocks;
 }
@@ -120,56 +137,89 @@ static void put_window(builder *b, const neighbor_window *w) {
   if (b->waiting == PARTS) put_waiting(b);
 }
 
-/* Windows of opposite rows share a block: a particle near the one is far from the other, so that
- * all have about as many neighbours in both. */
-static void search_rows(const search *s, const run *r, candidates a, candidates opposite,
+/* Two sequences of windows, put together by twos. */
+static void search_rows(const search *s, const run *r, candidates a, const run *other, candidates c,
                         builder *b) {
   neighbor_window pair[2];
   for (;;) {
-    int in_a = next_window(s, r, &a, &pair[0]),
-        in_opposite = next_window(s, r, &opposite, &pair[1]);
-    if (in_a && in_opposite && PARTS == 2) {
+    int in_a = next_window(s, r, &a, &pair[0]), in_c = next_window(s, other, &c, &pair[1]);
+    if (in_a && in_c && PARTS == 2) {
       put_block(b, pair, 2);
       continue;
     }
     if (in_a) put_window(b, &pair[0]);
-    if (in_opposite) put_window(b, &pair[1]);
-    if (!in_a && !in_opposite) return;
+    if (in_c) put_window(b, &pair[1]);
+    if (!in_a && !in_c) return;
   }
 }
 
-static void search_run(const search *s, const run *r, builder *b) {
+/* The candidates in each row around a run. */
+typedef struct row_candidates {
+  candidates in[GRID_ROWS_AROUND];
+} row_candidates;
+
+static row_candidates candidates_of(const search *s, const run *r) {
   const grid *g = s->grid;
   uint32_t left = r->first_cell > g->reach ? r->first_cell - g->reach : 0;
   uint32_t right = r->last_cell + g->reach, end = g->cells[0] - 1;
-  candidates in[GRID_ROWS_AROUND];
+  row_candidates c;
   if (right > end) right = end;
   for (int k = 0; k < GRID_ROWS_AROUND; ++k) {
     uint32_t row = grid_row_around(g, r->row, k);
     const uint32_t *ends = s->cell_end + (uint64_t)row * g->cells[0];
-    in[k] = row == GRID_NO_ROW ? (candidates){0, 0} : (candidates){*(ends + left - 1), ends[right]};
+    c.in[k] =
+        row == GRID_NO_ROW ? (candidates){0, 0} : (candidates){*(ends + left - 1), ends[right]};
   }
-  for (int k = 0; k < GRID_ROWS_AROUND / 2; ++k)
-    search_rows(s, r, in[k], in[GRID_ROWS_AROUND - 1 - k], b);
-  search_rows(s, r, in[GRID_ROWS_AROUND / 2], (candidates){0, 0}, b);
+  return c;
 }
 
-static uint64_t search_groups(const search *s, uint32_t first, uint32_t last, uint64_t begin,
-                              uint64_t end) {
-  builder b = {.data = s->data, .next = begin, .end = end};
-  for (uint32_t g = first; g < last; ++g) {
-    uint32_t i = g * WIDTH, stop = s->count - i < WIDTH ? s->count : i + WIDTH;
-    uint64_t group_begin = b.next;
-    b.blocks = 0;
-    while (i < stop) {
-      run r = run_from(s, i, stop);
-      search_run(s, &r, &b);
-      i = g * WIDTH + r.end;
+/* Windows of opposite rows share a block: a particle near the one is far from the other, so that
+ * all have about as many neighbours in both. */
+static void search_run(const search *s, const run *r, builder *b) {
+  const row_candidates c = candidates_of(s, r);
+  for (int k = 0; k < GRID_ROWS_AROUND / 2; ++k)
+    search_rows(s, r, c.in[k], r, c.in[GRID_ROWS_AROUND - 1 - k], b);
+  search_rows(s, r, c.in[GRID_ROWS_AROUND / 2], r, (candidates){0, 0}, b);
+}
+
+/* Where a group lies in two runs, windows of both share blocks: each lane has neighbours in one of
+ * them alone. */
+static void search_runs(const search *s, const run *one, const run *two, builder *b) {
+  const row_candidates c = candidates_of(s, one), d = candidates_of(s, two);
+  for (int k = 0; k < GRID_ROWS_AROUND; ++k) search_rows(s, one, c.in[k], two, d.in[k], b);
+}
+
+static void search_group(const search *s, uint32_t g, builder *b) {
+  uint32_t i = g * WIDTH, stop = s->count - i < WIDTH ? s->count : i + WIDTH;
+  while (i < stop) {
+    run r = run_from(s, i, stop);
+    i = g * WIDTH + r.end;
+    if (i < stop) {
+      run next = run_from(s, i, stop);
+      i = g * WIDTH + next.end;
+      search_runs(s, &r, &next, b);
+    } else {
+      search_run(s, &r, b);
     }
-    put_waiting(&b);
-    s->groups[g] = (group){(uint32_t)group_begin, b.blocks};
   }
-  return b.next - begin;
+  put_waiting(b);
+}
+
+static list_size search_groups(const search *s, uint32_t first, uint32_t last, room *space) {
+  builder b = {.data = s->data, .room = space};
+  list_size all = {0};
+  for (uint32_t g = first; g < last; ++g) {
+    b.begin = b.next = space->next;
+    b.blocks = 0;
+    search_group(s, g, &b);
+    s->groups[g] = (group){(uint32_t)b.begin, b.blocks};
+    uint64_t units = b.next - b.begin;
+    all.units += units;
+    if (units > all.largest) all.largest = (uint32_t)units;
+    if (!b.lacking) space->next = b.next;
+  }
+  all.lacking = b.lacking;
+  return all;
 }
 
 #endif

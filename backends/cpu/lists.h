@@ -1,96 +1,112 @@
-/* The neighbour lists of all groups, in memory that grows by need. */
+/* The neighbour lists of all groups, in slabs that threads take as they need them. */
 #ifndef PBF_CPU_LISTS_H
 #define PBF_CPU_LISTS_H
 
 #include "cpu/worker.h"
 
-/* Each thread writes the lists of its groups to a part of its own. */
-static uint64_t units_begin(const solver *s, uint32_t thread, uint32_t threads) {
-  return s->list_units / threads * thread;
-}
-
 static void free_lists(solver *s) {
   pbf_memory_free(&s->memory, s->list_data);
   s->list_data = NULL;
-  s->list_units = 0;
+  s->slabs = 0;
 }
 
-/* Makes room for every thread's lists, and a quarter more. On failure there is none at all. */
-static void grow_lists(worker *w) {
-  solver *s = w->s;
-  uint64_t most = 0;
-  for (uint32_t t = 0; t < w->threads; ++t)
-    if (s->shares[t].units > most) most = s->shares[t].units;
-  uint64_t units = (most + most / 4 + 4) * w->threads;
+/* Makes room for what the last search wanted, and a quarter more: at the end of each slab there is
+ * less left than the largest group takes, and each thread has one slab that it does not fill. 0
+ * when there is no memory; then there is none at all. */
+static int grow_lists(solver *s) {
+  uint64_t units = s->wanted.units + s->wanted.units / 4 + 4, parts = 16 * (uint64_t)s->threads;
+  uint64_t least = 8 * (uint64_t)s->wanted.largest, each = units / parts + 1;
+  s->slab_units = s->threads == 1 ? units : each < least ? least : each;
+  uint64_t slabs =
+      s->threads == 1 ? 1 : units / (s->slab_units - s->wanted.largest) + 1 + s->threads;
   free_lists(s);
-  if (units > UINT32_MAX) return;
-  s->list_data = pbf_memory_take(&s->memory, "neighbor list", units, LIST_UNIT);
-  if (s->list_data) s->list_units = units;
+  if (slabs * s->slab_units > UINT32_MAX) return 0;
+  s->list_data = pbf_memory_take(&s->memory, "neighbor list", slabs * s->slab_units, LIST_UNIT);
+  if (s->list_data) s->slabs = (uint32_t)slabs;
+  return s->list_data != NULL;
 }
 
-static int lists_fit(const worker *w) {
-  for (uint32_t t = 0; t < w->threads; ++t)
-    if (w->s->shares[t].units > w->s->list_units / w->threads) return 0;
-  return 1;
+/* The next slab, of those near the thread first; 0 when there is none. */
+static int next_slab(void *context, room *r) {
+  const worker *w = context;
+  solver *s = w->s;
+  uint32_t threads = w->me->threads;
+  for (uint32_t k = 0; k < threads; ++k) {
+    uint32_t t = (w->me->thread + k) % threads;
+    range part = part_of(s->slabs, t, threads);
+    atomic_uint *taken = &s->slab_counters[t].taken;
+    if (atomic_load_explicit(taken, memory_order_relaxed) >= part.last - part.first) continue;
+    uint32_t slab = part.first + atomic_fetch_add_explicit(taken, 1, memory_order_relaxed);
+    if (slab >= part.last) continue;
+    r->next = slab * s->slab_units;
+    r->end = r->next + s->slab_units;
+    return 1;
+  }
+  return 0;
+}
+
+static void search_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = part_of(groups_of(s), piece, search_pieces(w));
+  search job = {.grid = &s->grid,
+                .h2 = s->constants.h2,
+                .x = *w->sorted_key,
+                .cells = s->sorted_cells,
+                .cell_end = s->cell_end,
+                .count = s->count,
+                .groups = s->groups,
+                .data = s->list_data};
+  s->list_sizes[piece] = s->kernels->search(&job, r.first, r.last, &w->room);
 }
 
 /* What a group's pairs cost, in units of its list, without any of these. */
 enum { GROUP_COST = 3 };
 
-/* Where the groups of a thread begin when all threads shall have equally much to do: the length of
- * its list says what a group costs. */
-static uint32_t balanced_group(const worker *w, uint32_t thread) {
-  const solver *s = w->s;
-  uint64_t groups = groups_of(s), total = GROUP_COST * groups, before = 0;
-  for (uint32_t t = 0; t < w->threads; ++t) total += s->shares[t].units;
-  uint64_t target = total / w->threads * thread;
-  if (thread == w->threads) return (uint32_t)groups;
-  for (uint32_t t = 0; t < w->threads; ++t) {
-    range r = part_of(groups, t, w->threads);
-    uint64_t cost = s->shares[t].units + GROUP_COST * (uint64_t)(r.last - r.first);
-    if (before + cost > target) {
-      uint64_t begin = units_begin(s, t, w->threads);
-      uint32_t low = r.first, high = r.last;
-      while (low < high) {
-        uint32_t g = low + (high - low) / 2;
-        uint64_t at = before + s->groups[g].begin - begin + GROUP_COST * (uint64_t)(g - r.first);
-        if (at < target)
-          low = g + 1;
-        else
-          high = g;
-      }
-      return low;
-    }
+/* Passes over pairs have pieces of equal cost. */
+static void divide_groups(const worker *w) {
+  solver *s = w->s;
+  uint32_t searched = search_pieces(w), pieces = pair_pieces(w), next = 1;
+  uint64_t groups = groups_of(s);
+  double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / pieces, before = 0;
+  for (uint32_t k = 0; k < searched; ++k) {
+    range r = part_of(groups, k, searched);
+    double cost = (double)s->list_sizes[k].units + GROUP_COST * (double)(r.last - r.first);
+    double groups_a_cost = (r.last - r.first) / cost;
+    for (; next < pieces && each * next < before + cost; ++next)
+      s->first_group[next] = r.first + (uint32_t)((each * next - before) * groups_a_cost);
     before += cost;
   }
-  return (uint32_t)groups;
+  while (next < pieces) s->first_group[next++] = (uint32_t)groups;
+  s->first_group[0] = 0;
+  s->first_group[pieces] = (uint32_t)groups;
 }
 
-/* Finds the neighbours at the sorted positions x. 0 when there is no memory for them. */
-static int find_neighbors(worker *w, field x) {
+static void end_search(void *context) {
+  worker *w = context;
   solver *s = w->s;
-  range r = part_of(groups_of(s), w->thread, w->threads);
-  for (;;) {
-    search job = {.grid = &w->grid,
-                  .h2 = s->constants.h2,
-                  .x = x,
-                  .cells = s->sorted_cells,
-                  .cell_end = s->cell_end,
-                  .count = s->count,
-                  .groups = s->groups,
-                  .data = s->list_data};
-    s->shares[w->thread].units =
-        s->kernels->search(&job, r.first, r.last, units_begin(s, w->thread, w->threads),
-                           units_begin(s, w->thread + 1, w->threads));
-    team_barrier(w->me);
-    if (lists_fit(w)) break;
-    team_barrier(w->me);
-    if (w->thread == 0) grow_lists(w);
-    team_barrier(w->me);
-    if (s->list_units == 0) return 0;
+  s->wanted = (list_size){0};
+  for (uint32_t k = 0; k < search_pieces(w); ++k) {
+    const list_size *size = &s->list_sizes[k];
+    s->wanted.units += size->units;
+    s->wanted.lacking |= size->lacking;
+    if (size->largest > s->wanted.largest) s->wanted.largest = size->largest;
   }
-  w->groups = (range){balanced_group(w, w->thread), balanced_group(w, w->thread + 1)};
-  return 1;
+  for (uint32_t t = 0; t < w->me->threads; ++t)
+    atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
+  divide_groups(w);
+  if (!s->wanted.lacking) return;
+  s->stopped_at = w->step;
+  atomic_store_explicit(&s->stopped, 1, memory_order_release);
+}
+
+/* Finds the neighbours at the sorted positions. 0 when there is no memory for them: the team then
+ * stops at this step, and the caller's thread alone may take more (grow_lists). */
+static int find_neighbors(worker *w) {
+  w->room = (room){.more = next_slab, .context = w};
+  team_for(w->me, search_pieces(w), search_piece, end_search, w);
+  return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
+           w->s->stopped_at == w->step);
 }
 
 static pair_pass pairs_at(const worker *w, field x) {
@@ -98,7 +114,7 @@ static pair_pass pairs_at(const worker *w, field x) {
   return (pair_pass){
       .constants = &w->constants,
       .features = s->schedule.features,
-      .lists = {.groups = s->groups, .data = s->list_data, .far = w->grid.far, .count = s->count},
+      .lists = {.groups = s->groups, .data = s->list_data, .far = s->grid.far, .count = s->count},
       .x = x,
       .walls = s->schedule.wall_density ? &w->obstacles : NULL,
       .slack = s->slack};

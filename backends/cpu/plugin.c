@@ -22,7 +22,7 @@ static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
   return workload->dimension == 3 ? score / 3 : score;
 }
 
-/* A team's barriers cost as much as a few hundred particles. */
+/* What a team's loops cost beside their work is as much as a few hundred particles. */
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
   cpu_isa isa;
   if (pbf_variant_refuse(variants, workload, result)) return;
@@ -44,14 +44,8 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
-    return PBF_ERROR_UNSUPPORTED;
   cpu_host = host;
   table = *variants[0].api;
   table.create = create;
-  answer->abi_version = PBF_BACKEND_ABI_VERSION;
-  answer->api = &table;
-  snprintf(answer->name, sizeof answer->name, "%s", PBF_BACKEND_NAME);
-  snprintf(answer->build_id, sizeof answer->build_id, "%s", PBF_BUILD_ID);
-  return PBF_OK;
+  return pbf_entry_answer(host, &table, answer);
 }

@@ -2,6 +2,8 @@
 #ifndef PBF_CPU_SOLVER_H
 #define PBF_CPU_SOLVER_H
 
+#include <stdatomic.h>
+
 #include "common/memory.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
@@ -16,13 +18,15 @@ typedef struct buffers {
   uint32_t *spare_ids;
 } buffers;
 
-/* What a thread tells the others between two barriers; on a cache line of its own. */
-typedef struct share {
-  _Alignas(64) pbf_vec lower;
-  pbf_vec upper;
-  uint64_t particles; /* in the cells that the thread sorts */
-  uint64_t units;     /* of memory for neighbours that its groups want */
-} share;
+/* The smallest box around some particles. */
+typedef struct box {
+  pbf_vec lower, upper;
+} box;
+
+/* Slabs of a thread that it or others have taken; on a cache line of its own. */
+typedef struct slab_counter {
+  _Alignas(64) atomic_uint taken;
+} slab_counter;
 
 struct pbf_backend_solver {
   pbf_memory memory;
@@ -30,6 +34,7 @@ struct pbf_backend_solver {
   const kernels *kernels;
   cpu_isa isa;
   uint32_t threads;
+  team *team;
 
   pbf_params params;
   pbf_constants constants;
@@ -47,12 +52,25 @@ struct pbf_backend_solver {
   uint32_t *order;        /* sorted -> present index */
   uint32_t *cell_end;
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
+  grid grid;
 
+  /* What threads tell each other from loop to loop, by piece. */
+  box *boxes;
+  uint32_t *sample;      /* cells of some particles */
+  uint32_t *first_cell;  /* of each range of cells that is sorted in one piece, and the end */
+  uint32_t *first_place; /* of the particles of each range, and the end */
+  list_size *list_sizes;
+  uint32_t *first_group; /* of each piece of a pass over pairs, and the end */
+
+  /* Lists of neighbours lie in slabs of one size. */
   group *groups;
   uint8_t *list_data;
-  uint64_t list_units; /* room in it */
-
-  share *shares; /* one a thread */
+  uint64_t slab_units;
+  uint32_t slabs;
+  slab_counter *slab_counters; /* one a thread */
+  list_size wanted;            /* by the last search, of all pieces */
+  atomic_uint stopped;         /* 1: the run ends for want of it, */
+  uint32_t stopped_at;         /* in this step */
 
   int timing;
   double seconds[PBF_STAGE_COUNT];
@@ -65,8 +83,15 @@ struct pbf_backend_solver {
 };
 typedef struct pbf_backend_solver solver;
 
-/* Particles that threads cut their work by when the order does not matter yet. */
+/* Particles whose lowest and highest cell are known. */
 enum { CHUNK = 256 };
+
+/* Pieces a thread of a loop: over particles, over ranges of cells, of the search, over pairs. More
+ * even out better what threads do, and cost more. */
+enum { PARTICLE_PIECES = 8, RANGE_PIECES = 2, SEARCH_PIECES = 16, PAIR_PIECES = 64 };
+
+/* Particles of which the cell is looked at to tell the ranges of cells apart. */
+enum { SAMPLES_A_RANGE = 4 };
 
 static inline uint64_t chunks_of(uint32_t count) { return ((uint64_t)count + CHUNK - 1) / CHUNK; }
 

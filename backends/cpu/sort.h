@@ -1,61 +1,87 @@
 /* Sorts particles by cell and, within a cell, by id: an order that depends on nothing but where
- * particles are and who they are. Each thread sorts a range of cells of its own: it counts, and
+ * particles are and who they are. A piece of the work is a range of cells: who sorts it counts, and
  * then places, the particles that belong there, wherever they are now. */
 #ifndef PBF_CPU_SORT_H
 #define PBF_CPU_SORT_H
 
 #include "cpu/worker.h"
 
-static void find_bounds(worker *w, field x) {
-  range r = my_particles(w);
-  share *mine = &w->s->shares[w->thread];
+static void find_bounds(void *context, uint32_t piece) {
+  worker *w = context;
+  range r = piece_particles(w, piece);
+  box b;
   for (int k = 0; k < PBF_DIM; ++k)
-    mine->lower.c[k] = (pbf_real)INFINITY, mine->upper.c[k] = (pbf_real)-INFINITY;
-  w->s->kernels->bounds(x, r.first, r.last, &mine->lower, &mine->upper);
+    b.lower.c[k] = (pbf_real)INFINITY, b.upper.c[k] = (pbf_real)-INFINITY;
+  w->s->kernels->bounds(*w->key, r.first, r.last, &b.lower, &b.upper);
+  w->s->boxes[piece] = b;
 }
 
 /* The grid's box is that of the particles, as far as it lies in the domain enlarged by its own
  * size: what flies out farther counts to the outermost cells. */
-static void make_grid(worker *w) {
+static void make_grid(void *context) {
+  worker *w = context;
   const pbf_params *p = &w->s->params;
-  pbf_vec lower = w->s->shares[0].lower, upper = w->s->shares[0].upper;
-  for (uint32_t t = 1; t < w->threads; ++t)
+  box all = w->s->boxes[0];
+  for (uint32_t piece = 1; piece < particle_pieces(w); ++piece)
     for (int k = 0; k < PBF_DIM; ++k) {
-      lower.c[k] = pbf_real_min(lower.c[k], w->s->shares[t].lower.c[k]);
-      upper.c[k] = pbf_real_max(upper.c[k], w->s->shares[t].upper.c[k]);
+      all.lower.c[k] = pbf_real_min(all.lower.c[k], w->s->boxes[piece].lower.c[k]);
+      all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[piece].upper.c[k]);
     }
+  double size[PBF_DIM];
+  int axis[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
-    double size = p->domain_max[k] - p->domain_min[k];
-    lower.c[k] = pbf_real_max(lower.c[k], (pbf_real)(p->domain_min[k] - size));
-    upper.c[k] = pbf_real_min(upper.c[k], (pbf_real)(p->domain_max[k] + size));
+    size[k] = p->domain_max[k] - p->domain_min[k];
+    all.lower.c[k] = pbf_real_max(all.lower.c[k], (pbf_real)(p->domain_min[k] - size[k]));
+    all.upper.c[k] = pbf_real_min(all.upper.c[k], (pbf_real)(p->domain_max[k] + size[k]));
   }
-  w->grid = grid_around(lower, upper, p->smoothing_radius, cell_limit(w->s->capacity));
+  grid_axes(size, axis);
+  w->s->grid =
+      grid_around(axis, all.lower, all.upper, p->smoothing_radius, cell_limit(w->s->capacity));
 }
 
-static void find_cells(worker *w, field x) {
+static uint32_t range_pieces(const worker *w) {
+  return pieces_of(w, w->s->count, CHUNK, RANGE_PIECES);
+}
+
+/* Particles are nearly sorted from the step before, and so is this sample of them. */
+static void take_sample(const worker *w, range particles) {
   solver *s = w->s;
-  range r = my_chunks(w);
+  uint64_t samples = (uint64_t)range_pieces(w) * SAMPLES_A_RANGE;
+  uint64_t k = (particles.first * samples + s->count - 1) / s->count, i;
+  for (; k < samples && (i = s->count * k / samples) < particles.last; ++k)
+    s->sample[k] = s->cells[i];
+}
+
+static void find_cells(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_chunks(w, piece);
+  const field x = grid_field(s->grid.axis, *w->key);
   for (uint32_t chunk = r.first; chunk < r.last; ++chunk) {
     uint32_t first = chunk * CHUNK, last = s->count - first < CHUNK ? s->count : first + CHUNK;
-    s->kernels->cells(&w->grid, x, first, last, s->cells, &s->chunk_low[chunk],
+    s->kernels->cells(&s->grid, x, first, last, s->cells, &s->chunk_low[chunk],
                       &s->chunk_high[chunk]);
   }
+  take_sample(w, piece_particles(w, piece));
 }
 
-/* The cells that this thread sorts, chosen so that all have about as many particles: quantiles of
- * a sample. Particles are nearly sorted from the step before, and so is the sample. */
-static range my_cells(const worker *w) {
-  enum { MOST = 2048 };
-  uint32_t sample[MOST], each = w->threads <= MOST / 16 ? 16 : MOST / w->threads;
-  uint32_t samples = each * w->threads;
-  if (w->threads == 1) return (range){0, w->grid.total};
-  for (uint32_t k = 0; k < samples; ++k) {
-    uint32_t cell = w->s->cells[(uint64_t)w->s->count * k / samples], at = k;
+/* Ranges of cells such that all have about as many particles: quantiles of the sample. */
+static void divide_cells(void *context) {
+  worker *w = context;
+  solver *s = w->s;
+  uint32_t ranges = range_pieces(w), *sample = s->sample;
+  for (uint32_t k = 1; k < ranges * SAMPLES_A_RANGE; ++k) {
+    uint32_t cell = sample[k], at = k;
     for (; at > 0 && sample[at - 1] > cell; --at) sample[at] = sample[at - 1];
     sample[at] = cell;
   }
-  return (range){w->thread == 0 ? 0 : sample[w->thread * each],
-                 w->thread == w->threads - 1 ? w->grid.total : sample[(w->thread + 1) * each]};
+  for (uint32_t k = 1; k < ranges; ++k) s->first_cell[k] = sample[k * SAMPLES_A_RANGE];
+  s->first_cell[0] = 0;
+  s->first_cell[ranges] = s->grid.total;
+}
+
+static range piece_cells(const worker *w, uint32_t piece) {
+  return (range){w->s->first_cell[piece], w->s->first_cell[piece + 1]};
 }
 
 /* Calls visit for each particle, in the present order, whose cell is in the range. */
@@ -67,31 +93,35 @@ static range my_cells(const worker *w) {
            i < end; ++i)                                                                 \
         if ((s)->cells[i] - (range).first < (range).last - (range).first)
 
-static void count_cells(worker *w, range cells) {
+static void count_cells(void *context, uint32_t piece) {
+  worker *w = context;
   solver *s = w->s;
-  uint32_t *counts = s->cell_end;
-  uint64_t total = 0;
+  range cells = piece_cells(w, piece);
+  uint32_t *counts = s->cell_end, total = 0;
   memset(counts + cells.first, 0, (cells.last - cells.first) * sizeof *counts);
   FOR_PARTICLES_IN(s, cells, i) {
     ++counts[s->cells[i]];
     ++total;
   }
-  s->shares[w->thread].particles = total;
+  s->first_place[piece] = total;
 }
 
-/* Where the thread's particles begin among the sorted ones. */
-static range my_places(const worker *w) {
-  range r = {0, 0};
-  for (uint32_t t = 0; t < w->thread; ++t) r.first += (uint32_t)w->s->shares[t].particles;
-  r.last = r.first + (uint32_t)w->s->shares[w->thread].particles;
-  return r;
+/* Turns numbers of particles into where they begin. */
+static void divide_places(void *context) {
+  worker *w = context;
+  uint32_t next = 0;
+  for (uint32_t piece = 0; piece < range_pieces(w); ++piece) {
+    uint32_t count = w->s->first_place[piece];
+    w->s->first_place[piece] = next;
+    next += count;
+  }
+  w->s->first_place[range_pieces(w)] = next;
 }
 
 /* Turns counts into ends: afterwards placing a particle moves its cell's entry from the cell's
  * begin to its end. */
-static void place_particles(worker *w, range cells, range places, const uint32_t *ids,
+static void place_particles(solver *s, range cells, range places, const uint32_t *ids,
                             uint32_t *sorted_ids) {
-  solver *s = w->s;
   uint32_t next = places.first;
   for (uint32_t c = cells.first; c < cells.last; ++c) {
     uint32_t count = s->cell_end[c];
@@ -128,23 +158,22 @@ static void gather(const uint32_t *order, range places, const field *from, const
   }
 }
 
-/* Sorts by the positions `key` into `sorted_key`, and `other`, unless null, along with them. */
-static void sort_particles(worker *w, const field *key, const field *sorted_key, const field *other,
-                           const field *sorted_other) {
-  find_bounds(w, *key);
-  team_barrier(w->me);
-  make_grid(w);
-  find_cells(w, *key);
-  team_barrier(w->me);
-  range cells = my_cells(w);
-  count_cells(w, cells);
-  team_barrier(w->me);
-  range places = my_places(w);
-  place_particles(w, cells, places, w->b.ids, w->b.spare_ids);
-  order_by_id(w->s, places, w->b.spare_ids);
-  gather(w->s->order, places, key, sorted_key);
-  if (other) gather(w->s->order, places, other, sorted_other);
-  team_barrier(w->me);
+static void sort_range(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range places = {s->first_place[piece], s->first_place[piece + 1]};
+  place_particles(s, piece_cells(w, piece), places, w->b.ids, w->b.spare_ids);
+  order_by_id(s, places, w->b.spare_ids);
+  gather(s->order, places, w->key, w->sorted_key);
+  if (w->other) gather(s->order, places, w->other, w->sorted_other);
+}
+
+/* Sorts by the positions `key`, whose grid has been made, into `sorted_key`, and `other`, unless
+ * null, along with them. */
+static void sort_particles(worker *w) {
+  team_for(w->me, particle_pieces(w), find_cells, divide_cells, w);
+  team_for(w->me, range_pieces(w), count_cells, divide_places, w);
+  team_for(w->me, range_pieces(w), sort_range, NULL, w);
 }
 
 #endif

@@ -1,6 +1,6 @@
 /* The threads of a solver: what the `serial` and the `openmp` plugin do not share. Everything that
- * computes is the same object code in both; it cuts its work by thread number, and no result
- * depends on where the cuts are. */
+ * computes is the same object code in both: loops over pieces of the work, whose results do not
+ * depend on how many pieces there are, nor on who did which. */
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 
@@ -12,18 +12,35 @@ typedef struct team team;
 typedef struct member {
   team *team;
   uint32_t thread, threads;
-  uint32_t barriers; /* that this thread has passed */
+  uint32_t loops;  /* that this thread has come to */
+  uint64_t pieces; /* in these loops */
+  uint64_t done;   /* of them, by this thread */
 } member;
 
 typedef void (*team_function)(void *context, member *me);
 
+/* Most pieces of a loop. */
+enum { TEAM_MOST_PIECES = 0xffff };
+
 /* Threads that a solver gets when its description asks for `wanted` (0: all there are). */
 uint32_t team_size(uint32_t wanted);
 
-/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. */
-void team_run(uint32_t threads, team_function function, void *context);
+/* Bytes of the memory, aligned to TEAM_ALIGNMENT, in which such a team meets. */
+enum { TEAM_ALIGNMENT = 64 };
+uint64_t team_bytes(uint32_t threads);
 
-/* Within `function`: no thread goes on before all have come here. */
-void team_barrier(member *me);
+/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. */
+void team_run(team *all, uint32_t threads, team_function function, void *context);
+
+/* A loop that the whole team shares. Within `function` every thread calls this for the same loops
+ * in the same order; `piece` is then called once for each piece, in whatever thread is free, and
+ * when all are done `last`, unless null, once in one of them. Returns when all this has been done.
+ *
+ * Nobody waits for a thread that has nothing in hand: a thread may come to a loop when the others
+ * are long past it. So what other threads write may be read in `piece` and `last` alone; between
+ * loops a thread knows only what it works out for itself. `context` is the calling thread's own. */
+typedef void (*team_piece)(void *context, uint32_t piece);
+typedef void (*team_last)(void *context);
+void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context);
 
 #endif

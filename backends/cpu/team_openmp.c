@@ -1,5 +1,10 @@
-/* Threads by OpenMP, with a barrier of their own: a step has some fifteen barriers, and OpenMP's
- * costs as much as a stage of a small scene, and far more where a thread has to wait for a core. */
+/* Threads by OpenMP, with loops of their own. A step has some fifteen loops, each a few
+ * microseconds long in a small scene, on cores that others may use too: OpenMP's would wait for
+ * the slowest thread in each of them.
+ *
+ * A thread's part of a loop is a run of pieces. The thread takes them from its front; who has done
+ * with his own part takes pieces from the end of another's. A loop is over when its pieces are
+ * done, whether or not all threads have come. */
 #include <omp.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -12,15 +17,29 @@ enum { MOST_THREADS = 256 };
 /* How often a waiting thread looks before it offers its core to others. */
 enum { PATIENCE = 2000 };
 
-typedef struct line {
-  _Alignas(64) atomic_uint barriers;
-} line;
+/* How often it looks before it counts the pieces done itself, in case thread 0 can't. */
+enum { TRUST = 64 };
 
-/* Each thread counts the barriers that it has reached on a cache line of its own; the first one
- * sees that all are there, and lets them go. */
+/* Pieces of a loop that are still to be taken from a part. */
+typedef struct left {
+  uint32_t loop, first, last; /* up to last - 1 */
+} left;
+
+/* Each on cache lines of its own; processors fetch them in pairs. */
+enum { LINES = 2 * TEAM_ALIGNMENT };
+typedef struct desk {
+  _Alignas(TEAM_ALIGNMENT) atomic_ullong left; /* of the thread's part: packed */
+  char apart[LINES - sizeof(atomic_ullong)];
+  atomic_ullong done; /* pieces in all loops, by this thread */
+  char apart_too[LINES - sizeof(atomic_ullong)];
+} desk;
+
 struct team {
-  line go;
-  line reached[MOST_THREADS];
+  _Alignas(TEAM_ALIGNMENT) atomic_uint over; /* loops that are */
+  char apart[LINES - sizeof(atomic_uint)];
+  atomic_uint ending; /* the loop whose `last` has been taken */
+  char apart_too[LINES - sizeof(atomic_uint)];
+  desk desks[];
 };
 
 uint32_t team_size(uint32_t wanted) {
@@ -28,21 +47,87 @@ uint32_t team_size(uint32_t wanted) {
   return threads < MOST_THREADS ? threads : MOST_THREADS;
 }
 
-void team_run(uint32_t threads, team_function function, void *context) {
-  team all;
-  atomic_init(&all.go.barriers, 0);
-  for (uint32_t t = 0; t < threads; ++t) atomic_init(&all.reached[t].barriers, 0);
+uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(desk); }
+
+void team_run(team *all, uint32_t threads, team_function function, void *context) {
+  atomic_init(&all->over, 0);
+  atomic_init(&all->ending, 0);
+  for (uint32_t t = 0; t < threads; ++t) {
+    atomic_init(&all->desks[t].left, 0);
+    atomic_init(&all->desks[t].done, 0);
+  }
 #pragma omp parallel num_threads((int)threads)
   {
-    member me = {.team = &all,
+    member me = {.team = all,
                  .thread = (uint32_t)omp_get_thread_num(),
                  .threads = (uint32_t)omp_get_num_threads()};
     function(context, &me);
   }
 }
 
-static void wait_for(atomic_uint *barriers, uint32_t number) {
-  for (int looks = 0; atomic_load_explicit(barriers, memory_order_acquire) != number; ++looks) {
+/* Numbers of loops may wrap around. */
+static int is_before(uint32_t a, uint32_t b) { return (int32_t)(a - b) < 0; }
+
+static unsigned long long pack(left l) {
+  return (unsigned long long)l.loop << 32 | l.first << 16 | l.last;
+}
+
+static left unpack(unsigned long long word) {
+  return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & 0xffff, (uint32_t)word & 0xffff};
+}
+
+/* Takes a piece of the loop from a thread's part; 0 when none is left there. The first who comes
+ * divides the part up. */
+static int take_piece(const member *me, uint32_t thread, uint32_t pieces, uint32_t *piece) {
+  atomic_ullong *word = &me->team->desks[thread].left;
+  unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;
+  do {
+    left l = unpack(seen);
+    if (is_before(me->loops, l.loop)) return 0;
+    if (l.loop != me->loops)
+      l = (left){me->loops, (uint32_t)((uint64_t)pieces * thread / me->threads),
+                 (uint32_t)((uint64_t)pieces * (thread + 1) / me->threads)};
+    if (l.first == l.last) return 0;
+    *piece = thread == me->thread ? l.first++ : --l.last;
+    next = pack(l);
+  } while (!atomic_compare_exchange_weak_explicit(word, &seen, next, memory_order_relaxed,
+                                                  memory_order_relaxed));
+  return 1;
+}
+
+static void work_on(member *me, uint32_t thread, uint32_t pieces, team_piece piece, void *context) {
+  uint64_t done = me->done;
+  for (uint32_t k; take_piece(me, thread, pieces, &k); ++me->done) piece(context, k);
+  if (me->done > done)
+    atomic_store_explicit(&me->team->desks[me->thread].done, me->done, memory_order_release);
+}
+
+static int is_over(const member *me) {
+  return !is_before(atomic_load_explicit(&me->team->over, memory_order_acquire), me->loops);
+}
+
+/* Counts only grow, and none of the next loop's pieces is done before this loop is over. */
+static int all_done(const member *me) {
+  uint64_t done = 0;
+  for (uint32_t t = 0; t < me->threads; ++t)
+    done += atomic_load_explicit(&me->team->desks[t].done, memory_order_acquire);
+  return done >= me->pieces;
+}
+
+/* One thread alone ends a loop. */
+static void end_loop(const member *me, team_last last, void *context) {
+  uint32_t ended = atomic_load_explicit(&me->team->ending, memory_order_relaxed);
+  if (!is_before(ended, me->loops)) return;
+  if (!atomic_compare_exchange_strong_explicit(&me->team->ending, &ended, me->loops,
+                                               memory_order_relaxed, memory_order_relaxed))
+    return;
+  if (last) last(context);
+  atomic_store_explicit(&me->team->over, me->loops, memory_order_release);
+}
+
+static void wait_for_end(const member *me, team_last last, void *context) {
+  for (unsigned looks = 1; !is_over(me); ++looks) {
+    if ((me->thread == 0 || looks % TRUST == 0) && all_done(me)) end_loop(me, last, context);
     if (looks >= PATIENCE) {
       sched_yield();
       continue;
@@ -53,15 +138,15 @@ static void wait_for(atomic_uint *barriers, uint32_t number) {
   }
 }
 
-void team_barrier(member *me) {
-  team *all = me->team;
-  uint32_t number = ++me->barriers;
-  if (me->threads == 1) return;
-  if (me->thread == 0) {
-    for (uint32_t t = 1; t < me->threads; ++t) wait_for(&all->reached[t].barriers, number);
-    atomic_store_explicit(&all->go.barriers, number, memory_order_release);
-  } else {
-    atomic_store_explicit(&all->reached[me->thread].barriers, number, memory_order_release);
-    wait_for(&all->go.barriers, number);
+void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context) {
+  ++me->loops;
+  me->pieces += pieces;
+  if (me->threads == 1) {
+    for (uint32_t k = 0; k < pieces; ++k) piece(context, k);
+    if (last) last(context);
+    return;
   }
+  for (uint32_t k = 0; k < me->threads && !is_over(me); ++k)
+    work_on(me, (me->thread + me->threads - k) % me->threads, pieces, piece, context);
+  wait_for_end(me, last, context);
 }

@@ -1,5 +1,3 @@
-#include <stddef.h>
-
 #include "cpu/team.h"
 
 uint32_t team_size(uint32_t wanted) {
@@ -7,9 +5,18 @@ uint32_t team_size(uint32_t wanted) {
   return 1;
 }
 
-void team_run(uint32_t threads, team_function function, void *context) {
-  member me = {.team = NULL, .thread = 0, .threads = threads};
+uint64_t team_bytes(uint32_t threads) {
+  (void)threads;
+  return 0;
+}
+
+void team_run(team *all, uint32_t threads, team_function function, void *context) {
+  member me = {.team = all, .thread = 0, .threads = threads};
   function(context, &me);
 }
 
-void team_barrier(member *me) { (void)me; }
+void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context) {
+  (void)me;
+  for (uint32_t k = 0; k < pieces; ++k) piece(context, k);
+  if (last) last(context);
+}

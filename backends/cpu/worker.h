@@ -1,4 +1,4 @@
-/* A thread's part in a step. All threads run the same code and cut the work by their number. */
+/* A thread's part in a step: all threads come to the same loops in the same order (team.h). */
 #ifndef PBF_CPU_WORKER_H
 #define PBF_CPU_WORKER_H
 
@@ -10,37 +10,52 @@ typedef struct range {
   uint32_t first, last; /* up to last - 1 */
 } range;
 
+/* What is in here a thread works out for itself. */
 typedef struct worker {
   solver *s;
   member *me;
-  uint32_t thread, threads; /* of me */
-  buffers b;                /* every thread swaps its own copy */
-  grid grid;
-  range groups; /* whose pairs this thread sums up */
+  buffers b; /* every thread swaps its own copy */
+  room room; /* for lists of neighbours */
+  pbf_forces forces;
   pbf_obstacles obstacles;
-  pbf_constants constants; /* of the present iteration */
+  pbf_constants constants;                              /* of the iteration */
+  uint32_t step, iteration;                             /* of this run */
+  const field *key, *sorted_key, *other, *sorted_other; /* of the sort */
   double stage_begin;
 } worker;
 
 static inline worker worker_of(solver *s, member *me) {
-  return (worker){.s = s,
-                  .me = me,
-                  .thread = me->thread,
-                  .threads = me->threads,
-                  .b = s->buffers,
-                  .constants = s->constants};
+  return (worker){.s = s, .me = me, .b = s->buffers, .constants = s->constants};
 }
 
-static inline range part_of(uint64_t total, uint32_t thread, uint32_t threads) {
-  return (range){(uint32_t)(total * thread / threads), (uint32_t)(total * (thread + 1) / threads)};
+static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {
+  return total * part / parts;
 }
 
-static inline range my_chunks(const worker *w) {
-  return part_of(chunks_of(w->s->count), w->thread, w->threads);
+static inline range part_of(uint64_t total, uint32_t part, uint32_t parts) {
+  return (range){(uint32_t)part_begin(total, part, parts),
+                 (uint32_t)part_begin(total, part + 1, parts)};
 }
 
-static inline range my_particles(const worker *w) {
-  range r = my_chunks(w);
+/* How many pieces a loop over `total` things has, at least `least` of them in each. One thread
+ * needs no more than one piece. */
+static inline uint32_t pieces_of(const worker *w, uint64_t total, uint32_t least, uint32_t each) {
+  uint64_t most = (total + least - 1) / least, pieces = (uint64_t)each * w->me->threads;
+  if (w->me->threads == 1) return 1;
+  return (uint32_t)(pieces < most ? pieces : most);
+}
+
+static inline uint32_t particle_pieces(const worker *w) {
+  return pieces_of(w, chunks_of(w->s->count), 1, PARTICLE_PIECES);
+}
+
+/* The chunks of a piece. */
+static inline range piece_chunks(const worker *w, uint32_t piece) {
+  return part_of(chunks_of(w->s->count), piece, particle_pieces(w));
+}
+
+static inline range piece_particles(const worker *w, uint32_t piece) {
+  range r = piece_chunks(w, piece);
   uint64_t last = (uint64_t)r.last * CHUNK;
   return (range){r.first * CHUNK, last < w->s->count ? (uint32_t)last : w->s->count};
 }
@@ -49,11 +64,27 @@ static inline uint64_t groups_of(const solver *s) {
   return ((uint64_t)s->count + s->kernels->width - 1) / s->kernels->width;
 }
 
-/* The particles in this thread's groups. */
-static inline range my_sorted(const worker *w) {
+static inline uint32_t search_pieces(const worker *w) {
+  enum { LEAST = 256 };
+  return pieces_of(w, groups_of(w->s), LEAST / w->s->kernels->width, SEARCH_PIECES);
+}
+
+static inline uint32_t pair_pieces(const worker *w) {
+  enum { LEAST = 128 };
+  return pieces_of(w, groups_of(w->s), LEAST / w->s->kernels->width, PAIR_PIECES);
+}
+
+/* The groups of a piece of a pass over pairs. */
+static inline range piece_groups(const worker *w, uint32_t piece) {
+  return (range){w->s->first_group[piece], w->s->first_group[piece + 1]};
+}
+
+/* The particles in these groups. */
+static inline range piece_sorted(const worker *w, uint32_t piece) {
   uint32_t width = w->s->kernels->width;
-  uint64_t last = (uint64_t)w->groups.last * width;
-  return (range){w->groups.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
+  range r = piece_groups(w, piece);
+  uint64_t last = (uint64_t)r.last * width;
+  return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
 }
 
 static inline double seconds_now(void) {
@@ -62,10 +93,8 @@ static inline double seconds_now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The end of a stage whose results other threads read next. */
 static inline void stage_end(worker *w, pbf_stage stage) {
-  team_barrier(w->me);
-  if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->thread != 0) return;
+  if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->me->thread != 0) return;
   double now = seconds_now();
   w->s->seconds[stage] += now - w->stage_begin;
   ++w->s->runs[stage];

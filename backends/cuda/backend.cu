@@ -218,6 +218,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   double dt = s->params.time_step;
+  s->time = time;
   *done = s->count ? 0 : steps;
   while (*done < steps) {
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;

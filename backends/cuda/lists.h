@@ -31,11 +31,21 @@ static __device__ __forceinline__ uint4 *list_of(const neighbor_lists &lists, ui
   return lists.entries + (size_t)(i / 32) * lists.chunks * 32 + i % 32;
 }
 
-/* A thread's list while it grows, in shared memory, entries LIST_BLOCK apart. */
+/* A thread's list while it grows, in shared memory, entries LIST_BLOCK apart. Places are kept as
+ * distances from the block's first entry: what is added up is the address itself. */
 struct growing_list {
   uint16_t *entries;
-  uint32_t room, size;
+  uint32_t begin, next, last; /* `last`: from where on there is no room for four more */
   bool fits;
+
+  __device__ __forceinline__ growing_list(uint16_t *block_entries, uint32_t room)
+      : entries(block_entries),
+        begin(threadIdx.x),
+        next(threadIdx.x),
+        last(threadIdx.x + (room - 4) * LIST_BLOCK),
+        fits(true) {}
+
+  __device__ __forceinline__ uint32_t size() const { return (next - begin) / LIST_BLOCK; }
 
   /* Adds the particles near x among start … end - 1, with OWN all but `own`; `entry` is that of
    * `start`. Four at a time, reading up to three beyond the last. Every entry is written, and only
@@ -44,25 +54,25 @@ struct growing_list {
   __device__ __forceinline__ void add_row(const point *points, uint32_t start, uint32_t end,
                                           uint32_t own, pbf_vec x, pbf_real h2, uint32_t entry) {
     for (uint32_t j = start; j < end; j += 4, entry += 4) {
-      if (size + 4 > room) {
+      if (next > last) {
         fits = false;
         return;
       }
 #pragma unroll
       for (uint32_t q = 0; q < 4; ++q) {
         pbf_vec d = pbf_sub(x, position_of(load(points, j + q)));
-        entries[size * LIST_BLOCK] = (uint16_t)(entry + q);
-        size += pbf_dot(d, d) < h2 && j + q < end && !(OWN && j + q == own);
+        entries[next] = (uint16_t)(entry + q);
+        if (pbf_dot(d, d) < h2 && j + q < end && !(OWN && j + q == own)) next += LIST_BLOCK;
       }
     }
   }
 
   __device__ __forceinline__ uint32_t entry(uint32_t k) const {
-    return k < size ? entries[k * LIST_BLOCK] : (uint32_t)PBF_NOWHERE;
+    return k < size() ? entries[begin + k * LIST_BLOCK] : (uint32_t)PBF_NOWHERE;
   }
 
   __device__ __forceinline__ void write(uint4 *chunk) const {
-    for (uint32_t k = 0; k < size; k += PBF_CHUNK, chunk += 32)
+    for (uint32_t k = 0; k < size(); k += PBF_CHUNK, chunk += 32)
       *chunk = {entry(k) | entry(k + 1) << 16, entry(k + 2) | entry(k + 3) << 16,
                 entry(k + 4) | entry(k + 5) << 16, entry(k + 6) | entry(k + 7) << 16};
   }
@@ -90,7 +100,7 @@ static __global__ void __launch_bounds__(LIST_BLOCK)
     starts[row][threadIdx.x] = some ? p.cell_start[first] : 0;
     ends[row][threadIdx.x] = some ? p.cell_start[last + 1] : 0;
   }
-  growing_list list = {growing + threadIdx.x, lists.chunks * PBF_CHUNK, 0, true};
+  growing_list list(growing, lists.chunks * PBF_CHUNK);
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t start = starts[row][threadIdx.x], end = ends[row][threadIdx.x];
     uint32_t base = __reduce_min_sync(~0u, start < end ? start : ~0u);
@@ -104,7 +114,7 @@ static __global__ void __launch_bounds__(LIST_BLOCK)
     __syncwarp();
   }
   if (!real) return;
-  lists.sizes[i] = list.fits ? (uint8_t)list.size : (uint8_t)PBF_WALKS;
+  lists.sizes[i] = list.fits ? (uint8_t)list.size() : (uint8_t)PBF_WALKS;
   if (list.fits) list.write(list_of(lists, i));
 }
 

@@ -1,8 +1,6 @@
 /* The `cuda` plugin: its one exported function, and the choice of a variant. */
 #include "cuda/plugin.h"
 
-#include <stdio.h>
-
 #include "common/entry.h"
 #include "common/variants.h"
 
@@ -28,15 +26,9 @@ void probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
-    return PBF_ERROR_UNSUPPORTED;
   pbf_cuda_host = host;
   table = *variants[0].api;
   table.probe = probe;
   table.create = create;
-  answer->abi_version = PBF_BACKEND_ABI_VERSION;
-  answer->api = &table;
-  snprintf(answer->name, sizeof answer->name, "%s", PBF_BACKEND_NAME);
-  snprintf(answer->build_id, sizeof answer->build_id, "%s", PBF_BUILD_ID);
-  return PBF_OK;
+  return pbf_entry_answer(host, &table, answer);
 }

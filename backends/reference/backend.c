@@ -1,4 +1,5 @@
 /* The `reference` backend's table for one variant: particles in and out, statistics, plan. */
+#include "common/report.h"
 #include "common/rows.h"
 #include "common/without.h"
 #include "reference/plugin.h"
@@ -97,6 +98,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
+  s->now = time;
   for (*done = 0; *done < steps; ++*done) {
     if (s->count) solver_step(s, time + *done * s->params.time_step);
     s->now = time + (*done + 1) * s->params.time_step;
@@ -181,22 +183,8 @@ static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
 
 static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles *o, uint32_t i) {
   uint32_t neighbors = 0;
-  double density = (double)solver_density(s, o, i, &neighbors), v2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    double x = (double)s->x[i].c[k], v = (double)s->v[i].c[k];
-    stats->center_of_mass[k] += x;
-    stats->momentum[k] += v;
-    if (i == 0 || x < stats->position_min[k]) stats->position_min[k] = x;
-    if (i == 0 || x > stats->position_max[k]) stats->position_max[k] = x;
-    v2 += v * v;
-  }
-  stats->kinetic_energy += 0.5 * v2;
-  stats->speed_max = fmax(stats->speed_max, sqrt(v2));
-  stats->density_mean += density;
-  stats->density_error_mean += fmax(density - 1, 0);
-  stats->density_error_max = fmax(stats->density_error_max, density - 1);
-  stats->neighbors_mean += neighbors;
-  if (neighbors > stats->neighbors_max) stats->neighbors_max = neighbors;
+  double density = (double)solver_density(s, o, i, &neighbors);
+  pbf_stats_add(stats, i == 0, s->x[i], s->v[i], density, neighbors);
 }
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
@@ -207,25 +195,12 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
   pbf_obstacles obstacles = obstacles_at(s, s->now);
   for (uint32_t i = 0; i < s->count; ++i) add_to_stats(stats, s, &obstacles, i);
-  double per_particle = 1.0 / s->count;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    stats->center_of_mass[k] *= per_particle;
-    stats->momentum[k] *= per_particle;
-  }
-  stats->kinetic_energy *= per_particle;
-  stats->density_mean *= per_particle;
-  stats->density_error_mean *= per_particle;
-  stats->neighbors_mean *= per_particle;
+  pbf_stats_finish(stats);
   return PBF_OK;
 }
 
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
-  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
-    if (!s->schedule.runs[k]) continue;
-    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->runs_per_step = s->schedule.runs[k];
-  }
+  pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
                    sizeof(pbf_real));
   pbf_memory_plan(&s->memory, s->capacity, plan);

@@ -26,14 +26,8 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  if (host->abi_min > PBF_BACKEND_ABI_VERSION || host->abi_max < PBF_BACKEND_ABI_VERSION)
-    return PBF_ERROR_UNSUPPORTED;
   reference_host = host;
   table = *variants[0].api;
   table.create = create;
-  answer->abi_version = PBF_BACKEND_ABI_VERSION;
-  answer->api = &table;
-  snprintf(answer->name, sizeof answer->name, "%s", PBF_BACKEND_NAME);
-  snprintf(answer->build_id, sizeof answer->build_id, "%s", PBF_BUILD_ID);
-  return PBF_OK;
+  return pbf_entry_answer(host, &table, answer);
 }

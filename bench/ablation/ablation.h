@@ -22,15 +22,22 @@ struct AblationRow {
 struct Ablation {
   Scene scene;  // as it is run, with the steps of a round
   SolverOptions solver;
+  bool cpu_time;
   std::vector<AblationRow> variants;  // the first is the minimal plan
   std::vector<AblationRow> builds;    // the minimal plan: this build, it again, then the others
+};
+
+// Another build, by the folder of its backends.
+struct Build {
+  std::string name, folder;
 };
 
 struct AblationOptions {
   SolverOptions solver;
   unsigned rounds = 9;
-  uint32_t run_up = 0;               // steps before the measured ones
-  std::vector<std::string> against;  // folders of other builds' backends
+  bool cpu_time = false;
+  uint32_t run_up = 0;  // steps before the measured ones
+  std::vector<Build> against;
 };
 
 // Rounds in which every row runs once, in one order and then in the other, each from the same

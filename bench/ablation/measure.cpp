@@ -61,14 +61,14 @@ std::vector<AblationRow> measure_rows(std::vector<Entry> &entries, unsigned roun
 }
 
 std::vector<Entry> enter_builds(const Ablation &ablation, const Start &start,
-                                const std::vector<std::string> &folders) {
+                                const std::vector<Build> &builds) {
   std::vector<Entry> entries;
-  const Job here{minimal(ablation.scene), ablation.solver, ""};
+  const Job here{minimal(ablation.scene), ablation.solver, "", ablation.cpu_time};
   entries.push_back(enter("this build", here, start, true));
   entries.push_back(enter("this build again", here, start, true));
-  for (const std::string &folder : folders) {
-    const Job there{minimal(ablation.scene), ablation.solver, folder};
-    entries.push_back(enter(folder, there, start, false));
+  for (const Build &build : builds) {
+    const Job there{minimal(ablation.scene), ablation.solver, build.folder, ablation.cpu_time};
+    entries.push_back(enter(build.name, there, start, false));
   }
   return entries;
 }
@@ -82,14 +82,15 @@ double median_of(std::vector<double> values) {
 }
 
 Ablation ablate(const Scene &scene, const AblationOptions &options) {
-  Ablation ablation{scene, options.solver, {}, {}};
+  Ablation ablation{scene, options.solver, options.cpu_time, {}, {}};
   const Start start = run_up(scene, options.solver, options.run_up);
   if (options.against.empty()) {
     std::vector<Entry> entries;
     const Variant bare = minimal(scene);
-    entries.push_back(enter(bare.name, {bare, options.solver, ""}, start, true));
+    entries.push_back(enter(bare.name, {bare, options.solver, "", options.cpu_time}, start, true));
     for (const Variant &variant : one_at_a_time(scene))
-      entries.push_back(enter(variant.name, {variant, options.solver, ""}, start, false));
+      entries.push_back(
+          enter(variant.name, {variant, options.solver, "", options.cpu_time}, start, false));
     ablation.variants = measure_rows(entries, options.rounds, scene.steps, "features");
   } else {
     std::vector<Entry> entries = enter_builds(ablation, start, options.against);

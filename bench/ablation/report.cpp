@@ -230,6 +230,7 @@ void write_ablation_json(const Ablation &ablation, const std::string &path) {
                     {"backend", info.backend},
                     {"device", info.device_name},
                     {"threads", info.threads},
+                    {"time", ablation.cpu_time ? "CPU" : "clock"},
                     {"cpu_model", machine.cpu},
                     {"cpus", machine.cpus},
                     {"commit", machine.commit},

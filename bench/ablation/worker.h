@@ -29,7 +29,8 @@ struct Facts {
 struct Job {
   Variant variant;
   SolverOptions solver;
-  std::string folder;  // of the build's backends; empty: those that pbf-bench finds
+  std::string folder;     // of the build's backends; empty: those that pbf-bench finds
+  bool cpu_time = false;  // what the process has worked, and not what the clock says
 };
 
 // All throw Error with the worker's sentence. The library must not have been used before in this

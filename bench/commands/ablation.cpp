@@ -16,26 +16,30 @@ namespace {
 struct Options {
   SceneOptions scene;
   AblationOptions ablation;
+  std::vector<std::string> against;
   std::string json, html;
 };
 
-// Absolute, as PBF_BACKEND_PATH wants them.
-void find_folders(std::vector<std::string> &folders) {
-  for (std::string &folder : folders) {
-    std::error_code failed;
-    const auto path = std::filesystem::canonical(folder, failed);
-    if (failed || !std::filesystem::is_directory(path) ||
-        path.string().find(':') != std::string::npos) {
-      throw Error(exit_usage, "--against " + folder +
-                                  ": no folder that can be searched; wanted: where another build "
-                                  "has its pbf_backend_….so, lib/pbf/backends");
-    }
-    folder = path.string();
+// "name=folder" or a folder alone, which is then the name; made absolute, as PBF_BACKEND_PATH wants
+// it.
+Build build_of(const std::string &text) {
+  const size_t equals = text.find('=');
+  const bool named = equals != std::string::npos && text.find('/') > equals;
+  const std::string folder = named ? text.substr(equals + 1) : text;
+  std::error_code failed;
+  const auto path = std::filesystem::canonical(folder, failed);
+  if (failed || !std::filesystem::is_directory(path) ||
+      path.string().find(':') != std::string::npos) {
+    throw Error(exit_usage, "--against " + text +
+                                ": no folder that can be searched; wanted: where another build "
+                                "has its pbf_backend_….so, lib/pbf/backends");
   }
+  return {named ? text.substr(0, equals) : folder, path.string()};
 }
 
 int run_ablation(Options options) {
-  find_folders(options.ablation.against);
+  for (const std::string &text : options.against)
+    options.ablation.against.push_back(build_of(text));
   Scene scene = load_scene(options.scene);
   if (options.scene.steps == 0) scene.steps = std::min<uint32_t>(scene.steps, 50);
   catch_interrupts();
@@ -72,16 +76,19 @@ std::pair<CLI::App *, Command> add_ablation(CLI::App &app) {
       ->type_name("N")
       ->check(positive())
       ->capture_default_str();
+  command->add_flag("--cpu-time", ablation.cpu_time,
+                    "what the process has worked, for machines that others use too; CPU backends "
+                    "with one thread");
   command
       ->add_option("--run-up", ablation.run_up,
                    "steps of the scene as it is before the measured ones")
       ->type_name("N")
       ->capture_default_str();
   command
-      ->add_option("--against", ablation.against,
+      ->add_option("--against", options->against,
                    "instead: the minimal plan on this build, on it again, and on the builds whose "
                    "backends lie in these folders")
-      ->type_name("DIR");
+      ->type_name("[NAME=]DIR");
   command->add_option("--json", options->json, "all figures into this file")->type_name("F");
   command->add_option("--html", options->html, "the table into this file, a single page")
       ->type_name("F");

@@ -26,10 +26,10 @@ nlohmann::json walls_of(const pbf_params &params, unsigned dimension) {
 
 }  // namespace
 
-void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info) {
+nlohmann::json manifest_of(const Scene &scene, const pbf_info &info) {
   const pbf_params &p = scene.params;
   const unsigned dimension = scene.dimension;
-  const nlohmann::json manifest = {
+  return {
       {"scene", scene.name},
       {"backend", info.backend},
       {"build_id", info.build_id},
@@ -48,8 +48,11 @@ void write_manifest(const std::string &path, const Scene &scene, const pbf_info 
       {"iterations", p.iterations},
       {"walls", walls_of(p, dimension)},
   };
+}
+
+void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info) {
   std::ofstream file(path);
-  file << manifest.dump(2) << '\n';
+  file << manifest_of(scene, info).dump(2) << '\n';
   file.flush();
   if (!file) throw Error(exit_failure, path + " can't be written");
 }

@@ -4,12 +4,14 @@
 
 #include <pbf/pbf.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "scene/scene.h"
 
 namespace bench {
 
+nlohmann::json manifest_of(const Scene &scene, const pbf_info &info);
 void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info);
 
 }  // namespace bench

@@ -7,7 +7,8 @@
 
 namespace bench {
 
-// Writes a row-major array of shape (rows, columns) of float32 or float64 (`element_size` 4 or 8).
+// Writes a row-major array of shape (rows, columns), or (rows) when `columns` is 0, of float32 or
+// float64 (`element_size` 4 or 8).
 void write_npy(const std::string &path, const void *data, uint64_t rows, uint64_t columns,
                uint32_t element_size);
 

@@ -8,6 +8,8 @@ extern const unsigned char ablation_page_html[];
 extern const unsigned long ablation_page_html_size;
 extern const unsigned char report_page_html[];
 extern const unsigned long report_page_html_size;
+extern const unsigned char stability_page_html[];
+extern const unsigned long stability_page_html_size;
 
 std::string scene_schema_text() {
   return std::string(scene_schema_json, scene_schema_json + scene_schema_json_size);
@@ -19,6 +21,10 @@ std::string report_page_text() {
 
 std::string ablation_page_text() {
   return std::string(ablation_page_html, ablation_page_html + ablation_page_html_size);
+}
+
+std::string stability_page_text() {
+  return std::string(stability_page_html, stability_page_html + stability_page_html_size);
 }
 
 }  // namespace bench

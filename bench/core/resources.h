@@ -9,6 +9,7 @@ namespace bench {
 std::string scene_schema_text();
 std::string report_page_text();
 std::string ablation_page_text();
+std::string stability_page_text();
 
 }  // namespace bench
 

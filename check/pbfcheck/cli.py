@@ -8,6 +8,7 @@ from .dump import Dump
 from .fault import DumpFault, UsageFault
 from .judge import ERRORS, VALIDATIONS, errors_of, validation_of
 from .order import order_of
+from .stability.command import judge_folder
 
 EXIT_OK = 0
 EXIT_BEYOND_BOUND = 1
@@ -62,6 +63,14 @@ def build_parser():
     order.add_argument("--by", default="time_step", help="key of the dump: time_step, spacing, iterations, …")
     order.add_argument("--values", type=float, nargs="+", help="the parameter of each report, in place of its dump's")
     order.add_argument("--json", metavar="FILE", help="write the result; - for standard output")
+
+    stability = commands.add_parser("stability", help="verdicts on the cases of pbf-bench stability --dump",
+                                    epilog=EXIT_CODES)
+    stability.add_argument("folder", help="of <case>/<backend>/facts.json beside their dumps")
+    stability.add_argument("--json", metavar="FILE", help="write the verdicts; - for standard output")
+    stability.add_argument("--case", type=int, action="append", default=[], metavar="N", help="this one; again for more")
+    stability.add_argument("--backend", action="append", default=[], metavar="B", help="this one; again for more")
+    stability.add_argument("--silent", action="store_true", help="no table")
     return parser
 
 
@@ -129,11 +138,23 @@ def _order(args):
     return EXIT_OK
 
 
+def _stability(args):
+    text, table, good = judge_folder(args.folder, args.case, args.backend)
+    if args.json:
+        _write(text, args.json)
+    if args.json != "-" and not args.silent:
+        sys.stdout.write(table)
+    return EXIT_OK if good else EXIT_BEYOND_BOUND
+
+
+COMMANDS = {"order": _order, "stability": _stability}
+
+
 def main(arguments):
     args = build_parser().parse_args(arguments)
     try:
         _check_numbers(args)
-        return _order(args) if args.command == "order" else _judge(args)
+        return COMMANDS.get(args.command, _judge)(args)
     except UsageFault as fault:
         sys.stderr.write(f"pbf-check: {fault}\n")
         return EXIT_USAGE

@@ -82,7 +82,7 @@ class Dump:
         velocities = None
         if self.has("velocities", step):
             velocities = _load(self.path("velocities", step), positions.shape).astype(float)
-        return Frame(step, step * self.manifest.time_step, positions.astype(float), velocities,
+        return Frame(step, self.manifest.time_of(step), positions.astype(float), velocities,
                      str(positions.dtype), path)
 
     def scalars(self, what, step, count):

@@ -28,7 +28,11 @@ class Manifest:
     walls: Walls
     attraction: float  # a further acceleration -attraction (x - attraction_center)
     attraction_center: np.ndarray
+    times: dict  # of steps, where the time step has changed
     raw: dict
+
+    def time_of(self, step):
+        return self.times.get(step, step * self.time_step)
 
 
 class _Reader:
@@ -106,6 +110,19 @@ def _read_walls(reader, dim, spacing):
     return Walls(lower, upper, np.array(present[:2 * dim]), offset=offset, **motion)
 
 
+def _read_times(reader):
+    """{step: time} from {"step": time}."""
+    entry = reader.values.get("times")
+    if entry is None:
+        return {}
+    if not isinstance(entry, dict):
+        reader.fault("times", "an object of a time for each step")
+    inner = _Reader(f"{reader.path}: times", entry)
+    if not all(key.isdecimal() for key in entry):
+        reader.fault("times", "an object whose keys are steps")
+    return {int(key): inner.number(key) for key in entry}
+
+
 def read_manifest(folder):
     path = os.path.join(folder, FILE_NAME)
     reader = _Reader(path, _read_json(path))
@@ -128,4 +145,4 @@ def read_manifest(folder):
         walls=_read_walls(reader, dim, spacing),
         attraction=reader.number("attraction", default=0.0),
         attraction_center=reader.vector("attraction_center", dim, default=np.zeros(dim)),
-        raw=reader.values)
+        times=_read_times(reader), raw=reader.values)

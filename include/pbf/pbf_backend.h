@@ -115,7 +115,9 @@ struct pbf_backend_api {
                               const pbf_collider *colliders, double time);
 
   /* Runs `steps` steps from `time`; the walls and colliders of step k (from 1) stand where they
-   * are at time + k * time_step. *done counts the steps completed, also on failure. */
+   * are at time + k * time_step. *done counts the steps completed, also on failure. With 0 steps
+   * the backend only notes the time: where walls and colliders stand for densities and statistics.
+   */
   pbf_status (*step)(pbf_backend_solver *solver, double time, uint32_t steps, uint32_t *done);
 
   pbf_status (*synchronize)(pbf_backend_solver *solver);

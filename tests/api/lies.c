@@ -180,7 +180,7 @@ static void a_load_that_fails_half_way(void **state) {
     pbf_destroy(s);
     pbf_destroy(twin);
   }
-  assert_int_equal(failures, 6); /* two reads, parameters, colliders, remove all, add */
+  assert_int_equal(failures, 7); /* two reads, parameters, colliders, remove all, add, the time */
   free(saved);
   assert_int_equal(test_count.live_blocks, 0);
 }

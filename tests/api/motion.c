@@ -135,6 +135,89 @@ static void free_fall(void **state) {
   test_for_each_kind(one_particle_falls);
 }
 
+/* Below a moving ceiling and beside a moving ball, which lend density. */
+static pbf_solver *between_moving_things(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 40);
+  pbf_params params = test_params();
+  pbf_collider ball;
+  params.wall_density = 1;
+  params.gravity[1] = 0;
+  params.wall_velocity[PBF_WALL_Y_MAX] = -1;
+  pbf_solver *s = test_create(&desc, &params);
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 0.1;
+  ball.position[0] = -0.3;
+  ball.position[1] = 0.3;
+  ball.velocity[0] = 1;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  return s;
+}
+
+static void add_lattice(pbf_solver *s, uint32_t dimension, uint32_t precision) {
+  void *x = test_lattice(dimension, precision, 16);
+  assert_ok(pbf_add_particles(s, 16, x, NULL, NULL));
+  free(x);
+}
+
+static void same_densities(pbf_solver *a, pbf_solver *b, uint32_t precision) {
+  _Alignas(8) unsigned char in_a[16 * 8], in_b[16 * 8];
+  pbf_stats stats_a = {.struct_size = sizeof stats_a}, stats_b = {.struct_size = sizeof stats_b};
+  assert_ok(pbf_get_densities(a, 0, 16, in_a));
+  assert_ok(pbf_get_densities(b, 0, 16, in_b));
+  for (uint32_t i = 0; i < 16; ++i) {
+    double rho_a = test_value(in_a, i, precision), rho_b = test_value(in_b, i, precision);
+    if (!(fabs(rho_a - rho_b) < 1e-5)) fail_msg("density %u is %g and %g", i, rho_a, rho_b);
+  }
+  assert_ok(pbf_get_stats(a, &stats_a));
+  assert_ok(pbf_get_stats(b, &stats_b));
+  assert_true(fabs(stats_a.density_mean - stats_b.density_mean) < 1e-5);
+}
+
+/* After pbf_load the walls and colliders stand where they did for the solver that was saved. */
+static void densities_of_a_loaded_state(uint32_t dimension, uint32_t precision) {
+  uint64_t size;
+  pbf_solver *a = between_moving_things(dimension, precision);
+  pbf_solver *b = test_filled(dimension, precision, 3, 40);
+  add_lattice(a, dimension, precision);
+  pbf_info info = info_of(a);
+  while (info.time < 0.5) assert_ok(pbf_step(a, 1)), info = info_of(a);
+  void *saved = test_save(a, &size);
+  assert_ok(pbf_load(b, saved, size));
+  same_densities(a, b, precision);
+  free(saved);
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void loaded_densities(void **state) {
+  (void)state;
+  test_for_each_kind(densities_of_a_loaded_state);
+}
+
+/* Time goes on without particles, too. */
+static void densities_after_empty_steps(uint32_t dimension, uint32_t precision) {
+  pbf_solver *a = between_moving_things(dimension, precision);
+  pbf_solver *b = between_moving_things(dimension, precision);
+  pbf_collider ball;
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_step(a, 60)); /* half a second */
+  add_lattice(a, dimension, precision);
+  ball = collider_of(a, 0);
+  assert_ok(pbf_set_colliders(b, 1, &ball));
+  assert_ok(pbf_get_params(b, &params));
+  params.domain_max[1] -= info_of(a).time;
+  assert_ok(pbf_set_params(b, &params));
+  add_lattice(b, dimension, precision);
+  same_densities(a, b, precision);
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void densities_without_steps(void **state) {
+  (void)state;
+  test_for_each_kind(densities_after_empty_steps);
+}
+
 int main(void) {
   const struct CMUnitTest motion[] = {
       cmocka_unit_test(time_is_no_sum),
@@ -143,6 +226,8 @@ int main(void) {
       cmocka_unit_test(walls_that_meet),
       cmocka_unit_test(time_without_end),
       cmocka_unit_test(free_fall),
+      cmocka_unit_test(loaded_densities),
+      cmocka_unit_test(densities_without_steps),
   };
   return TEST_RUN(motion);
 }

@@ -180,6 +180,8 @@ static void float32_has_its_limits(void **state) {
   params.time_step = 1e-39;
   refuse_params(single, &params, "a normal number in float32");
   assert_ok(pbf_set_params(wide, &params));
+  params.time_step = 5e-324; /* its inverse is infinite */
+  refuse_params(wide, &params, "a normal number");
   params = test_params();
   params.domain_min[1] = 1e6;
   params.domain_max[1] = 1e6 + 1;
@@ -271,6 +273,38 @@ static void colliders_by_table(void **state) {
   pbf_destroy(s);
 }
 
+/* Each number of a collider alone, of the second one of two. */
+static void nothing_in_colliders_that_is_not_a_number(void **state) {
+  (void)state;
+  static const struct {
+    const char *name;
+    size_t offset;
+    int components;
+  } fields[] = {{"position", C(position), 3}, {"orientation", C(orientation), 4},
+                {"velocity", C(velocity), 3}, {"angular_velocity", C(angular_velocity), 3},
+                {"axis", C(axis), 3},         {"half_extents", C(half_extents), 3},
+                {"radius", C(radius), 1},     {"half_length", C(half_length), 1}};
+  const double values[] = {NAN, INFINITY, -INFINITY, 1e39};
+  pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
+  for (size_t f = 0; f < LENGTH(fields); ++f) {
+    for (int c = 0; c < fields[f].components; ++c) {
+      for (size_t v = 0; v < LENGTH(values); ++v) {
+        pbf_collider two[2];
+        uint32_t count = 9;
+        char words[64];
+        for (int k = 0; k < 2; ++k)
+          assert_ok(pbf_collider_init(&two[k], sizeof two[k], PBF_COLLIDER_CAPSULE));
+        put_real(&two[1], fields[f].offset + (size_t)c * sizeof(double), values[v]);
+        snprintf(words, sizeof words, "colliders[1].%s", fields[f].name);
+        assert_fails(pbf_set_colliders(s, 2, two), PBF_ERROR_INVALID_ARGUMENT, words);
+        assert_ok(pbf_get_collider_count(s, &count));
+        assert_int_equal(count, 0);
+      }
+    }
+  }
+  pbf_destroy(s);
+}
+
 static void descriptions_by_table(void **state) {
   (void)state;
 #define D(member) offsetof(pbf_desc, member)
@@ -308,6 +342,7 @@ int main(void) {
       cmocka_unit_test(float32_has_its_limits),
       cmocka_unit_test(two_dimensions_ignore_the_third),
       cmocka_unit_test(colliders_by_table),
+      cmocka_unit_test(nothing_in_colliders_that_is_not_a_number),
       cmocka_unit_test(descriptions_by_table),
   };
   return TEST_RUN(validation);

@@ -47,8 +47,9 @@ void one_feature_at_a_time(void **) {
 void a_build_against_itself(void **) {
   const std::string folder = work_folder("against");
   skip_unless_available(folder, "serial");
-  const json rows = run_for_json(folder, "--against " PBF_TEST_BACKENDS)["builds"];
+  const json rows = run_for_json(folder, "--against itself=" PBF_TEST_BACKENDS)["builds"];
   assert_int_equal(rows.size(), 3);
+  assert_true(rows.at(2)["name"] == "itself");
   for (const json &row : rows) {
     assert_true(row["state"] == rows.at(0)["state"]);
     assert_true(row["bytes"] == rows.at(0)["bytes"]);

@@ -24,7 +24,8 @@ static pbf_solver *run(const char *set, const cpu_block *block, uint32_t precisi
   pbf_status status = pbf_create(&desc, &params, &solver);
   unsetenv("PBF_ISA");
   if (status != PBF_OK) {
-    assert_non_null(strstr(pbf_last_error(), "can't run"));
+    const char *why = pbf_last_error();
+    assert_true(strstr(why, "machine can't run") || strstr(why, "build is without"));
     return NULL;
   }
   cpu_add(solver, precision, block->dimension, block->count, block->x, block->v);

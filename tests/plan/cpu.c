@@ -40,7 +40,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_relax, CHEBYSHEV),
       WATCH(density, STATS),
       WATCH(run_survey, STATS),
-      WATCH(add_to_stats, STATS),
+      WATCH(pbf_stats_add, STATS),
       WATCH(seconds_now, TIMING),
       {NULL, NULL, 0, NULL},
   };

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""Writes the table of docs/trim.md from results of bench/tools/unused.sh, one a backend.
+
+    bench/tools/unused_table.py RESULT.json…
+"""
+import json
+import pathlib
+import sys
+
+START, END = "<!-- table: unused -->", "<!-- end -->"
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "trim.md"
+
+
+def percent(ratio):
+    return f"{100 * (ratio - 1):+.1f} %"
+
+
+def lines_of(result):
+    first = result["builds"][0]
+    for row in result["builds"][1:]:
+        if "reason" in row:
+            yield (result["backend"], row["name"].replace("_", " ", 1), row["reason"], "", "", "", "")
+            continue
+        low, high = row["ratio_middle_half"]
+        yield (result["backend"], row["name"].replace("_", " ", 1), percent(row["ratio_median"]), f"{percent(low)} … {percent(high)}",
+               percent(row["ms_per_step_least"] / first["ms_per_step_least"]),
+               f"{row['bytes'] - first['bytes']}", "the same" if row["state"] == first["state"] else "others")
+
+
+def table(results):
+    lines = ["| backend | build | time, median | middle half | least time | bytes | bits |",
+             "| --- | --- | --: | --: | --: | --: | --- |"]
+    for result in results:
+        lines += ["| " + " | ".join(cells) + " |" for cells in lines_of(result)]
+    for result in results:
+        lines += ["", f"{result['backend']}: {result['scene']}, {result['particles']:,} particles, "
+                  f"{result['time']} time of "
+                  f"{len(result['builds'][0]['ms_per_step'])} rounds of {result['steps_a_round']} steps on "
+                  f"{result['device']}, {result['threads']} threads, commit {result['commit']}."]
+    return "\n".join(lines)
+
+
+def main(paths):
+    before, rest = PAGE.read_text(encoding="utf-8").split(START)
+    after = rest.split(END, 1)[1]
+    text = table([json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths])
+    PAGE.write_text(f"{before}{START}\n{text}\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    main(sys.argv[1:])

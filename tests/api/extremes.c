@@ -1,0 +1,179 @@
+/* Numbers at the edges of their types, each alone in each place: refused by name, or a step later
+ * the particles are finite and inside. */
+#include <float.h>
+#include <stdio.h>
+
+#include "support.h"
+
+typedef struct number {
+  const char *name;
+  size_t offset;
+  uint32_t components;
+} number;
+
+#define P(member, components) \
+  { #member, offsetof(pbf_params, member), components }
+#define C(member, components) \
+  { #member, offsetof(pbf_collider, member), components }
+#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
+
+static const number in_params[] = {
+    P(smoothing_radius, 1), P(spacing, 1),    P(particle_volume, 1),  P(time_step, 1),
+    P(gravity, 3),          P(attraction, 1), P(relaxation, 1),       P(attraction_center, 3),
+    P(epsilon, 1),          P(separation, 1), P(min_diagonal, 1),     P(wall_density, 1),
+    P(scorr_k, 1),          P(scorr_dq, 1),   P(vorticity, 1),        P(viscosity, 1),
+    P(domain_min, 3),       P(domain_max, 3), P(wall_velocity, 6),    P(wall_amplitude, 6),
+    P(wall_frequency, 6),   P(wall_phase, 6), P(search_cell_width, 1)};
+
+static const number in_collider[] = {C(position, 3),         C(orientation, 4), C(velocity, 3),
+                                     C(angular_velocity, 3), C(axis, 3),        C(half_extents, 3),
+                                     C(radius, 1),           C(half_length, 1)};
+
+/* Denormal in float64 and in float32, and the least normal ones. */
+static const double tiny[] = {5e-324, 1e-39, DBL_MIN, FLT_MIN, -1e-39};
+
+/* One thread: there is little to do, and often. */
+static pbf_solver *filled(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 12);
+  desc.threads = 1;
+  pbf_solver *s = test_create(&desc, NULL);
+  void *lattice = test_lattice(dimension, precision, 12);
+  assert_ok(pbf_add_particles(s, 12, lattice, NULL, NULL));
+  free(lattice);
+  return s;
+}
+
+/* Both dimensions and both precisions, once each. */
+static void for_two_kinds(void (*function)(uint32_t dimension, uint32_t precision)) {
+  function(2, PBF_FLOAT64);
+  function(3, PBF_FLOAT32);
+}
+
+static void put(void *object, const number *n, uint32_t component, double value) {
+  memcpy((char *)object + n->offset + component * sizeof value, &value, sizeof value);
+}
+
+static void label(char *text, size_t size, const char *object, const number *n,
+                  uint32_t component) {
+  if (n->components == 1) {
+    snprintf(text, size, "%s.%s", object, n->name);
+  } else {
+    snprintf(text, size, "%s.%s[%u]", object, n->name, component);
+  }
+}
+
+static void runs_or_says_why(pbf_solver *s, uint32_t dimension, uint32_t precision,
+                             const char *what, double value) {
+  enum { MOST = 12 };
+  unsigned char x[MOST * 3 * 8], v[MOST * 3 * 8];
+  uint32_t count = 0;
+  pbf_status status = pbf_step(s, 2);
+  if (status != PBF_OK) {
+    assert_true(pbf_last_error()[0]);
+    return;
+  }
+  assert_ok(pbf_get_count(s, &count));
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  assert_ok(pbf_get_velocities(s, 0, count, v));
+  for (uint32_t i = 0; i < count * dimension; ++i) {
+    double position = test_value(x, i, precision), velocity = test_value(v, i, precision);
+    /* A wall that has been set elsewhere is where it was set; the stub has none. */
+    int is_inside = test_is_stub() || fabs(position) < 3;
+    if (!isfinite(position) || !isfinite(velocity) || !is_inside)
+      fail_msg("%uD f%u: %s = %g leads to the position %g, velocity %g", dimension, 8 * precision,
+               what, value, position, velocity);
+  }
+}
+
+static void tiny_in_params(uint32_t dimension, uint32_t precision) {
+  for (size_t f = 0; f < LENGTH(in_params); ++f) {
+    for (uint32_t c = 0; c < in_params[f].components; ++c) {
+      for (size_t t = 0; t < LENGTH(tiny); ++t) {
+        pbf_solver *s = filled(dimension, precision);
+        pbf_params params = test_params();
+        char what[64];
+        label(what, sizeof what, "params", &in_params[f], c);
+        put(&params, &in_params[f], c, tiny[t]);
+        pbf_status status = pbf_set_params(s, &params);
+        if (status == PBF_OK) {
+          runs_or_says_why(s, dimension, precision, what, tiny[t]);
+        } else {
+          assert_int_equal(status, PBF_ERROR_INVALID_ARGUMENT);
+          assert_non_null(strstr(pbf_last_error(), "params."));
+        }
+        pbf_destroy(s);
+      }
+    }
+  }
+}
+
+static void tiny_parameters(void **state) {
+  (void)state;
+  for_two_kinds(tiny_in_params);
+}
+
+/* In a capsule and in a box, that every number means something in one of them. */
+static void tiny_in_colliders(uint32_t dimension, uint32_t precision) {
+  const uint32_t shapes[] = {PBF_COLLIDER_CAPSULE, PBF_COLLIDER_BOX, PBF_COLLIDER_PLANE};
+  pbf_solver *s = filled(dimension, precision);
+  for (size_t shape = 0; shape < LENGTH(shapes); ++shape) {
+    for (size_t f = 0; f < LENGTH(in_collider); ++f) {
+      for (uint32_t c = 0; c < in_collider[f].components; ++c) {
+        for (size_t t = 0; t < LENGTH(tiny); ++t) {
+          pbf_collider collider;
+          char what[64];
+          assert_ok(pbf_collider_init(&collider, sizeof collider, shapes[shape]));
+          collider.radius = collider.half_length = 0.1;
+          collider.position[0] = collider.position[1] = 0.4;
+          collider.angular_velocity[2] = 1;
+          label(what, sizeof what, "colliders[0]", &in_collider[f], c);
+          put(&collider, &in_collider[f], c, tiny[t]);
+          pbf_status status = pbf_set_colliders(s, 1, &collider);
+          if (status == PBF_OK) {
+            runs_or_says_why(s, dimension, precision, what, tiny[t]);
+          } else {
+            assert_int_equal(status, PBF_ERROR_INVALID_ARGUMENT);
+            assert_non_null(strstr(pbf_last_error(), "colliders[0]."));
+          }
+        }
+      }
+    }
+  }
+  pbf_destroy(s);
+}
+
+static void tiny_colliders(void **state) {
+  (void)state;
+  for_two_kinds(tiny_in_colliders);
+}
+
+/* Particles as far apart as a denormal, at a wall and in the middle. */
+static void tiny_in_particles(uint32_t dimension, uint32_t precision) {
+  const double steps[] = {0, 5e-324, 1e-45, 1e-39, FLT_MIN, DBL_MIN, 1e-30};
+  for (size_t t = 0; t < LENGTH(steps); ++t) {
+    pbf_solver *s = test_solver(dimension, precision, 12);
+    _Alignas(8) unsigned char x[12 * 3 * 8], v[12 * 3 * 8];
+    for (uint32_t i = 0; i < 12 * dimension; ++i) {
+      double base = i / dimension < 6 ? 0 : 0.5;
+      test_put(x, i, precision, base + steps[t] * (i / dimension));
+      test_put(v, i, precision, i % 2 ? -steps[t] : steps[t]);
+    }
+    assert_ok(pbf_add_particles(s, 12, x, v, NULL));
+    runs_or_says_why(s, dimension, precision, "particles apart by", steps[t]);
+    pbf_destroy(s);
+  }
+}
+
+static void tiny_distances(void **state) {
+  (void)state;
+  test_for_each_kind(tiny_in_particles);
+}
+
+int main(void) {
+  const struct CMUnitTest extremes[] = {
+      cmocka_unit_test(tiny_parameters),
+      cmocka_unit_test(tiny_colliders),
+      cmocka_unit_test(tiny_distances),
+  };
+  return TEST_RUN(extremes);
+}
