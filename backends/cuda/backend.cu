@@ -63,10 +63,10 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
                                   n * sizeof(pbf_vec), &s->smoothed))
     return status;
   if (pbf_status status =
-          take_if(s, has.accelerated, "total lambda", n * sizeof(pbf_real), &s->total))
+          take_if(s, has.accelerated, "lambda before", n * sizeof(pbf_real), &s->lambda_before))
     return status;
   if (pbf_status status =
-          take_if(s, has.accelerated, "lambda before", n * sizeof(pbf_real), &s->total_before))
+          take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
     return status;
   return take_if(s, has.colliders > 0, "colliders",
                  STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
@@ -108,7 +108,7 @@ static pbf_status take_arrays(solver *s) {
       {"velocity", n * sizeof(pbf_vec), &s->velocities},
       {"id", n * sizeof(uint32_t), &s->ids},
       {"moved position", (n + PBF_SPARE_POINTS) * sizeof(point), &s->other},
-      {"position before", n * sizeof(pbf_vec), &s->before},
+      {"predicted velocity", n * sizeof(pbf_vec), &s->other_velocities},
       {"sorted id", n * sizeof(uint32_t), &s->other_ids},
       {"sorted cell", n * sizeof(uint32_t), &s->cells},
       {"cell start", (grid_cell_limit(s->capacity) + 1ull) * sizeof(uint32_t), &s->cell_start},

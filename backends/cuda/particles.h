@@ -60,8 +60,8 @@ enum { PBF_SPARE_POINTS = 4 };
 
 /* Particles sorted by cell, and by id within a cell. */
 struct sorted_particles {
-  point *points;   /* PBF_SPARE_POINTS more than the capacity */
-  pbf_vec *before; /* positions at the start of the step */
+  point *points;       /* PBF_SPARE_POINTS more than the capacity */
+  pbf_vec *velocities; /* that go with the predicted positions */
   uint32_t *ids, *cells;
   uint32_t *cell_start; /* first particle of each cell; one more at the end */
   uint32_t count;

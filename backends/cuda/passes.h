@@ -13,27 +13,43 @@ struct neighborhood {
   pbf_constants constants;
 };
 
+/* The place of an iteration among those of the step. */
+struct iteration_place {
+  bool first, last;
+};
+
 /* How an iteration's move ends. */
 struct move_end {
+  iteration_place place;
   pbf_real inv_time_step;
   int collide;         /* with the obstacles */
-  pbf_vec *velocities; /* of the step's last move: where the velocity goes; else null */
+  pbf_vec *velocities; /* predicted positions from the first move on, velocities from the last */
 };
 
 template <int FEATURES, bool EXTRAS>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    lambda_kernel(neighborhood n, iteration_extras extras) {
+    lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1)));
+  uint32_t own = min(i, n.particles.count - 1);
+  pbf_vec x = position_of(load(points, own));
+  /* Read long before it is written: a store to an address that a load is still waiting for holds up
+   * the other loads of the multiprocessor, a whole lambda by two thirds. */
+  bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.before;
+  pbf_real before = accelerated && !first ? extras.before[own] : 0;
   lambda_sums<FEATURES> sums;
   for_neighbors(n.particles, n.grid, n.lists, i,
                 [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
   if (i >= n.particles.count) return;
-  pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, x);
-  if (EXTRAS && extras.total)
-    lambda = pbf_accelerate(c, extras.weight, lambda, &extras.total[i], &extras.before[i]);
+  pbf_real slack = EXTRAS && PBF_CHEBYSHEV && extras.slack ? extras.slack[i] : 0;
+  pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
+  if (accelerated) {
+    pbf_real total = points[i].lambda;
+    pbf_accelerate(c, lambda, &total, &before);
+    extras.before[i] = before;
+    lambda = total;
+  }
   points[i].lambda = lambda;
 }
 
@@ -52,9 +68,41 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
   if (i >= n.particles.count) return;
-  x = sum.moved(c, extras.obstacles, EXTRAS && extras.wall_density, end.collide, own.lambda, x);
-  store(moved, i, point_at(x));
-  if (end.velocities) end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.before[i], x);
+  pbf_vec predicted = x;
+  bool wanted = EXTRAS || end.place.last || (end.collide && extras.obstacles.count > 0);
+  if (!end.place.first && wanted) predicted = end.velocities[i];
+  bool accelerated = EXTRAS && extras.before;
+  x = sum.moved(c, extras.obstacles, EXTRAS && extras.wall_density, accelerated, end.collide,
+                own.lambda, predicted, x);
+  point to = point_at(x);
+  if (accelerated) to.lambda = own.lambda;
+  store(moved, i, to);
+  if (end.place.last)
+    end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
+  else if (end.place.first)
+    end.velocities[i] = predicted;
+}
+
+/* What a very short step leaves of the density error where the particles were at its start. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    slack_kernel(neighborhood n, iteration_extras extras, pbf_real time_step, pbf_real *slack) {
+  uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
+  auto start = [&](uint32_t j) {
+    return pbf_add_scaled(position_of(load(n.particles.points, j)), -time_step,
+                          n.particles.velocities[j]);
+  };
+  pbf_vec x = start(min(i, n.particles.count - 1)), gradient = {{0}};
+  pbf_real density = c->value_scale;
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, start(j));
+    density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
+  });
+  if (i >= n.particles.count) return;
+  if (extras.wall_density) add_walls(c, extras.obstacles, x, &density, &gradient);
+  slack[i] = pbf_slack(c, density);
 }
 
 template <int FEATURES>

@@ -48,11 +48,12 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
   if (pbf_status status =
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
-  compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>({s->points, s->velocities, s->ids}, s->count,
-                                                      place, {s->other, s->before, s->other_ids});
+  compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
+      {s->points, s->velocities, s->ids}, s->count, place,
+      {s->other, s->other_velocities, s->other_ids});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   exchange(&s->points, &s->other);
-  exchange(&s->velocities, &s->before);
+  exchange(&s->velocities, &s->other_velocities);
   exchange(&s->ids, &s->other_ids);
   s->count -= count;
   return PBF_OK;
@@ -84,7 +85,7 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   cell_grid grid = present_grid(s, extras.obstacles.walls);
   row_range range;
   uint32_t blocks = blocks_for(s->count);
-  pbf_real *densities = reinterpret_cast<pbf_real *>(s->before);
+  pbf_real *densities = reinterpret_cast<pbf_real *>(s->other_velocities);
   pbf_real *staged = static_cast<pbf_real *>(s->list_room);
   if (pbf_status status = sort_present(s, grid)) return status;
   with_kernel(s->schedule.features, [&](auto features) {

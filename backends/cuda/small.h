@@ -30,6 +30,17 @@ struct small_step {
   cell_grid grid;
 };
 
+/* What differs from iteration to iteration of an accelerated solve. */
+struct small_iteration {
+  pbf_real weight, scorr_k;
+};
+
+/* What a launch is told of its steps, in one copy. */
+struct small_upload {
+  small_step steps[SMALL_STEPS];
+  small_iteration iterations[SMALL_ITERATIONS];
+};
+
 struct small_scene {
   point *points;
   pbf_vec *velocities;
@@ -42,15 +53,9 @@ struct small_scene {
   int wall_density, accelerated;
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
   const small_step *table; /* a step each */
-  const pbf_real *weights; /* of the Chebyshev iteration */
+  const small_iteration *iteration_table;
   const pbf_solid *solids; /* solid_count a step */
   int solid_count;
-};
-
-/* What a launch is told of its steps, in one copy. */
-struct small_upload {
-  small_step steps[SMALL_STEPS];
-  pbf_real weights[SMALL_ITERATIONS];
 };
 
 struct small_room {
@@ -65,7 +70,7 @@ struct general_room {
   sorted_particles sorted;
   uint32_t *numbers;
   sort_scratch scratch;
-  pbf_real *total, *before; /* of the Chebyshev iteration, else null */
+  pbf_real *before; /* accelerated: lambda an iteration earlier; else null */
 };
 
 /* A particle's neighbours in shared memory, which its threads take in turns. */
@@ -94,6 +99,16 @@ struct small_list {
     }
   }
 };
+
+/* The constants of iteration k. For a wall's density the scene's serve: its tables, looked up in a
+ * copy, would be in local memory. */
+static __device__ __forceinline__ pbf_constants constants_at(const small_scene &scene, uint32_t k) {
+  pbf_constants c = scene.constants;
+  if (!PBF_CHEBYSHEV || !scene.accelerated) return c;
+  c.weight = scene.iteration_table[k].weight;
+  c.scorr_k = scene.iteration_table[k].scorr_k;
+  return c;
+}
 
 /* Sums over the threads of a particle; every one of them gets the same bits. */
 static __device__ __forceinline__ pbf_real sum_lanes(pbf_real value, uint32_t lanes) {
@@ -220,22 +235,24 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t i = first; i < n; i += stride)
     scatter_particle(from, p.cell_start, room.scratch, i);
   grid_barrier(small.control, ++turn);
-  for (uint32_t i = first; i < n; i += stride) {
-    place_particle(from, predict, room.scratch, p, i);
-    if (scene.accelerated) room.total[i] = room.before[i] = 0;
-  }
+  for (uint32_t i = first; i < n; i += stride) place_particle(from, predict, room.scratch, p, i);
   grid_barrier(small.control, ++turn);
-  point *points = p.points, *moved = small.points[0];
+  point *points = p.points, *moved = small.points[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
     bool last = k + 1 == scene.iterations;
+    const pbf_constants now = constants_at(scene, k);
     for (uint32_t i = first; i < n; i += stride) {
       pbf_vec x = position_of(load(points, i));
       lambda_sums<FEATURES> sums;
       walk_cells(p, grid, i,
                  [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
-      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, x);
-      if (scene.accelerated)
-        lambda = pbf_accelerate(c, scene.weights[k], lambda, room.total + i, room.before + i);
+      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, x);
+      if (PBF_CHEBYSHEV && scene.accelerated) {
+        pbf_real total = points[i].lambda, before = k == 0 ? 0 : room.before[i];
+        pbf_accelerate(&now, lambda, &total, &before);
+        room.before[i] = before;
+        lambda = total;
+      }
       points[i].lambda = lambda;
     }
     grid_barrier(small.control, ++turn);
@@ -245,20 +262,22 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       move_sum<FEATURES> sum;
       walk_cells(p, grid, i, [&](uint32_t j) {
         point other = load(points, j);
-        sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
+        sum.add(&now, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
       });
-      x = sum.moved(c, obstacles, scene.wall_density,
+      pbf_vec predicted = position_of(load(p.points, i));
+      x = sum.moved(c, obstacles, scene.wall_density, scene.accelerated,
                     scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda,
-                    x);
-      store(moved, i, point_at(x));
+                    predicted, x);
+      point to = point_at(x);
+      to.lambda = own.lambda;
+      store(moved, i, to);
       if (!last) continue;
       store(scene.points, p.ids[i], point_at(x));
-      scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.before[i], x);
+      scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.velocities[i], predicted, x);
     }
     grid_barrier(small.control, ++turn);
-    point *kept = points;
-    points = moved;
-    moved = kept;
+    points = small.points[k % 2];
+    moved = small.points[(k + 1) % 2];
   }
   return turn;
 }
@@ -276,7 +295,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   small_list list = {shared_entries + threadIdx.x / lanes, blockDim.x / lanes, 0, lane, lanes};
   for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
     reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
-  pbf_vec x = {{0}}, v = {{0}};
+  pbf_vec x = {{0}}, v = {{0}}; /* the state, and once a step can't fail its prediction */
   if (real) {
     x = position_of(load(scene.points, i));
     v = scene.velocities[i];
@@ -288,8 +307,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     step_obstacles obstacles = {table[step].walls, scene.solid_count,
                                 scene.solids + step * scene.solid_count};
     pbf_vec y = pbf_predict(&scene.forces, x, v);
-    if (scene.collide_after_prediction)
-      y = pbf_resolve(&obstacles.walls, obstacles.count, obstacles.solids, y);
+    if (scene.collide_after_prediction) y = resolve(obstacles, 1, x, y);
     uint32_t cell = grid_cell(grid, y);
     if (leads) {
       store(from, i, point_at(y));
@@ -305,27 +323,36 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       room.control->lists_failed = 1;
     for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
       bool last = k + 1 == scene.iterations;
+      const pbf_constants now = constants_at(scene, k);
       lambda_sums<FEATURES> sums;
       list.gather(from, [&](const point &other) { sums.add(c, pbf_sub(y, position_of(other))); });
       __syncwarp();
       sums.density = sum_lanes(sums.density, lanes);
       sums.slope2 = sum_lanes(sums.slope2, lanes);
       sums.gradient = sum_lanes(sums.gradient, lanes);
-      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, y);
-      if (scene.accelerated) lambda = pbf_accelerate(c, scene.weights[k], lambda, &total, &before);
+      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, y);
+      if (PBF_CHEBYSHEV && scene.accelerated) {
+        pbf_accelerate(&now, lambda, &total, &before);
+        lambda = total;
+      }
       if (leads) from[i].lambda = lambda;
       grid_verdict verdict = grid_barrier(room.control, ++turn, k == 0);
       failed = k == 0 && verdict.lists_failed != 0;
       if (failed) break;
-      if (k == 0 && leads) room.cell_count[cell] = 0;
+      if (k == 0) { /* from here the step can't fail: what it started from gives way */
+        if (leads) room.cell_count[cell] = 0;
+        v = pbf_predicted_velocity(&scene.forces, x, v, y);
+        x = y;
+      }
       move_sum<FEATURES> sum;
       list.gather(from, [&](const point &other) {
-        sum.add(c, pbf_sub(y, position_of(other)), lambda + other.lambda);
+        sum.add(&now, pbf_sub(y, position_of(other)), lambda + other.lambda);
       });
       __syncwarp();
       sum.sum = sum_lanes(sum.sum, lanes);
-      y = sum.moved(c, obstacles, scene.wall_density,
-                    scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, y);
+      y = sum.moved(c, obstacles, scene.wall_density, scene.accelerated,
+                    scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x,
+                    y);
       if (!last && leads) store(to, i, point_at(y));
       /* Before the next prediction counts, all counts must have been cleared. */
       if (!last || scene.iterations == 1) grid_barrier(room.control, ++turn);
@@ -345,7 +372,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         v = scene.velocities[i];
       }
     } else {
-      v = pbf_velocity(scene.inv_time_step, x, y);
+      v = pbf_velocity(scene.inv_time_step, v, x, y);
       x = y;
     }
   }

@@ -48,7 +48,8 @@ static inline uint32_t small_list_room(const solver *s) {
 static inline bool small_serves(const solver *s) {
   const pbf_schedule &has = s->schedule;
   return s->small.control && !s->clock.begin && s->count > 0 && !has.runs[PBF_STAGE_CURL] &&
-         !has.runs[PBF_STAGE_VISCOSITY] && s->params.iterations <= SMALL_ITERATIONS &&
+         !has.runs[PBF_STAGE_VISCOSITY] && !has.runs[PBF_STAGE_SLACK] &&
+         s->params.iterations <= SMALL_ITERATIONS &&
          small_expected_neighbors(&s->params) <= 0.6 * small_list_room(s);
 }
 
@@ -64,8 +65,7 @@ static inline pbf_status small_take(solver *s) {
       {"small: moved", n * sizeof(point), &room->points[1]},
       {"small: cell count", cells * sizeof(uint32_t), &room->cell_count},
       {"small: cell list", cells * SMALL_CELL_ROOM * sizeof(uint16_t), &room->cell_list},
-      {"small: steps", SMALL_STEPS * sizeof(small_step) + SMALL_ITERATIONS * sizeof(pbf_real),
-       &s->small_table},
+      {"small: steps", sizeof(small_upload), &s->small_table},
       {"small: control", sizeof(grid_control), &room->control},
   };
   for (const auto &array : wanted)
@@ -78,10 +78,10 @@ static inline pbf_status small_take(solver *s) {
 /* Into the order of ids, unless the particles are in it. */
 static inline pbf_status small_order(solver *s) {
   if (s->ordered) return PBF_OK;
-  order_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(state_of(s), s->other, s->before,
-                                                                  s->other_ids);
+  order_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      state_of(s), s->other, s->other_velocities, s->other_ids);
   exchange(&s->points, &s->other);
-  exchange(&s->velocities, &s->before);
+  exchange(&s->velocities, &s->other_velocities);
   exchange(&s->ids, &s->other_ids);
   s->ordered = true;
   return pbf_cuda_check_launch("order_kernel");
@@ -89,15 +89,17 @@ static inline pbf_status small_order(solver *s) {
 
 static inline pbf_status small_upload_table(solver *s, double time, uint32_t steps) {
   small_upload upload;
-  double weight = 1;
+  pbf_constants c = s->constants;
   memset(static_cast<void *>(&upload), 0, sizeof upload);
   for (uint32_t k = 0; k < steps; ++k) {
     upload.steps[k].walls = pbf_walls_at(&s->params, time + k * s->params.time_step);
     upload.steps[k].grid =
         grid_over(&upload.steps[k].walls, s->params.smoothing_radius, small_cells(s), 1);
   }
-  for (uint32_t k = 0; k < s->params.iterations; ++k)
-    upload.weights[k] = (pbf_real)(weight = pbf_next_weight(&s->constants, k, weight));
+  for (uint32_t k = 0; k < s->params.iterations; ++k) {
+    pbf_set_iteration(&c, &s->params, k);
+    upload.iterations[k] = {c.weight, c.scorr_k};
+  }
   size_t bytes = s->schedule.accelerated ? sizeof upload : steps * sizeof(small_step);
   return pbf_cuda_check(
       cudaMemcpyAsync(s->small_table, &upload, bytes, cudaMemcpyHostToDevice, s->stream),
@@ -123,7 +125,7 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   scene.collide_in_iteration = has.collide_in_iteration;
   scene.collide_after_solve = has.collide_after_solve;
   scene.table = s->small_table->steps;
-  scene.weights = s->small_table->weights;
+  scene.iteration_table = s->small_table->iterations;
   scene.solids = s->solids;
   scene.solid_count = (int)s->collider_count;
   return scene;
@@ -147,11 +149,10 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
     uint32_t block = small_block(s), blocks = (scene.lanes * s->count + block - 1) / block;
     size_t shared = (size_t)(block / scene.lanes) * scene.list_room * sizeof(uint16_t);
     general_room general = {
-        {s->other, s->before, s->other_ids, s->cells, s->cell_start, s->count},
+        {s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count},
         reinterpret_cast<uint32_t *>(s->small.points[1]), /* of a step that is done over */
         scratch_of(s),
-        s->total,
-        s->total_before};
+        s->lambda_before};
     with_features(s->schedule.features, [&](auto features) {
       status = launch_resident(s, small_kernel<decltype(features)::value>, blocks, block, shared,
                                "small_kernel", scene, s->small, general);

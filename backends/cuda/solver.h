@@ -40,7 +40,7 @@ struct solver {
   pbf_vec *velocities;
   uint32_t *ids;
   point *other; /* between steps, room for transfers */
-  pbf_vec *before;
+  pbf_vec *other_velocities;
   uint32_t *other_ids, *cells;
   uint32_t *cell_start;
   void *scan_scratch;
@@ -49,9 +49,10 @@ struct solver {
   neighbor_lists lists;
   void *list_room; /* the lists, and before them the sort's scratch */
 
-  pbf_real *total, *total_before; /* lambda of a step's iterations: accelerated only */
-  bool ordered;                   /* the particles are in the order of their ids */
-  small_room small;               /* where small scenes are possible */
+  pbf_real *lambda_before; /* an iteration earlier: accelerated only */
+  pbf_real *slack;         /* in very short steps only */
+  bool ordered;            /* the particles are in the order of their ids */
+  small_room small;        /* where small scenes are possible */
   small_upload *small_table;
 
   pbf_curl *curls;   /* with vorticity only */
@@ -96,7 +97,7 @@ static inline unsorted_particles state_of(const solver *s) {
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
-  return {{s->other, s->before, s->other_ids, s->cells, s->cell_start, s->count},
+  return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count},
           grid,
           s->lists,
           s->constants};

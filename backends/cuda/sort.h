@@ -15,6 +15,12 @@ struct step_obstacles {
   const pbf_solid *solids;
 };
 
+/* A particle on its way from `from` to x, see pbf_resolve. */
+static __device__ __forceinline__ pbf_vec resolve(const step_obstacles &o, int carried,
+                                                  pbf_vec from, pbf_vec x) {
+  return pbf_resolve(&o.walls, o.count, o.solids, carried, from, x);
+}
+
 struct prediction {
   pbf_forces forces;
   step_obstacles obstacles;
@@ -37,7 +43,7 @@ static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_part
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
-  return p.collide ? pbf_resolve(&p.obstacles.walls, p.obstacles.count, p.obstacles.solids, y) : y;
+  return p.collide ? resolve(p.obstacles, 1, x, y) : y;
 }
 
 /* The stages of the sort for particle i. */
@@ -64,9 +70,9 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
-  pbf_vec x = position_of(load(from.points, i));
-  store(to.points, place, point_at(predicted_position(from, p, i, x)));
-  to.before[place] = x;
+  pbf_vec x = position_of(load(from.points, i)), predicted = predicted_position(from, p, i, x);
+  store(to.points, place, point_at(predicted));
+  to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
   to.ids[place] = id;
   to.cells[place] = cell;
 }

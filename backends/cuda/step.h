@@ -51,14 +51,15 @@ static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated;
 }
 
-static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras) {
+static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
+                                 bool first) {
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
     if (has_extras(s))
-      lambda_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras);
+      lambda_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
     else
-      lambda_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras);
+      lambda_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
   });
 }
 
@@ -74,14 +75,16 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   });
 }
 
-/* Lambda adds up from 0 in every step. */
-static inline pbf_status clear_totals(solver *s) {
-  if (!s->schedule.accelerated) return PBF_OK;
-  for (pbf_real *lambdas : {s->total, s->total_before})
-    if (pbf_status status = pbf_cuda_check(
-            cudaMemsetAsync(lambdas, 0, s->count * sizeof *lambdas, s->stream), "cudaMemsetAsync"))
-      return status;
-  return PBF_OK;
+static inline pbf_status find_slack(solver *s, const neighborhood &n,
+                                    const iteration_extras &extras) {
+  if (!PBF_CHEBYSHEV || !s->slack) return PBF_OK;
+  return run_stage(&s->clock, s->stream, PBF_STAGE_SLACK, [&] {
+    with_kernel(s->schedule.features, [&](auto features) {
+      slack_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+          n, extras, (pbf_real)s->params.time_step, s->slack);
+    });
+    return PBF_OK;
+  });
 }
 
 static inline pbf_status solve_density(solver *s, neighborhood *n,
@@ -89,18 +92,16 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
-  double weight = 1;
-  if (pbf_status status = clear_totals(s)) return status;
+  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack};
+  if (pbf_status status = find_slack(s, *n, extras)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
-    bool last = k + 1 == iterations;
-    weight = pbf_next_weight(&s->constants, k, weight);
-    iteration_extras extras = {obstacles, has.wall_density, (pbf_real)weight, s->total,
-                               s->total_before};
-    move_end end = {(pbf_real)(1 / s->params.time_step),
-                    has.collide_in_iteration || (last && has.collide_after_solve),
-                    last ? s->velocities : nullptr};
+    iteration_place place = {k == 0, k + 1 == iterations};
+    pbf_set_iteration(&n->constants, &s->params, k);
+    move_end end = {place, (pbf_real)(1 / s->params.time_step),
+                    has.collide_in_iteration || (place.last && has.collide_after_solve),
+                    s->velocities};
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
-          launch_lambda(s, *n, extras);
+          launch_lambda(s, *n, extras, place.first);
           return PBF_OK;
         }))
       return status;
@@ -189,8 +190,8 @@ static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
   }
   for (uint32_t k = 0; k < steps; ++k)
     for (uint32_t c = 0; c < s->collider_count; ++c)
-      placed[k * s->collider_count + c] =
-          pbf_solid_at(&s->colliders[c], time + k * s->params.time_step - s->collider_time);
+      placed[k * s->collider_count + c] = pbf_solid_at(
+          &s->colliders[c], time + k * s->params.time_step - s->collider_time, s->params.time_step);
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
       pbf_cuda_check(cudaMemcpyAsync(s->solids, placed, bytes, cudaMemcpyHostToDevice, s->stream),

@@ -6,13 +6,16 @@
 #include "cuda/sort.h"
 #include "physics/scalar.h"
 
+/* Whether the build has the accelerated solve. */
+constexpr bool PBF_CHEBYSHEV = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) != 0;
+
 /* What only some scenes have in an iteration. A scene without any of it runs kernels built without
  * it (EXTRAS false). */
 struct iteration_extras {
   step_obstacles obstacles;
   int wall_density;
-  pbf_real weight;          /* of the Chebyshev iteration, with … */
-  pbf_real *total, *before; /* … lambda of all iterations and an iteration earlier; else null */
+  pbf_real *before;      /* accelerated: lambda an iteration earlier; else null */
+  const pbf_real *slack; /* in very short steps; else null */
 };
 
 static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,
@@ -35,10 +38,10 @@ struct lambda_sums {
 
   /* The particle itself is part of its density. */
   __device__ __forceinline__ pbf_real lambda(const pbf_constants *c, const step_obstacles &o,
-                                             bool wall_density, pbf_vec x) {
+                                             bool wall_density, pbf_real slack, pbf_vec x) {
     density += c->value_scale;
     if (wall_density) add_walls(c, o, x, &density, &gradient);
-    return pbf_lambda(c, density, slope2, gradient);
+    return pbf_lambda(c, slack, density, slope2, gradient);
   }
 };
 
@@ -54,17 +57,20 @@ struct move_sum {
     sum = pbf_add_scaled(sum, lambdas * slope, x_ij);
   }
 
+  /* From x; `predicted` counts where lambda adds up, `accelerated`, and where there are colliders.
+   */
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
-                                           bool wall_density, bool collide, pbf_real lambda,
-                                           pbf_vec x) {
+                                           bool wall_density, bool accelerated, bool collide,
+                                           pbf_real lambda, pbf_vec predicted, pbf_vec x) {
     if (wall_density) {
       pbf_real density = 0;
       pbf_vec from_walls = {{0}};
       add_walls(c, o, x, &density, &from_walls);
       sum = pbf_add_scaled(sum, lambda, from_walls);
     }
-    pbf_vec y = pbf_move(c, x, sum);
-    return collide ? pbf_resolve(&o.walls, o.count, o.solids, y) : y;
+    pbf_vec y = PBF_CHEBYSHEV && accelerated ? pbf_relax(c, predicted, x, lambda, sum)
+                                             : pbf_move(c, x, sum);
+    return collide ? resolve(o, 0, predicted, y) : y;
   }
 };
 
