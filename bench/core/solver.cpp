@@ -42,17 +42,6 @@ pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
   return desc;
 }
 
-Bytes to_precision(const std::vector<double> &values, uint32_t precision) {
-  Bytes bytes(values.size() * precision);
-  if (precision == PBF_FLOAT64) {
-    std::copy(values.begin(), values.end(), reinterpret_cast<double *>(bytes.data()));
-  } else {
-    std::transform(values.begin(), values.end(), reinterpret_cast<float *>(bytes.data()),
-                   [](double value) { return static_cast<float>(value); });
-  }
-  return bytes;
-}
-
 // Whole steps, so that stretches that mirror each other bring a collider back to where it was. One
 // beyond any run's end may end there, so that the sum of all is a number of steps, too.
 uint64_t steps_of(const Stretch &stretch, double time_step) {

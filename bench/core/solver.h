@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/scalars.h"
 #include "scene/scene.h"
 
 namespace bench {
@@ -18,9 +19,6 @@ struct SolverOptions {
   uint32_t threads = 0;
   int32_t device = 0;
 };
-
-// Scalars of the solver's precision, one row a particle in the order of adding.
-using Bytes = std::vector<char>;
 
 class Solver {
  public:
@@ -37,6 +35,7 @@ class Solver {
   pbf_timings timings() const;
   pbf_plan plan() const;
   void set_timing(bool enabled);
+  // One row a particle, in the order of adding.
   Bytes positions() const { return read(pbf_get_positions); }
   Bytes velocities() const { return read(pbf_get_velocities); }
   void place(const Bytes &positions, const Bytes &velocities);  // of all particles

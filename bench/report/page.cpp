@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/machine.h"
 #include "core/resources.h"
+#include "core/scalars.h"
 #include "report/base64.h"
 #include "report/picture.h"
 #include "speedup/speedup.h"
@@ -162,31 +163,10 @@ data builds_of(const Speedup &speedup) {
 
 // ---- Pictures ----
 
-std::vector<double> scalars(const Bytes &bytes, uint32_t precision) {
-  if (precision == PBF_FLOAT64) {
-    const auto *values = reinterpret_cast<const double *>(bytes.data());
-    return {values, values + bytes.size() / sizeof(double)};
-  }
-  const auto *values = reinterpret_cast<const float *>(bytes.data());
-  return {values, values + bytes.size() / sizeof(float)};
-}
-
 Frame frame_of(const Result &result) {
-  const std::vector<double> x = scalars(result.positions, result.info.precision);
-  const std::vector<double> v = scalars(result.velocities, result.info.precision);
-  const unsigned dimension = result.info.dimension;
-  Frame frame{dimension, {}, {}};
-  for (size_t i = 0; i + dimension <= x.size(); i += dimension) {
-    Vector position{};
-    double square = 0;
-    for (unsigned axis = 0; axis < dimension; ++axis) {
-      position[axis] = x[i + axis];
-      square += v[i + axis] * v[i + axis];
-    }
-    frame.positions.push_back(position);
-    frame.speeds.push_back(std::sqrt(square));
-  }
-  return frame;
+  return particles_of(from_precision(result.positions, result.info.precision),
+                      from_precision(result.velocities, result.info.precision),
+                      result.info.dimension);
 }
 
 // One frame a contestant is enough: thread counts differ in nothing that shows.

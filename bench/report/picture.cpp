@@ -211,6 +211,22 @@ void append(void *context, void *data, int size) {
 
 }  // namespace
 
+Frame particles_of(const std::vector<double> &positions, const std::vector<double> &velocities,
+                   unsigned dimension) {
+  Frame frame{dimension, {}, {}};
+  for (size_t i = 0; i + dimension <= positions.size(); i += dimension) {
+    Vector position{};
+    double square = 0;
+    for (unsigned axis = 0; axis < dimension; ++axis) {
+      position[axis] = positions[i + axis];
+      square += velocities[i + axis] * velocities[i + axis];
+    }
+    frame.positions.push_back(position);
+    frame.speeds.push_back(std::sqrt(square));
+  }
+  return frame;
+}
+
 const std::vector<Color> &speed_colors() {
   static const std::vector<Color> colors = {{46, 92, 196},   {60, 150, 222}, {84, 205, 214},
                                             {240, 236, 180}, {250, 160, 80}, {232, 80, 64}};

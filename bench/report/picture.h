@@ -16,6 +16,10 @@ struct Frame {
   std::vector<double> speeds;
 };
 
+// From rows of `dimension` numbers.
+Frame particles_of(const std::vector<double> &positions, const std::vector<double> &velocities,
+                   unsigned dimension);
+
 // What frames that are to be compared must share.
 struct View {
   Vector lower{}, upper{};  // the part of the domain to show

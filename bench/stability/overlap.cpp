@@ -37,7 +37,7 @@ void thousand_coincident(Record &record) {
   Trial trial(record, "clump", start);
   trial.run(20, 20);
   trial.run(220, 22);
-  trial.draw("1,000 particles that began in one point, 2 s later");
+  trial.draw("Particles that began in one point, 2 s later");
 }
 
 void one_cell(Record &record) {

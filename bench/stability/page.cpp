@@ -19,14 +19,6 @@ namespace {
 
 using kainjow::mustache::data;
 
-std::vector<std::string> backends_of(const Judgement &judgement) {
-  std::vector<std::string> names;
-  for (const Verdict &v : judgement.verdicts) {
-    if (std::find(names.begin(), names.end(), v.backend) == names.end()) names.push_back(v.backend);
-  }
-  return names;
-}
-
 const Verdict *find(const Judgement &judgement, int number, const std::string &backend) {
   for (const Verdict &v : judgement.verdicts) {
     if (v.number == number && v.backend == backend) return &v;

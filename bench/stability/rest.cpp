@@ -24,14 +24,14 @@ void long_runs(Record &record) {
   Start start = tank({side, 0.5, side}, {side, side, side});
   Trial rest(record, "rest", start);
   run_long(record, rest, "rest");
-  rest.draw("At rest for 100,000 steps");
+  rest.draw("At the end of a long rest");
 
   // A wall that swings makes waves for as long as the run lasts.
   start.params.wall_amplitude[PBF_WALL_X_MAX] = spacing;
   start.params.wall_frequency[PBF_WALL_X_MAX] = 7;
   Trial motion(record, "motion", start);
   run_long(record, motion, "motion");
-  motion.draw("Shaken for 100,000 steps");
+  motion.draw("At the end of a long shaking");
 }
 
 void sleep_and_wake(Record &record) {

@@ -48,6 +48,9 @@ struct Judgement {
 // Runs pbf-check over what the options choose of the dumps. Throws Error when that is not possible.
 Judgement judge(const SuiteOptions &options);
 
+// In the order of the verdicts, each once.
+std::vector<std::string> backends_of(const Judgement &judgement);
+
 std::string verdict_table(const Judgement &judgement);
 void write_verdict_page(const Judgement &judgement, const std::string &path);
 

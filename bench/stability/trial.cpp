@@ -1,7 +1,6 @@
 #include "stability/trial.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -12,30 +11,6 @@
 
 namespace bench::stability {
 namespace {
-
-std::vector<double> numbers(const Bytes &bytes, uint32_t precision) {
-  if (precision == PBF_FLOAT64) {
-    const auto *values = reinterpret_cast<const double *>(bytes.data());
-    return {values, values + bytes.size() / sizeof(double)};
-  }
-  const auto *values = reinterpret_cast<const float *>(bytes.data());
-  return {values, values + bytes.size() / sizeof(float)};
-}
-
-Frame frame_of(const std::vector<double> &x, const std::vector<double> &v, unsigned dimension) {
-  Frame frame{dimension, {}, {}};
-  for (size_t i = 0; i + dimension <= x.size(); i += dimension) {
-    Vector position{};
-    double square = 0;
-    for (unsigned axis = 0; axis < dimension; ++axis) {
-      position[axis] = x[i + axis];
-      square += v[i + axis] * v[i + axis];
-    }
-    frame.positions.push_back(position);
-    frame.speeds.push_back(std::sqrt(square));
-  }
-  return frame;
-}
 
 View view_of(const Scene &scene, const Frame &frame) {
   View view;
@@ -156,15 +131,7 @@ void Trial::run(uint32_t steps, uint32_t frames) {
 }
 
 Bytes Trial::scalars(const std::vector<double> &values) const {
-  const uint32_t precision = record_.options().precision;
-  Bytes bytes(values.size() * precision);
-  if (precision == PBF_FLOAT64) {
-    std::copy(values.begin(), values.end(), reinterpret_cast<double *>(bytes.data()));
-  } else {
-    std::transform(values.begin(), values.end(), reinterpret_cast<float *>(bytes.data()),
-                   [](double value) { return static_cast<float>(value); });
-  }
-  return bytes;
+  return to_precision(values, record_.options().precision);
 }
 
 Bytes Trial::read(pbf_status (*getter)(pbf_solver *, uint32_t, uint32_t, void *),
@@ -209,8 +176,8 @@ void Trial::change(const pbf_params &params, const std::string &label) {
 
 void Trial::draw(const std::string &caption) {
   const uint32_t precision = record_.options().precision;
-  const Frame frame =
-      frame_of(numbers(positions(), precision), numbers(velocities(), precision), scene_.dimension);
+  const Frame frame = particles_of(from_precision(positions(), precision),
+                                   from_precision(velocities(), precision), scene_.dimension);
   const std::string name = label_ + ".png";
   std::ofstream file(record_.folder() + "/" + name, std::ios::binary);
   file << draw_png(frame, view_of(scene_, frame));

@@ -56,16 +56,6 @@ std::string summary(const Verdict &verdict) {
   return mark + "  " + verdict.figures[0].value + " " + verdict.figures[0].bound;
 }
 
-std::vector<std::string> backends_of(const Judgement &judgement) {
-  std::vector<std::string> names;
-  for (const Verdict &verdict : judgement.verdicts) {
-    if (std::find(names.begin(), names.end(), verdict.backend) == names.end()) {
-      names.push_back(verdict.backend);
-    }
-  }
-  return names;
-}
-
 }  // namespace
 
 Judgement judge(const SuiteOptions &options) {
@@ -94,6 +84,16 @@ Judgement judge(const SuiteOptions &options) {
     judgement.verdicts.push_back(verdict_of(entry));
   }
   return judgement;
+}
+
+std::vector<std::string> backends_of(const Judgement &judgement) {
+  std::vector<std::string> names;
+  for (const Verdict &verdict : judgement.verdicts) {
+    if (std::find(names.begin(), names.end(), verdict.backend) == names.end()) {
+      names.push_back(verdict.backend);
+    }
+  }
+  return names;
 }
 
 std::string verdict_table(const Judgement &judgement) {
