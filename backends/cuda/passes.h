@@ -53,8 +53,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   points[i].lambda = lambda;
 }
 
-/* From n.particles.points to `moved`. */
-template <int FEATURES, bool EXTRAS>
+/* From n.particles.points to `moved`. COLLIDERS are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool COLLIDERS>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
@@ -69,11 +69,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   });
   if (i >= n.particles.count) return;
   pbf_vec predicted = x;
-  bool wanted = EXTRAS || end.place.last || (end.collide && extras.obstacles.count > 0);
-  if (!end.place.first && wanted) predicted = end.velocities[i];
+  if (!end.place.first && (EXTRAS || end.place.last)) predicted = end.velocities[i];
   bool accelerated = EXTRAS && extras.before;
-  x = sum.moved(c, extras.obstacles, EXTRAS && extras.wall_density, accelerated, end.collide,
-                own.lambda, predicted, x);
+  x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density, accelerated,
+                                    end.collide, own.lambda, predicted, x);
   point to = point_at(x);
   if (accelerated) to.lambda = own.lambda;
   store(moved, i, to);

@@ -228,14 +228,15 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
   grid_barrier(small.control, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    count_particle(from, predict, grid, p.cell_start, room.scratch, i);
+    count_particle<true>(from, predict, grid, p.cell_start, room.scratch, i);
   grid_barrier(small.control, ++turn);
   scan_by_first_block(p.cell_start, grid.count + 1);
   grid_barrier(small.control, ++turn);
   for (uint32_t i = first; i < n; i += stride)
     scatter_particle(from, p.cell_start, room.scratch, i);
   grid_barrier(small.control, ++turn);
-  for (uint32_t i = first; i < n; i += stride) place_particle(from, predict, room.scratch, p, i);
+  for (uint32_t i = first; i < n; i += stride)
+    place_particle<true>(from, predict, room.scratch, p, i);
   grid_barrier(small.control, ++turn);
   point *points = p.points, *moved = small.points[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
@@ -265,9 +266,10 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
         sum.add(&now, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
       });
       pbf_vec predicted = position_of(load(p.points, i));
-      x = sum.moved(c, obstacles, scene.wall_density, scene.accelerated,
-                    scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda,
-                    predicted, x);
+      x = sum.template moved<true>(
+          c, obstacles, scene.wall_density, scene.accelerated,
+          scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda, predicted,
+          x);
       point to = point_at(x);
       to.lambda = own.lambda;
       store(moved, i, to);
@@ -307,7 +309,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     step_obstacles obstacles = {table[step].walls, scene.solid_count,
                                 scene.solids + step * scene.solid_count};
     pbf_vec y = pbf_predict(&scene.forces, x, v);
-    if (scene.collide_after_prediction) y = resolve(obstacles, 1, x, y);
+    if (scene.collide_after_prediction) y = resolve<true>(obstacles, 1, x, y);
     uint32_t cell = grid_cell(grid, y);
     if (leads) {
       store(from, i, point_at(y));
@@ -350,9 +352,9 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       });
       __syncwarp();
       sum.sum = sum_lanes(sum.sum, lanes);
-      y = sum.moved(c, obstacles, scene.wall_density, scene.accelerated,
-                    scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x,
-                    y);
+      y = sum.template moved<true>(
+          c, obstacles, scene.wall_density, scene.accelerated,
+          scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x, y);
       if (!last && leads) store(to, i, point_at(y));
       /* Before the next prediction counts, all counts must have been cleared. */
       if (!last || scene.iterations == 1) grid_barrier(room.control, ++turn);

@@ -15,9 +15,12 @@ struct step_obstacles {
   const pbf_solid *solids;
 };
 
-/* A particle on its way from `from` to x, see pbf_resolve. */
+/* A particle on its way from `from` to x, see pbf_resolve. Colliders take half as many registers
+ * again: kernels that are short of them are built with and without. */
+template <bool COLLIDERS>
 static __device__ __forceinline__ pbf_vec resolve(const step_obstacles &o, int carried,
                                                   pbf_vec from, pbf_vec x) {
+  if (!COLLIDERS) return pbf_clamp(&o.walls, x);
   return pbf_resolve(&o.walls, o.count, o.solids, carried, from, x);
 }
 
@@ -39,20 +42,22 @@ struct sort_scratch {
   uint32_t *cell, *arrival, *id_by_cell;
 };
 
+template <bool COLLIDERS>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
-  return p.collide ? resolve(p.obstacles, 1, x, y) : y;
+  return p.collide ? resolve<COLLIDERS>(p.obstacles, 1, x, y) : y;
 }
 
 /* The stages of the sort for particle i. */
+template <bool COLLIDERS>
 static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
                                                       const prediction &p, const cell_grid &grid,
                                                       uint32_t *cell_count,
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
-  uint32_t cell = grid_cell(grid, predicted_position(from, p, i, x));
+  uint32_t cell = grid_cell(grid, predicted_position<COLLIDERS>(from, p, i, x));
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
@@ -63,6 +68,7 @@ static __device__ __forceinline__ void scatter_particle(const unsorted_particles
   scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
 }
 
+template <bool COLLIDERS>
 static __device__ __forceinline__ void place_particle(const unsorted_particles &from,
                                                       const prediction &p,
                                                       const sort_scratch &scratch,
@@ -70,18 +76,20 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
-  pbf_vec x = position_of(load(from.points, i)), predicted = predicted_position(from, p, i, x);
+  pbf_vec x = position_of(load(from.points, i));
+  pbf_vec predicted = predicted_position<COLLIDERS>(from, p, i, x);
   store(to.points, place, point_at(predicted));
   to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
   to.ids[place] = id;
   to.cells[place] = cell;
 }
 
+template <bool COLLIDERS>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
                    sort_scratch scratch) {
   uint32_t i = thread_index();
-  if (i < from.count) count_particle(from, p, grid, cell_count, scratch, i);
+  if (i < from.count) count_particle<COLLIDERS>(from, p, grid, cell_count, scratch, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -90,10 +98,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < from.count) scatter_particle(from, cell_start, scratch, i);
 }
 
+template <bool COLLIDERS>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
   uint32_t i = thread_index();
-  if (i < from.count) place_particle(from, p, scratch, to, i);
+  if (i < from.count) place_particle<COLLIDERS>(from, p, scratch, to, i);
 }
 
 #endif

@@ -18,14 +18,19 @@ static inline uint32_t launches_of(pbf_stage stage) {
   }
 }
 
+static inline bool has_colliders(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_COLLIDERS) && s->collider_count > 0;
+}
+
 /* Predicts and counts the particles of each cell. */
 static inline pbf_status launch_predict(solver *s, const cell_grid &grid, const prediction &p) {
   if (pbf_status status = pbf_cuda_check(
           cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
           "cudaMemsetAsync"))
     return status;
-  predict_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(state_of(s), p, grid,
-                                                                    s->cell_start, scratch_of(s));
+  auto kernel = has_colliders(s) ? predict_kernel<true> : predict_kernel<false>;
+  kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(state_of(s), p, grid, s->cell_start,
+                                                            scratch_of(s));
   return PBF_OK;
 }
 
@@ -36,7 +41,8 @@ static inline pbf_status launch_sort(solver *s, const neighborhood &n, const pre
           pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), s->cell_start, scratch_of(s));
-  place_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), p, scratch_of(s), n.particles);
+  auto place = has_colliders(s) ? place_kernel<true> : place_kernel<false>;
+  place<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), p, scratch_of(s), n.particles);
   return PBF_OK;
 }
 
@@ -68,10 +74,12 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   uint32_t blocks = blocks_for(s->count);
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    if (has_extras(s))
-      move_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+    if (has_colliders(s))
+      move_kernel<F, true, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+    else if (has_extras(s))
+      move_kernel<F, true, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
     else
-      move_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+      move_kernel<F, false, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }
 

@@ -59,6 +59,7 @@ struct move_sum {
 
   /* From x; `predicted` counts where lambda adds up, `accelerated`, and where there are colliders.
    */
+  template <bool COLLIDERS>
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
                                            bool wall_density, bool accelerated, bool collide,
                                            pbf_real lambda, pbf_vec predicted, pbf_vec x) {
@@ -70,7 +71,7 @@ struct move_sum {
     }
     pbf_vec y = PBF_CHEBYSHEV && accelerated ? pbf_relax(c, predicted, x, lambda, sum)
                                              : pbf_move(c, x, sum);
-    return collide ? resolve(o, 0, predicted, y) : y;
+    return collide ? resolve<COLLIDERS>(o, 0, predicted, y) : y;
   }
 };
 
