@@ -170,7 +170,7 @@ static void one_cell_thick(uint32_t dimension, uint32_t precision) {
 static void one_cell(uint32_t dimension, uint32_t precision) {
   cloud *c = new_cloud(dimension, precision, 1, 0, 1, 1, 1);
   scatter(c, 700, 0.4, 0.4, 0.4, 0.2);
-  for (int i = 0; i < 40; ++i) put(c, 0.5, 0.5, 0.5);
+  for (int i = 0; i < 40; ++i) put(c, 0.5 + 1e-3 * i, 0.5, 0.5);
   check_all_ways(c);
 }
 
