@@ -12,7 +12,7 @@ static uint64_t bytes_of(int features);
 #include "entered.h"
 
 static uint64_t bytes_of(int features) {
-  return features & CHEBYSHEV ? 2 * padded(COUNT) * sizeof(pbf_real) : 0;
+  return features & CHEBYSHEV ? padded(COUNT) * sizeof(pbf_real) : 0;
 }
 
 static const watched *watched_at(unsigned k) {
@@ -31,19 +31,13 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
-<<<<<<< HEAD
       WATCH(pbf_collide_on_way, COLLIDERS),
       WATCH(resolve_group, COLLIDERS),
       WATCH(pbf_wall, WALL_DENSITY),
-=======
-      WATCH(pbf_collide, COLLIDERS),
-      WATCH(move_group_around, COLLIDERS),
-      WATCH(pbf_add_wall, WALL_DENSITY),
->>>>>>> parent of 939d9ef (Walls hold the first layer half a spacing off)
       WATCH(wall_distances, WALL_DENSITY),
       WATCH(clear_totals, CHEBYSHEV),
-      WATCH(accelerate, CHEBYSHEV),
       WATCH(pbf_accelerate, CHEBYSHEV),
+      WATCH(pbf_relax, CHEBYSHEV),
       WATCH(density, STATS),
       WATCH(run_survey, STATS),
       WATCH(pbf_stats_add, STATS),

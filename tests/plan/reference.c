@@ -9,7 +9,7 @@ static uint64_t bytes_of(int features);
 #include "entered.h"
 
 static uint64_t bytes_of(int features) {
-  return (features & CHEBYSHEV ? 2 * COUNT * sizeof(pbf_real) : 0) +
+  return (features & CHEBYSHEV ? COUNT * sizeof(pbf_real) : 0) +
          (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0);
 }
 
@@ -28,14 +28,10 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
-<<<<<<< HEAD
       WATCH(pbf_collide_on_way, COLLIDERS),
       WATCH(pbf_wall, WALL_DENSITY),
-=======
-      WATCH(pbf_collide, COLLIDERS),
-      WATCH(pbf_add_wall, WALL_DENSITY),
->>>>>>> parent of 939d9ef (Walls hold the first layer half a spacing off)
       WATCH(pbf_accelerate, CHEBYSHEV),
+      WATCH(pbf_relax, CHEBYSHEV),
       WATCH(solver_density, STATS),
       WATCH(add_to_stats, STATS),
       {NULL, NULL, 0, NULL},
