@@ -187,7 +187,9 @@ PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
 
 /* Where the way of length `length` from `from` to x, `distance` before the solid, first meets it,
  * found by stepping on by the distance from it (sphere tracing); *normal is that of its surface
- * there. Returns 0 where it does not. */
+ * there. A way that grazes the solid for long comes to no end and counts as one that meets it at
+ * the nearest point: solids are convex, so none of it is before that point's tangent plane. Returns
+ * 0 where it does not meet it. */
 PBF_FN int pbf_meet(const pbf_solid *s, pbf_vec from, pbf_vec x, pbf_real length, pbf_real distance,
                     pbf_real close, pbf_vec *at, pbf_vec *normal) {
   enum { STEPS = 48 };
@@ -195,18 +197,18 @@ PBF_FN int pbf_meet(const pbf_solid *s, pbf_vec from, pbf_vec x, pbf_real length
   for (int k = 0; k < STEPS && way < length; ++k) {
     *at = pbf_add_scaled(from, way / length, pbf_sub(x, from));
     distance = pbf_solid_distance(s, *at, normal);
-    if (distance < close) {
-      *at = pbf_add_scaled(*at, -distance, *normal);
-      return 1;
-    }
     way += distance;
+    if (distance < close) break;
   }
-  return 0;
+  if (!(way < length) && !(distance < close)) return 0;
+  *at = pbf_add_scaled(*at, -distance, *normal);
+  return 1;
 }
 
 /* A particle on its way from `from`, which the solid carries along, to x: where the way enters the
- * solid it slides on along the surface, so that nothing goes through however thin the solid and
- * however fast the particle. What starts inside leaves by the face that is nearest to the start. */
+ * solid it slides on along the tangent plane, so that nothing goes through however thin the solid
+ * and however fast the particle. What starts inside leaves by the face that is nearest to the
+ * start. */
 PBF_FN pbf_vec pbf_collide_on_way(const pbf_solid *s, pbf_vec from, pbf_vec x) {
   pbf_vec way = pbf_sub(x, from), at = from, normal;
   pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
@@ -218,9 +220,6 @@ PBF_FN pbf_vec pbf_collide_on_way(const pbf_solid *s, pbf_vec from, pbf_vec x) {
   if (distance > close) {
     if (!pbf_meet(s, from, x, length, distance, close, &at, &normal)) return pbf_collide(s, x);
   } else {
-    pbf_vec unused, middle = pbf_add_scaled(from, (pbf_real)0.5, way);
-    if (pbf_solid_distance(s, x, &unused) >= 0 && pbf_solid_distance(s, middle, &unused) >= 0)
-      return x;
     at = pbf_add_scaled(from, -distance, normal);
   }
   pbf_real depth = pbf_dot(pbf_sub(at, x), normal);

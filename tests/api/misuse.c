@@ -40,7 +40,8 @@ static void the_largest_capacity(uint32_t dimension, uint32_t precision) {
 
 static void capacities_without_memory(void **state) {
   (void)state;
-  if (strcmp(test_backend(), "cuda") == 0) skip(); /* its memory is the device's */
+  if (strcmp(test_backend(), "cuda") == 0)
+    test_skip("cuda's memory is the device's, which no allocator of the caller's gives");
   test_for_each_kind(the_largest_capacity);
 }
 

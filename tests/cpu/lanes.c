@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include <cmocka.h>
@@ -146,6 +147,10 @@ int main(void) {
   };
   cpu_isa best;
   char reason[128];
-  if (!cpu_isa_best(&best, reason, sizeof reason) || best < PBF_TEST_ISA) return 77;
+  if (!cpu_isa_best(&best, reason, sizeof reason) || best < PBF_TEST_ISA) {
+    printf("skipped: this processor lacks the instructions under test, %s\n",
+           cpu_isa_name(PBF_TEST_ISA));
+    return 77;
+  }
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

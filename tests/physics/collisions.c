@@ -147,6 +147,69 @@ static void nothing_goes_through_a_thin_plate(void **state) {
   assert_at(pbf_collide_on_way(&s, point(-3, 1, 0), point(5, 1, 0)), 5, 1, 0);
 }
 
+/* From its very surface a way leads through the plate, whole: an end that is outside again is no
+ * leave to go. */
+static void nothing_goes_through_from_the_surface(void **state) {
+  (void)state;
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = 0.005;
+  c.half_extents[1] = c.half_extents[2] = 2;
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.005, 0, 0), point(0.5, 0.1, 0)), -0.005, 0.1, 0);
+  assert_at(pbf_collide_on_way(&s, point(0.005, 1, 0), point(-40, 0.1, 0)), 0.005, 0.1, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.004, 0, 0), point(9, 1, 0)), -0.005, 1, 0);
+  assert_at(pbf_collide_on_way(&s, point(-0.005, 1, 0), point(-0.005, 1.5, 0)), -0.005, 1.5, 0);
+}
+
+/* At so small an angle that stepping on by the distance does not reach it. */
+static void a_grazing_way_stays_on_its_side(void **state) {
+  (void)state;
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = 0.005;
+  c.half_extents[1] = c.half_extents[2] = 2;
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  for (int k = 1; k <= 20; ++k) {
+    pbf_vec out = pbf_collide_on_way(&s, point(-0.1, -1.9, 0), point(-0.1 + 0.011 * k, 1.9, 0));
+    assert_true(out.c[0] <= -0.005 + 1e-9);
+  }
+}
+
+/* Whether the way from a to b leads through the inside of a box at the origin, by the slabs. */
+static int leads_through(pbf_vec a, pbf_vec b, const double half[3]) {
+  double enters = 0, leaves = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double inner = half[k] * (1 - 1e-6), way = b.c[k] - a.c[k];
+    double t = (-inner - a.c[k]) / way, u = (inner - a.c[k]) / way;
+    if (way == 0 && fabs(a.c[k]) >= inner) return 0;
+    if (way == 0) continue;
+    enters = fmax(enters, fmin(t, u)), leaves = fmin(leaves, fmax(t, u));
+  }
+  return enters < leaves;
+}
+
+static void no_way_leads_through_a_box(void **state) {
+  (void)state;
+  uint32_t draws = 1;
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = 0.005;
+  c.half_extents[1] = 0.5, c.half_extents[2] = 0.8;
+  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  for (int k = 0; k < 20000; ++k) {
+    pbf_vec at = {{0}}, to = {{0}};
+    double far = k % 2 ? 1 : 0.02;
+    for (int i = 0; i < PBF_DIM; ++i) {
+      at.c[i] = (2 * next_random(&draws) - 1) * (i == 0 ? far : 1);
+      to.c[i] = (2 * next_random(&draws) - 1) * (i == 0 ? far : 1);
+    }
+    at = pbf_collide(&s, at);
+    for (int step = 0; step < 3; ++step) {
+      pbf_vec out = pbf_collide_on_way(&s, at, to);
+      assert_false(leads_through(at, out, c.half_extents));
+      at = out;
+    }
+  }
+}
+
 /* The plate travels and turns over particles that rest: they end before it. */
 static void a_moving_plate_takes_along(void **state) {
   (void)state;
@@ -267,6 +330,9 @@ int main(void) {
       cmocka_unit_test(a_box_turns_and_travels),
       cmocka_unit_test(the_domain_has_the_last_word),
       cmocka_unit_test(nothing_goes_through_a_thin_plate),
+      cmocka_unit_test(nothing_goes_through_from_the_surface),
+      cmocka_unit_test(a_grazing_way_stays_on_its_side),
+      cmocka_unit_test(no_way_leads_through_a_box),
       cmocka_unit_test(a_moving_plate_takes_along),
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),

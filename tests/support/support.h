@@ -30,6 +30,9 @@ int test_run(const char *name, const struct CMUnitTest *tests, size_t count);
 /* The switches of the stub, back at "honest". */
 ballistic_control *test_stub_control(void);
 
+/* Ends the test as skipped, and says why. */
+void test_skip(const char *why);
+
 /* A description for the backend under test, strict, with the counting allocator. Ends the test as
  * skipped when the backend was built without the kind. */
 pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity);
