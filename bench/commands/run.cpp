@@ -2,15 +2,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "commands/commands.h"
 #include "core/error.h"
 #include "commands/options.h"
+#include "core/dump.h"
 #include "core/interrupt.h"
-#include "core/manifest.h"
-#include "core/npy.h"
 #include "core/progress.h"
 #include "core/solver.h"
 #include "core/table.h"
@@ -29,49 +27,6 @@ struct RunOptions {
   uint64_t every = 0;
   uint32_t steps_per_call = 0;
   bool stages = false;
-};
-
-// The state as NumPy files, each step at most once.
-class Dump {
- public:
-  Dump(const std::string &folder, uint64_t every, const Scene &scene, const pbf_info &info)
-      : folder_(folder), every_(every) {
-    if (folder_.empty()) return;
-    std::error_code failed;
-    std::filesystem::create_directories(folder_, failed);
-    if (failed) throw Error(exit_failure, folder_ + " can't be made: " + failed.message());
-    write_manifest(folder_ + "/dump.json", scene, info);
-  }
-
-  // Steps after `step` until the next dump is due.
-  uint64_t steps_to_next(uint64_t step) const {
-    return folder_.empty() || every_ == 0 ? UINT64_MAX : every_ - step % every_;
-  }
-
-  bool due(uint64_t step) const { return !folder_.empty() && every_ > 0 && step % every_ == 0; }
-
-  void write(const Solver &solver) {
-    if (folder_.empty()) return;
-    const pbf_info info = solver.info();
-    if (written_ && info.step == last_step_) return;
-    char name[32];
-    std::snprintf(name, sizeof name, "%06llu.npy", static_cast<unsigned long long>(info.step));
-    const uint32_t count = solver.count();
-    const Bytes positions = solver.positions();
-    const Bytes velocities = solver.velocities();
-    write_npy(folder_ + "/positions_" + name, positions.data(), count, info.dimension,
-              info.precision);
-    write_npy(folder_ + "/velocities_" + name, velocities.data(), count, info.dimension,
-              info.precision);
-    written_ = true;
-    last_step_ = info.step;
-  }
-
- private:
-  std::string folder_;
-  uint64_t every_;
-  bool written_ = false;
-  uint64_t last_step_ = 0;
 };
 
 // How many steps go into one call: all that nothing between them wants to see, but not so many

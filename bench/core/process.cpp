@@ -1,5 +1,6 @@
 #include "core/process.h"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,14 +10,29 @@
 #include <filesystem>
 
 namespace bench {
+namespace {
 
-Ended run_program(const std::vector<std::string> &words) {
+int start(const std::vector<std::string> &words, const std::string &errors, pid_t &child) {
   std::vector<char *> arguments;
   for (const std::string &word : words) arguments.push_back(const_cast<char *>(word.c_str()));
   arguments.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  if (!errors.empty()) {
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, errors.c_str(),
+                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  }
+  const int failed = posix_spawnp(&child, arguments[0], &files, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  return failed;
+}
+
+}  // namespace
+
+Ended run_program(const std::vector<std::string> &words, const std::string &errors) {
   pid_t child = 0;
-  const int failed =
-      posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ);
+  const int failed = start(words, errors, child);
   if (failed != 0) return {0, 0, words[0] + " can't be started: " + std::strerror(failed)};
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {

@@ -13,8 +13,9 @@ struct Ended {
   std::string reason;  // why it can't have been started; else empty
 };
 
-// The first word is looked for in PATH unless it has a slash. Output goes where ours does.
-Ended run_program(const std::vector<std::string> &words);
+// The first word is looked for in PATH unless it has a slash. Output goes where ours does, unless
+// `errors` names a file for standard error: standard output then goes nowhere.
+Ended run_program(const std::vector<std::string> &words, const std::string &errors = "");
 
 // Path of the running program.
 std::string this_program();

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -15,6 +14,7 @@
 #include "core/resources.h"
 #include "core/scalars.h"
 #include "report/base64.h"
+#include "report/date.h"
 #include "report/picture.h"
 #include "speedup/speedup.h"
 
@@ -22,13 +22,6 @@ namespace bench {
 namespace {
 
 using kainjow::mustache::data;
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
-  return text;
-}
 
 // Threads go without saying where nothing ran.
 std::string label_of(const Result &result) {

@@ -151,23 +151,21 @@ void Document::override_value(const json::json_pointer &pointer, const json &new
   origins_[pointer.to_string()] = origin;
 }
 
-Error Document::error(const ValueError &error) const {
-  // A value that is missing has no place: that of the nearest value around it serves.
-  std::string where = name_;
-  for (json::json_pointer pointer = error.pointer;; pointer = pointer.parent_pointer()) {
+std::string Document::place(json::json_pointer pointer) const {
+  for (;; pointer = pointer.parent_pointer()) {
     const std::string text = pointer.to_string();
-    if (const auto origin = origins_.find(text); origin != origins_.end()) {
-      where = origin->second;
-      break;
-    }
+    if (const auto origin = origins_.find(text); origin != origins_.end()) return origin->second;
     if (const auto place = places_.find(text); place != places_.end()) {
-      where = name_ + ":" + place->second;
-      break;
+      return name_ + ":" + place->second;
     }
-    if (pointer.empty()) break;
+    if (pointer.empty()) return name_;
   }
+}
+
+Error Document::error(const ValueError &error) const {
   const std::string path = error.pointer.to_string();
-  return Error(exit_usage, where + ": " + (path.empty() ? "" : path + ": ") + error.sentence);
+  return Error(exit_usage,
+               place(error.pointer) + ": " + (path.empty() ? "" : path + ": ") + error.sentence);
 }
 
 Document read_document(const std::string &path) {

@@ -28,6 +28,9 @@ class Document {
 
   Error error(const ValueError &error) const;
 
+  // "file:line:column" of a value, or of the nearest one around it; what overrode it, if anything.
+  std::string place(nlohmann::json::json_pointer pointer) const;
+
   nlohmann::json value;
 
  private:

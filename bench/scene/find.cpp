@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/near.h"
+#include "core/resources.h"
 #include "scene/scene.h"
 
 namespace bench {
@@ -12,17 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The source tree's folder when the program has not been installed, so that an edited scene is
-// the one that runs.
-fs::path scene_folder() {
-  std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-  if (!failed) {
-    const fs::path installed = program.parent_path() / ".." / PBF_BENCH_DATA_FROM_BIN / "scenes";
-    if (fs::is_directory(installed, failed)) return installed.lexically_normal();
-  }
-  return PBF_BENCH_SOURCE_SCENES;
-}
+fs::path scene_folder() { return data_folder("scenes", PBF_BENCH_SOURCE_SCENES); }
 
 bool is_path(const std::string &name) {
   return name.find('/') != std::string::npos || fs::path(name).extension() == ".json";

@@ -203,9 +203,13 @@ Scene build_scene(const json &root) {
 Scene load_scene(const SceneOptions &options) {
   const std::string path = find_scene_file(options.name);
   Document document = read_document(path);
-  check_against_schema(document);
+  scene_schema().check(document);
   for (const std::string &setting : options.settings) apply_setting(setting, document);
-  if (!options.settings.empty()) check_against_schema(document);
+  for (const Override &value : options.overrides) {
+    document.override_value(json::json_pointer("/params/" + value.parameter), value.value,
+                            value.origin);
+  }
+  if (!options.settings.empty() || !options.overrides.empty()) scene_schema().check(document);
   try {
     Scene scene = build_scene(document.value);
     scene.name = std::filesystem::path(path).stem().string();

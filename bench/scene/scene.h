@@ -5,6 +5,7 @@
 #include <pbf/pbf.h>
 
 #include <array>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,10 +65,18 @@ struct Scene {
   std::optional<Scaling> scaling;
 };
 
-// What the command line changes about a scene.
+// A parameter's value in place of the scene's.
+struct Override {
+  std::string parameter;  // one of param_fields()
+  nlohmann::json value;
+  std::string origin;  // what messages name in place of the scene's file and line
+};
+
+// What the command line or a sweep changes about a scene.
 struct SceneOptions {
   std::string name = "report-30k";    // of a scene that comes with the program, or a file's path
   std::vector<std::string> settings;  // key=value
+  std::vector<Override> overrides;    // after the settings
   uint64_t particles = 0;             // 0: as the scene has it
   double finer = 1;                   // so many times as fine, by the scene's rule
   uint64_t steps = 0;                 // 0: as the scene has it

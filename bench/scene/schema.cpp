@@ -15,20 +15,6 @@ using nlohmann::json;
 using Adapter = valijson::adapters::NlohmannJsonAdapter;
 using Failure = valijson::ValidationResults::Error;
 
-const json &schema_json() {
-  static const json schema = json::parse(scene_schema_text());
-  return schema;
-}
-
-const valijson::Schema &schema() {
-  static const std::unique_ptr<valijson::Schema> parsed = [] {
-    auto result = std::make_unique<valijson::Schema>();
-    valijson::SchemaParser().populateSchema(Adapter(schema_json()), *result);
-    return result;
-  }();
-  return *parsed;
-}
-
 // The validator's context is {"<root>", "[params]", "[gravity]", "[1]"}.
 json::json_pointer pointer_of(const Failure &failure) {
   json::json_pointer pointer;
@@ -46,26 +32,29 @@ struct Described {
   std::string wanted;
 };
 
-void enter(const json *node, Described &at) {
+void enter(const json &root, const json *node, Described &at) {
   at = {node, node->value("description", "")};
   while (at.schema->contains("$ref")) {
     const auto target = at.schema->at("$ref").get<std::string>().substr(1);
-    at.schema = &schema_json().at(json::json_pointer(target));
+    at.schema = &root.at(json::json_pointer(target));
     if (at.wanted.empty()) at.wanted = at.schema->value("description", "");
   }
 }
 
-Described describe(const json::json_pointer &pointer) {
+Described describe(const json &root, const json::json_pointer &pointer) {
   Described at;
-  enter(&schema_json(), at);
+  enter(root, &root, at);
   std::vector<std::string> steps;
   for (json::json_pointer p = pointer; !p.empty(); p = p.parent_pointer())
     steps.push_back(p.back());
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     if (at.schema->contains("items")) {
-      enter(&at.schema->at("items"), at);
+      enter(root, &at.schema->at("items"), at);
     } else if (at.schema->contains("properties") && at.schema->at("properties").contains(*step)) {
-      enter(&at.schema->at("properties").at(*step), at);
+      enter(root, &at.schema->at("properties").at(*step), at);
+    } else if (at.schema->contains("additionalProperties") &&
+               at.schema->at("additionalProperties").is_object()) {
+      enter(root, &at.schema->at("additionalProperties"), at);
     } else {
       return {nullptr, ""};
     }
@@ -107,9 +96,9 @@ ValueError unknown_key(const Failure &failure, const Described &described) {
                                          "; wanted: " + described.wanted};
 }
 
-ValueError explain(const Failure &failure, const Document &document) {
+ValueError explain(const json &root, const Failure &failure, const Document &document) {
   const json::json_pointer pointer = pointer_of(failure);
-  const Described described = describe(pointer);
+  const Described described = describe(root, pointer);
   if (is_unknown_key(failure)) return unknown_key(failure, described);
   if (is_missing_key(failure)) {
     return {pointer,
@@ -121,16 +110,33 @@ ValueError explain(const Failure &failure, const Document &document) {
 
 }  // namespace
 
-void check_against_schema(const Document &document) {
+struct Schema::Parsed {
+  json text;
+  valijson::Schema schema;
+};
+
+Schema::Schema(const std::string &text) : parsed_(std::make_unique<Parsed>()) {
+  parsed_->text = json::parse(text);
+  valijson::SchemaParser().populateSchema(Adapter(parsed_->text), parsed_->schema);
+}
+
+Schema::~Schema() = default;
+
+void Schema::check(const Document &document) const {
   valijson::ValidationResults results;
   valijson::Validator validator(valijson::Validator::kStrongTypes);
-  if (validator.validate(schema(), Adapter(document.value), &results)) return;
+  if (validator.validate(parsed_->schema, Adapter(document.value), &results)) return;
   // The outer values fail because an inner one did; that one is the news.
   const Failure *innermost = nullptr;
   for (const Failure &failure : results) {
     if (!innermost || failure.context.size() > innermost->context.size()) innermost = &failure;
   }
-  throw document.error(explain(*innermost, document));
+  throw document.error(explain(parsed_->text, *innermost, document));
+}
+
+const Schema &scene_schema() {
+  static const Schema schema(scene_schema_text());
+  return schema;
 }
 
 }  // namespace bench

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/progress.h"
+#include "core/stepper.h"
 
 namespace bench {
 namespace {
@@ -19,26 +20,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-// Steps in calls of about half a second, between which Ctrl-C is heard.
-class Stepper {
- public:
-  void run(Solver &solver, uint32_t steps) const {
-    for (uint32_t done = 0; done < steps && !interrupted();) {
-      const uint32_t now = std::min(steps - done, per_call_);
-      solver.step(now);
-      done += now;
-    }
-    solver.synchronize();
-  }
-
-  void learn(double seconds_a_step) {
-    per_call_ = static_cast<uint32_t>(std::clamp(0.5 / seconds_a_step, 1.0, 1e6));
-  }
-
- private:
-  uint32_t per_call_ = 1;
-};
 
 // One contestant with its solver, at the state in which every repetition starts.
 class Bout {

@@ -1,11 +1,11 @@
 /* The judge's report, read and shown. */
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 
+#include "core/checker.h"
 #include "core/error.h"
 #include "core/process.h"
 #include "core/table.h"
@@ -15,21 +15,6 @@ namespace bench::stability {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Beside an installed program, else the source tree's.
-std::string checker() {
-  std::error_code failed;
-  const fs::path installed =
-      fs::path(this_program()).parent_path() / ".." / PBF_BENCH_DATA_FROM_BIN / "check/pbf-check";
-  if (fs::exists(installed, failed)) return installed.lexically_normal();
-  return PBF_BENCH_SOURCE_CHECK;
-}
-
-std::string python() {
-  const char *wanted = std::getenv("PBF_PYTHON");
-  if (wanted && *wanted) return wanted;
-  return fs::exists(PBF_BENCH_PYTHON) ? PBF_BENCH_PYTHON : "python3";
-}
 
 Verdict verdict_of(const nlohmann::json &entry) {
   Verdict verdict;
@@ -63,8 +48,9 @@ Judgement judge(const SuiteOptions &options) {
   const std::string path = folder + "/verdicts.json";
   std::error_code failed;
   fs::remove(path, failed);
-  std::vector<std::string> words = {python(), "-B",     checker(), "stability",
-                                    folder,   "--json", path,      "--silent"};
+  std::vector<std::string> words = {
+      python_program(), "-B", checker_folder() + "/pbf-check", "stability", folder, "--json", path,
+      "--silent"};
   for (const int number : options.cases)
     words.insert(words.end(), {"--case", std::to_string(number)});
   for (const std::string &backend : options.backends)

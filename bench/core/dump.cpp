@@ -1,0 +1,44 @@
+#include "core/dump.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "core/error.h"
+#include "core/manifest.h"
+#include "core/npy.h"
+
+namespace bench {
+
+Dump::Dump(const std::string &folder, uint64_t every, const Scene &scene, const pbf_info &info)
+    : folder_(folder), every_(every) {
+  if (folder_.empty()) return;
+  std::error_code failed;
+  std::filesystem::create_directories(folder_, failed);
+  if (failed) throw Error(exit_failure, folder_ + " can't be made: " + failed.message());
+  write_manifest(folder_ + "/dump.json", scene, info);
+}
+
+uint64_t Dump::steps_to_next(uint64_t step) const {
+  return folder_.empty() || every_ == 0 ? UINT64_MAX : every_ - step % every_;
+}
+
+bool Dump::due(uint64_t step) const { return !folder_.empty() && every_ > 0 && step % every_ == 0; }
+
+void Dump::write(const Solver &solver) {
+  if (folder_.empty()) return;
+  const pbf_info info = solver.info();
+  if (written_ && info.step == last_step_) return;
+  char name[32];
+  std::snprintf(name, sizeof name, "%06llu.npy", static_cast<unsigned long long>(info.step));
+  const uint32_t count = solver.count();
+  const Bytes positions = solver.positions();
+  const Bytes velocities = solver.velocities();
+  write_npy(folder_ + "/positions_" + name, positions.data(), count, info.dimension,
+            info.precision);
+  write_npy(folder_ + "/velocities_" + name, velocities.data(), count, info.dimension,
+            info.precision);
+  written_ = true;
+  last_step_ = info.step;
+}
+
+}  // namespace bench

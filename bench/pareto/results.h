@@ -1,0 +1,30 @@
+/* The results file of a sweep: written after every run, read back to go on. */
+#ifndef PBF_BENCH_RESULTS_H
+#define PBF_BENCH_RESULTS_H
+
+#include "core/machine.h"
+#include "pareto/plan.h"
+
+namespace bench {
+
+struct Build {
+  std::string device, build_id;
+};
+
+struct Study {
+  Sweep sweep;
+  Plan plan;
+  unsigned repetitions = 5;
+  unsigned frames = 10;
+  std::map<std::string, Build> builds;  // by backend
+};
+
+// Gives the points of `study` the outcomes that the file has under the same keys. Returns how many
+// outcomes it has that fit none. Throws Error when it holds something else; no file is no error.
+size_t resume(const std::string &path, Study &study);
+
+void write_results(const Study &study, const std::string &path);
+
+}  // namespace bench
+
+#endif
