@@ -148,6 +148,7 @@ int run_pareto(ParetoOptions options, const CLI::App &command) {
   study.sweep = sweep_of(options, scene.name);
   study.repetitions = options.repetitions;
   study.frames = options.plan.frames;
+  study.cpu_time = options.plan.cpu_time;
   const Scratch scratch;
   options.runner.scratch = scratch.path();
   const Judge judge(scratch.path(), study.sweep.errors);
@@ -180,6 +181,8 @@ void add_measuring_options(CLI::App &command, ParetoOptions &options) {
       ->type_name("S")
       ->check(CLI::PositiveNumber.description(""))
       ->capture_default_str();
+  command.add_flag("--cpu-time", options.plan.cpu_time,
+                   "count processor time, of all threads: for one thread on a shared machine");
   command.add_flag("--quick", options.quick,
                    "a small sweep of a few seconds, to see that everything works");
 }

@@ -37,6 +37,7 @@ std::string words_of(const Choice &choice) {
   const std::string value = short_number(choice.value);
   if (choice.name == "iterations") return value + (value == "1" ? " iteration" : " iterations");
   if (choice.name == "divide_time_step") return value == "1" ? "Δt" : "Δt/" + value;
+  if (choice.name == "support") return "h = " + value + " d";
   if (choice.name == "backend" || choice.name == "precision") return value;
   return choice.name + " " + value;
 }
@@ -59,14 +60,22 @@ std::string label_of(const std::vector<Choice> &choices) {
   return label.empty() ? "as it is" : label;
 }
 
+double spacing_of(const pbf_params &params) {
+  return params.spacing > 0 ? params.spacing : params.smoothing_radius / 2;
+}
+
+void choose_support(pbf_params &params, double support) {
+  params.spacing = spacing_of(params);
+  params.smoothing_radius = support * params.spacing;
+}
+
 // The walls' matter begins at one place for every point. Walls that lend density keep particles
 // half a spacing off; without it their centres reach the bound, which so moves to where the
 // centres of the first layer are.
 void keep_walls(Scene &scene, const pbf_params &base) {
   pbf_params &params = scene.params;
-  const double spacing = params.spacing > 0 ? params.spacing : params.smoothing_radius / 2;
   const double lent_before = base.wall_density > 0, lent_now = params.wall_density > 0;
-  const double inwards = (lent_before - lent_now) * spacing / 2;
+  const double inwards = (lent_before - lent_now) * spacing_of(base) / 2;
   for (unsigned axis = 0; axis < scene.dimension; ++axis) {
     params.domain_min[axis] += inwards;
     params.domain_max[axis] -= inwards;
@@ -129,8 +138,7 @@ class Planner {
     point.scene.params.time_step /= point.divide;
     point.every = every_ * point.divide;
     point.label = label_of(candidate.choices);
-    // A search costs about as much as three iterations.
-    point.work = point.scene.steps * (3.0 + point.scene.params.iterations);
+    point.work = work_of(point.scene);
     point.key = key_of(point);
     return point;
   }
@@ -154,7 +162,14 @@ class Planner {
     scene.steps = plan_.scene.steps;
     scene.lead_in_steps = 0;
     keep_walls(scene, plan_.scene.params);
+    if (const json *support = chosen(choices, "support")) choose_support(scene.params, *support);
     return scene;
+  }
+
+  // A search costs about as much as three iterations, and all of it goes with the neighbours.
+  static double work_of(const Scene &scene) {
+    const double reach = scene.params.smoothing_radius / spacing_of(scene.params);
+    return scene.steps * (3.0 + scene.params.iterations) * std::pow(reach, scene.dimension);
   }
 
   std::string key_of(const Point &point) const {
@@ -163,6 +178,7 @@ class Planner {
     digest.add(point.solver.backend).add(point.solver.precision).add(point.solver.threads);
     digest.add(build_of(point.solver.backend)).add(cpu_).add(options_.judge);
     for (const ErrorFigure &error : sweep_.errors) digest.add(error.figure);
+    if (options_.cpu_time) digest.add("CPU time");
     return digest.text();
   }
 

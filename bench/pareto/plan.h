@@ -11,6 +11,7 @@ struct PlanOptions {
   std::vector<std::string> backends = {"serial"};  // for families that name none
   double duration = 0;                             // simulated; 0: as the scene's steps have it
   unsigned frames = 10;                            // judged, beside the start
+  bool cpu_time = false;                           // see Study
   std::string judge;                               // what identifies the judge, for the keys
 };
 

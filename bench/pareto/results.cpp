@@ -78,6 +78,7 @@ json context_json(const Study &study) {
       {"time_step", scene.params.time_step},
       {"simulated", scene.steps * scene.params.time_step},
       {"repetitions", study.repetitions},
+      {"clock", study.cpu_time ? "cpu" : "wall"},
       {"frames", study.frames},
       {"sweep", study.sweep.description},
   };

@@ -16,6 +16,7 @@ struct Study {
   Plan plan;
   unsigned repetitions = 5;
   unsigned frames = 10;
+  bool cpu_time = false;  // times are the processor's, of all threads; else a clock's on the wall
   std::map<std::string, Build> builds;  // by backend
 };
 

@@ -18,9 +18,9 @@ constexpr size_t most_candidates = 10000;
 
 // One set of physical parameters for the whole sweep: only then do its errors compare.
 const std::set<std::string> physical = {
-    "smoothing_radius",  "spacing",    "particle_volume", "gravity",       "attraction",
-    "attraction_center", "domain_min", "domain_max",      "wall_velocity", "wall_amplitude",
-    "wall_frequency",    "wall_phase", "vorticity",       "viscosity"};
+    "spacing",    "particle_volume", "gravity",       "attraction",     "attraction_center",
+    "domain_min", "domain_max",      "wall_velocity", "wall_amplitude", "wall_frequency",
+    "wall_phase", "vorticity",       "viscosity"};
 
 std::vector<std::string> known_names() {
   std::vector<std::string> names = sweep_names();
@@ -33,6 +33,11 @@ void check_name(const Document &document, const Pointer &where, const std::strin
     throw document.error({where,
                           "the sweep keeps the scene's simulated time; divide_time_step takes "
                           "shorter steps, and more of them"});
+  }
+  if (name == "smoothing_radius") {
+    throw document.error({where,
+                          "the sweep keeps the particles' spacing; support takes h as a multiple "
+                          "of it"});
   }
   if (physical.count(name) > 0) {
     throw document.error({where, "\"" + name +
@@ -50,6 +55,10 @@ bool is_count(const json &value, uint64_t most) {
   return value.is_number_unsigned() && value.get<uint64_t>() >= 1 && value.get<uint64_t>() <= most;
 }
 
+bool is_support(const json &value) {
+  return value.is_number() && value.get<double>() > 1 && value.get<double>() <= 8;
+}
+
 // Those values that no scene has; the scene's schema judges the others.
 void check_value(const Document &document, const Pointer &where, const std::string &name,
                  const json &value) {
@@ -58,6 +67,7 @@ void check_value(const Document &document, const Pointer &where, const std::stri
   if (name == "precision" && value != "f32" && value != "f64") wanted = "\"f32\" or \"f64\"";
   if (name == "threads" && !is_count(value, 65536)) wanted = "an integer, 1 … 65536";
   if (name == "divide_time_step" && !is_count(value, 1000)) wanted = "an integer, 1 … 1000";
+  if (name == "support" && !is_support(value)) wanted = "a number above 1, up to 8";
   if (wanted.empty()) return;
   throw document.error({where, "the value is " + value.dump() + "; wanted: " + wanted});
 }
@@ -169,7 +179,7 @@ class Reader {
 
 const std::vector<std::string> &sweep_names() {
   static const std::vector<std::string> names = {"backend", "precision", "threads",
-                                                 "divide_time_step"};
+                                                 "divide_time_step", "support"};
   return names;
 }
 

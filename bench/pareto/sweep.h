@@ -41,8 +41,9 @@ struct Sweep {
   std::vector<Candidate> candidates;
 };
 
-// What a sweep can choose besides the fields of pbf_params: backend, precision, threads and
-// divide_time_step, by which the scene's time step is divided and its number of steps multiplied.
+// What a sweep can choose besides the fields of pbf_params: backend, precision, threads,
+// divide_time_step, by which the scene's time step is divided and its number of steps multiplied,
+// and support, which is h over the spacing, the spacing being the scene's.
 const std::vector<std::string> &sweep_names();
 
 // All throw Error(exit_usage) with file, line, column and reason. `scene` picks the errors.

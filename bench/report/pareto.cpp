@@ -331,6 +331,7 @@ data page_data(const Study &study) {
   page.set("failures", failures);
   page.set("have_twins", !twins.is_empty_list());
   page.set("twins", twins);
+  page.set("clock", study.cpu_time ? "processor time, of all threads" : "wall time");
   page.set("runs", std::to_string(fewest_runs(study)));
   add_scene(study, page);
   add_machine(study, page);

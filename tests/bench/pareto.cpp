@@ -156,6 +156,8 @@ void wrong_sweeps_are_refused_with_the_place(void **) {
       {families(R"("set": {"time_step": 0.1})"), "divide_time_step"},
       {families(R"("set": {"gravity": [0, -1]})"), "one for the whole sweep"},
       {families(R"("set": {"divide_time_step": 0})"), "wanted: an integer, 1 … 1000"},
+      {families(R"("set": {"smoothing_radius": 0.1})"), "support takes h as a multiple"},
+      {families(R"("set": {"support": 1})"), "wanted: a number above 1, up to 8"},
       {families(R"("set": {"precision": "f16"})"), "wanted: \"f32\" or \"f64\""},
       {families(R"("vary": [{"iterations": []}])"), "wanted: a list of values"},
       {families(R"("vary": [{"iterations": 3}])"), "wanted: a list of values"},
@@ -185,6 +187,19 @@ void finer_time_steps_keep_the_simulated_time(void **) {
   assert_int_equal(plan.points[1].divide * plan.points[1].scene.params.iterations, 2);
 }
 
+void support_keeps_the_spacing(void **) {
+  const Plan plan =
+      make_plan(sweep_of(sweep_text(R"({"name": "a", "title": "A", "vary": [{"support": [2, 3]}]},
+                             {"name": "b", "title": "B"})")),
+                plan_options());
+  const pbf_params &narrow = plan.points[0].scene.params, &wide = plan.points[1].scene.params;
+  near(narrow.spacing, wide.spacing, 0);
+  near(narrow.smoothing_radius, 2 * narrow.spacing, 1e-12);
+  near(wide.smoothing_radius, 3 * narrow.spacing, 1e-12);
+  assert_string_equal(plan.points[1].label.c_str(), "h = 3 d");
+  assert_true(plan.points[1].work > 2 * plan.points[0].work);
+}
+
 // Matter begins half a spacing behind the bound where walls lend no density, else at the bound.
 void walls_stand_at_one_place(void **) {
   const Plan plan = make_plan(sweep_of(sweep_text(two)), plan_options());
@@ -206,11 +221,12 @@ void keys_change_with_whatever_changes_an_outcome(void **) {
   assert_int_equal(keys.size(), plan.points.size());
   assert_string_equal(make_plan(sweep, plan_options()).points[0].key.c_str(),
                       plan.points[0].key.c_str());
-  std::vector<PlanOptions> others(5, plan_options());
+  std::vector<PlanOptions> others(6, plan_options());
   others[0].scene.steps = 40;
   others[1].scene.particles = 300;
   others[2].judge = "another";
   others[3].frames = 2;
+  others[5].cpu_time = true;
   others[4].scene.settings = {"gravity.1=-3"};
   for (const PlanOptions &other : others) keys.insert(make_plan(sweep, other).points[0].key);
   assert_int_equal(keys.size(), plan.points.size() + others.size());
@@ -311,6 +327,7 @@ int main() {
       cmocka_unit_test(the_built_in_sweeps_are_whole),
       cmocka_unit_test(wrong_sweeps_are_refused_with_the_place),
       cmocka_unit_test(finer_time_steps_keep_the_simulated_time),
+      cmocka_unit_test(support_keeps_the_spacing),
       cmocka_unit_test(walls_stand_at_one_place),
       cmocka_unit_test(keys_change_with_whatever_changes_an_outcome),
       cmocka_unit_test(a_value_that_no_scene_takes_is_refused_with_the_sweeps_line),

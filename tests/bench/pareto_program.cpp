@@ -37,15 +37,16 @@ std::string start(const char *name) {
 
 void the_quick_sweep_writes_results_and_a_page(void **) {
   const std::string folder = start("quick");
-  const Outcome run = run_program(
-      folder,
-      "pareto --quick --scene dam-break-2d --backends reference --json q.json --html deep/q.html");
+  const Outcome run = run_program(folder,
+                                  "pareto --quick --scene dam-break-2d --backends reference --json "
+                                  "q.json --html deep/q.html --cpu-time");
   assert_string_equal(run.err.c_str(), "");
   assert_int_equal(run.exit_code, 0);
   expect_contains(run.out, "| the library ");
   expect_contains(run.out, "smaller with the library than with the paper's plain method");
   const json results = results_in(folder + "/q.json");
   assert_int_equal(results.at("points").size(), 5);
+  assert_true(results.at("context").at("clock") == "cpu");
   for (const json &point : results.at("points")) {
     assert_int_equal(point.at("outcome").at("seconds").size(), 2);
     assert_true(point.at("outcome").at("errors").at("E2.relative@largest").get<double>() >= 0);
@@ -55,7 +56,8 @@ void the_quick_sweep_writes_results_and_a_page(void **) {
     assert_true(results.at("context").contains(key));
   }
   const std::string page = read_text(folder + "/deep/q.html");
-  for (const char *words : {"<svg", "float32 against float64", "Commit", "↙ better"}) {
+  for (const char *words :
+       {"<svg", "float32 against float64", "Commit", "↙ better", "processor time"}) {
     expect_contains(page, words);
   }
   for (const char *words : {"{{", "http://", "https://", "<script"}) {
