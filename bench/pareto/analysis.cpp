@@ -157,6 +157,7 @@ json analysis_json(const Study &study) {
       if (comparison.front.empty()) continue;
       json text = comparison_json(study, comparison);
       text["family"] = study.sweep.families[series.family].name;
+      text["title"] = title_of(study, series);
       text["backend"] = series.backend;
       families.push_back(text);
     }

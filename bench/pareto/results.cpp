@@ -81,6 +81,8 @@ json context_json(const Study &study) {
       {"clock", study.cpu_time ? "cpu" : "wall"},
       {"frames", study.frames},
       {"sweep", study.sweep.description},
+      {"baseline", study.sweep.families[study.sweep.baseline].name},
+      {"subject", study.sweep.families[study.sweep.subject].name},
   };
   for (const auto &[backend, build] : study.builds) {
     context["device_" + backend] = build.device;

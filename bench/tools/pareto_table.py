@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""Writes the tables of error against run time into README.md and docs/accuracy.md, from the results
+of `pbf-bench pareto --json`, one a scene.
+
+    bench/tools/pareto_table.py bench/results/epyc-2-cores/pareto-*.json
+"""
+import json
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+END = "<!-- end -->"
+SHORT = "E1.measure.interior.mean_abs@mean"  # of the README
+LONG = (SHORT, "E1.own.interior.p99@mean", "E2.relative@largest")
+LEVELS = ("1 %", "0.1 %", "0.01 %")
+
+
+def significant(value):
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def percent(error):
+    return f"{significant(100 * error)} %" if error > 1e-8 else "0"
+
+
+def equal_time(family):
+    """Median and range of the baseline's error over this family's at the same run time."""
+    equal = family.get("at_equal_time")
+    if not equal:
+        return ""
+    return f"{equal['median']:.2g} ({equal['least']:.2g} … {equal['most']:.2g})"
+
+
+def level_cells(family):
+    cells = []
+    for level in family["levels"]:
+        time = level.get("seconds_per_simulated")
+        sign = {"exact": "", "at_least": "≥ ", "at_most": "≤ "}
+        ratio = level.get("baseline_over_this")
+        cells.append("never" if time is None else
+                     ("≤ " if level.get("bound") else "") + f"{significant(time)} s")
+        cells.append("" if ratio is None else sign[level["ratio_is"]] + significant(ratio))
+    return cells
+
+
+def families_of(result, figure):
+    for entry in result["analysis"]:
+        if entry["figure"] == figure:
+            return entry["families"]
+    return []
+
+
+def hull(families):
+    """Settings that none of any family beats, fastest first."""
+    points = sorted((point["seconds_per_simulated"], point["error"], family["title"], point["label"])
+                    for family in families for point in family["front"])
+    best, kept = float("inf"), []
+    for point in points:
+        if point[1] < best:
+            best = point[1]
+            kept.append(point)
+    return kept
+
+
+def lines_of(head, rows, left):
+    rule = ["---"] * left + ["--:"] * (len(head) - left)
+    return ["| " + " | ".join(row) + " |" for row in (head, rule, *rows)]
+
+
+def compared(result, families, first):
+    rows = []
+    for family in families:
+        if first and family["family"] not in (result["context"]["baseline"], result["context"]["subject"]):
+            continue
+        base = family["family"] == result["context"]["baseline"]
+        rows.append((*first, family["title"], percent(family["front"][-1]["error"]),
+                     "" if base else equal_time(family),
+                     *("" if base and i % 2 else cell for i, cell in enumerate(level_cells(family)))))
+    return rows
+
+
+def head(*first):
+    return (*first, "least error", "÷ at equal time", *(word for level in LEVELS for word in (level, "×")))
+
+
+def source(result):
+    context = result["context"]
+    clock = "processor time" if context["clock"] == "cpu" else "wall time"
+    return (f"{context['particles']:,} particles, {context['simulated']:.3g} s simulated, step "
+            f"{1000 * context['time_step']:.3g} ms where not divided; {context['cpu_model']}, one thread, "
+            f"{clock}, commit {context['commit']}")
+
+
+def short_table(results):
+    rows = [row for result in results
+            for row in compared(result, families_of(result, SHORT), (result["context"]["scene"],))]
+    return lines_of(head("scene", "method"), rows, 2)
+
+
+def long_tables(results):
+    lines = []
+    for result in results:
+        lines += ["", f"### `{result['context']['scene']}`", "", f"{source(result)}."]
+        for figure in LONG:
+            families = families_of(result, figure)
+            title = next(error["title"] for error in result["errors"] if error["figure"] == figure)
+            lines += ["", f"**{title}** (`{figure}`)", ""]
+            lines += lines_of(head("method"), compared(result, families, ()), 1)
+            rows = [(f"{significant(time)} s", percent(error), title, label)
+                    for time, error, title, label in hull(families)]
+            lines += ["", *lines_of(("run time", "error", "on the hull", "setting"), rows, 0)]
+    return lines[1:]
+
+
+def replace(path, name, lines):
+    start = f"<!-- table: {name} -->"
+    text = path.read_text(encoding="utf-8")
+    before, rest = text.split(start)
+    after = rest.split(END, 1)[1]
+    path.write_text(before + "\n".join([start, *lines, END]) + after, encoding="utf-8")
+
+
+def main(paths):
+    results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
+    replace(ROOT / "README.md", "pareto", short_table(results))
+    replace(ROOT / "docs" / "accuracy.md", "pareto", long_tables(results))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    main(sys.argv[1:])
