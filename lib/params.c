@@ -81,16 +81,21 @@ static pbf_status check_lengths(const pbf_params *params) {
   return PBF_OK;
 }
 
-/* A hundredth of a spacing is the least that positions must resolve for a fluid to hold. */
+/* A fiftieth of a spacing is the least that positions must resolve for a fluid to hold. As at the
+ * origin it is with a 4,000th; a domain that is so long that its own end resolves less is taken,
+ * as moving it would help little. */
 static pbf_status check_resolution(const pbf_params *params, int wall, double bound) {
+  enum { FAR = 4 }; /* lengths of the domain from the origin */
+  int axis = wall / 2;
+  double length = params->domain_max[axis] - params->domain_min[axis];
   double farthest = fabs(bound) + fabs(params->wall_amplitude[wall]);
-  double wanted = rest_spacing(params) / 100;
-  if (farthest * 0x1p-24 <= wanted) return PBF_OK;
-  return pbf_fail(
-      PBF_ERROR_INVALID_ARGUMENT,
-      "params.domain_%s[%d] is %.9g, where float32 resolves %.2g, more than a hundredth "
-      "of the spacing (%.2g); move the domain to the origin or use PBF_FLOAT64",
-      wall & 1 ? "max" : "min", wall / 2, bound, farthest * 0x1p-24, wanted);
+  double resolved = farthest * 0x1p-23, spacing = rest_spacing(params);
+  int parts = farthest > FAR * length ? 4000 : 50;
+  if (resolved * parts <= spacing) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.domain_%s[%d] is %.9g, where float32 resolves %.2g; it must be a %dth of "
+                  "the spacing (%.2g): move the domain to the origin or use PBF_FLOAT64",
+                  wall & 1 ? "max" : "min", axis, bound, resolved, parts, spacing);
 }
 
 static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, double time) {

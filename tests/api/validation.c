@@ -185,14 +185,26 @@ static void float32_has_its_limits(void **state) {
   params = test_params();
   params.domain_min[1] = 1e6;
   params.domain_max[1] = 1e6 + 1;
-  refuse_params(single, &params, "a hundredth of the spacing");
+  refuse_params(single, &params, "where float32 resolves 0.12; it must be a 4000th of the spacing");
   assert_ok(pbf_set_params(wide, &params));
-  /* The farthest that 0.05 / 100 allows is 0.0005 * 2^24 = 8388.6. */
-  params.domain_min[1] = 8300;
+  /* The farthest that 0.05 / 4000 allows is 0.0000125 * 2^23 = 104.9, */
+  params.domain_min[1] = 103;
+  params.domain_max[1] = 104;
+  assert_ok(pbf_set_params(single, &params));
+  params.wall_amplitude[PBF_WALL_Y_MAX] = 1;
+  refuse_params(single, &params, "domain_max[1] is 104");
+  params.wall_amplitude[PBF_WALL_Y_MAX] = 0;
+  params.domain_max[1] = 105;
+  refuse_params(single, &params, "domain_max[1] is 105");
+  params.domain_min[1] = -105;
+  params.domain_max[1] = -104;
+  refuse_params(single, &params, "domain_min[1] is -105");
+  /* … and that 0.05 / 50 does, where the domain is as long, 8388.6. */
+  params.domain_min[1] = 0;
   params.domain_max[1] = 8388;
   assert_ok(pbf_set_params(single, &params));
   params.wall_amplitude[PBF_WALL_Y_MAX] = 1;
-  refuse_params(single, &params, "domain_max[1] is 8388");
+  refuse_params(single, &params, "must be a 50th of the spacing");
   pbf_destroy(single);
   pbf_destroy(wide);
 }

@@ -2,24 +2,41 @@
 import numpy as np
 
 from .everywhere import centre, fastest
-from .figure import at_most, exactly
-from .files import first, frames, last
+from .figure import at_least, at_most, exactly
+from .files import frames
 from .shared import energy_gain
 from .time_step import GAIN
 
 
+def _before_chaos(origin, nudged):
+    """Frames until last bits at the start have moved the centre by a tenth of what a place may."""
+    kept = []
+    for a, b in zip(frames(origin), frames(nudged)):
+        if np.linalg.norm(centre(a) - centre(b)) > 1e-3 * origin.rest_spacing:
+            break
+        kept.append(a)
+    return kept
+
+
+def _off(kept, dump, shift, d):
+    return max(np.linalg.norm(centre(a) + shift - centre(b)) for a, b in zip(kept, frames(dump))) / d
+
+
 def far_origin(files):
-    near, far = files.trial("origin"), files.trial("far")
-    d, shift = near.rest_spacing, files.fact("far")
-    off = max(np.linalg.norm(centre(a) + shift - centre(b)) for a, b in zip(frames(near), frames(far))) / d
-    figures = [at_most("at 4,096: centre of mass off, in spacings", off, 0.01)]
-    call = files.fact("calls")[0]
-    refused = call["status"] == "PBF_ERROR_INVALID_ARGUMENT" and "float32" in call["sentence"]
-    if call["status"] != "PBF_OK":
-        return figures + [exactly("at 1e6: refused without the reason", not refused)], call["sentence"]
-    million = files.trial("million")
-    off = max(np.linalg.norm(centre(a) + 1e6 - centre(b)) for a, b in zip(frames(near), frames(million))) / d
-    return figures + [at_most("at 1e6: centre of mass off, in spacings", off, 0.01)], ""
+    origin = files.trial("origin")
+    kept, d, shift = _before_chaos(origin, files.trial("nudged")), origin.rest_spacing, files.fact("far")
+    figures = [at_most(f"at {shift:g}: centre of mass off, in spacings", _off(kept, files.trial("far"), shift, d), 0.01),
+               at_least("seconds until chaos", kept[-1].time, 0.2)]
+    note = ""
+    for by, call in zip((4096, 1000000), files.fact("calls")):
+        if call["status"] == "PBF_OK":
+            off = _off(kept, files.trial(f"far-{by}"), by, d)
+            figures.append(at_most(f"at {by:,}: centre of mass off, in spacings", off, 0.01))
+        else:
+            refused = call["status"] == "PBF_ERROR_INVALID_ARGUMENT" and "float32" in call["sentence"]
+            figures.append(exactly(f"at {by:,}: refused without the reason", not refused))
+            note = call["sentence"]
+    return figures, note
 
 
 def tank_lengths(files):
