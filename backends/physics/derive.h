@@ -26,6 +26,7 @@ typedef struct pbf_derived {
   double stiffness;   /* largest curvature of a pressed lattice for lambda = 1, 1/length² */
   double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
                          at */
+  double wall_steepness;
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -202,6 +203,27 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
   return low * h - 0.5 * d;
 }
 
+/* The same layer is pressed against the wall by the lattice's other layers, with lambda_i +
+ * lambda_j = 2 for lambda = 1; the wall pushes back with its own gradient once. By how much steeper
+ * than the half-space's the wall's density has to be for a balance: about 2. */
+static inline double pbf_wall_steepness(uint32_t kernel, uint32_t dimension, double h, double d,
+                                        double volume, double offset) {
+  const double e = 1e-3, t = (0.5 * d + offset) / h;
+  double force = 0;
+  int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = 1; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double r = d * sqrt((double)(i * i + j * j + k * k));
+        force += 2 * volume * pbf_norm_slope(kernel, dimension, h) *
+                 pbf_shape_slope(kernel, r / h) * j * d / r;
+      }
+  double slope =
+      (pbf_half_space(kernel, dimension, t - e) - pbf_half_space(kernel, dimension, t + e)) /
+      (2 * e * h);
+  return fmin(fmax(force / slope, 1), 4);
+}
+
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
   pbf_derived d = {0};
   uint32_t kernel = params->kernel;
@@ -215,8 +237,10 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.diagonal = d.volume * d.volume * sums.slope2;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
-  if (params->wall_density > 0)
+  if (params->wall_density > 0) {
     d.wall_offset = pbf_wall_offset(kernel, dimension, h, d.spacing, d.volume);
+    d.wall_steepness = pbf_wall_steepness(kernel, dimension, h, d.spacing, d.volume, d.wall_offset);
+  }
   d.epsilon = params->epsilon / (h * h);
   d.omega = params->relaxation > 0
                 ? params->relaxation

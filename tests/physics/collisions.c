@@ -246,12 +246,10 @@ static void half_space_density(void **state) {
   (void)state;
   for (uint32_t kernel = 0; kernel < 2; ++kernel)
     assert_near(pbf_half_space(kernel, PBF_DIM, 0), 0.5, 2e-4);
-  pbf_constants c = wall_constants(PBF_KERNEL_WENDLAND_C2);
   for (double t = 0; PBF_DIM == 3 && t < 1.2; t += 0.05) {
-    double u = fmax(1 - t, 0), density = 0;
-    pbf_vec gradient = {{0}}, normal = {{0}};
-    add_wall(&c, t * c.h - c.wall_offset, normal, &density, &gradient);
-    assert_near(density, pow(u, 6) * (3.5 - 4.5 * u + 1.5 * u * u), 3e-4);
+    double u = fmax(1 - t, 0);
+    assert_near(pbf_half_space(PBF_KERNEL_WENDLAND_C2, 3, t),
+                pow(u, 6) * (3.5 - 4.5 * u + 1.5 * u * u), 3e-4);
   }
 }
 
@@ -282,14 +280,27 @@ static void a_lattice_on_a_wall_is_at_rest(void **state) {
   double d = test_params(PBF_KERNEL_WENDLAND_C2).spacing;
   int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
   for (int layer = 0; layer < 3; ++layer) {
-    double density = 0, lent = 0;
+    double density = 0, lent = 0, force = 0;
     pbf_vec gradient = {{0}}, normal = {{0}};
+    normal.c[1] = 1;
     for (int k = -nz; k <= nz; ++k)
       for (int j = -layer; j <= n; ++j)
-        for (int i = -n; i <= n; ++i)
-          density += pbf_pair_density(0, &c, d * d * (i * i + j * j + k * k));
+        for (int i = -n; i <= n; ++i) {
+          double value, slope;
+          pbf_pair_kernel(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
+          density += value;
+          force += 2 * slope * -j * d;
+        }
     add_wall(&c, (layer + 0.5) * d, normal, &lent, &gradient);
     assert_near(density + lent, 1, layer == 0 ? 1e-4 : 0.015);
+    if (layer > 0) continue;
+    /* Under an even pressure: lambda_i + lambda_j from each, lambda_i from the wall, which goes on
+     * with that slope up to contact. */
+    assert_true(force > 0);
+    assert_near(gradient.c[1] / force, -1, 0.01);
+    double at_contact = 0;
+    add_wall(&c, 0, normal, &at_contact, &gradient);
+    assert_near(at_contact, lent + 0.5 * d * force, 0.01);
   }
 }
 
