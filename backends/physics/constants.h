@@ -7,7 +7,7 @@
 #include "physics/derive.h"
 #include "physics/real.h"
 
-enum { PBF_WALL_NODES = 17 };
+enum { PBF_WALL_NODES = 33 };
 
 typedef struct pbf_constants {
   pbf_real h, h2, inv_h, inv_h2;
@@ -75,8 +75,8 @@ static inline void pbf_set_iteration(pbf_constants *c, const pbf_params *params,
  * f's own slope the first layer of a fluid at rest is not held half a spacing off, see
  * pbf_wall_steepness: a tank ten layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the
  * value at that layer: the same density, s times the slope, still the gradient of a potential.
- * Nearer than that layer it goes on in a straight line: up to 4 at contact would throw particles
- * about. */
+ * Nearer than that layer it goes on in a straight line: up to 4 at contact would throw
+ * particles about. */
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
                                  const pbf_derived *derived) {
   enum { LAST = PBF_WALL_NODES - 1 };
@@ -89,7 +89,7 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   double first = (0.5 * derived->spacing + derived->wall_offset) / derived->h;
   double f0 = pbf_half_space(kernel, PBF_DIM, first), scale = f0 * params->wall_density;
   for (int k = 0; k < LAST; ++k) {
-    double t = (double)k / LAST, at = fmax(t, first);
+    double t = (double)k / LAST, at = fmax(t, first - 1.0 / LAST);
     double f = pbf_half_space(kernel, PBF_DIM, at) / f0;
     double above = pbf_half_space(kernel, PBF_DIM, at + e) / f0;
     double below = pbf_half_space(kernel, PBF_DIM, at - e) / f0;
