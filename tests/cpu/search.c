@@ -105,6 +105,7 @@ static void scatter(cloud *c, uint32_t count, double x0, double y0, double z0, d
 }
 
 static void check_all_ways(cloud *c) {
+  check(c, "reference", 1);
   check(c, "serial", 1);
   check(c, "openmp", 3);
   free(c);
@@ -136,7 +137,7 @@ static void cell_borders(uint32_t dimension, uint32_t precision) {
 }
 
 static void far_from_origin(uint32_t dimension, uint32_t precision) {
-  double origin = precision == PBF_FLOAT32 ? 3e3 : 1e9;
+  double origin = precision == PBF_FLOAT32 ? 250 : 1e9;
   cloud *c = new_cloud(dimension, precision, 0.25, origin, origin + 4, origin + 4, origin + 4);
   scatter(c, 1500, origin, origin, origin, 3);
   check_all_ways(c);
