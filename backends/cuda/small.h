@@ -120,19 +120,43 @@ static __device__ __forceinline__ pbf_vec sum_lanes(pbf_vec value, uint32_t lane
   return value;
 }
 
-/* Cell `around` of the block of cells about `cell`; false when it is outside. */
-static __device__ __forceinline__ bool cell_around(const cell_grid &g, uint32_t cell,
+/* A particle's cell by its indices, those across the rows folded. */
+struct cell_place {
+  uint32_t at[PBF_DIM];
+};
+
+static __device__ __forceinline__ bool is_folded(const cell_grid &g, int k) {
+  return k > 0 && g.cells[k] <= (uint32_t)g.last.c[k];
+}
+
+static __device__ __forceinline__ cell_place place_in(const cell_grid &g, pbf_vec x) {
+  cell_place own;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    own.at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
+    if (is_folded(g, k)) own.at[k] %= g.cells[k];
+  }
+  return own;
+}
+
+static __device__ __forceinline__ uint32_t cell_number(const cell_grid &g, const uint32_t *at) {
+  uint32_t number = 0;
+  for (int k = PBF_DIM - 1; k >= 0; --k) number = number * g.cells[k] + at[k];
+  return number;
+}
+
+/* Cell `around` of the block of cells about `own`; false when it is outside. Without a division:
+ * these took a third of the search. */
+static __device__ __forceinline__ bool cell_around(const cell_grid &g, const cell_place &own,
                                                    uint32_t around, uint32_t *neighbor) {
   uint32_t at[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
-    bool folded = k > 0 && g.cells[k] <= (uint32_t)g.last.c[k];
-    uint32_t own = cell % g.cells[k], step = around % 3 - 1;
-    cell /= g.cells[k];
+    at[k] = own.at[k] + around % 3 - 1;
     around /= 3;
-    at[k] = folded ? (own + g.cells[k] + step) % g.cells[k] : own + step;
-    if (at[k] >= g.cells[k]) return false;
+    if (at[k] < g.cells[k]) continue;
+    if (!is_folded(g, k)) return false;
+    at[k] = at[k] == g.cells[k] ? 0 : g.cells[k] - 1;
   }
-  *neighbor = grid_row(g, at) + at[0];
+  *neighbor = cell_number(g, at);
   return true;
 }
 
@@ -161,17 +185,17 @@ static __device__ __forceinline__ uint32_t near_in_cell(const small_room &room, 
   return near;
 }
 
-/* Fills the list with the neighbours in the cells around `cell`, cell by cell and sorted within
+/* Fills the list with the neighbours in the cells around `place`, cell by cell and sorted within
  * each; false when there is no room. All threads of a warp call it together. */
 static __device__ __forceinline__ bool search(const small_room &room, const cell_grid &grid,
-                                              uint32_t cell, const point *points, pbf_vec x,
-                                              uint32_t own, bool real, pbf_real h2,
+                                              const cell_place &place, const point *points,
+                                              pbf_vec x, uint32_t own, bool real, pbf_real h2,
                                               uint32_t list_room, small_list *list) {
   list->size = 0;
   for (uint32_t first = 0; first < SMALL_CELLS_AROUND; first += list->lanes) {
     uint32_t around = first + list->lane, neighbor, near = 0;
     const uint16_t *row = nullptr;
-    if (real && around < SMALL_CELLS_AROUND && cell_around(grid, cell, around, &neighbor))
+    if (real && around < SMALL_CELLS_AROUND && cell_around(grid, place, around, &neighbor))
       near = near_in_cell(room, neighbor, points, x, own, h2, &row);
     /* The threads' cells come one after the other. */
     uint32_t count = (uint32_t)__popc(near), end = count;
@@ -179,10 +203,10 @@ static __device__ __forceinline__ bool search(const small_room &room, const cell
       uint32_t before = __shfl_up_sync(~0u, end, step, (int)list->lanes);
       if (list->lane >= step) end += before;
     }
-    uint32_t place = list->size + end - count;
+    uint32_t next = list->size + end - count;
     list->size += __shfl_sync(~0u, end, (int)list->lanes - 1, (int)list->lanes);
     for (uint32_t k = 0; near && list->size <= list_room; near &= near - 1, ++k)
-      list->insert(place, k, row[__ffs((int)near) - 1]);
+      list->insert(next, k, row[__ffs((int)near) - 1]);
   }
   __syncwarp();
   if (list->size <= list_room) return true;
@@ -284,13 +308,17 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   return turn;
 }
 
-template <int FEATURES>
+/* Without EXTRAS for scenes without acceleration, wall density and colliders: these take registers.
+ */
+template <int FEATURES, bool EXTRAS>
 static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
                  const __grid_constant__ general_room general) {
   extern __shared__ uint16_t shared_entries[];
   __shared__ small_step table[SMALL_STEPS];
   const pbf_constants *c = &scene.constants;
+  const bool accelerated = PBF_CHEBYSHEV && EXTRAS && scene.accelerated;
+  const bool wall_density = EXTRAS && scene.wall_density;
   uint32_t lanes = scene.lanes, thread = thread_index();
   uint32_t i = thread / lanes, lane = thread % lanes, turn = 0;
   bool real = i < scene.count, leads = real && lane == 0;
@@ -306,34 +334,35 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   __syncthreads();
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
-    step_obstacles obstacles = {table[step].walls, scene.solid_count,
+    step_obstacles obstacles = {table[step].walls, EXTRAS ? scene.solid_count : 0,
                                 scene.solids + step * scene.solid_count};
     pbf_vec y = pbf_predict(&scene.forces, x, v);
-    if (scene.collide_after_prediction) y = resolve<true>(obstacles, 1, x, y);
-    uint32_t cell = grid_cell(grid, y);
+    if (scene.collide_after_prediction) y = resolve<EXTRAS>(obstacles, 1, x, y);
+    const cell_place place = place_in(grid, y);
+    const uint32_t cell = cell_number(grid, place.at);
     if (leads) {
       store(from, i, point_at(y));
-      uint32_t place = atomicAdd(room.cell_count + cell, 1u);
-      if (place < SMALL_CELL_ROOM)
-        room.cell_list[(size_t)cell * SMALL_CELL_ROOM + place] = (uint16_t)i;
+      uint32_t k = atomicAdd(room.cell_count + cell, 1u);
+      if (k < SMALL_CELL_ROOM)
+        room.cell_list[(size_t)cell * SMALL_CELL_ROOM + k] = (uint16_t)i;
       else
         room.control->cells_failed = 1;
     }
     bool failed = grid_barrier(room.control, ++turn, true).cells_failed != 0;
     pbf_real total = 0, before = 0;
-    if (!failed && !search(room, grid, cell, from, y, i, real, c->h2, scene.list_room, &list))
+    if (!failed && !search(room, grid, place, from, y, i, real, c->h2, scene.list_room, &list))
       room.control->lists_failed = 1;
     for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
       bool last = k + 1 == scene.iterations;
-      const pbf_constants now = constants_at(scene, k);
+      const pbf_constants now = accelerated ? constants_at(scene, k) : scene.constants;
       lambda_sums<FEATURES> sums;
       list.gather(from, [&](const point &other) { sums.add(c, pbf_sub(y, position_of(other))); });
       __syncwarp();
       sums.density = sum_lanes(sums.density, lanes);
       sums.slope2 = sum_lanes(sums.slope2, lanes);
       sums.gradient = sum_lanes(sums.gradient, lanes);
-      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, y);
-      if (PBF_CHEBYSHEV && scene.accelerated) {
+      pbf_real lambda = sums.lambda(c, obstacles, wall_density, 0, y);
+      if (accelerated) {
         pbf_accelerate(&now, lambda, &total, &before);
         lambda = total;
       }
@@ -352,8 +381,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       });
       __syncwarp();
       sum.sum = sum_lanes(sum.sum, lanes);
-      y = sum.template moved<true>(
-          c, obstacles, scene.wall_density, scene.accelerated,
+      y = sum.template moved<EXTRAS>(
+          c, obstacles, wall_density, accelerated,
           scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x, y);
       if (!last && leads) store(to, i, point_at(y));
       /* Before the next prediction counts, all counts must have been cleared. */

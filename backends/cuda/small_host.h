@@ -154,8 +154,11 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
         scratch_of(s),
         s->lambda_before};
     with_features(s->schedule.features, [&](auto features) {
-      status = launch_resident(s, small_kernel<decltype(features)::value>, blocks, block, shared,
-                               "small_kernel", scene, s->small, general);
+      constexpr int FEATURES = decltype(features)::value;
+      bool extras = scene.accelerated || scene.wall_density || scene.solid_count;
+      auto kernel = extras ? small_kernel<FEATURES, true> : small_kernel<FEATURES, false>;
+      status = launch_resident(s, kernel, blocks, block, shared, "small_kernel", scene, s->small,
+                               general);
     });
   }
   return status;
@@ -168,10 +171,13 @@ static pbf_status small_allow_shared(const solver *s) {
   if constexpr (sizeof(Real) == sizeof(float)) {
     for (int k = 0; k < PBF_FEATURE_COUNT && status == PBF_OK; ++k)
       with_features(k, [&](auto features) {
-        status = pbf_cuda_check(
-            cudaFuncSetAttribute(small_kernel<decltype(features)::value>,
-                                 cudaFuncAttributeMaxDynamicSharedMemorySize, (int)small_shared(s)),
-            "cudaFuncSetAttribute");
+        constexpr int FEATURES = decltype(features)::value;
+        for (auto kernel : {small_kernel<FEATURES, false>, small_kernel<FEATURES, true>})
+          if (status == PBF_OK)
+            status = pbf_cuda_check(
+                cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                     (int)small_shared(s)),
+                "cudaFuncSetAttribute");
       });
   }
   return status;
