@@ -12,6 +12,15 @@ static pbf_status check_rows(const pbf_solver *solver, uint32_t first, uint32_t 
                   solver->count);
 }
 
+static pbf_status read_backend(pbf_solver *solver, uint32_t field, const pbf_rows *rows,
+                               void *out) {
+  const pbf_backend_api *api = &solver->api;
+  if (field == PBF_FIELD_PRESSURE)
+    return pbf_backend_result(solver, api->read_pressures(solver->backend, rows, out),
+                              "read_pressures");
+  return pbf_backend_result(solver, api->read(solver->backend, field, rows, out), "read");
+}
+
 static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
                             uint32_t count, void *out) {
   pbf_status status = check_rows(solver, first, count);
@@ -19,8 +28,7 @@ static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name
   status = pbf_values_check_pointer(name, out, pbf_element_size(solver));
   if (status != PBF_OK) return status;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
-  status = solver->api.read(solver->backend, field, &rows, out);
-  return pbf_backend_result(solver, status, "read");
+  return read_backend(solver, field, &rows, out);
 }
 
 static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
@@ -59,6 +67,26 @@ pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count,
   if (status != PBF_OK) return status;
   return pbf_leave(solver,
                    read_rows(solver, PBF_FIELD_DENSITY, "densities", first, count, densities));
+}
+
+pbf_status pbf_check_pressures(const pbf_solver *solver) {
+  if (!solver->api.read_pressures)
+    return pbf_fail(PBF_ERROR_UNSUPPORTED, "the backend \"%s\" keeps no pressures",
+                    solver->plugin->name);
+  if (solver->params.solver == PBF_SOLVER_CHEBYSHEV) return PBF_OK;
+  return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                  "params.solver is %u (PBF_SOLVER_JACOBI), which keeps no pressure over its "
+                  "iterations; PBF_SOLVER_CHEBYSHEV does",
+                  solver->params.solver);
+}
+
+pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  status = pbf_check_pressures(solver);
+  if (status == PBF_OK)
+    status = read_rows(solver, PBF_FIELD_PRESSURE, "pressures", first, count, pressures);
+  return pbf_leave(solver, status);
 }
 
 pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,

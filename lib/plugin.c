@@ -61,9 +61,11 @@ static pbf_status check_table(const pbf_backend_api *api, char *reason, size_t s
     snprintf(reason, size, "its table has no function '%s'", mandatory[i].name);
     return PBF_ERROR_PLUGIN;
   }
-  if (!api->set_timing == !api->get_timings) return PBF_OK;
-  snprintf(reason, size,
-           "its table has one of set_timing and get_timings; both or neither must be set");
+  const char *half = NULL;
+  if (!api->set_timing != !api->get_timings) half = "set_timing and get_timings";
+  if (!api->read_pressures != !api->map_pressures) half = "read_pressures and map_pressures";
+  if (!half) return PBF_OK;
+  snprintf(reason, size, "its table has one of %s; both or neither must be set", half);
   return PBF_ERROR_PLUGIN;
 }
 

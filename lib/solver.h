@@ -5,7 +5,7 @@
 #include "check.h"
 #include "plugin.h"
 
-enum { PBF_FIELD_COUNT = PBF_FIELD_DENSITY + 1 };
+enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
 
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
@@ -76,6 +76,9 @@ void pbf_solver_rebase_time(pbf_solver *solver);
 /* What a backend's function returned, made into what the caller gets: a known code, and a sentence
  * where the backend gave none. */
 pbf_status pbf_backend_result(const pbf_solver *solver, pbf_status status, const char *function);
+
+/* Fails where the backend, or the way in which it solves now, keeps no pressures. */
+pbf_status pbf_check_pressures(const pbf_solver *solver);
 
 /* Bytes of one component of a position. */
 uint32_t pbf_element_size(const pbf_solver *solver);

@@ -5,16 +5,22 @@
 
 static pbf_status check_field(uint32_t field) {
   if (field >= PBF_FIELD_POSITION && field <= PBF_FIELD_ID) return PBF_OK;
+  if (field == PBF_FIELD_PRESSURE) return PBF_OK;
   if (field == PBF_FIELD_DENSITY) {
     return pbf_fail(PBF_ERROR_UNSUPPORTED,
                     "field is 4 (density), which no backend keeps; pbf_get_densities computes it");
   }
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "field is %u; it must be 1 (position), 2 (velocity) or 3 (id)", field);
+                  "field is %u; it must be 1 (position), 2 (velocity), 3 (id) or 5 (pressure)",
+                  field);
 }
 
 static uint32_t type_of(const pbf_solver *solver, uint32_t field) {
   return field == PBF_FIELD_ID ? PBF_TYPE_UINT32 : solver->kind.precision;
+}
+
+static uint32_t components_of(const pbf_solver *solver, uint32_t field) {
+  return field == PBF_FIELD_ID || field == PBF_FIELD_PRESSURE ? 1 : solver->kind.dimension;
 }
 
 /* Null for a view that fits, else the member that doesn't. */
@@ -22,7 +28,7 @@ static const char *misfit(const pbf_solver *solver, uint32_t field, const pbf_vi
   if (view->field != field) return "field";
   if (view->count != solver->count) return "count";
   if (view->element_type != type_of(solver, field)) return "element_type";
-  if (view->components != (field == PBF_FIELD_ID ? 1 : solver->kind.dimension)) return "components";
+  if (view->components != components_of(solver, field)) return "components";
   if (view->device_type != PBF_DEVICE_CPU && view->device_type != PBF_DEVICE_CUDA)
     return "device_type";
   if (solver->count > 0 && !view->data) return "data";
@@ -30,12 +36,20 @@ static const char *misfit(const pbf_solver *solver, uint32_t field, const pbf_vi
   return NULL;
 }
 
+static pbf_status map_backend(pbf_solver *solver, uint32_t field, pbf_view *view) {
+  const pbf_backend_api *api = &solver->api;
+  if (field == PBF_FIELD_PRESSURE)
+    return pbf_backend_result(solver, api->map_pressures(solver->backend, view), "map_pressures");
+  return pbf_backend_result(solver, api->map(solver->backend, field, view), "map");
+}
+
 pbf_status pbf_view_of(pbf_solver *solver, uint32_t field, pbf_view *view) {
   pbf_status status = check_field(field);
+  if (status == PBF_OK && field == PBF_FIELD_PRESSURE) status = pbf_check_pressures(solver);
   if (status != PBF_OK) return status;
   *view = (pbf_view){.struct_size = sizeof *view, .field = field};
-  status = solver->api.map(solver->backend, field, view);
-  if (status != PBF_OK) return pbf_backend_result(solver, status, "map");
+  status = map_backend(solver, field, view);
+  if (status != PBF_OK) return status;
   const char *member = misfit(solver, field, view);
   if (member) {
     return pbf_fail(PBF_ERROR_PLUGIN, "the backend \"%s\" gave a view with a wrong '%s'",

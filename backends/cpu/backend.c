@@ -146,6 +146,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
+  if (!schedule.accelerated) s->pressure_scale = 0;
   return PBF_OK;
 }
 
@@ -266,6 +267,25 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   return PBF_OK;
 }
 
+static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
+  read_pressure_rows(s, rows, out);
+  return PBF_OK;
+}
+
+static pbf_status map_pressures(solver *s, pbf_view *view) {
+  if (!keep_reals(s, 1, &s->pressure, "pressure"))
+    return out_of_memory(s, "a view of the pressures");
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
+  view->device_type = PBF_DEVICE_CPU;
+  view->element_type = view->particle_stride = view->component_stride = sizeof(pbf_real);
+  view->components = 1;
+  view->count = s->count;
+  view->ids = s->buffers.ids;
+  view->data = s->pressure;
+  return PBF_OK;
+}
+
 /* ---- Reports ------------------------------------------------------------------------------- */
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
@@ -334,4 +354,6 @@ const pbf_backend_api PBF_VARIANT_API = {
     .describe = describe,
     .set_timing = PBF_BUILT & PBF_FEATURE_TIMING ? set_timing : NULL,
     .get_timings = PBF_BUILT & PBF_FEATURE_TIMING ? get_timings : NULL,
+    .read_pressures = read_pressures,
+    .map_pressures = map_pressures,
 };

@@ -13,6 +13,7 @@ static void append(solver *s, const pbf_particles *p) {
       s->buffers.v.c[k][s->count + i] = v ? v[(uint64_t)i * PBF_DIM + (uint32_t)k] : 0;
     }
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
+  memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
   s->count += p->count;
 }
 
@@ -23,6 +24,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     if (pbf_find_id(ids, count, b->ids[i]) < count) continue;
     field_set(&b->x, kept, field_at(&b->x, i));
     field_set(&b->v, kept, field_at(&b->v, i));
+    s->lambda[kept] = s->lambda[i];
     b->ids[kept++] = b->ids[i];
   }
   s->count = kept;
@@ -54,7 +56,14 @@ static void write_vectors(solver *s, const field *f, const pbf_rows *rows, const
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
-    if (row < rows->count) out[row] = s->lambda[k];
+    if (row < rows->count) out[row] = spare_reals(s)[k];
+  }
+}
+
+static void read_pressure_rows(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    uint32_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row < rows->count) out[row] = pbf_pressure(s->pressure_scale, s->lambda[i]);
   }
 }
 

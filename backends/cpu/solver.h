@@ -42,9 +42,11 @@ struct pbf_backend_solver {
 
   uint32_t capacity, count;
   buffers buffers;
-  pbf_real *lambda; /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *before; /* … the lambda an iteration earlier */
-  pbf_real *slack;  /* in very short steps only */
+  pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *before;   /* … the lambda an iteration earlier */
+  pbf_real *slack;    /* in very short steps only */
+  pbf_real *pressure; /* once it has been looked at */
+  pbf_real pressure_scale; /* of the last step */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */
@@ -100,6 +102,12 @@ static inline uint64_t cell_limit(uint32_t capacity) { return 2 * (uint64_t)capa
 /* Elements of an array of one real for each particle, with room for whole vectors at both ends. */
 static inline uint64_t padded(uint32_t capacity) {
   return ((uint64_t)capacity + 15) / 16 * 16 + FIELD_FRONT + FIELD_BACK;
+}
+
+/* Room for a real of each particle, with whole vectors at both ends, when no iteration is under
+ * way. Lambda is the pressure where it adds up. */
+static inline pbf_real *spare_reals(const solver *s) {
+  return s->before ? s->before + FIELD_FRONT : s->lambda;
 }
 
 #endif

@@ -106,7 +106,7 @@ static void curl_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x);
-  w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, w->s->lambda, r.first, r.last);
+  w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, spare_reals(w->s), r.first, r.last);
 }
 
 static void confine_piece(void *context, uint32_t piece) {
@@ -115,7 +115,7 @@ static void confine_piece(void *context, uint32_t piece) {
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x);
   s->kernels->confine(&pairs, (pbf_real)(s->params.time_step * s->params.vorticity),
-                      w->b.spare[0].c, s->lambda, w->b.v, r.first, r.last);
+                      w->b.spare[0].c, spare_reals(s), w->b.v, r.first, r.last);
 }
 
 static void confine_vorticity(worker *w) {
@@ -187,6 +187,7 @@ static void run_job(step_job *job) {
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
     s->now = job->time + job->reached * s->params.time_step;
+    if (job->reached > job->done) s->pressure_scale = s->constants.pressure;
     job->done = job->reached;
     job->sorted = 1;
   } while (job->done < job->steps && grow_lists(s));

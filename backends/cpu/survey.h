@@ -11,11 +11,11 @@ static void density_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.spare[2]);
-  w->s->kernels->density(&pairs, w->s->lambda, w->s->cells, r.first, r.last);
+  w->s->kernels->density(&pairs, spare_reals(w->s), w->s->cells, r.first, r.last);
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
- * s->lambda[k] and s->cells[k] neighbours. */
+ * spare_reals(s)[k] and s->cells[k] neighbours. */
 static void run_survey(void *context, member *me) {
   solver *s = context;
   worker w = worker_of(s, me);
@@ -42,7 +42,7 @@ static void sum_stats(const solver *s, pbf_stats *stats) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];
     pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
-                  (double)s->lambda[k], s->cells[k]);
+                  (double)spare_reals(s)[k], s->cells[k]);
   }
   if (s->count) pbf_stats_finish(stats);
 }

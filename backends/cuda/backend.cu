@@ -87,6 +87,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t col
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
+  if (!schedule.accelerated) s->pressure_scale = 0;
   return PBF_OK;
 }
 
@@ -226,12 +227,15 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     if (small_serves(s)) {
       if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
       *done += ahead;
+      s->pressure_scale = s->constants.pressure;
       continue;
     }
-    for (uint32_t k = 0; k < ahead; ++k, ++*done)
+    for (uint32_t k = 0; k < ahead; ++k, ++*done) {
       if (pbf_status status =
               run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
         return status;
+      s->pressure_scale = s->constants.pressure;
+    }
   }
   return PBF_OK;
 }
@@ -286,6 +290,26 @@ static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view
   view->data = s->velocities;
   if (is_id) view->data = s->ids;
   if (is_position) view->data = s->points;
+  return PBF_OK;
+}
+
+static pbf_status read_pressures(pbf_backend_solver *handle, const pbf_rows *rows, void *out) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_read_pressures(of(handle), rows, static_cast<pbf_real *>(out));
+}
+
+static pbf_status map_pressures(pbf_backend_solver *handle, pbf_view *view) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status = population_pressures(s)) return status;
+  view->device_type = PBF_DEVICE_CUDA;
+  view->device_id = s->device;
+  view->element_type = sizeof(pbf_real);
+  view->particle_stride = view->component_stride = sizeof(pbf_real);
+  view->components = 1;
+  view->count = s->count;
+  view->ids = s->ids;
+  view->data = s->pressures;
   return PBF_OK;
 }
 
@@ -345,4 +369,6 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     PBF_BUILT &PBF_FEATURE_TIMING ? set_timing : nullptr,
     PBF_BUILT &PBF_FEATURE_TIMING ? get_timings : nullptr,
     nullptr,
+    read_pressures,
+    map_pressures,
 };

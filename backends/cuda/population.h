@@ -117,6 +117,30 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
   return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
 }
 
+static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
+  if (!rows->count) return PBF_OK;
+  row_range range;
+  pbf_real *staged = static_cast<pbf_real *>(s->list_room);
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  read_pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->ids, s->count, s->pressure_scale, range, staged);
+  if (pbf_status status = pbf_cuda_check_launch("read_pressures_kernel")) return status;
+  return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
+}
+
+/* Into s->pressures, in the order of the particles. */
+static inline pbf_status population_pressures(solver *s) {
+  if (!s->pressures)
+    if (pbf_status status =
+            pbf_cuda_take(&s->memory, "pressure", (uint64_t)s->capacity * sizeof(pbf_real),
+                          reinterpret_cast<void **>(&s->pressures)))
+      return status;
+  if (!s->count) return PBF_OK;
+  pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->count, s->pressure_scale, s->pressures);
+  return pbf_cuda_check_launch("pressures_kernel");
+}
+
 static inline pbf_status population_write(solver *s, uint32_t field, const pbf_rows *rows,
                                           const void *in) {
   if (!rows->count) return PBF_OK;

@@ -4,6 +4,7 @@
 
 #include "cuda/launch.h"
 #include "cuda/particles.h"
+#include "physics/stages.h"
 
 /* Rows first … first + count - 1; `ids` on the device, or null where row and id are the same. */
 struct row_range {
@@ -42,7 +43,10 @@ static __global__ void write_points_kernel(point *points, const uint32_t *ids, u
   uint32_t i = thread_index();
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
-  if (row < rows.count) store(points, i, point_at(in[row]));
+  if (row >= rows.count) return;
+  point to = point_at(in[row]);
+  to.lambda = points[i].lambda;
+  store(points, i, to);
 }
 
 template <class Value>
@@ -60,6 +64,21 @@ static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids,
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
   if (row < rows.count) values[i] = in[row];
+}
+
+static __global__ void read_pressures_kernel(const point *points, const uint32_t *ids,
+                                             uint32_t count, pbf_real scale, row_range rows,
+                                             pbf_real *out) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row < rows.count) out[row] = pbf_pressure(scale, points[i].lambda);
+}
+
+static __global__ void pressures_kernel(const point *points, uint32_t count, pbf_real scale,
+                                        pbf_real *out) {
+  uint32_t i = thread_index();
+  if (i < count) out[i] = pbf_pressure(scale, points[i].lambda);
 }
 
 static __global__ void append_points_kernel(point *points, uint32_t count, const pbf_vec *in) {

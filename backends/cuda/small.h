@@ -298,7 +298,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       to.lambda = own.lambda;
       store(moved, i, to);
       if (!last) continue;
-      store(scene.points, p.ids[i], point_at(x));
+      store(scene.points, p.ids[i], to);
       scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.velocities[i], predicted, x);
     }
     grid_barrier(small.control, ++turn);
@@ -330,6 +330,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     x = position_of(load(scene.points, i));
     v = scene.velocities[i];
   }
+  pbf_real total = 0; /* accelerated: lambda, which the last step leaves in the state */
   point *from = room.points[0], *to = room.points[1];
   __syncthreads();
   for (uint32_t step = 0; step < scene.steps; ++step) {
@@ -349,7 +350,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         room.control->cells_failed = 1;
     }
     bool failed = grid_barrier(room.control, ++turn, true).cells_failed != 0;
-    pbf_real total = 0, before = 0;
+    pbf_real before = 0;
+    total = 0;
     if (!failed && !search(room, grid, place, from, y, i, real, c->h2, scene.list_room, &list))
       room.control->lists_failed = 1;
     for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
@@ -399,8 +401,10 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       }
       turn = general_step<FEATURES>(scene, room, general, step, turn);
       if (real) {
-        x = position_of(load(scene.points, i));
+        point own = load(scene.points, i);
+        x = position_of(own);
         v = scene.velocities[i];
+        total = own.lambda;
       }
     } else {
       v = pbf_velocity(scene.inv_time_step, v, x, y);
@@ -408,7 +412,9 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     }
   }
   if (!leads) return;
-  store(scene.points, i, point_at(x));
+  point own = point_at(x);
+  own.lambda = total;
+  store(scene.points, i, own);
   scene.velocities[i] = v;
 }
 

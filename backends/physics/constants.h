@@ -25,7 +25,8 @@ typedef struct pbf_constants {
   double contraction; /* what its weights follow from, pbf_next_weight, */
   pbf_real weight;    /* and the one of this iteration */
   pbf_real stiffness; /* 1/length², see pbf_relax */
-  pbf_real slack;     /* part of a density error that a step leaves, see pbf_slack */
+  pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
+  pbf_real slack;    /* part of a density error that a step leaves, see pbf_slack */
   pbf_real wall_offset;
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
@@ -48,7 +49,7 @@ static inline double pbf_slack_of(const pbf_params *params) {
  * inside, but not so small that the memory of the iteration outlasts changes of the contact set:
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
-                                        double stiffness) {
+                                        double stiffness, double pressure) {
   const double rest = 0.3, least_angle = 0.25, room = 1.15;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
@@ -59,6 +60,7 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
   c->stiffness = (pbf_real)stiffness;
+  c->pressure = (pbf_real)(c->accelerated ? pressure / (params->time_step * params->time_step) : 0);
   c->slack = (pbf_real)pbf_slack_of(params);
 }
 
@@ -120,7 +122,7 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.vorticity = (pbf_real)params->vorticity;
   c.viscosity = (pbf_real)params->viscosity;
   c.scorr_n = (int)params->scorr_n;
-  pbf_set_acceleration(&c, params, d.stiffness);
+  pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_walls(&c, params, &d);
   if (c.one_sided) c.tension = 1; /* the sign of lambda does what the constraint's would */
   return c;

@@ -24,6 +24,7 @@ typedef struct pbf_derived {
   double scorr_dq2;   /* (delta q)² in units of h² */
   double diagonal;    /* V² sum |grad W|² on the lattice */
   double stiffness;   /* largest curvature of a pressed lattice for lambda = 1, 1/length² */
+  double pressure;    /* of a lattice for lambda = -1 and a time step of 1, over rest density */
   double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
                          at */
   double wall_steepness;
@@ -56,11 +57,11 @@ static inline double pbf_norm_slope(uint32_t kernel, uint32_t dimension, double 
 }
 
 /* Calls for each point of the square or cubic lattice within h, the origin included; sums
- *   density   sum W,   slope2   sum |grad W|²,
+ *   density   sum W,   slope2   sum |grad W|²,   pull   sum of -r · grad W over dimensions,
  *   symbol[0] sum grad W · k sin(k·r) with W's own gradient, symbol[1] the same with the one that
  *   moves particles, both along the direction of the wave vector k. */
 typedef struct pbf_lattice_sums {
-  double density, slope2, symbol[2];
+  double density, slope2, pull, symbol[2];
 } pbf_lattice_sums;
 
 static inline double pbf_shape_own_slope(uint32_t kernel, double q) {
@@ -71,7 +72,7 @@ static inline double pbf_shape_own_slope(uint32_t kernel, double q) {
 
 static inline pbf_lattice_sums pbf_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
                                            const double wave[3]) {
-  pbf_lattice_sums sums = {0, 0, {0, 0}};
+  pbf_lattice_sums sums = {0, 0, 0, {0, 0}};
   int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
   double value = pbf_norm_value(kernel, dimension, h), slope = pbf_norm_slope(kernel, dimension, h);
   double own = kernel == PBF_KERNEL_POLY6_SPIKY ? value / h : slope;
@@ -85,6 +86,7 @@ static inline pbf_lattice_sums pbf_lattice(uint32_t kernel, uint32_t dimension, 
         sums.density += value * pbf_shape_value(kernel, q);
         if (r <= 0) continue;
         sums.slope2 += g * g;
+        sums.pull += g * r / dimension;
         if (length <= 0) continue;
         double phase = d * (wave[0] * i + wave[1] * j + wave[2] * k);
         double along = phase / (length * r) * sin(phase);
@@ -235,6 +237,7 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.value_scale = d.volume * pbf_norm_value(kernel, dimension, h);
   d.gradient_scale = d.volume * pbf_norm_slope(kernel, dimension, h);
   d.diagonal = d.volume * d.volume * sums.slope2;
+  d.pressure = d.volume * sums.pull;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
   if (params->wall_density > 0) {

@@ -157,6 +157,14 @@ PBF_FN pbf_vec pbf_velocity(pbf_real inv_time_step, pbf_vec velocity, pbf_vec pr
   return pbf_add_scaled(velocity, inv_time_step, pbf_sub(after, predicted));
 }
 
+/* Pressure over rest density of a step, from the lambda that has added up. A step moves a pair by
+ * V (lambda_i + lambda_j) grad W: forces, once divided by dt², of which a plane through the rest
+ * lattice transmits -pbf_derived.pressure * lambda / dt² an area (the virial; for a wide kernel the
+ * factor is 1). `scale` is that factor over dt², or 0 with no step to speak of. */
+PBF_FN pbf_real pbf_pressure(pbf_real scale, pbf_real total) {
+  return scale > 0 ? 0 - scale * total : 0;
+}
+
 /* One pair's part of the curl of the velocity (eq. 15): (v_j - v_i) x V grad_j W, with
  * V grad_j W = -slope (x_i - x_j). */
 PBF_FN void pbf_add_curl(pbf_curl *curl, pbf_real slope, pbf_vec x_ij, pbf_vec v_ji) {

@@ -41,6 +41,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
+  if (!schedule.accelerated) s->pressure_scale = 0;
   return PBF_OK;
 }
 
@@ -101,6 +102,7 @@ static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   s->now = time;
   for (*done = 0; *done < steps; ++*done) {
     if (s->count) solver_step(s, time + *done * s->params.time_step);
+    s->pressure_scale = s->constants.pressure;
     s->now = time + (*done + 1) * s->params.time_step;
   }
   return PBF_OK;
@@ -115,6 +117,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
   size_t bytes = p->count * sizeof *s->x;
   memcpy(s->x + s->count, p->positions, bytes);
   memcpy(s->ids + s->count, p->ids, p->count * sizeof *s->ids);
+  memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
   if (p->velocities)
     memcpy(s->v + s->count, p->velocities, bytes);
   else
@@ -132,6 +135,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     }
     s->x[kept] = s->x[i];
     s->v[kept] = s->v[i];
+    s->lambda[kept] = s->lambda[i];
     s->ids[kept++] = s->ids[i];
   }
   s->count = kept;
@@ -178,6 +182,27 @@ static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
   view->count = s->count;
   view->ids = s->ids;
   view->data = is_id ? (const void *)s->ids : field == PBF_FIELD_POSITION ? s->x : s->v;
+  return PBF_OK;
+}
+
+static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
+  pbf_real *pressures = out;
+  for (uint32_t k = 0; k < rows->count; ++k)
+    pressures[k] = pbf_pressure(s->pressure_scale, s->lambda[rows->first + k]);
+  return PBF_OK;
+}
+
+static pbf_status map_pressures(solver *s, pbf_view *view) {
+  if (!keep_array(s, 1, (void **)&s->pressure, "pressure", sizeof *s->pressure))
+    return out_of_memory(s, "a view of the pressures");
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
+  view->device_type = PBF_DEVICE_CPU;
+  view->element_type = view->particle_stride = view->component_stride = sizeof(pbf_real);
+  view->components = 1;
+  view->count = s->count;
+  view->ids = s->ids;
+  view->data = s->pressure;
   return PBF_OK;
 }
 
@@ -234,4 +259,6 @@ const pbf_backend_api PBF_VARIANT_API = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
+    .read_pressures = read_pressures,
+    .map_pressures = map_pressures,
 };

@@ -24,6 +24,8 @@ struct pbf_backend_solver {
   pbf_real *before;   /* … the lambda an iteration earlier */
   pbf_real *slack;    /* in very short steps only */
   pbf_curl *curl;     /* with vorticity only */
+  pbf_real *pressure; /* once it has been looked at */
+  pbf_real pressure_scale; /* of the last step */
   uint32_t *ids;
   grid grid;
   uint32_t collider_count;

@@ -148,8 +148,8 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
   auto *dump =
       command
           ->add_option("--dump", options->dump,
-                       "positions and velocities as .npy into this folder, first and last, "
-                       "and dump.json for pbf-check")
+                       "positions, velocities and, where the solver keeps them, pressures as "
+                       ".npy into this folder, first and last, and dump.json for pbf-check")
           ->type_name("DIR");
   command->add_option("--every", options->every, "… and every so many steps")
       ->type_name("K")

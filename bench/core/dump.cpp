@@ -37,6 +37,11 @@ void Dump::write(const Solver &solver) {
             info.precision);
   write_npy(folder_ + "/velocities_" + name, velocities.data(), count, info.dimension,
             info.precision);
+  // Before the first step there is none.
+  if (info.step > 0 && solver.has_pressures()) {
+    const Bytes pressures = solver.pressures();
+    write_npy(folder_ + "/pressures_" + name, pressures.data(), count, 0, info.precision);
+  }
   written_ = true;
   last_step_ = info.step;
 }

@@ -190,6 +190,17 @@ Bytes Solver::read(Getter getter) const {
   return bytes;
 }
 
+bool Solver::has_pressures() const {
+  return pbf_get_pressures(solver_.get(), 0, 0, nullptr) == PBF_OK;
+}
+
+Bytes Solver::pressures() const {
+  const uint32_t rows = count();
+  Bytes bytes(size_t{rows} * precision_);
+  check(pbf_get_pressures(solver_.get(), 0, rows, bytes.data()));
+  return bytes;
+}
+
 Bytes Solver::save() const {
   uint64_t size = 0;
   check(pbf_save(solver_.get(), nullptr, &size));

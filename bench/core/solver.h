@@ -38,6 +38,9 @@ class Solver {
   // One row a particle, in the order of adding.
   Bytes positions() const { return read(pbf_get_positions); }
   Bytes velocities() const { return read(pbf_get_velocities); }
+  // One number a particle; the backend may keep none.
+  bool has_pressures() const;
+  Bytes pressures() const;
   void place(const Bytes &positions, const Bytes &velocities);  // of all particles
   uint64_t hash() const;
   Bytes save() const;

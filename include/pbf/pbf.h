@@ -257,6 +257,14 @@ PBF_API pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t coun
 PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count,
                                      void *densities);
 
+/* p/rho0 of the last step, length²/time², shape (count): what, held over the step, accelerates the
+ * fluid as the density solve has moved it, -grad p / rho. Artificial pressure is not in it. 0
+ * before a particle's first step: it is not part of a saved state, and begins anew when `solver`
+ * becomes PBF_SOLVER_CHEBYSHEV. PBF_ERROR_UNSUPPORTED with PBF_SOLVER_JACOBI, which keeps no
+ * pressure. */
+PBF_API pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count,
+                                     void *pressures);
+
 /* ---- Colliders ----------------------------------------------------------------------------- */
 
 enum {
@@ -301,7 +309,13 @@ PBF_API pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_coll
 
 /* ---- Views without a copy ------------------------------------------------------------------ */
 
-enum { PBF_FIELD_POSITION = 1, PBF_FIELD_VELOCITY = 2, PBF_FIELD_ID = 3, PBF_FIELD_DENSITY = 4 };
+enum {
+  PBF_FIELD_POSITION = 1,
+  PBF_FIELD_VELOCITY = 2,
+  PBF_FIELD_ID = 3,
+  PBF_FIELD_DENSITY = 4, /* can't be mapped: no backend keeps it */
+  PBF_FIELD_PRESSURE = 5 /* as pbf_get_pressures; its memory is taken when it is first mapped */
+};
 
 enum { PBF_DEVICE_CPU = 1, PBF_DEVICE_CUDA = 2 }; /* DLPack's numbers */
 
@@ -311,7 +325,7 @@ enum { PBF_TYPE_FLOAT32 = 4, PBF_TYPE_FLOAT64 = 8, PBF_TYPE_UINT32 = 12 };
  * order is the backend's own; ids (in the same memory, tightly packed) say who is who. */
 typedef struct pbf_view {
   uint32_t struct_size;
-  uint32_t field;       /* PBF_FIELD_POSITION, _VELOCITY or _ID */
+  uint32_t field;       /* PBF_FIELD_POSITION, _VELOCITY, _ID or _PRESSURE */
   uint32_t device_type; /* PBF_DEVICE_… */
   int32_t device_id;
   uint32_t element_type; /* PBF_TYPE_… */

@@ -150,6 +150,11 @@ struct pbf_backend_api {
 
   /* Optional: extensions by name and revision, "pbf.example/1"; null for unknown ones. */
   const void *(*get_extension)(const char *name);
+
+  /* Optional, both or neither: p/rho0 of the last step (pbf_get_pressures), read by rows ascending
+   * by id, and as a view. Not called while params.solver is PBF_SOLVER_JACOBI. */
+  pbf_status (*read_pressures)(pbf_backend_solver *solver, const pbf_rows *rows, void *out);
+  pbf_status (*map_pressures)(pbf_backend_solver *solver, pbf_view *view);
 };
 
 /* What the plugin answers. */

@@ -220,7 +220,7 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_backend_api, 160);
+SIZE(pbf_backend_api, 176);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -242,6 +242,8 @@ AT(pbf_backend_api, describe, 128);
 AT(pbf_backend_api, set_timing, 136);
 AT(pbf_backend_api, get_timings, 144);
 AT(pbf_backend_api, get_extension, 152);
+AT(pbf_backend_api, read_pressures, 160);
+AT(pbf_backend_api, map_pressures, 168);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

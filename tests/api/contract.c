@@ -29,6 +29,7 @@ static pbf_status get_v(pbf_solver *s) { return pbf_get_velocities(s, 0, 1, numb
 static pbf_status set_v(pbf_solver *s) { return pbf_set_velocities(s, 0, 1, numbers); }
 static pbf_status get_ids(pbf_solver *s) { return pbf_get_ids(s, 0, 1, integers); }
 static pbf_status get_rho(pbf_solver *s) { return pbf_get_densities(s, 0, 1, numbers); }
+static pbf_status get_p(pbf_solver *s) { return pbf_get_pressures(s, 0, 1, numbers); }
 static pbf_status set_c(pbf_solver *s) { return pbf_set_colliders(s, 1, &collider); }
 static pbf_status count_c(pbf_solver *s) { return pbf_get_collider_count(s, integers); }
 static pbf_status get_c(pbf_solver *s) { return pbf_get_collider(s, 0, &collider); }
@@ -47,10 +48,12 @@ static pbf_status save(pbf_solver *s) { return pbf_save(s, NULL, &size); }
 static pbf_status load(pbf_solver *s) { return pbf_load(s, numbers, sizeof numbers); }
 static pbf_status hash(pbf_solver *s) { return pbf_hash(s, &size); }
 
-static const solver_call calls[] = {
-    set_params, get_params, step,       pbf_synchronize, get_count, add,      drop,  get_x, set_x,
-    get_v,      set_v,      get_ids,    get_rho,         set_c,     count_c,  get_c, map,   unmap,
-    export,     get_stats,  set_timing, get_timings,     get_plan,  get_info, save,  load,  hash};
+static const solver_call calls[] = {set_params, get_params, step,        pbf_synchronize, get_count,
+                                    add,        drop,       get_x,       set_x,           get_v,
+                                    set_v,      get_ids,    get_rho,     get_p,           set_c,
+                                    count_c,    get_c,      map,         unmap,           export,
+                                    get_stats,  set_timing, get_timings, get_plan,        get_info,
+                                    save,       load,       hash};
 
 static void null_and_dead_handles(void **state) {
   (void)state;

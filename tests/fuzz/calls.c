@@ -70,6 +70,7 @@ static pbf_status get_rows(pbf_solver *s, void *context) {
   if (a->field == 0) return pbf_get_positions(s, a->first, a->count, out);
   if (a->field == 1) return pbf_get_velocities(s, a->first, a->count, out);
   if (a->field == 2) return pbf_get_densities(s, a->first, a->count, out);
+  if (a->field == 4) return pbf_get_pressures(s, a->first, a->count, out);
   return pbf_get_ids(s, a->first, a->count, (uint32_t *)(void *)out);
 }
 
@@ -192,7 +193,7 @@ static void call(input *in, twins *t) {
       break;
     case 8:
       draw_rows(in, t, &a);
-      a.field = take_u8(in) % 4;
+      a.field = take_u8(in) % 5;
       twins_call(t, get_rows, &a);
       break;
     case 9:
