@@ -304,6 +304,26 @@ static void a_lattice_on_a_wall_is_at_rest(void **state) {
   }
 }
 
+/* What the upper walls lend is what the lower ones do, the other way round. */
+static void opposite_walls_lend_alike(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 8;
+  pbf_constants c = pbf_constants_of(&p);
+  pbf_walls walls = pbf_walls_at(&p, 0);
+  for (int axis = 0; axis < PBF_DIM; ++axis) {
+    pbf_vec low = point(4, 4, 4), high = low, low_gradient = {{0}}, high_gradient = {{0}};
+    double low_density = 0, high_density = 0;
+    low.c[axis] = 0.0625, high.c[axis] = 8 - 0.0625;
+    pbf_add_walls(&c, &walls, 0, NULL, low, &low_density, &low_gradient);
+    pbf_add_walls(&c, &walls, 0, NULL, high, &high_density, &high_gradient);
+    assert_true(low_density > 0.05);
+    assert_near(high_density, low_density, 1e-12);
+    assert_near(high_gradient.c[axis], -low_gradient.c[axis], 1e-12);
+  }
+}
+
 /* A lattice that fills a corner of the box is nearly at rest there: where two or three walls meet,
  * what lies beyond more than one of them counts once. */
 static void a_lattice_in_a_corner_is_at_rest(void **state) {
@@ -348,6 +368,7 @@ int main(void) {
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
+      cmocka_unit_test(opposite_walls_lend_alike),
       cmocka_unit_test(a_lattice_in_a_corner_is_at_rest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

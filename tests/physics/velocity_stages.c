@@ -18,6 +18,15 @@ static pbf_vec rigid_rotation(pbf_vec x) {
   return v;
 }
 
+#if PBF_DIM == 3
+/* The same with angular velocity (0.5, -1, 1.5): curl (1, -2, 3). */
+static pbf_vec tilted_rotation(pbf_vec x) {
+  pbf_vec v = {
+      {-1.0 * x.c[2] - 1.5 * x.c[1], 1.5 * x.c[0] - 0.5 * x.c[2], 0.5 * x.c[1] + 1.0 * x.c[0]}};
+  return v;
+}
+#endif
+
 static pbf_vec at_rest_or_uniform(pbf_vec x) {
   (void)x;
   pbf_vec v = {{0}};
@@ -55,6 +64,25 @@ static void curl_of_a_rigid_rotation(void **state) {
   assert_near(pbf_curl_size(curl), 3, 0.03);
 }
 
+#if PBF_DIM == 3
+static void curl_of_a_tilted_rotation(void **state) {
+  (void)state;
+  const double expected[3] = {1, -2, 3};
+  pbf_curl curl = lattice_curl(tilted_rotation);
+  for (int k = 0; k < 3; ++k) assert_near(curl.c[k], expected[k], 0.03);
+}
+
+/* N x curl with N = (3, 4, 12) / 13 and curl (13, 26, -13): (-28, 15, 2) by hand. */
+static void confinement_along_no_axis(void **state) {
+  (void)state;
+  const double expected[3] = {-364 / 13.0, 195 / 13.0, 26 / 13.0};
+  pbf_vec eta = {{3, 4, 12}};
+  pbf_curl curl = {{13, 26, -13}};
+  pbf_vec dv = pbf_confine(1, eta, curl);
+  for (int k = 0; k < 3; ++k) assert_near(dv.c[k], expected[k], 1e-12);
+}
+#endif
+
 static void curl_of_a_uniform_flow_is_zero(void **state) {
   (void)state;
   assert_near(pbf_curl_size(lattice_curl(at_rest_or_uniform)), 0, 0);
@@ -83,10 +111,14 @@ static void confinement_without_a_gradient_is_none(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curl_of_a_rigid_rotation),
-      cmocka_unit_test(curl_of_a_uniform_flow_is_zero),
-      cmocka_unit_test(confinement_spins_a_vortex_up),
-      cmocka_unit_test(confinement_without_a_gradient_is_none),
+    cmocka_unit_test(curl_of_a_rigid_rotation),
+#if PBF_DIM == 3
+    cmocka_unit_test(curl_of_a_tilted_rotation),
+    cmocka_unit_test(confinement_along_no_axis),
+#endif
+    cmocka_unit_test(curl_of_a_uniform_flow_is_zero),
+    cmocka_unit_test(confinement_spins_a_vortex_up),
+    cmocka_unit_test(confinement_without_a_gradient_is_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
