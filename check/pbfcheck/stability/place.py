@@ -2,35 +2,23 @@
 import numpy as np
 
 from .everywhere import centre, fastest
-from .figure import at_least, at_most, exactly
+from .figure import at_most, exactly
 from .files import frames
 from .shared import energy_gain
 from .time_step import GAIN
 
 
-def _before_chaos(origin, nudged):
-    """Frames until last bits at the start have moved the centre by a tenth of what a place may."""
-    kept = []
-    for a, b in zip(frames(origin), frames(nudged)):
-        if np.linalg.norm(centre(a) - centre(b)) > 1e-3 * origin.rest_spacing:
-            break
-        kept.append(a)
-    return kept
-
-
-def _off(kept, dump, shift, d):
-    return max(np.linalg.norm(centre(a) + shift - centre(b)) for a, b in zip(kept, frames(dump))) / d
+def _off(near, far, shift):
+    return max(np.linalg.norm(centre(a) + shift - centre(b)) for a, b in zip(frames(near), frames(far))) / near.rest_spacing
 
 
 def far_origin(files):
-    origin = files.trial("origin")
-    kept, d, shift = _before_chaos(origin, files.trial("nudged")), origin.rest_spacing, files.fact("far")
-    figures = [at_most(f"at {shift:g}: centre of mass off, in spacings", _off(kept, files.trial("far"), shift, d), 0.01),
-               at_least("seconds until chaos", kept[-1].time, 0.2)]
+    near, shift = files.trial("origin"), files.fact("far")
+    figures = [at_most(f"at {shift:g}: centre of mass off, in spacings", _off(near, files.trial("far"), shift), 0.01)]
     note = ""
     for by, call in zip((4096, 1000000), files.fact("calls")):
         if call["status"] == "PBF_OK":
-            off = _off(kept, files.trial(f"far-{by}"), by, d)
+            off = _off(near, files.trial(f"far-{by}"), by)
             figures.append(at_most(f"at {by:,}: centre of mass off, in spacings", off, 0.01))
         else:
             refused = call["status"] == "PBF_ERROR_INVALID_ARGUMENT" and "float32" in call["sentence"]
