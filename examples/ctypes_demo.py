@@ -34,6 +34,7 @@ class Params(c.Structure):
         ("domain_max", c.c_double * 3), ("wall_velocity", c.c_double * 6),
         ("wall_amplitude", c.c_double * 6), ("wall_frequency", c.c_double * 6),
         ("wall_phase", c.c_double * 6), ("search_cell_width", c.c_double),
+        ("sleep_speed", c.c_double), ("sleep_time", c.c_double),
     ]
 
 

@@ -24,10 +24,12 @@ typedef struct incoming {
   uint32_t *ids;           /* room for capacity */
   void *positions;
   void *velocities;
+  void *rest; /* null where nothing sleeps */
   /* What the backend holds now, to give it back should it fail half-way. */
   void *old_positions;
   void *old_velocities;
-  uint64_t old_bytes;
+  void *old_rest;
+  uint64_t old_bytes, old_rest_bytes;
 } incoming;
 
 static pbf_status reject(const char *what) {
@@ -55,7 +57,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   if (header->size != size) return reject("is cut short or has something behind it");
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
-  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 || header->reserved ||
+  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 || header->has_rest > 1 ||
       header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -97,6 +99,8 @@ static pbf_status read_params(const pbf_solver *solver, incoming *in) {
   pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
                                   in->header.params_size, &in->params);
   if (status != PBF_OK) return status;
+  if (in->header.has_rest != (in->params.sleep_speed > 0))
+    return reject("contradicts itself in what sleeps");
   in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
   if (!isfinite(in->time) || !isfinite(in->header.collider_time))
     return reject("has a time that is not finite");
@@ -140,7 +144,11 @@ static pbf_status read_particles(const pbf_solver *solver, incoming *in) {
       pbf_values_check_finite(solver, "positions", in->positions, in->header.count, 0);
   if (status == PBF_OK)
     status = pbf_values_check_finite(solver, "velocities", in->velocities, in->header.count, 0);
-  return status;
+  uint64_t rest_bytes = pbf_snapshot_rest_bytes(&in->header);
+  if (status != PBF_OK || rest_bytes == 0) return status;
+  memcpy(in->rest, in->buffer + in->layout.rest, rest_bytes);
+  return pbf_values_check_numbers(solver, "rest", in->rest,
+                                  in->header.count * (uint64_t)PBF_BACKEND_REST_COMPONENTS);
 }
 
 static pbf_status take(const pbf_solver *solver, uint64_t size, void *pointer) {
@@ -154,12 +162,17 @@ static pbf_status take(const pbf_solver *solver, uint64_t size, void *pointer) {
 static pbf_status take_memory(const pbf_solver *solver, incoming *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   in->old_bytes = (uint64_t)solver->count * solver->kind.dimension * pbf_element_size(solver);
+  if (solver->params.sleep_speed > 0)
+    in->old_rest_bytes =
+        (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS * pbf_element_size(solver);
   pbf_status status = take(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
   if (status == PBF_OK) status = take(solver, pbf_ids_bytes(solver), &in->ids);
   if (status == PBF_OK) status = take(solver, bytes, &in->positions);
   if (status == PBF_OK) status = take(solver, bytes, &in->velocities);
   if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_positions);
   if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_velocities);
+  if (status == PBF_OK) status = take(solver, pbf_snapshot_rest_bytes(&in->header), &in->rest);
+  if (status == PBF_OK) status = take(solver, in->old_rest_bytes, &in->old_rest);
   return status;
 }
 
@@ -173,6 +186,8 @@ static void give_memory(const pbf_solver *solver, incoming *in) {
   pbf_memory_give(&solver->allocator, in->velocities, bytes);
   pbf_memory_give(&solver->allocator, in->old_positions, in->old_bytes);
   pbf_memory_give(&solver->allocator, in->old_velocities, in->old_bytes);
+  pbf_memory_give(&solver->allocator, in->rest, pbf_snapshot_rest_bytes(&in->header));
+  pbf_memory_give(&solver->allocator, in->old_rest, in->old_rest_bytes);
 }
 
 static pbf_status read_state(const pbf_solver *solver, incoming *in) {
@@ -190,6 +205,8 @@ static pbf_status read_old(pbf_solver *solver, incoming *in) {
   pbf_status status = api->read(solver->backend, PBF_FIELD_POSITION, &rows, in->old_positions);
   if (status == PBF_OK)
     status = api->read(solver->backend, PBF_FIELD_VELOCITY, &rows, in->old_velocities);
+  if (status == PBF_OK && in->old_rest)
+    status = api->read(solver->backend, PBF_BACKEND_FIELD_REST, &rows, in->old_rest);
   return pbf_backend_result(solver, status, "read");
 }
 
@@ -209,19 +226,29 @@ static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const ui
   return pbf_backend_result(solver, status, "add_particles");
 }
 
+/* After the particles, which it belongs to; null where nothing sleeps. */
+static pbf_status replace_rest(pbf_solver *solver, uint32_t count, const uint32_t *ids,
+                               const void *rest) {
+  const pbf_rows rows = {sizeof rows, 0, count, count, ids};
+  if (!rest || count == 0) return PBF_OK;
+  pbf_status status = solver->api.write(solver->backend, PBF_BACKEND_FIELD_REST, &rows, rest);
+  return pbf_backend_result(solver, status, "write");
+}
+
 /* As far as a failing device lets it: its sentence is kept, this one's are not. */
 static void restore_particles(pbf_solver *solver, const incoming *in) {
   for (uint32_t row = 0; row < solver->count; ++row) in->ids[row] = pbf_ids_of_row(solver, row);
   replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
+  replace_rest(solver, solver->count, in->ids, in->old_rest);
 }
 
 static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status) {
   char why[PBF_SENTENCE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
-  restore_particles(solver, in);
+  set_params(solver, &solver->params);
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
                            solver->collider_time);
-  set_params(solver, &solver->params);
+  restore_particles(solver, in);
   pbf_solver_tell_time(solver, pbf_solver_time(solver));
   return pbf_fail(status, "%s", why);
 }
@@ -234,6 +261,7 @@ static pbf_status give_to_backend(pbf_solver *solver, incoming *in) {
                                     in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
+  if (status == PBF_OK) status = replace_rest(solver, in->header.count, in->ids, in->rest);
   if (status == PBF_OK) status = pbf_solver_tell_time(solver, in->time);
   return status == PBF_OK ? PBF_OK : undo(solver, in, status);
 }

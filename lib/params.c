@@ -44,6 +44,8 @@ static const pbf_real_rule reals[] = {
     REAL(wall_frequency, 6, PBF_ANY),
     REAL(wall_phase, 6, PBF_ANY),
     REAL(search_cell_width, 1, PBF_AT_LEAST_ZERO),
+    REAL(sleep_speed, 1, PBF_AT_LEAST_ZERO),
+    REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
 };
 
 /* Only what artificial pressure needs, once it is there. */
@@ -58,6 +60,14 @@ static pbf_status check_scorr(const pbf_params *params, pbf_check_kind kind) {
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "params.scorr_dq is %.9g; it must be below 1, in units of smoothing_radius",
                   params->scorr_dq);
+}
+
+static pbf_status check_sleep(const pbf_params *params) {
+  if (params->sleep_speed <= 0 || params->sleep_time > 0) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.sleep_time is 0; with a sleep_speed (%.9g) it must be above 0, or "
+                  "sleep_speed 0",
+                  params->sleep_speed);
 }
 
 static double rest_spacing(const pbf_params *params) {
@@ -125,6 +135,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   pbf_status status = pbf_check_counts(counts, LENGTH(counts), "params", params);
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), "params", params, kind);
   if (status == PBF_OK) status = check_scorr(params, kind);
+  if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_lengths(params);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;

@@ -19,6 +19,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .collider_count = solver->collider_count,
       .count = solver->count,
       .has_ids = solver->ids != NULL,
+      .has_rest = solver->params.sleep_speed > 0,
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
@@ -46,14 +47,17 @@ static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, 
 static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
                                   const pbf_snapshot_layout *layout, void *buffer) {
   void *scratch;
-  uint64_t bytes = pbf_snapshot_field_bytes(header);
+  uint64_t bytes = pbf_snapshot_field_bytes(header), rest = pbf_snapshot_rest_bytes(header);
   if (solver->count == 0) return PBF_OK;
-  pbf_status status = pbf_memory_take(&solver->allocator, bytes, "a copy to save", &scratch);
+  uint64_t room = rest > bytes ? rest : bytes;
+  pbf_status status = pbf_memory_take(&solver->allocator, room, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
     status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
-  pbf_memory_give(&solver->allocator, scratch, bytes);
+  if (status == PBF_OK && rest > 0)
+    status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->rest, rest);
+  pbf_memory_give(&solver->allocator, scratch, room);
   return status;
 }
 

@@ -1,6 +1,6 @@
 /* Layout of a saved state, little-endian, every section at a multiple of 8 bytes:
  *   header | parameters | colliders | ids, unless they are 0 … count - 1 | positions | velocities |
- *   FNV-1a over all before it
+ *   what the backend keeps of each particle where there is sleep | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_SNAPSHOT_H
@@ -26,7 +26,7 @@ typedef struct pbf_snapshot_header {
   uint32_t collider_count;
   uint32_t count;
   uint32_t has_ids;
-  uint32_t reserved;
+  uint32_t has_rest;
   uint64_t next_id;
   uint64_t step;
   uint64_t steps_since;
@@ -37,12 +37,15 @@ typedef struct pbf_snapshot_header {
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
-  uint64_t params, colliders, ids, positions, velocities, checksum, size;
+  uint64_t params, colliders, ids, positions, velocities, rest, checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
 
 /* Bytes of positions, and as many of velocities. */
 uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header);
+
+/* Bytes of PBF_BACKEND_FIELD_REST, or 0. */
+uint64_t pbf_snapshot_rest_bytes(const pbf_snapshot_header *header);
 
 #endif

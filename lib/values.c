@@ -1,5 +1,6 @@
 #include "values.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdint.h>
 
@@ -27,6 +28,17 @@ pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, c
     if (isfinite(value)) continue;
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
                     (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension), value);
+  }
+  return PBF_OK;
+}
+
+pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
+                                    uint64_t count) {
+  for (uint64_t i = 0; i < count; ++i) {
+    double value = value_at(values, i, solver->kind.precision);
+    if (!isfinite(value))
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %g; it must be finite", name,
+                      i, value);
   }
   return PBF_OK;
 }

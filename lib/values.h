@@ -11,6 +11,10 @@ pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *posi
 pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
                                    uint32_t count, uint32_t first_row);
 
+/* `count` numbers that are nobody's coordinates: finite. */
+pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
+                                    uint64_t count);
+
 /* Not null and aligned to its elements. */
 pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size);
 

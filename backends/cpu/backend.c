@@ -130,9 +130,26 @@ static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name)
   return 1;
 }
 
+static int keep_rest(solver *s, const pbf_schedule *has) {
+  int wanted = has->runs[PBF_STAGE_SLEEP] != 0;
+  rest *now = &s->buffers.rest, *spare = &s->buffers.spare_rest;
+  return keep_reals(s, wanted, &now->unrest, "unrest") &&
+         keep_reals(s, wanted, &now->lambda, "lambda asleep") &&
+         keep_reals(s, wanted, &spare->unrest, "sorted unrest") &&
+         keep_reals(s, wanted, &spare->lambda, "sorted lambda asleep");
+}
+
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
-         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack");
+         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has);
+}
+
+/* Sleep is in the parameters, which may have changed, and may have been in those before. */
+static void allow_sleep(solver *s, int changes, int before) {
+  s->sleep = pbf_sleep_of(&s->params);
+  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
+  if (!before) greet(s, 0);
+  if (changes) wake_all(s);
 }
 
 static pbf_status set_params(solver *s, const pbf_params *params) {
@@ -143,10 +160,13 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");
   }
+  int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
+  int changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
   if (!schedule.accelerated) s->pressure_scale = 0;
+  if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
   return PBF_OK;
 }
 
@@ -197,10 +217,15 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
+  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->movers.solids;
+  wake_near(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
   s->schedule = pbf_schedule_of(&s->params, count);
+  s->movers = pbf_movers_of(&s->params, count, s->colliders);
+  wake_near(s, changed, time);
   return PBF_OK;
 }
 
@@ -223,21 +248,25 @@ static pbf_status synchronize(solver *s) {
 
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
   append(s, particles);
+  greet(s, s->count - particles->count);
   return PBF_OK;
 }
 
 static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
+  wake_all(s);
   remove_by_id(s, count, ids);
   return PBF_OK;
 }
 
 static pbf_status remove_all(solver *s) {
-  s->count = 0;
+  s->count = s->asleep = 0;
   return PBF_OK;
 }
 
 static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
-  if (which == PBF_FIELD_DENSITY) {
+  if (which == PBF_BACKEND_FIELD_REST) {
+    read_rest(s, rows, out);
+  } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!survey(s)) return no_memory_for_neighbors(s);
     read_densities(s, rows, out);
@@ -248,6 +277,11 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
+  if (which == PBF_BACKEND_FIELD_REST) {
+    write_rest(s, rows, in);
+    return PBF_OK;
+  }
+  wake_all(s);
   write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, in);
   return PBF_OK;
 }
@@ -293,6 +327,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!survey(s)) return no_memory_for_neighbors(s);
   stats->count = s->count;
   stats->iterations = s->params.iterations;
+  stats->asleep = s->asleep;
   sum_stats(s, stats);
   return PBF_OK;
 }

@@ -85,6 +85,8 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
                   const pbf_real *size, field v, uint32_t first, uint32_t last);
+  void (*stir)(const pair_pass *p, const pbf_real *stirs, uint32_t *stirred, uint32_t first,
+               uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);

@@ -462,6 +462,34 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
     viscosity_groups(0, p, v, smoothed, first, last);
 }
 
+/* ---- Sleep --------------------------------------------------------------------------------- */
+
+/* The particles around lane l of group g are stirred. */
+static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t g, uint32_t l) {
+  const pbf_vec x = field_at(&p->x, g * WIDTH + l);
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const uint8_t *list = walk_on(&w, space);
+    for (uint32_t round = 0; round < b->rounds; ++round) {
+      uint32_t slot = list[round * WIDTH + l];
+      if (slot % SLOTS == 0) continue;
+      uint32_t j = b->first[slot / SLOTS] + slot % SLOTS - 1;
+      pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
+      /* Others may say the same at the same time. */
+      if (pbf_dot(x_ij, x_ij) < p->constants->h2)
+        __atomic_store_n(&stirred[j], 1, __ATOMIC_RELAXED);
+    }
+  }
+}
+
+static void stir(const pair_pass *p, const pbf_real *stirs, uint32_t *stirred, uint32_t first,
+                 uint32_t last) {
+  for (uint32_t g = first; g < last; ++g)
+    for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
+      if (stirs[g * WIDTH + l] > 0) stir_around(p, stirred, g, l);
+}
+
 /* ---- On request ---------------------------------------------------------------------------- */
 
 PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *densities,

@@ -2,7 +2,7 @@
 #ifndef PBF_CPU_LISTS_H
 #define PBF_CPU_LISTS_H
 
-#include "cpu/worker.h"
+#include "cpu/sleepers.h"
 
 static void free_lists(solver *s) {
   pbf_memory_free(&s->memory, s->list_data);
@@ -45,6 +45,12 @@ static int next_slab(void *context, room *r) {
   return 0;
 }
 
+static void list_size_add(list_size *all, list_size more) {
+  all->units += more.units;
+  all->lacking |= more.lacking;
+  if (more.largest > all->largest) all->largest = more.largest;
+}
+
 static void search_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
@@ -57,7 +63,11 @@ static void search_piece(void *context, uint32_t piece) {
                 .count = s->count,
                 .groups = s->groups,
                 .data = s->list_data};
-  s->list_sizes[piece] = s->kernels->search(&job, r.first, r.last, &w->room);
+  list_size all = {0};
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    list_size_add(&all, s->kernels->search(&job, g.first, g.last, &w->room));
+  s->list_sizes[piece] = all;
 }
 
 /* What a group's pairs cost, in units of its list, without any of these. */
@@ -86,12 +96,7 @@ static void end_search(void *context) {
   worker *w = context;
   solver *s = w->s;
   s->wanted = (list_size){0};
-  for (uint32_t k = 0; k < search_pieces(w); ++k) {
-    const list_size *size = &s->list_sizes[k];
-    s->wanted.units += size->units;
-    s->wanted.lacking |= size->lacking;
-    if (size->largest > s->wanted.largest) s->wanted.largest = size->largest;
-  }
+  for (uint32_t k = 0; k < search_pieces(w); ++k) list_size_add(&s->wanted, s->list_sizes[k]);
   for (uint32_t t = 0; t < w->me->threads; ++t)
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);

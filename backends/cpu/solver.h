@@ -9,6 +9,13 @@
 #include "cpu/kernels.h"
 #include "cpu/team.h"
 #include "physics/schedule.h"
+#include "physics/sleep.h"
+
+/* Sleep, where there is any: null otherwise. */
+typedef struct rest {
+  pbf_real *unrest;
+  pbf_real *lambda; /* at the end of a step: what sleepers keep */
+} rest;
 
 /* Fields change their parts from stage to stage, so that nothing is copied back. */
 typedef struct buffers {
@@ -16,6 +23,8 @@ typedef struct buffers {
   field spare[4]; /* prediction and its velocity, the same sorted; x*; what later stages need */
   uint32_t *ids;  /* of the state */
   uint32_t *spare_ids;
+  rest rest; /* of the state, and … */
+  rest spare_rest;
 } buffers;
 
 /* The smallest box around some particles. */
@@ -47,6 +56,14 @@ struct pbf_backend_solver {
   pbf_real *slack;    /* in very short steps only */
   pbf_real *pressure; /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
+
+  pbf_sleep sleep;
+  pbf_movers movers;
+  uint32_t asleep;        /* at the end of the last step, or 0 since somebody woke */
+  atomic_uint drowsy;     /* who sleeps or is still enough to: counted in each step, */
+  atomic_uint sleepers;   /* as are these */
+  atomic_uint all_asleep; /* 1: the run ends, since all sleep, */
+  uint32_t all_asleep_at; /* with this step */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */

@@ -4,7 +4,7 @@
 #ifndef PBF_CPU_SORT_H
 #define PBF_CPU_SORT_H
 
-#include "cpu/worker.h"
+#include "cpu/sleepers.h"
 
 static void find_bounds(void *context, uint32_t piece) {
   worker *w = context;
@@ -150,12 +150,13 @@ static void order_by_id(solver *s, range places, uint32_t *ids) {
   }
 }
 
+static void gather_reals(const uint32_t *order, range places, const pbf_real *source,
+                         pbf_real *sink) {
+  for (uint32_t i = places.first; i < places.last; ++i) sink[i] = source[order[i]];
+}
+
 static void gather(const uint32_t *order, range places, const field *from, const field *to) {
-  for (int k = 0; k < PBF_DIM; ++k) {
-    const pbf_real *source = from->c[k];
-    pbf_real *sink = to->c[k];
-    for (uint32_t i = places.first; i < places.last; ++i) sink[i] = source[order[i]];
-  }
+  for (int k = 0; k < PBF_DIM; ++k) gather_reals(order, places, from->c[k], to->c[k]);
 }
 
 static void sort_range(void *context, uint32_t piece) {
@@ -166,6 +167,10 @@ static void sort_range(void *context, uint32_t piece) {
   order_by_id(s, places, w->b.spare_ids);
   gather(s->order, places, w->key, w->sorted_key);
   if (w->other) gather(s->order, places, w->other, w->sorted_other);
+  if (sleep_is_on(w)) {
+    gather_reals(s->order, places, w->b.rest.unrest, w->b.spare_rest.unrest);
+    gather_reals(s->order, places, w->b.rest.lambda, w->b.spare_rest.lambda);
+  }
 }
 
 /* Sorts by the positions `key`, whose grid has been made, into `sorted_key`, and `other`, unless

@@ -2,23 +2,35 @@
 #ifndef PBF_CPU_STEP_H
 #define PBF_CPU_STEP_H
 
-#include "cpu/lists.h"
+#include "cpu/sleep.h"
 #include "cpu/sort.h"
+
+/* What became of a step. */
+typedef enum outcome {
+  STEP_DONE,
+  STEP_DONE_ALL_ASLEEP,
+  STEP_LACKS_MEMORY /* for the neighbours; the state is as before */
+} outcome;
 
 typedef struct step_job {
   solver *s;
   double time;
   uint32_t steps, done;
   int sorted;       /* the next step has come as far as that */
-  uint32_t reached; /* step, by the team's run */
+  uint32_t reached; /* step, by the team's run, */
+  outcome last;     /* and how that ended */
   buffers after;    /* it */
 } step_job;
 
 static void predict_piece(void *context, uint32_t piece) {
   worker *w = context;
-  range r = piece_particles(w, piece);
-  w->s->kernels->predict(&w->forces, &w->obstacles, w->s->schedule.collide_after_prediction, w->b.x,
-                         w->b.v, w->b.spare[0], w->b.spare[1], r.first, r.last);
+  range all = piece_particles(w, piece);
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    w->s->kernels->predict(&w->forces, &w->obstacles, w->s->schedule.collide_after_prediction,
+                           w->b.x, w->b.v, w->b.spare[0], w->b.spare[1], r.first, r.last);
+  keep_places(w, all, &w->b.x, &w->b.spare[0]);
+  keep_still(w, all, w->b.spare[1].c, PBF_DIM);
   find_bounds(w, piece);
 }
 
@@ -46,7 +58,9 @@ static void slack_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range groups = piece_groups(w, piece), r = piece_sorted(w, piece);
   pair_pass pairs = pairs_at(w, w->b.spare[0]);
-  s->kernels->density(&pairs, s->slack, s->cells, groups.first, groups.last);
+  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
+       g = awake_groups(w, g.last, groups.last))
+    s->kernels->density(&pairs, s->slack, s->cells, g.first, g.last);
   s->kernels->slack(&s->constants, s->slack, r.first, r.last);
 }
 
@@ -63,7 +77,10 @@ static void lambda_piece(void *context, uint32_t piece) {
   pair_pass pairs = pairs_at(w, *now_at(w));
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
-  s->kernels->lambda(&pairs, s->lambda, s->before, r.first, r.last);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->lambda(&pairs, s->lambda, s->before, g.first, g.last);
+  keep_lambda(w, piece_sorted(w, piece), s->lambda);
 }
 
 static void move_piece(void *context, uint32_t piece) {
@@ -71,8 +88,11 @@ static void move_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, *now_at(w));
-  s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, w->b.spare[2],
-                   s->lambda, w->b.spare[0], r.first, r.last);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, w->b.spare[2],
+                     s->lambda, w->b.spare[0], g.first, g.last);
+  keep_places(w, piece_sorted(w, piece), &w->b.spare[2], &w->b.spare[0]);
 }
 
 static void iterate(worker *w) {
@@ -87,9 +107,16 @@ static void iterate(worker *w) {
 static void velocity_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
-  range r = piece_sorted(w, piece);
-  s->kernels->velocity(&w->obstacles, s->schedule.collide_after_solve, w->forces.inv_time_step,
-                       w->b.spare[3], w->b.spare[2], w->b.spare[1], w->b.v, r.first, r.last);
+  range all = piece_sorted(w, piece);
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    s->kernels->velocity(&w->obstacles, s->schedule.collide_after_solve, w->forces.inv_time_step,
+                         w->b.spare[3], w->b.spare[2], w->b.spare[1], w->b.v, r.first, r.last);
+  keep_still(w, all, w->b.v.c, PBF_DIM);
+  calm_woken(w, all, &w->b.v);
+  if (sleep_is_on(w))
+    memcpy(w->rest.lambda + all.first, s->lambda + all.first,
+           (all.last - all.first) * sizeof *s->lambda);
 }
 
 /* From here nothing can fail, and the old state gives way to the new one. */
@@ -99,14 +126,22 @@ static void update_velocity(worker *w) {
   uint32_t *ids = w->b.ids;
   w->b.ids = w->b.spare_ids;
   w->b.spare_ids = ids;
+  rest asleep = w->b.rest;
+  w->b.rest = w->b.spare_rest;
+  w->b.spare_rest = asleep;
   stage_end(w, PBF_STAGE_VELOCITY);
 }
 
 static void curl_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
+  pbf_real *sizes = spare_reals(w->s);
   pair_pass pairs = pairs_at(w, w->b.x);
-  w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, spare_reals(w->s), r.first, r.last);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, sizes, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_CURL_DIM);
+  keep_still(w, piece_sorted(w, piece), &sizes, 1);
 }
 
 static void confine_piece(void *context, uint32_t piece) {
@@ -114,8 +149,11 @@ static void confine_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x);
-  s->kernels->confine(&pairs, (pbf_real)(s->params.time_step * s->params.vorticity),
-                      w->b.spare[0].c, spare_reals(s), w->b.v, r.first, r.last);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->confine(&pairs, (pbf_real)(s->params.time_step * s->params.vorticity),
+                        w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
 static void confine_vorticity(worker *w) {
@@ -129,7 +167,10 @@ static void viscosity_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x);
-  w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[1], r.first, r.last);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[1], g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.spare[1].c, PBF_DIM);
 }
 
 static void smooth_velocity(worker *w) {
@@ -139,23 +180,26 @@ static void smooth_velocity(worker *w) {
 }
 
 static void predict_and_sort(worker *w) {
+  if (sleep_is_on(w) && pbf_any_moves(w->s->movers))
+    team_for(w->me, particle_pieces(w), wake_piece, NULL, w);
   team_for(w->me, particle_pieces(w), predict_piece, make_grid, w);
   stage_end(w, PBF_STAGE_PREDICT);
   sort_particles(w);
 }
 
-/* 0 when the memory for the neighbours is lacking; the state is then as before. */
-static int step_once(worker *w, double time, int sorted) {
+static outcome step_once(worker *w, double time, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   w->forces = pbf_forces_of(&s->params);
-  place_obstacles(w, time + s->params.time_step);
+  place_obstacles(s, time + s->params.time_step, &w->obstacles);
   w->key = &w->b.spare[0];
   w->sorted_key = &w->b.spare[2];
   w->other = &w->b.spare[1];
   w->sorted_other = &w->b.spare[3];
+  w->rest = w->b.rest;
   if (!sorted) predict_and_sort(w);
-  if (!find_neighbors(w)) return 0;
+  w->rest = w->b.spare_rest;
+  if (!find_neighbors(w)) return STEP_LACKS_MEMORY;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
@@ -163,34 +207,44 @@ static int step_once(worker *w, double time, int sorted) {
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
     smooth_velocity(w);
-  return 1;
+  return sleep_is_on(w) && settle(w) ? STEP_DONE_ALL_ASLEEP : STEP_DONE;
 }
 
 /* A thread may begin when the others are at the end: what it begins with is not written here. */
 static void run_steps(void *context, member *me) {
   step_job *job = context;
   worker w = worker_of(job->s, me);
-  for (w.step = job->done; w.step < job->steps; ++w.step)
-    if (!step_once(&w, job->time + w.step * job->s->params.time_step,
-                   job->sorted && w.step == job->done))
-      break;
+  outcome last = STEP_DONE;
+  for (w.step = job->done; w.step < job->steps && last == STEP_DONE;) {
+    last = step_once(&w, job->time + w.step * job->s->params.time_step,
+                     job->sorted && w.step == job->done);
+    if (last != STEP_LACKS_MEMORY) ++w.step;
+  }
   if (me->thread != 0) return;
   job->reached = w.step;
+  job->last = last;
   job->after = w.b;
 }
 
 /* Steps until all are done, or memory is lacking that is not to be had. */
 static void run_job(step_job *job) {
   solver *s = job->s;
+  uint32_t before = job->done;
+  double step = s->params.time_step;
   do {
+    uint32_t left = job->steps - job->done;
+    job->done += job->sorted ? 0 : steps_asleep(s, job->time + job->done * step, left);
+    if (job->done == job->steps) break;
     atomic_store(&s->stopped, 0);
+    atomic_store(&s->all_asleep, 0);
+    atomic_store(&s->drowsy, 0);
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
-    s->now = job->time + job->reached * s->params.time_step;
-    if (job->reached > job->done) s->pressure_scale = s->constants.pressure;
     job->done = job->reached;
-    job->sorted = 1;
-  } while (job->done < job->steps && grow_lists(s));
+    job->sorted = job->last == STEP_LACKS_MEMORY;
+  } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
+  if (job->done > before) s->pressure_scale = s->constants.pressure;
+  s->now = job->time + job->done * step;
 }
 
 #endif

@@ -21,7 +21,7 @@ static void run_survey(void *context, member *me) {
   worker w = worker_of(s, me);
   w.key = &w.b.x;
   w.sorted_key = &w.b.spare[2];
-  place_obstacles(&w, s->now);
+  place_obstacles(s, s->now, &w.obstacles);
   team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
   if (find_neighbors(&w)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);

@@ -19,6 +19,7 @@ typedef struct worker {
   pbf_forces forces;
   pbf_obstacles obstacles;
   pbf_constants constants;                              /* of the iteration */
+  rest rest;                                            /* in the order of the stage */
   uint32_t step, iteration;                             /* of this run */
   const field *key, *sorted_key, *other, *sorted_other; /* of the sort */
   double stage_begin;
@@ -102,13 +103,11 @@ static inline void stage_end(worker *w, pbf_stage stage) {
 }
 
 /* Walls and colliders where they stand at a time. */
-static inline void place_obstacles(worker *w, double time) {
-  const solver *s = w->s;
-  w->obstacles.walls = pbf_walls_at(&s->params, time);
-  w->obstacles.count = (int)s->collider_count;
-  for (int k = 0; k < pbf_solid_count(&w->obstacles); ++k)
-    w->obstacles.solids[k] =
-        pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+static inline void place_obstacles(const solver *s, double time, pbf_obstacles *o) {
+  o->walls = pbf_walls_at(&s->params, time);
+  o->count = (int)s->collider_count;
+  for (int k = 0; k < pbf_solid_count(o); ++k)
+    o->solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
 }
 
 static inline void swap_fields(field *a, field *b) {

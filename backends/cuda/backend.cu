@@ -75,6 +75,12 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
 static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, colliders)))
     return status;
+  if (params->sleep_speed > 0) {
+    pbf_cuda_host->set_error(
+        "the cuda backend lets nothing sleep; params.sleep_speed must be 0, or the backend "
+        "reference, serial or openmp");
+    return PBF_ERROR_UNSUPPORTED;
+  }
   pbf_schedule schedule = pbf_schedule_of(params, colliders);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */

@@ -21,9 +21,10 @@ enum {
   PBF_FEATURE_CHEBYSHEV = 1 << 6,
   PBF_FEATURE_TIMING = 1 << 7, /* times of stages */
   PBF_FEATURE_STATS = 1 << 8,  /* statistics and densities */
+  PBF_FEATURE_SLEEP = 1 << 9,
 
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
-  PBF_BUILT = ((1 << 9) - 1) & ~(PBF_WITHOUT)
+  PBF_BUILT = ((1 << 10) - 1) & ~(PBF_WITHOUT)
 };
 
 static inline int pbf_features_of(const pbf_params *params) {

@@ -19,6 +19,7 @@ typedef enum pbf_stage {
   PBF_STAGE_CURL,      /* line 22, eq. 15 */
   PBF_STAGE_CONFINE,   /* line 22, eq. 16 */
   PBF_STAGE_VISCOSITY, /* line 22, eq. 17 */
+  PBF_STAGE_SLEEP,     /* who falls asleep and who wakes */
   PBF_STAGE_COUNT
 } pbf_stage;
 
@@ -46,13 +47,14 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
+  s.runs[PBF_STAGE_SLEEP] = params->sleep_speed > 0;
   return s;
 }
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
-  static const char *const names[PBF_STAGE_COUNT] = {"predict", "neighbors", "slack",
-                                                     "lambda",  "move",      "velocity",
-                                                     "curl",    "confine",   "viscosity"};
+  static const char *const names[PBF_STAGE_COUNT] = {"predict",   "neighbors", "slack", "lambda",
+                                                     "move",      "velocity",  "curl",  "confine",
+                                                     "viscosity", "sleep"};
   return names[stage];
 }
 

@@ -23,11 +23,23 @@ static int keep_array(solver *s, int wanted, void **array, const char *name, uin
 }
 
 static int keep_arrays(solver *s, const pbf_schedule *has) {
+  int sleep = has->runs[PBF_STAGE_SLEEP] != 0;
   return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
                     sizeof *s->curl) &&
          keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
                     sizeof *s->slack) &&
-         keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before);
+         keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before) &&
+         keep_array(s, sleep, (void **)&s->unrest, "unrest", sizeof *s->unrest) &&
+         keep_array(s, sleep, (void **)&s->held, "lambda asleep", sizeof *s->held) &&
+         keep_array(s, sleep, (void **)&s->stirred, "stirred", sizeof *s->stirred);
+}
+
+/* Sleep is in the parameters, which may have changed, and may have been in those before. */
+static void allow_sleep(solver *s, int changes, int before) {
+  s->sleep = pbf_sleep_of(&s->params);
+  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
+  if (!before) greet(s, 0);
+  if (changes) wake_all(s);
 }
 
 static pbf_status set_params(solver *s, const pbf_params *params) {
@@ -38,10 +50,13 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");
   }
+  int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
+  int changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
   if (!schedule.accelerated) s->pressure_scale = 0;
+  if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
   return PBF_OK;
 }
 
@@ -92,10 +107,15 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
+  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->movers.solids;
+  wake_near(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
-  return set_params(s, &s->params);
+  status = set_params(s, &s->params);
+  wake_near(s, changed, time);
+  return status;
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
@@ -123,11 +143,13 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
   else
     memset(s->v + s->count, 0, bytes);
   s->count += p->count;
+  greet(s, s->count - p->count);
   return PBF_OK;
 }
 
 static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
   uint32_t kept = 0, next = 0;
+  wake_all(s);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (next < count && ids[next] == s->ids[i]) {
       ++next;
@@ -136,6 +158,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->x[kept] = s->x[i];
     s->v[kept] = s->v[i];
     s->lambda[kept] = s->lambda[i];
+    if (sleeps(s)) s->unrest[kept] = s->unrest[i];
     s->ids[kept++] = s->ids[i];
   }
   s->count = kept;
@@ -159,7 +182,9 @@ static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
 static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, void *out) {
   if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
     return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  if (field == PBF_FIELD_DENSITY)
+  if (field == PBF_BACKEND_FIELD_REST)
+    read_rest(s, rows, out);
+  else if (field == PBF_FIELD_DENSITY)
     read_densities(s, rows, out);
   else
     memcpy(out, (field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first,
@@ -168,6 +193,11 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, const void *in) {
+  if (field == PBF_BACKEND_FIELD_REST) {
+    write_rest(s, rows, in);
+    return PBF_OK;
+  }
+  wake_all(s);
   memcpy((field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first, in, rows->count * sizeof *s->x);
   return PBF_OK;
 }
@@ -216,6 +246,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   stats->count = s->count;
   stats->iterations = s->params.iterations;
+  stats->asleep = sleepers(s);
   if (!s->count) return PBF_OK;
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
   pbf_obstacles obstacles = obstacles_at(s, s->now);

@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "physics/scalar.h"
 #include "physics/schedule.h"
+#include "physics/sleep.h"
 #include "physics/stages.h"
 #include "reference/grid.h"
 
@@ -26,6 +27,11 @@ struct pbf_backend_solver {
   pbf_curl *curl;     /* with vorticity only */
   pbf_real *pressure; /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
+  pbf_real *unrest;        /* where there is sleep, and then also … */
+  pbf_real *held;          /* … lambda at the end of the last step, which sleepers keep */
+  uint8_t *stirred;        /* something near it stirs */
+  pbf_sleep sleep;
+  pbf_movers movers;
   uint32_t *ids;
   grid grid;
   uint32_t collider_count;

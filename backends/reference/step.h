@@ -2,31 +2,25 @@
 #ifndef PBF_REFERENCE_STEP_H
 #define PBF_REFERENCE_STEP_H
 
-#include "reference/solver.h"
-
-static inline pbf_obstacles obstacles_at(const solver *s, double time) {
-  pbf_obstacles o;
-  o.walls = pbf_walls_at(&s->params, time);
-  o.count = PBF_BUILT & PBF_FEATURE_COLLIDERS ? (int)s->collider_count : 0;
-  for (int k = 0; k < o.count; ++k)
-    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
-  return o;
-}
+#include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
  * it. */
 static inline void collide_all(const solver *s, const pbf_obstacles *o, int carried,
                                const pbf_vec *from) {
   for (uint32_t i = 0; i < s->count; ++i)
-    s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, carried, from[i], s->moved[i]);
+    if (!asleep(s, i))
+      s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, carried, from[i], s->moved[i]);
 }
 
 static inline void predict(solver *s, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params);
-  for (uint32_t i = 0; i < s->count; ++i) s->moved[i] = pbf_predict(&forces, s->x[i], s->v[i]);
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->moved[i] = asleep(s, i) ? s->x[i] : pbf_predict(&forces, s->x[i], s->v[i]);
   if (s->schedule.collide_after_prediction) collide_all(s, o, 1, s->x);
   for (uint32_t i = 0; i < s->count; ++i) {
     s->predicted[i] = s->moved[i];
+    if (asleep(s, i)) continue;
     s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], s->predicted[i]);
   }
 }
@@ -64,6 +58,10 @@ static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real density = c->value_scale, slope2 = 0;
     pbf_vec gradient = {{0}};
+    if (asleep(s, i)) {
+      s->lambda[i] = s->held[i];
+      continue;
+    }
     neighbor n = neighbors_of(&s->grid, i);
     while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
@@ -86,6 +84,7 @@ static inline void move(solver *s, const pbf_obstacles *o) {
   int features = s->schedule.features;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec sum = {{0}};
+    if (asleep(s, i)) continue;
     neighbor n = neighbors_of(&s->grid, i);
     while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
@@ -99,16 +98,21 @@ static inline void move(solver *s, const pbf_obstacles *o) {
     add_walls(s, o, s->moved[i], &density, &from_walls);
     s->change[i] = pbf_add_scaled(sum, s->lambda[i], from_walls);
   }
-  for (uint32_t i = 0; i < s->count; ++i)
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
     s->moved[i] = s->schedule.accelerated
                       ? pbf_relax(c, s->predicted[i], s->moved[i], s->lambda[i], s->change[i])
                       : pbf_move(c, s->moved[i], s->change[i]);
+  }
 }
 
 static inline void update_velocity(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  for (uint32_t i = 0; i < s->count; ++i)
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
     s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->predicted[i], s->moved[i]);
+    if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
+  }
 }
 
 static inline void compute_curl(solver *s) {
@@ -116,7 +120,7 @@ static inline void compute_curl(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_curl curl = {{0}};
     neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
+    while (!asleep(s, i) && next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       pbf_add_curl(&curl, slope, n.x_ij, pbf_sub(s->v[n.j], s->v[i]));
@@ -130,6 +134,7 @@ static inline void confine_vorticity(solver *s) {
   pbf_real strength = (pbf_real)(s->params.time_step * s->params.vorticity);
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec eta = {{0}};
+    if (asleep(s, i)) continue;
     neighbor n = neighbors_of(&s->grid, i);
     while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
@@ -141,21 +146,18 @@ static inline void confine_vorticity(solver *s) {
 }
 
 static inline void apply_viscosity(solver *s) {
-  const pbf_constants *c = &s->constants;
-  for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_vec sum = {{0}};
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n))
-      sum = pbf_add_scaled(sum, pbf_pair_density(s->schedule.features, c, n.r2),
-                           pbf_sub(s->v[n.j], s->v[i]));
-    s->change[i] = pbf_add_scaled(s->v[i], c->viscosity, sum);
-  }
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->change[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, s->constants.viscosity, i);
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
 static inline void solver_step(solver *s, double time) {
   const pbf_schedule *has = &s->schedule;
   pbf_obstacles obstacles = obstacles_at(s, time + s->params.time_step);
+  if (sleeps(s)) {
+    wake_near(s, s->movers, time + s->params.time_step);
+    if (sleepers(s) == s->count) return;
+  }
   predict(s, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
   if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
@@ -169,6 +171,7 @@ static inline void solver_step(solver *s, double time) {
     move(s, &obstacles);
     if (has->collide_in_iteration) collide_all(s, &obstacles, 0, s->predicted);
   }
+  if (sleeps(s)) memcpy(s->held, s->lambda, s->count * sizeof *s->held);
   if (has->collide_after_solve) collide_all(s, &obstacles, 0, s->predicted);
   update_velocity(s);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {
@@ -176,6 +179,7 @@ static inline void solver_step(solver *s, double time) {
     confine_vorticity(s);
   }
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
+  if (sleeps(s)) settle(s);
   memcpy(s->x, s->moved, s->count * sizeof *s->x);
 }
 

@@ -1,6 +1,7 @@
 #include "ablation/features.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace bench {
 namespace {
@@ -29,6 +30,12 @@ Collider ball(const Scene &scene) {
 }
 
 double own_or(double own, double usual) { return own > 0 ? own : usual; }
+
+// As pbf.h recommends.
+double sleep_speed_for(const pbf_params &params) {
+  const double *g = params.gravity;
+  return 0.1 * std::sqrt(std::hypot(g[0], g[1], g[2]) * spacing_of(params));
+}
 
 struct Feature {
   const char *name;
@@ -69,6 +76,11 @@ const Feature features[] = {
        p.wall_amplitude[PBF_WALL_X_MAX] = spacing_of(p) / 2;
        p.wall_frequency[PBF_WALL_X_MAX] = two_pi;
      }},
+    {"sleep",
+     [](Variant &v, const Scene &w) {
+       v.scene.params.sleep_speed = own_or(w.params.sleep_speed, sleep_speed_for(w.params));
+       v.scene.params.sleep_time = own_or(w.params.sleep_time, 0.5);
+     }},
     {"timing", [](Variant &v, const Scene &) { v.requests.timing = true; }},
     {"stats", [](Variant &v, const Scene &) { v.requests.stats = true; }},
 };
@@ -78,7 +90,7 @@ const Feature features[] = {
 Variant minimal(const Scene &scene) {
   Variant bare{"minimal", scene, {}};
   pbf_params &p = bare.scene.params;
-  p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = 0;
+  p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = p.sleep_speed = 0;
   p.solver = PBF_SOLVER_JACOBI;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);

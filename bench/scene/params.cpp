@@ -138,6 +138,8 @@ const std::vector<ParamField> &param_fields() {
       PBF_FIELD(wall_frequency, walls),
       PBF_FIELD(wall_phase, walls),
       PBF_FIELD(search_cell_width, number),
+      PBF_FIELD(sleep_speed, number),
+      PBF_FIELD(sleep_time, number),
   };
 #undef PBF_FIELD
   return fields;

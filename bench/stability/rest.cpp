@@ -1,7 +1,6 @@
-/* Long runs, and sleep: cases 30 and 31. */
+/* Long runs: case 30. */
 #include <string>
 
-#include "scene/params.h"
 #include "stability/cases.h"
 #include "stability/fluid.h"
 
@@ -32,17 +31,6 @@ void long_runs(Record &record) {
   Trial motion(record, "motion", start);
   run_long(record, motion, "motion");
   motion.draw("At the end of a long shaking");
-}
-
-void sleep_and_wake(Record &record) {
-  for (const ParamField &field : param_fields()) {
-    if (std::string(field.name).find("sleep") != std::string::npos) {
-      record.note("failed", "there is a parameter " + std::string(field.name) +
-                                ", but this suite does not know how to use it");
-      return;
-    }
-  }
-  record.note("absent", "no parameter of this build puts particles to sleep");
 }
 
 }  // namespace bench::stability

@@ -16,7 +16,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 START, END = "<!-- table: sizes -->", "<!-- end -->"
 FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
-FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats")
+FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats", "sleep")
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
 SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel"}
 BUILDS = {

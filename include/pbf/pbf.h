@@ -200,6 +200,15 @@ typedef struct pbf_params {
 
   double search_cell_width; /* cell width of the neighbour search, >= h; 0: the backend's choice.
                                Only `reference` obeys it. Never changes which pairs interact. */
+
+  /* Sleep: fluid at rest keeps its place at velocity 0, goes on carrying what lies on it, and costs
+   * next to nothing. What counts is the velocity of the fluid around a particle, itself included,
+   * as a root mean square over about `sleep_time`: a fluid at rest trembles without flowing. Below
+   * `sleep_speed` a particle falls asleep, unless fluid three times as fast is within h of it. Such
+   * fluid, or a moving wall or collider, also wakes it, within h; a change of the parameters, and
+   * particles that are set or removed, wake all. */
+  double sleep_speed; /* a length a time unit; 0: nothing sleeps; 0.1 sqrt(|g| spacing) will do */
+  double sleep_time;  /* > 0 where anything sleeps; half a second will do */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -369,6 +378,8 @@ typedef struct pbf_stats {
   double density_error_mean; /* mean of max(rho/rho0 - 1, 0): a free surface is no error */
   double density_error_max;  /* largest rho/rho0 - 1, at least 0 */
   double density_mean;       /* mean of rho/rho0 */
+  uint32_t asleep;           /* particles, see pbf_params.sleep_speed */
+  uint32_t reserved;         /* 0 */
 } pbf_stats;
 
 PBF_API pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);

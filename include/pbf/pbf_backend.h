@@ -91,6 +91,10 @@ typedef struct pbf_backend_state {
   char device_name[96];
 } pbf_backend_state;
 
+/* Beside the PBF_FIELD_… of pbf.h: what a backend keeps of a particle while params.sleep_speed is
+ * not 0, for saved states. Two numbers of the backend's own, the first -1 while it sleeps. */
+enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
+
 typedef struct pbf_backend_solver pbf_backend_solver;
 typedef struct pbf_backend_api pbf_backend_api;
 
@@ -128,10 +132,11 @@ struct pbf_backend_api {
   pbf_status (*remove_particles)(pbf_backend_solver *solver, uint32_t count, const uint32_t *ids);
   pbf_status (*remove_all)(pbf_backend_solver *solver);
 
-  /* Copies a field (PBF_FIELD_POSITION, _VELOCITY, _DENSITY), rows ascending by id. */
+  /* Copies a field (PBF_FIELD_POSITION, _VELOCITY, _DENSITY), rows ascending by id. Only of a
+   * solver that accepted a sleep_speed: PBF_BACKEND_FIELD_REST, here and in `write`. */
   pbf_status (*read)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows, void *out);
 
-  /* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY. */
+  /* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY, which wakes all. */
   pbf_status (*write)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows,
                       const void *in);
 

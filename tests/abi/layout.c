@@ -29,7 +29,7 @@ AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
 
-SIZE(pbf_params, 432);
+SIZE(pbf_params, 448);
 AT(pbf_params, struct_size, 0);
 AT(pbf_params, kernel, 4);
 AT(pbf_params, smoothing_radius, 8);
@@ -59,6 +59,8 @@ AT(pbf_params, wall_amplitude, 280);
 AT(pbf_params, wall_frequency, 328);
 AT(pbf_params, wall_phase, 376);
 AT(pbf_params, search_cell_width, 424);
+AT(pbf_params, sleep_speed, 432);
+AT(pbf_params, sleep_time, 440);
 
 SIZE(pbf_collider, 184);
 AT(pbf_collider, struct_size, 0);
@@ -89,7 +91,7 @@ AT(pbf_view, generation, 48);
 AT(pbf_view, data, 56);
 AT(pbf_view, ids, 64);
 
-SIZE(pbf_stats, 160);
+SIZE(pbf_stats, 168);
 AT(pbf_stats, struct_size, 0);
 AT(pbf_stats, count, 4);
 AT(pbf_stats, iterations, 8);
@@ -104,6 +106,8 @@ AT(pbf_stats, speed_max, 128);
 AT(pbf_stats, density_error_mean, 136);
 AT(pbf_stats, density_error_max, 144);
 AT(pbf_stats, density_mean, 152);
+AT(pbf_stats, asleep, 160);
+AT(pbf_stats, reserved, 164);
 
 SIZE(pbf_stage_time, 48);
 AT(pbf_stage_time, name, 0);

@@ -41,6 +41,9 @@ static const real_case params_reals[] = {
     {"viscosity is -1", P(viscosity), -1},
     {"search_cell_width is 0.09; it must be at least smoothing_radius", P(search_cell_width), 0.09},
     {"search_cell_width is -1", P(search_cell_width), -1},
+    {"sleep_speed is -1", P(sleep_speed), -1},
+    {"sleep_time is -1", P(sleep_time), -1},
+    {"sleep_time is 0; with a sleep_speed (0.1) it must be above 0", P(sleep_speed), 0.1},
     {"domain_max[0] is 0; it must be above domain_min[0] (0)", P(domain_max[0]), 0},
     {"domain_max[1] is -1", P(domain_max[1]), -1},
     {"domain_max[2] is 1; it must be above domain_min[2] (2)", P(domain_min[2]), 2},
@@ -83,6 +86,8 @@ static const struct {
     {"wall_frequency", P(wall_frequency), 6},
     {"wall_phase", P(wall_phase), 6},
     {"search_cell_width", P(search_cell_width), 1},
+    {"sleep_speed", P(sleep_speed), 1},
+    {"sleep_time", P(sleep_time), 1},
 };
 
 static void put_real(void *object, size_t offset, double value) {

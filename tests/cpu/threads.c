@@ -101,10 +101,53 @@ static void the_order_inside_is_forgotten(void **state) {
   pbf_destroy(other);
 }
 
+/* Waves in a pool that come to rest: some sleep, some wake. */
+static uint64_t hash_of_sleepers(const char *backend, uint32_t threads) {
+  enum { SIDE = 14, COUNT = SIDE * SIDE * SIDE };
+  static double x[COUNT][3], v[COUNT][3];
+  pbf_desc desc = cpu_desc(backend, 3, PBF_FLOAT32, COUNT, threads);
+  pbf_params params = test_params();
+  params.sleep_speed = 0.3;
+  params.sleep_time = 0.05;
+  params.viscosity = 0.02;
+  params.vorticity = 0.01;
+  params.wall_amplitude[PBF_WALL_X_MAX] = 0.05;
+  params.wall_frequency[PBF_WALL_X_MAX] = 9;
+  params.domain_max[0] = params.domain_max[2] = 0.05 * SIDE + 0.1;
+  pbf_solver *solver = test_create(&desc, &params);
+  for (uint32_t i = 0; i < COUNT; ++i) {
+    const uint32_t place[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+    for (int k = 0; k < 3; ++k) x[i][k] = 0.025 + 0.05 * place[k];
+    v[i][0] = place[0] < 3 ? 1.5 : 0;
+  }
+  cpu_add(solver, PBF_FLOAT32, 3, COUNT, &x[0][0], &v[0][0]);
+  pbf_stats stats = {.struct_size = sizeof stats};
+  uint64_t hash = 0;
+  uint32_t most = 0, least = COUNT;
+  for (int round = 0; round < 8; ++round) {
+    assert_ok(pbf_step(solver, 12));
+    assert_ok(pbf_get_stats(solver, &stats));
+    most = stats.asleep > most ? stats.asleep : most;
+    least = most > 0 && stats.asleep < least ? stats.asleep : least;
+    hash = 31 * (hash + stats.asleep) + test_hash(solver);
+  }
+  assert_true(most > COUNT / 4 && most < COUNT && least < most);
+  pbf_destroy(solver);
+  return hash;
+}
+
+static void sleepers_with_any_number_of_threads(void **state) {
+  (void)state;
+  uint64_t hash = hash_of_sleepers("serial", 1);
+  for (uint32_t threads = 1; threads <= 5; threads += 2)
+    assert_true(hash == hash_of_sleepers("openmp", threads));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(any_number_of_threads),
       cmocka_unit_test(the_order_inside_is_forgotten),
+      cmocka_unit_test(sleepers_with_any_number_of_threads),
   };
   return TEST_RUN(tests);
 }

@@ -12,7 +12,8 @@ static uint64_t bytes_of(int features);
 #include "entered.h"
 
 static uint64_t bytes_of(int features) {
-  return features & CHEBYSHEV ? padded(COUNT) * sizeof(pbf_real) : 0;
+  uint64_t reals = (features & CHEBYSHEV ? 1 : 0) + (features & SLEEP ? 4 : 0);
+  return reals * padded(COUNT) * sizeof(pbf_real);
 }
 
 static const watched *watched_at(unsigned k) {
@@ -25,7 +26,10 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(velocity, NOTHING, "velocity"),
       WATCH_STAGE(curl, VORTICITY, "curl"),
       WATCH_STAGE(confine, VORTICITY, "confine"),
-      WATCH_STAGE(viscosity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(smooth_velocity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(settle, SLEEP, "sleep"),
+      WATCH(viscosity, VISCOSITY | SLEEP),
+      WATCH(pbf_unrest, SLEEP),
       WATCH(lanes_poly6, POLY6),
       WATCH(lanes_scorr, SCORR),
       WATCH(pbf_add_curl, VORTICITY),

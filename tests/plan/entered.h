@@ -24,9 +24,10 @@ enum {
   COLLIDERS = 1 << 4,
   WALL_DENSITY = 1 << 5,
   CHEBYSHEV = 1 << 6,
-  FEATURES = 7,
-  STATS = 1 << 7,
-  TIMING = 1 << 8
+  SLEEP = 1 << 7,
+  FEATURES = 8,
+  STATS = 1 << 8,
+  TIMING = 1 << 9
 };
 
 /* A function that runs for a feature only, or that is a stage of the plan. */
@@ -87,6 +88,8 @@ static pbf_params params_with(int features) {
   p.vorticity = features & VORTICITY ? 0.1 : 0;
   p.viscosity = features & VISCOSITY ? 0.1 : 0;
   p.wall_density = features & WALL_DENSITY ? 1 : 0;
+  p.sleep_speed = features & SLEEP ? 1e-6 : 0; /* so slow that nobody ever sleeps */
+  p.sleep_time = 0.5;
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 1;
   return p;
 }
@@ -206,6 +209,28 @@ static void only_what_is_asked_for_runs(void **state) {
   check_steps((1 << FEATURES) - 1);
 }
 
+/* When all sleep, a step enters no stage; what wakes them, and it does again. */
+static void sleepers_cost_nothing(void **state) {
+  (void)state;
+  const watched *w;
+  fluid f = fluid_with(NOTHING);
+  pbf_params params = params_with(SLEEP | VORTICITY | VISCOSITY | CHEBYSHEV);
+  params.sleep_speed = 10; /* so fast that all sleep at once */
+  params.sleep_time = 1e-3;
+  assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);
+  advance(&f, 2);
+  memset(entered, 0, sizeof entered);
+  advance(&f, STEPS);
+  for (unsigned k = 0; (w = watched_at(k))->name; ++k)
+    if (w->stage && entered[k]) fail_msg("%s: entered %u times", w->name, (unsigned)entered[k]);
+  params.gravity[0] = 1;
+  assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);
+  advance(&f, 1);
+  for (unsigned k = 0; (w = watched_at(k))->name; ++k)
+    if (w->stage && !entered[k]) fail_msg("%s: not entered", w->name);
+  drop(&f);
+}
+
 /* Statistics run when they are asked for, times are taken while they are on. */
 static void requests(void **state) {
   (void)state;
@@ -255,6 +280,7 @@ static void only_what_is_asked_for_is_held(void **state) {
 static int test_the_plan(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(only_what_is_asked_for_runs),
+      cmocka_unit_test(sleepers_cost_nothing),
       cmocka_unit_test(requests),
       cmocka_unit_test(only_what_is_asked_for_is_held),
   };

@@ -10,7 +10,9 @@ static uint64_t bytes_of(int features);
 
 static uint64_t bytes_of(int features) {
   return (features & CHEBYSHEV ? COUNT * sizeof(pbf_real) : 0) +
-         (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0);
+         (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0) +
+         (features & SLEEP ? 2 * COUNT * sizeof(pbf_real) : 0) +
+         (features & SLEEP ? (uint64_t)fmax(COUNT, PBF_ALIGNMENT) : 0);
 }
 
 static const watched *watched_at(unsigned k) {
@@ -23,6 +25,8 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(compute_curl, VORTICITY, "curl"),
       WATCH_STAGE(confine_vorticity, VORTICITY, "confine"),
       WATCH_STAGE(apply_viscosity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(settle, SLEEP, "sleep"),
+      WATCH(pbf_unrest, SLEEP),
       WATCH(pbf_pair_poly6, POLY6),
       WATCH(pbf_pair_scorr, SCORR),
       WATCH(pbf_add_curl, VORTICITY),

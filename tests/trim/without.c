@@ -42,6 +42,9 @@ static void each_feature_is_refused(void **state) {
   params = minimal();
   params.solver = PBF_SOLVER_CHEBYSHEV;
   check_refusal(s, &params, "built without PBF_SOLVER_CHEBYSHEV");
+  params = minimal();
+  params.sleep_speed = params.sleep_time = 0.1;
+  check_refusal(s, &params, "built without sleep");
   pbf_destroy(s);
 }
 

@@ -12,7 +12,7 @@ from .shared import energy_gain
 from .time_step import GAIN
 
 
-def _different(a, b):
+def different(a, b):
     """Numbers in which two frames differ."""
     if a.positions.shape != b.positions.shape:
         return max(a.positions.size, b.positions.size)
@@ -21,13 +21,13 @@ def _different(a, b):
 
 def save_and_load(files):
     whole, resumed = last(files.trial("whole")), last(files.trial("resumed"))
-    return [exactly("calls failed", failed_calls(files)), exactly("numbers that differ", _different(whole, resumed)),
+    return [exactly("calls failed", failed_calls(files)), exactly("numbers that differ", different(whole, resumed)),
             exactly("steps apart", abs(whole.step - resumed.step))]
 
 
 def thread_counts(files):
     ends = [last(dump) for _, dump in files.trials("threads-")]
-    return [exactly("numbers that differ", max(_different(ends[0], end) for end in ends[1:]))]
+    return [exactly("numbers that differ", max(different(ends[0], end) for end in ends[1:]))]
 
 
 def permuted(files):

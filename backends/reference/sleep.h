@@ -1,0 +1,102 @@
+/* Who falls asleep and who wakes: physics/sleep.h. */
+#ifndef PBF_REFERENCE_SLEEP_H
+#define PBF_REFERENCE_SLEEP_H
+
+#include "reference/solver.h"
+
+static inline pbf_obstacles obstacles_at(const solver *s, double time) {
+  pbf_obstacles o;
+  o.walls = pbf_walls_at(&s->params, time);
+  o.count = PBF_BUILT & PBF_FEATURE_COLLIDERS ? (int)s->collider_count : 0;
+  for (int k = 0; k < o.count; ++k)
+    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+  return o;
+}
+
+static inline int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->unrest; }
+
+static inline int asleep(const solver *s, uint32_t i) {
+  return sleeps(s) && pbf_is_asleep(s->unrest[i]);
+}
+
+static inline int just_woke(const solver *s, uint32_t i) {
+  return sleeps(s) && pbf_just_woke(&s->sleep, s->unrest[i]);
+}
+
+static inline uint32_t sleepers(const solver *s) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < s->count; ++i) count += (uint32_t)asleep(s, i);
+  return count;
+}
+
+/* v_i and `viscosity` times what eq. 17 adds to it. */
+static inline pbf_vec smoothed_velocity(const solver *s, pbf_real viscosity, uint32_t i) {
+  const pbf_constants *c = &s->constants;
+  pbf_vec sum = {{0}};
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, s->moved, c->h2, &n))
+    sum = pbf_add_scaled(sum, pbf_pair_density(s->schedule.features, c, n.r2),
+                         pbf_sub(s->v[n.j], s->v[i]));
+  return pbf_add_scaled(s->v[i], viscosity, sum);
+}
+
+static inline void stir_around(solver *s, uint32_t i) {
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) s->stirred[n.j] = 1;
+}
+
+/* At the end of a step. */
+static inline void settle(solver *s) {
+  memset(s->stirred, 0, s->count);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    pbf_vec around = smoothed_velocity(s, 1, i);
+    s->unrest[i] = pbf_unrest(&s->sleep, s->unrest[i], around);
+    if (pbf_stirs(&s->sleep, s->unrest[i], around)) stir_around(s, i);
+  }
+  for (uint32_t i = 0; i < s->count; ++i) {
+    s->unrest[i] = pbf_settle(&s->sleep, s->unrest[i], s->stirred[i]);
+    if (asleep(s, i)) memset(&s->v[i], 0, sizeof s->v[i]);
+  }
+}
+
+/* Wakes who is near what moves, or has been moved, as it stands at a time. */
+static inline void wake_near(solver *s, pbf_movers movers, double time) {
+  if (!sleeps(s) || !pbf_any_moves(movers)) return;
+  pbf_obstacles obstacles = obstacles_at(s, time);
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (asleep(s, i) && pbf_moves_near(movers, &obstacles, s->constants.h, s->x[i]))
+      s->unrest[i] = pbf_woken(&s->sleep);
+}
+
+/* ---- Between steps ------------------------------------------------------------------------- */
+
+/* Particles first … count - 1 are new. */
+static inline void greet(solver *s, uint32_t first) {
+  for (uint32_t i = first; i < s->count && sleeps(s); ++i) {
+    s->unrest[i] = pbf_newcomer(&s->sleep);
+    s->held[i] = 0;
+  }
+}
+
+static inline void wake_all(solver *s) {
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (asleep(s, i)) s->unrest[i] = pbf_woken(&s->sleep);
+}
+
+/* The unrest and the lambda of each. */
+static inline void read_rest(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  for (uint32_t k = 0; k < rows->count && sleeps(s); ++k) {
+    out[2 * k] = s->unrest[rows->first + k];
+    out[2 * k + 1] = s->held[rows->first + k];
+  }
+}
+
+static inline void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
+  for (uint32_t k = 0; k < rows->count && sleeps(s); ++k) {
+    s->unrest[rows->first + k] = in[2 * k];
+    s->held[rows->first + k] = s->lambda[rows->first + k] = in[2 * k + 1];
+  }
+}
+
+#endif

@@ -1,0 +1,324 @@
+/* Fluid that comes to rest sleeps, and wakes on touch. Skipped where a backend lets nothing sleep.
+ */
+#include "support.h"
+
+enum { SIDE = 6, HIGH = 4 };
+
+static pbf_params sleepy(void) {
+  pbf_params params = test_params();
+  params.sleep_speed = 0.08;
+  params.sleep_time = 0.2;
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = 0.3;
+  params.domain_max[1] = 1;
+  return params;
+}
+
+static uint32_t particles_in(uint32_t dimension) {
+  return dimension == 3 ? SIDE * SIDE * HIGH : SIDE * HIGH;
+}
+
+static pbf_solver *solver_with(uint32_t dimension, uint32_t precision, const pbf_params *params) {
+  pbf_desc desc = test_desc(dimension, precision, particles_in(dimension) + 8);
+  pbf_solver *s = NULL;
+  desc.threads = 2;
+  if (test_is_stub()) skip();
+  pbf_status status = pbf_create(&desc, params, &s);
+  if (status == PBF_ERROR_UNSUPPORTED && params->sleep_speed > 0) {
+    assert_non_null(strstr(pbf_last_error(), "sleep"));
+    skip();
+  }
+  assert_ok(status);
+  return s;
+}
+
+/* A pool as high as it is at rest, in a box that it fills from wall to wall. */
+static void fill(pbf_solver *s, uint32_t dimension, uint32_t precision) {
+  uint32_t count = particles_in(dimension);
+  void *x = calloc((size_t)count * dimension, precision);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t column = i / HIGH, place[3] = {column % SIDE, i % HIGH, column / SIDE};
+    for (uint32_t k = 0; k < dimension; ++k)
+      test_put(x, (uint64_t)i * dimension + k, precision, 0.025 + 0.05 * place[k]);
+  }
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  free(x);
+}
+
+static pbf_solver *pool(uint32_t dimension, uint32_t precision) {
+  pbf_params params = sleepy();
+  pbf_solver *s = solver_with(dimension, precision, &params);
+  fill(s, dimension, precision);
+  return s;
+}
+
+static pbf_stats stats_of(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  return stats;
+}
+
+static uint32_t asleep_in(pbf_solver *s) { return stats_of(s).asleep; }
+
+/* Steps until all sleep; how many that took. */
+static uint32_t until_asleep(pbf_solver *s, uint32_t count) {
+  enum { PATIENCE = 1500 };
+  uint32_t steps = 0;
+  while (asleep_in(s) < count) {
+    assert_ok(pbf_step(s, 30));
+    if ((steps += 30) >= PATIENCE)
+      fail_msg("%u of %u asleep after %u steps", asleep_in(s), count, steps);
+  }
+  return steps;
+}
+
+static void check_rest(uint32_t dimension, uint32_t precision) {
+  uint32_t count = particles_in(dimension);
+  pbf_solver *s = pool(dimension, precision);
+  assert_int_equal(asleep_in(s), 0);
+  uint32_t steps = until_asleep(s, count);
+  assert_true(steps >= 24); /* sleep_time */
+  pbf_stats before = stats_of(s);
+  pbf_info then = {.struct_size = sizeof then}, now = {.struct_size = sizeof now};
+  assert_ok(pbf_get_info(s, &then));
+  assert_true(before.speed_max == 0);
+  assert_ok(pbf_step(s, 100000));
+  assert_ok(pbf_get_info(s, &now));
+  pbf_stats after = stats_of(s);
+  assert_memory_equal(&before, &after, sizeof before);
+  assert_int_equal(now.step, then.step + 100000);
+  assert_true(now.time > then.time + 800);
+  pbf_destroy(s);
+}
+
+static void fluid_at_rest_sleeps(void **state) {
+  (void)state;
+  test_for_each_kind(check_rest);
+}
+
+static void without_a_speed_nothing_sleeps(void **state) {
+  (void)state;
+  pbf_params params = sleepy();
+  params.sleep_speed = 0;
+  pbf_solver *s = solver_with(3, PBF_FLOAT32, &params);
+  fill(s, 3, PBF_FLOAT32);
+  assert_ok(pbf_step(s, 600));
+  assert_int_equal(asleep_in(s), 0);
+  assert_true(stats_of(s).speed_max > 0);
+  pbf_destroy(s);
+}
+
+static void changed_parameters_wake(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3);
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, count);
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(s, &params));
+  assert_ok(pbf_set_params(s, &params));
+  assert_int_equal(asleep_in(s), count); /* they are what they were */
+  params.gravity[0] = 3;
+  assert_ok(pbf_set_params(s, &params));
+  assert_int_equal(asleep_in(s), 0);
+  double x = stats_of(s).center_of_mass[0];
+  assert_ok(pbf_step(s, 30));
+  assert_true(stats_of(s).center_of_mass[0] > x + 1e-3);
+  params.sleep_speed = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 1));
+  assert_int_equal(asleep_in(s), 0);
+  pbf_destroy(s);
+}
+
+/* Waking is no push: what a sleeper's place lacks does not become speed. */
+static void waking_is_no_push(void **state) {
+  (void)state;
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, particles_in(3));
+  pbf_params params = sleepy();
+  params.gravity[0] = 1e-6;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 1));
+  assert_true(stats_of(s).speed_max < 1e-6);
+  assert_ok(pbf_step(s, 1));
+  assert_true(stats_of(s).speed_max < 0.3);
+  pbf_destroy(s);
+}
+
+/* Something falls in: as it comes near, and not before, those around it wake, and then more. */
+static void an_impact_wakes(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3), id, woken = 0;
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, count);
+  float drop[3] = {0.15f, 0.8f, 0.15f};
+  assert_ok(pbf_add_particles(s, 1, drop, NULL, &id));
+  assert_int_equal(asleep_in(s), count);
+  for (int step = 0; step < 60; ++step) {
+    assert_ok(pbf_step(s, 1));
+    assert_ok(pbf_get_positions(s, id, 1, drop));
+    uint32_t awake = count - asleep_in(s);
+    if (drop[1] > 0.4) assert_int_equal(awake, 0);
+    woken = awake > woken ? awake : woken;
+  }
+  assert_true(drop[1] < 0.3f);
+  assert_true(woken > 8);
+  until_asleep(s, count + 1);
+  pbf_destroy(s);
+}
+
+static void removing_and_setting_wake(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3);
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, count);
+  assert_ok(pbf_remove_particles(s, 1, (const uint32_t[]){17}));
+  assert_int_equal(asleep_in(s), 0);
+  until_asleep(s, count - 1);
+  float x[3], v[3] = {0, 0, 0};
+  assert_ok(pbf_get_positions(s, 3, 1, x));
+  assert_ok(pbf_set_positions(s, 3, 1, x));
+  assert_int_equal(asleep_in(s), 0);
+  until_asleep(s, count - 1);
+  assert_ok(pbf_set_velocities(s, 3, 1, v));
+  assert_int_equal(asleep_in(s), 0);
+  pbf_destroy(s);
+}
+
+/* A ball sinks from the ceiling: nobody wakes before it is within h, and then they do. */
+static void a_moving_collider_wakes(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3), asleep = count;
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, count);
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 0.05;
+  ball.position[0] = ball.position[2] = 0.15;
+  ball.position[1] = 0.8;
+  ball.velocity[1] = -0.5;
+  double surface = stats_of(s).position_max[1];
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_int_equal(asleep_in(s), count);
+  while (asleep == count && ball.position[1] > 0) {
+    assert_ok(pbf_step(s, 1));
+    asleep = asleep_in(s);
+    assert_ok(pbf_get_collider(s, 0, &ball));
+  }
+  assert_true(asleep < count);
+  assert_true(ball.position[1] < surface + 0.05 + 0.1 + 0.01); /* radius, h, and two steps */
+  assert_true(ball.position[1] > surface + 0.05);
+  pbf_destroy(s);
+}
+
+static void a_moving_wall_wakes(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3);
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, count);
+  const double speed = 0.1;
+  pbf_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_get_info(s, &info));
+  pbf_params params = sleepy();
+  params.wall_velocity[PBF_WALL_Y_MAX] = -speed;
+  params.domain_max[1] += speed * info.time;
+  assert_ok(pbf_set_params(s, &params));
+  until_asleep(s, count);
+  for (uint32_t asleep = count; asleep == count; asleep = asleep_in(s)) assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_info(s, &info));
+  double wall = params.domain_max[1] - speed * info.time, surface = stats_of(s).position_max[1];
+  assert_true(wall > surface + 0.05 && wall < surface + 0.11);
+  pbf_destroy(s);
+}
+
+/* A collider that is set anew wakes those around where it was and where it is. */
+static void a_changed_collider_wakes(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3);
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 0.02;
+  assert_ok(pbf_set_colliders(s, 1, &ball)); /* in a corner */
+  until_asleep(s, count);
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_int_equal(asleep_in(s), count);
+  ball.position[0] = ball.position[1] = ball.position[2] = 0.9;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  uint32_t asleep = asleep_in(s);
+  assert_true(asleep < count && asleep > count / 2);
+  until_asleep(s, count);
+  ball.position[0] = ball.position[1] = ball.position[2] = 0.1;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_true(asleep_in(s) < count);
+  until_asleep(s, count);
+  assert_ok(pbf_set_colliders(s, 0, NULL));
+  assert_true(asleep_in(s) < count);
+  pbf_destroy(s);
+}
+
+/* Saved while some sleep, and while all do: the same bits. */
+static void check_saved(uint32_t dimension, uint32_t precision) {
+  pbf_params awake = sleepy();
+  awake.sleep_speed = 0;
+  pbf_solver *a = pool(dimension, precision), *b = solver_with(dimension, precision, &awake);
+  for (uint32_t asleep = 0; asleep == 0; asleep = asleep_in(a)) assert_ok(pbf_step(a, 5));
+  for (int round = 0; round < 2; ++round) {
+    uint64_t size;
+    void *state = test_save(a, &size);
+    assert_ok(pbf_load(b, state, size));
+    assert_int_equal(asleep_in(a), asleep_in(b));
+    for (int i = 0; i < 4; ++i) {
+      assert_ok(pbf_step(a, 10));
+      assert_ok(pbf_step(b, 10));
+      assert_int_equal(test_hash(a), test_hash(b));
+      assert_int_equal(asleep_in(a), asleep_in(b));
+    }
+    free(state);
+    until_asleep(a, particles_in(dimension));
+  }
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void sleep_is_saved(void **state) {
+  (void)state;
+  test_for_each_kind(check_saved);
+}
+
+/* A state that says who sleeps and whose parameters say that nobody does. */
+static void a_forged_state(void **state) {
+  (void)state;
+  enum { AT_HAS_REST = 44 };
+  const uint32_t none = 0, two = 2;
+  uint64_t size;
+  pbf_solver *s = pool(3, PBF_FLOAT32);
+  until_asleep(s, particles_in(3));
+  char *saved = test_save(s, &size);
+  memcpy(saved + AT_HAS_REST, &two, sizeof two);
+  test_seal(saved, size);
+  assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "sizes");
+  memcpy(saved + AT_HAS_REST, &none, sizeof none);
+  test_seal(saved, size);
+  assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "sizes");
+  const float nan = NAN;
+  const uint32_t one = 1;
+  memcpy(saved + AT_HAS_REST, &one, sizeof one);
+  memcpy(saved + size - 8 - sizeof nan, &nan, sizeof nan);
+  test_seal(saved, size);
+  assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "must be finite");
+  assert_int_equal(asleep_in(s), particles_in(3));
+  free(saved);
+  pbf_destroy(s);
+}
+
+int main(void) {
+  const struct CMUnitTest sleep[] = {
+      cmocka_unit_test(fluid_at_rest_sleeps),     cmocka_unit_test(without_a_speed_nothing_sleeps),
+      cmocka_unit_test(changed_parameters_wake),  cmocka_unit_test(waking_is_no_push),
+      cmocka_unit_test(an_impact_wakes),          cmocka_unit_test(removing_and_setting_wake),
+      cmocka_unit_test(a_moving_collider_wakes),  cmocka_unit_test(a_moving_wall_wakes),
+      cmocka_unit_test(a_changed_collider_wakes), cmocka_unit_test(sleep_is_saved),
+      cmocka_unit_test(a_forged_state),
+  };
+  return TEST_RUN(sleep);
+}
