@@ -35,6 +35,7 @@ class Params(c.Structure):
         ("wall_amplitude", c.c_double * 6), ("wall_frequency", c.c_double * 6),
         ("wall_phase", c.c_double * 6), ("search_cell_width", c.c_double),
         ("sleep_speed", c.c_double), ("sleep_time", c.c_double),
+        ("tolerance", c.c_double),
     ]
 
 

@@ -46,6 +46,7 @@ static const pbf_real_rule reals[] = {
     REAL(search_cell_width, 1, PBF_AT_LEAST_ZERO),
     REAL(sleep_speed, 1, PBF_AT_LEAST_ZERO),
     REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
+    REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
 };
 
 /* Only what artificial pressure needs, once it is there. */

@@ -15,7 +15,8 @@ static inline int pbf_features_wanted(const pbf_params *params, uint32_t collide
          (colliders > 0 ? PBF_FEATURE_COLLIDERS : 0) |
          (params->wall_density > 0 ? PBF_FEATURE_WALL_DENSITY : 0) |
          (params->solver == PBF_SOLVER_CHEBYSHEV ? PBF_FEATURE_CHEBYSHEV : 0) |
-         (params->sleep_speed > 0 ? PBF_FEATURE_SLEEP : 0);
+         (params->sleep_speed > 0 ? PBF_FEATURE_SLEEP : 0) |
+         (params->tolerance > 0 ? PBF_FEATURE_TOLERANCE : 0);
 }
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */
@@ -33,6 +34,7 @@ static inline const char *pbf_without(int wanted) {
       {PBF_FEATURE_CHEBYSHEV,
        "built without PBF_SOLVER_CHEBYSHEV; params.solver must be "
        "PBF_SOLVER_JACOBI"},
+      {PBF_FEATURE_TOLERANCE, "built without the solve's early end; params.tolerance must be 0"},
       {PBF_FEATURE_SLEEP, "built without sleep; params.sleep_speed must be 0"},
       {PBF_FEATURE_STATS, "built without statistics and densities"},
   };

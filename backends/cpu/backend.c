@@ -130,6 +130,16 @@ static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name)
   return 1;
 }
 
+static int keep_excess(solver *s, int wanted) {
+  if (wanted && !s->excess)
+    s->excess = pbf_memory_take(&s->memory, "density error of a piece",
+                                (uint64_t)PAIR_PIECES * s->threads, sizeof *s->excess);
+  if (wanted) return s->excess != NULL;
+  pbf_memory_free(&s->memory, s->excess);
+  s->excess = NULL;
+  return 1;
+}
+
 static int keep_rest(solver *s, const pbf_schedule *has) {
   int wanted = has->runs[PBF_STAGE_SLEEP] != 0;
   rest *now = &s->buffers.rest, *spare = &s->buffers.spare_rest;
@@ -141,7 +151,8 @@ static int keep_rest(solver *s, const pbf_schedule *has) {
 
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
-         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has);
+         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
+         keep_excess(s, has->watched);
 }
 
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
@@ -326,7 +337,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   if (!survey(s)) return no_memory_for_neighbors(s);
   stats->count = s->count;
-  stats->iterations = s->params.iterations;
+  stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
   stats->asleep = s->asleep;
   sum_stats(s, stats);
   return PBF_OK;

@@ -57,6 +57,7 @@ typedef struct pair_pass {
   field x;                    /* sorted */
   const pbf_obstacles *walls; /* that lend density; null: none do */
   const pbf_real *slack;      /* null: none */
+  int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
 } pair_pass;
 
 /* Null: built without the feature. */

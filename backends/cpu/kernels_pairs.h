@@ -146,6 +146,21 @@ PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane
     lane_store(lambda, lane_load(lambdas));
 }
 
+/* The density error of a group's particles. */
+static __attribute__((noinline)) int64_t excess_of(const pair_pass *p, const lane *density,
+                                                   uint32_t g) {
+  _Alignas(64) pbf_real densities[WIDTH];
+  int64_t sum = 0;
+  lane_store(densities, *density);
+  for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
+    sum += pbf_excess(p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
+  return sum;
+}
+
+PBF_FN int64_t *asked_excess(const pair_pass *p) {
+  return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->excess : NULL;
+}
+
 typedef struct density_sums {
   lane density, slope2;
   lane_vec gradient;
@@ -198,6 +213,7 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
         sums.density = lane_load(densities);
       }
     }
+    if (asked_excess(p)) *p->excess += excess_of(p, &sums.density, g);
     lambda_group(&c, &sums.density, &sums.slope2, &gradients,
                  p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, before + g * WIDTH);
   }

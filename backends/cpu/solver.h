@@ -50,6 +50,8 @@ struct pbf_backend_solver {
   pbf_schedule schedule;
 
   uint32_t capacity, count;
+  uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
+  int over;            /* … and its solve has ended after them */
   buffers buffers;
   pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *before;   /* … the lambda an iteration earlier */
@@ -80,6 +82,7 @@ struct pbf_backend_solver {
   uint32_t *first_place; /* of the particles of each range, and the end */
   list_size *list_sizes;
   uint32_t *first_group; /* of each piece of a pass over pairs, and the end */
+  int64_t *excess;       /* density error of such a piece; with a tolerance only */
 
   /* Lists of neighbours lie in slabs of one size. */
   group *groups;

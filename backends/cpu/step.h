@@ -70,17 +70,21 @@ static void find_slack(worker *w) {
   stage_end(w, PBF_STAGE_SLACK);
 }
 
-static void lambda_piece(void *context, uint32_t piece) {
-  worker *w = context;
+static void find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, *now_at(w));
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->lambda(&pairs, s->lambda, s->before, g.first, g.last);
+    s->kernels->lambda(pairs, s->lambda, s->before, g.first, g.last);
   keep_lambda(w, piece_sorted(w, piece), s->lambda);
+}
+
+static void lambda_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  pair_pass pairs = pairs_at(w, *now_at(w));
+  find_lambda(w, &pairs, piece);
 }
 
 static void move_piece(void *context, uint32_t piece) {
@@ -95,11 +99,58 @@ static void move_piece(void *context, uint32_t piece) {
   keep_places(w, piece_sorted(w, piece), &w->b.spare[2], &w->b.spare[0]);
 }
 
+/* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
+ * so none may know this between them: all go through the loops of all iterations, and find nothing
+ * to do in those. */
+static int is_over(const worker *w) {
+  return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
+}
+
+static void watched_lambda_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  if (is_over(w)) return;
+  pair_pass pairs = pairs_at(w, *now_at(w));
+  int64_t excess = 0;
+  pairs.excess = &excess;
+  find_lambda(w, &pairs, piece);
+  w->s->excess[piece] = excess;
+}
+
+/* Once lambda is known, and with it the density error that the iteration has found. */
+static void end_when_small(void *context) {
+  worker *w = context;
+  solver *s = w->s;
+  int64_t sum = 0;
+  if (is_over(w)) return;
+  for (uint32_t piece = 0; piece < pair_pieces(w); ++piece) sum += s->excess[piece];
+  s->iterations = w->iteration + 1;
+  s->over = sum <= pbf_excess_limit(&s->params, s->count);
+}
+
+static void watched_move_piece(void *context, uint32_t piece) {
+  if (!is_over(context)) move_piece(context, piece);
+}
+
+/* Where the solve has ended with an odd number of iterations to go, x* is in the other buffer. */
+static void fetch_moved(const worker *w, range particles) {
+  const solver *s = w->s;
+  if ((s->params.iterations - s->iterations) % 2 == 0) return;
+  for (int k = 0; k < PBF_DIM; ++k)
+    memcpy(w->b.spare[1].c[k] + particles.first, w->b.spare[0].c[k] + particles.first,
+           (particles.last - particles.first) * sizeof(pbf_real));
+}
+
+static int is_watched(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched;
+}
+
 static void iterate(worker *w) {
+  int watched = is_watched(w->s);
   pbf_set_iteration(&w->constants, &w->s->params, w->iteration);
-  team_for(w->me, pair_pieces(w), lambda_piece, NULL, w);
+  team_for(w->me, pair_pieces(w), watched ? watched_lambda_piece : lambda_piece,
+           watched ? end_when_small : NULL, w);
   stage_end(w, PBF_STAGE_LAMBDA);
-  team_for(w->me, pair_pieces(w), move_piece, NULL, w);
+  team_for(w->me, pair_pieces(w), watched ? watched_move_piece : move_piece, NULL, w);
   swap_fields(&w->b.spare[0], &w->b.spare[1]);
   stage_end(w, PBF_STAGE_MOVE);
 }
@@ -108,6 +159,7 @@ static void velocity_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range all = piece_sorted(w, piece);
+  if (is_watched(s)) fetch_moved(w, all);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     s->kernels->velocity(&w->obstacles, s->schedule.collide_after_solve, w->forces.inv_time_step,

@@ -68,6 +68,9 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
     return status;
+  if (pbf_status status =
+          take_if(s, has.watched, "watch over the solve", sizeof *s->watch, &s->watch))
+    return status;
   return take_if(s, has.colliders > 0, "colliders",
                  STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
 }

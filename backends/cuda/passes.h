@@ -22,7 +22,8 @@ struct iteration_place {
 struct move_end {
   iteration_place place;
   pbf_real inv_time_step;
-  int collide;         /* with the obstacles */
+  int collide;         /* with the obstacles, */
+  int collide_last;    /* and in the last iteration */
   pbf_vec *velocities; /* predicted positions from the first move on, velocities from the last */
 };
 
@@ -31,6 +32,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
+  const bool watched = EXTRAS && PBF_TOLERANCE && extras.watch.watch;
+  if (watched && is_over(extras.watch)) return;
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
   pbf_vec x = position_of(load(points, own));
@@ -44,6 +47,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   pbf_real slack = EXTRAS && PBF_CHEBYSHEV && extras.slack ? extras.slack[i] : 0;
   pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
+  if (watched)
+    add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
+               pbf_excess(slack, sums.density));
   if (accelerated) {
     pbf_real total = points[i].lambda;
     pbf_accelerate(c, lambda, &total, &before);
@@ -61,6 +67,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   point own = load(points, min(i, n.particles.count - 1));
+  bool last = end.place.last;
+  if (EXTRAS && PBF_TOLERANCE && extras.watch.watch) {
+    if (is_over(extras.watch)) { /* x* changes its place, and nothing else */
+      if (i < n.particles.count) store(moved, i, own);
+      return;
+    }
+    last = ends(extras.watch, last, i);
+  }
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
@@ -69,14 +83,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   });
   if (i >= n.particles.count) return;
   pbf_vec predicted = x;
-  if (!end.place.first && (EXTRAS || end.place.last)) predicted = end.velocities[i];
+  if (!end.place.first && (EXTRAS || last)) predicted = end.velocities[i];
   bool accelerated = EXTRAS && extras.before;
   x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density, accelerated,
-                                    end.collide, own.lambda, predicted, x);
+                                    end.collide || (last && end.collide_last), own.lambda,
+                                    predicted, x);
   point to = point_at(x);
   if (accelerated) to.lambda = own.lambda;
   store(moved, i, to);
-  if (end.place.last)
+  if (last)
     end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
   else if (end.place.first)
     end.velocities[i] = predicted;

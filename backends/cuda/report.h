@@ -25,6 +25,10 @@ static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stat
 static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   stats->count = s->count;
   stats->iterations = s->params.iterations;
+  if (s->watch)
+    if (pbf_status status =
+            copy_out(s, &stats->iterations, &s->watch->done, sizeof stats->iterations))
+      return status;
   if (!s->count) return PBF_OK;
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;

@@ -51,6 +51,7 @@ struct solver {
 
   pbf_real *lambda_before; /* an iteration earlier: accelerated only */
   pbf_real *slack;         /* in very short steps only */
+  solve_watch *watch;      /* with a tolerance only */
   pbf_real *pressures;     /* once they have been looked at */
   pbf_real pressure_scale; /* of the last step */
   bool ordered;            /* the particles are in the order of their ids */

@@ -54,7 +54,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
 }
 
 static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated;
+  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
 }
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
@@ -95,19 +95,27 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
   });
 }
 
+static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
+  if (!s->schedule.watched) return PBF_OK;
+  *pass = {s->watch, (long long)pbf_excess_limit(&s->params, s->count), 0};
+  return pbf_cuda_check(cudaMemsetAsync(s->watch, 0, sizeof *s->watch, s->stream),
+                        "cudaMemsetAsync");
+}
+
 static inline pbf_status solve_density(solver *s, neighborhood *n,
                                        const step_obstacles &obstacles) {
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
-  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack};
+  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack, {}};
+  if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k + 1 == iterations};
     pbf_set_iteration(&n->constants, &s->params, k);
-    move_end end = {place, (pbf_real)(1 / s->params.time_step),
-                    has.collide_in_iteration || (place.last && has.collide_after_solve),
-                    s->velocities};
+    move_end end = {place, (pbf_real)(1 / s->params.time_step), has.collide_in_iteration,
+                    has.collide_after_solve, s->velocities};
+    extras.watch.iteration = k;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
           launch_lambda(s, *n, extras, place.first);
           return PBF_OK;

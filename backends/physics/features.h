@@ -22,9 +22,10 @@ enum {
   PBF_FEATURE_TIMING = 1 << 7, /* times of stages */
   PBF_FEATURE_STATS = 1 << 8,  /* statistics and densities */
   PBF_FEATURE_SLEEP = 1 << 9,
+  PBF_FEATURE_TOLERANCE = 1 << 10,
 
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
-  PBF_BUILT = ((1 << 10) - 1) & ~(PBF_WITHOUT)
+  PBF_BUILT = ((1 << 11) - 1) & ~(PBF_WITHOUT)
 };
 
 static inline int pbf_features_of(const pbf_params *params) {

@@ -68,6 +68,18 @@ PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
   return c->slack * pbf_real_max(density - 1, 0);
 }
 
+/* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers
+ * is the same in any order. Above 64, and what is no number, it counts as 64, and as nothing. */
+PBF_FN int32_t pbf_excess(pbf_real slack, pbf_real density) {
+  const pbf_real most = 64, unit = (pbf_real)(1 << 24);
+  return (int32_t)(pbf_real_min(pbf_real_max(density - 1 - slack, 0), most) * unit);
+}
+
+/* What the sum over all particles may be when the solve ends. */
+static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count) {
+  return (int64_t)fmin(params->tolerance * count * (1 << 24), 0x1p62);
+}
+
 /* One Chebyshev step: `lambda` is pbf_lambda's; *total is the lambda that acts, *before the one of
  * an iteration earlier (both 0 at the start of a step). */
 PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real lambda, pbf_real *total,

@@ -245,7 +245,7 @@ static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   stats->count = s->count;
-  stats->iterations = s->params.iterations;
+  stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
   stats->asleep = sleepers(s);
   if (!s->count) return PBF_OK;
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);

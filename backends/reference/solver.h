@@ -17,15 +17,16 @@ struct pbf_backend_solver {
   pbf_constants constants;
   pbf_schedule schedule;
   uint32_t capacity, count;
-  pbf_vec *x, *v;     /* state */
-  pbf_vec *predicted; /* where x* starts */
-  pbf_vec *moved;     /* x* */
-  pbf_vec *change;    /* position change of an iteration; the second velocity of viscosity */
-  pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *before;   /* … the lambda an iteration earlier */
-  pbf_real *slack;    /* in very short steps only */
-  pbf_curl *curl;     /* with vorticity only */
-  pbf_real *pressure; /* once it has been looked at */
+  uint32_t iterations; /* of the last step */
+  pbf_vec *x, *v;      /* state */
+  pbf_vec *predicted;  /* where x* starts */
+  pbf_vec *moved;      /* x* */
+  pbf_vec *change;     /* position change of an iteration; the second velocity of viscosity */
+  pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *before;    /* … the lambda an iteration earlier */
+  pbf_real *slack;     /* in very short steps only */
+  pbf_curl *curl;      /* with vorticity only */
+  pbf_real *pressure;  /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
   pbf_real *unrest;        /* where there is sleep, and then also … */
   pbf_real *held;          /* … lambda at the end of the last step, which sleepers keep */

@@ -53,8 +53,10 @@ static inline void compute_slack(solver *s, const pbf_obstacles *o) {
     s->slack[i] = pbf_slack(&s->constants, solver_density(s, o, i, &neighbors));
 }
 
-static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
+/* Returns the density error, where it is wanted, in pbf_excess's units. */
+static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
+  int64_t excess = 0;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real density = c->value_scale, slope2 = 0;
     pbf_vec gradient = {{0}};
@@ -71,12 +73,16 @@ static inline void compute_lambda(solver *s, const pbf_obstacles *o) {
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
     add_walls(s, o, s->moved[i], &density, &gradient);
-    pbf_real lambda = pbf_lambda(c, s->slack ? s->slack[i] : 0, density, slope2, gradient);
+    pbf_real slack = s->slack ? s->slack[i] : 0;
+    pbf_real lambda = pbf_lambda(c, slack, density, slope2, gradient);
+    if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
+      excess += pbf_excess(slack, density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       pbf_accelerate(c, lambda, &s->lambda[i], &s->before[i]);
     else
       s->lambda[i] = lambda;
   }
+  return excess;
 }
 
 static inline void move(solver *s, const pbf_obstacles *o) {
@@ -165,9 +171,11 @@ static inline void solver_step(solver *s, double time) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->before, 0, s->count * sizeof *s->before);
   }
-  for (uint32_t iteration = 0; iteration < s->params.iterations; ++iteration) {
-    pbf_set_iteration(&s->constants, &s->params, iteration);
-    compute_lambda(s, &obstacles);
+  int64_t limit = has->watched ? pbf_excess_limit(&s->params, s->count) : -1;
+  int over = 0;
+  for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {
+    pbf_set_iteration(&s->constants, &s->params, s->iterations);
+    over = compute_lambda(s, &obstacles) <= limit;
     move(s, &obstacles);
     if (has->collide_in_iteration) collide_all(s, &obstacles, 0, s->predicted);
   }

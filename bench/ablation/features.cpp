@@ -63,6 +63,10 @@ const Feature features[] = {
        v.scene.params.wall_density = own_or(w.params.wall_density, 1);
      }},
     {"chebyshev", [](Variant &v, const Scene &) { v.scene.params.solver = PBF_SOLVER_CHEBYSHEV; }},
+    {"tolerance",
+     [](Variant &v, const Scene &w) {
+       v.scene.params.tolerance = own_or(w.params.tolerance, 1e-9);
+     }},
     {"attraction",
      [](Variant &v, const Scene &w) {
        v.scene.params.attraction = own_or(w.params.attraction, 0.1);
@@ -91,6 +95,7 @@ Variant minimal(const Scene &scene) {
   Variant bare{"minimal", scene, {}};
   pbf_params &p = bare.scene.params;
   p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = p.sleep_speed = 0;
+  p.tolerance = 0;
   p.solver = PBF_SOLVER_JACOBI;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);

@@ -140,6 +140,7 @@ const std::vector<ParamField> &param_fields() {
       PBF_FIELD(search_cell_width, number),
       PBF_FIELD(sleep_speed, number),
       PBF_FIELD(sleep_time, number),
+      PBF_FIELD(tolerance, number),
   };
 #undef PBF_FIELD
   return fields;

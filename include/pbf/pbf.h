@@ -209,6 +209,11 @@ typedef struct pbf_params {
    * particles that are set or removed, wake all. */
   double sleep_speed; /* a length a time unit; 0: nothing sleeps; 0.1 sqrt(|g| spacing) will do */
   double sleep_time;  /* > 0 where anything sleeps; half a second will do */
+
+  double tolerance; /* >= 0: the density solve of a step ends with the iteration that finds a mean
+                       of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
+                       of at most this, and after `iterations` in any case; 0: always after these.
+                       Particles asleep count, and may pass for free of error. */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -366,7 +371,7 @@ PBF_API pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field,
 typedef struct pbf_stats {
   uint32_t struct_size;
   uint32_t count;
-  uint32_t iterations;    /* of the last step */
+  uint32_t iterations;    /* of the last step; params.iterations unless it ended before */
   uint32_t neighbors_max; /* within h, the particle itself not counted */
   double neighbors_mean;
   double center_of_mass[3];

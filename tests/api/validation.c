@@ -43,6 +43,7 @@ static const real_case params_reals[] = {
     {"search_cell_width is -1", P(search_cell_width), -1},
     {"sleep_speed is -1", P(sleep_speed), -1},
     {"sleep_time is -1", P(sleep_time), -1},
+    {"tolerance is -0.001; it must be", P(tolerance), -0.001},
     {"sleep_time is 0; with a sleep_speed (0.1) it must be above 0", P(sleep_speed), 0.1},
     {"domain_max[0] is 0; it must be above domain_min[0] (0)", P(domain_max[0]), 0},
     {"domain_max[1] is -1", P(domain_max[1]), -1},

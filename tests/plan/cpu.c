@@ -13,7 +13,8 @@ static uint64_t bytes_of(int features);
 
 static uint64_t bytes_of(int features) {
   uint64_t reals = (features & CHEBYSHEV ? 1 : 0) + (features & SLEEP ? 4 : 0);
-  return reals * padded(COUNT) * sizeof(pbf_real);
+  uint64_t sums = features & TOLERANCE ? PAIR_PIECES : 0;
+  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t);
 }
 
 static const watched *watched_at(unsigned k) {
@@ -42,6 +43,8 @@ static const watched *watched_at(unsigned k) {
       WATCH(clear_totals, CHEBYSHEV),
       WATCH(pbf_accelerate, CHEBYSHEV),
       WATCH(pbf_relax, CHEBYSHEV),
+      WATCH(pbf_excess, TOLERANCE),
+      WATCH(end_when_small, TOLERANCE),
       WATCH(density, STATS),
       WATCH(run_survey, STATS),
       WATCH(pbf_stats_add, STATS),

@@ -25,9 +25,10 @@ enum {
   WALL_DENSITY = 1 << 5,
   CHEBYSHEV = 1 << 6,
   SLEEP = 1 << 7,
-  FEATURES = 8,
-  STATS = 1 << 8,
-  TIMING = 1 << 9
+  TOLERANCE = 1 << 8,
+  FEATURES = 9,
+  STATS = 1 << 9,
+  TIMING = 1 << 10
 };
 
 /* A function that runs for a feature only, or that is a stage of the plan. */
@@ -90,6 +91,7 @@ static pbf_params params_with(int features) {
   p.wall_density = features & WALL_DENSITY ? 1 : 0;
   p.sleep_speed = features & SLEEP ? 1e-6 : 0; /* so slow that nobody ever sleeps */
   p.sleep_time = 0.5;
+  p.tolerance = features & TOLERANCE ? 1e-12 : 0;
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 1;
   return p;
 }
@@ -180,7 +182,9 @@ static void check_entered(int features, const pbf_plan *plan) {
       fail_msg("%s: entered %u times with features %x", w->name, (unsigned)entered[k], features);
     if (!w->stage) continue;
     uint64_t planned = (uint64_t)STEPS * planned_runs(plan, w->stage);
-    if (entered[k] != planned)
+    /* With a tolerance a plan says what a step runs at most: this block falls without an error. */
+    int is_most = (features & TOLERANCE) && entered[k] >= STEPS && entered[k] < planned;
+    if (entered[k] != planned && !is_most)
       fail_msg("%s: entered %u times in %d steps with features %x, and the plan says %u", w->name,
                (unsigned)entered[k], STEPS, features, (unsigned)planned);
   }

@@ -36,6 +36,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_wall, WALL_DENSITY),
       WATCH(pbf_accelerate, CHEBYSHEV),
       WATCH(pbf_relax, CHEBYSHEV),
+      WATCH(pbf_excess, TOLERANCE),
       WATCH(solver_density, STATS),
       WATCH(add_to_stats, STATS),
       {NULL, NULL, 0, NULL},

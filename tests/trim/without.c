@@ -45,6 +45,9 @@ static void each_feature_is_refused(void **state) {
   params = minimal();
   params.sleep_speed = params.sleep_time = 0.1;
   check_refusal(s, &params, "built without sleep");
+  params = minimal();
+  params.tolerance = 0.001;
+  check_refusal(s, &params, "built without the solve's early end");
   pbf_destroy(s);
 }
 
