@@ -105,6 +105,7 @@ class Drawing {
     floor();
     for (const ChartSeries &series : chart_.series) draw_rest(series);
     for (const ChartSeries &series : chart_.series) draw_front(series);
+    for (const ChartSeries &series : chart_.series) draw_names(series);
     return svg_ + "</svg>";
   }
 
@@ -126,7 +127,7 @@ class Drawing {
     for (const ChartSeries &series : chart.series) {
       for (const ChartPoint &point : series.points) {
         if (point.y > chart.least_y) least = std::min(least, point.y);
-        most = std::max(most, point.y);
+        if (point.on_front) most = std::max(most, point.y);
       }
     }
     if (most <= chart.least_y) least = most = 1e-2;
@@ -188,6 +189,17 @@ class Drawing {
       const double y = y_.place(point.y);
       line(x_.place(point.x_low), y, x_.place(point.x_high), y, "spread");
       draw_point(point, 4.5);
+    }
+    svg_ += "</g>";
+  }
+
+  void draw_names(const ChartSeries &series) {
+    svg_ += "<g class=\"" + series.css_class + " named\">";
+    for (const ChartPoint &point : series.points) {
+      if (point.name.empty()) continue;
+      const double x = x_.place(point.x), y = y_.place(point.y);
+      svg_ += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\"/>", x, y);
+      text(x + 9, y - 9, "name", point.name);
     }
     svg_ += "</g>";
   }

@@ -1,4 +1,5 @@
-/* Scatter plots with both axes logarithmic, as SVG whose colours are the page's. */
+/* Scatter plots with both axes logarithmic, as SVG whose colours are the page's. The fronts set the
+ * upper end: what is worse than all of them lies on the edge. */
 #ifndef PBF_BENCH_CHART_H
 #define PBF_BENCH_CHART_H
 
@@ -13,6 +14,7 @@ struct ChartPoint {
   double x_low, x_high;  // spread
   bool on_front;
   std::string tip;
+  std::string name = {};  // beside the point, which then has a ring
 };
 
 struct ChartSeries {

@@ -52,6 +52,13 @@ std::string spread_text(const Point &point) {
   return rounded(least_cost(point), 3) + " – " + rounded(most_cost(point), 3);
 }
 
+// The scene as anyone gets it who sets nothing.
+bool is_default(const Study &study, const Point &point) {
+  const pbf_params &params = point.scene.params;
+  return point.solver.precision == PBF_FLOAT32 && point.divide == 1 &&
+         std::memcmp(&params, &study.plan.scene.params, sizeof params) == 0;
+}
+
 ChartSeries chart_series(const Study &study, const std::string &figure, const Series &series) {
   ChartSeries drawn;
   const std::vector<Sample> samples = samples_of(study, figure, series);
@@ -61,7 +68,8 @@ ChartSeries chart_series(const Study &study, const std::string &figure, const Se
     drawn.points.push_back({sample.time, sample.error, least_cost(point), most_cost(point),
                             on_front,
                             title_of(study, series) + ": " + point.label + "\n" +
-                                error_text(sample.error) + " in " + cost_text(sample.time)});
+                                error_text(sample.error) + " in " + cost_text(sample.time),
+                            is_default(study, point) ? "default" : ""});
   };
   for (const Sample &sample : front) add(sample, true);
   for (const Sample &sample : samples) {
@@ -104,15 +112,15 @@ data comparisons_of(const Study &study, const std::string &figure) {
     row.set("class", css_class(study, all, i));
     row.set("title", title_of(study, all[i]));
     row.set("least", error_text(comparison.front.back().error));
-    row.set("equal_time", advantage_text(comparison.equal_time));
+    const bool is_baseline = all[i].family == study.sweep.baseline;
+    row.set("equal_time", is_baseline ? "–" : advantage_text(comparison.equal_time));
     data levels{data::type::list};
     for (size_t level = 0; level < error_levels.size(); ++level) {
       data cell;
       const auto &reach = comparison.reach[level];
       cell.set("reach", reach ? reach_text(reach) : "–");
       cell.set("ratio", time_ratio_text(comparison.ratio[level]));
-      cell.set("compared",
-               comparison.ratio[level].has_value() && all[i].family != study.sweep.baseline);
+      cell.set("compared", comparison.ratio[level].has_value() && !is_baseline);
       levels << cell;
     }
     row.set("levels", levels);
@@ -226,6 +234,19 @@ void add_tile(data &tiles, const std::string &value, const std::string &words) {
   tiles << tile;
 }
 
+// The least of the levels that the family gets down to.
+void add_reach(data &tiles, const Comparison &comparison, const std::string &base) {
+  for (size_t i = error_levels.size(); i-- > 0;) {
+    if (!comparison.reach[i]) continue;
+    const std::string also =
+        "; " + base + " takes " + time_ratio_text(comparison.ratio[i]) + " that";
+    add_tile(tiles, reach_text(comparison.reach[i]),
+             "of computing for each simulated second until " + rounded(100 * error_levels[i], 1) +
+                 " %" + (comparison.ratio[i] ? also : ""));
+    return;
+  }
+}
+
 data tiles_of(const Study &study) {
   data tiles{data::type::list};
   const ErrorFigure &error = study.sweep.errors.front();
@@ -239,11 +260,7 @@ data tiles_of(const Study &study) {
                    rounded(equal->least, 2) + " to " + rounded(equal->most, 2) + " between " +
                    cost_text(equal->from) + " and " + cost_text(equal->to) + ")");
     }
-    add_tile(tiles, reach_text(comparison.reach[1]),
-             "of computing for each simulated second for 0.1 %" +
-                 (comparison.ratio[1]
-                      ? "; " + base + " takes " + time_ratio_text(comparison.ratio[1]) + " that"
-                      : std::string()));
+    add_reach(tiles, comparison, base);
     if (!comparison.front.empty()) {
       add_tile(tiles, error_text(comparison.front.back().error),
                "is the least reached, in " + cost_text(comparison.front.back().time));

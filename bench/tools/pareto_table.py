@@ -10,8 +10,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 END = "<!-- end -->"
-SHORT = "E1.measure.interior.mean_abs@mean"  # of the README
-LONG = (SHORT, "E1.own.interior.p99@mean", "E2.relative@largest")
+SHORT = {"E1.measure.interior.mean_abs@mean": "density", "E1.own.bulk.mean_abs@mean": "own equation"}
+LONG = (*SHORT, "E2.relative@largest")
 LEVELS = ("1 %", "0.1 %", "0.01 %")
 
 
@@ -85,16 +85,17 @@ def head(*first):
 
 def source(result):
     context = result["context"]
+    commits = sorted({point["outcome"]["commit"] for point in result["points"] if point["outcome"]})
     clock = "processor time" if context["clock"] == "cpu" else "wall time"
     return (f"{context['particles']:,} particles, {context['simulated']:.3g} s simulated, step "
             f"{1000 * context['time_step']:.3g} ms where not divided; {context['cpu_model']}, one thread, "
-            f"{clock}, commit {context['commit']}")
+            f"{clock}, commit {', '.join(commits)}")
 
 
 def short_table(results):
-    rows = [row for result in results
-            for row in compared(result, families_of(result, SHORT), (result["context"]["scene"],))]
-    return lines_of(head("scene", "method"), rows, 2)
+    rows = [row for figure, name in SHORT.items() for result in results
+            for row in compared(result, families_of(result, figure), (name, f"`{result['context']['scene']}`"))]
+    return lines_of(head("error", "scene", "method"), rows, 3)
 
 
 def long_tables(results):

@@ -313,6 +313,22 @@ void a_chart_keeps_its_points_inside(void **) {
   expect_contains(draw_chart(Chart()), "</svg>");
 }
 
+// A setting that blew up does not press the others together.
+void what_is_worse_than_all_fronts_lies_on_the_edge(void **) {
+  Chart chart;
+  chart.series.push_back(
+      {"a", {{1, 0.01, 1, 1, true, "a", "default"}, {2, 0.001, 2, 2, true, "b"}}});
+  const std::string without = draw_chart(chart);
+  expect_contains(without, "default</text>");
+  chart.series[0].points.push_back({2, 1e6, 2, 2, false, "c"});
+  const std::string with = draw_chart(chart);
+  const auto front = [](const std::string &svg) {
+    const size_t at = svg.find("<polyline");
+    return svg.substr(at, svg.find("/>", at) - at);
+  };
+  assert_string_equal(front(with).c_str(), front(without).c_str());
+}
+
 }  // namespace
 
 int main() {
@@ -334,6 +350,7 @@ int main() {
       cmocka_unit_test(means_leave_the_start_out),
       cmocka_unit_test(results_are_read_back),
       cmocka_unit_test(a_chart_keeps_its_points_inside),
+      cmocka_unit_test(what_is_worse_than_all_fronts_lies_on_the_edge),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
