@@ -179,8 +179,9 @@ typedef struct pbf_params {
                           before them, as if they were fluid at rest: particles then keep half a
                           spacing off; 0: none, as in the paper: particles pile up on walls */
 
-  double scorr_k;   /* artificial pressure, eq. 13: k; 0: none */
-  double scorr_dq;  /* delta q / h, in (0, 1) */
+  double scorr_k;  /* artificial pressure, eq. 13: k, an area; 0: none. With CHEBYSHEV no more of it
+                      acts than a step can integrate */
+  double scorr_dq; /* delta q / h, in (0, 1) */
   uint32_t scorr_n; /* exponent, 1 … 8 */
   uint32_t solver;  /* PBF_SOLVER_… */
 

@@ -170,11 +170,41 @@ static void tiny_distances(void **state) {
   test_for_each_kind(tiny_in_particles);
 }
 
+/* However strong an artificial pressure is asked for, a dam that breaks gains no energy. */
+static void artificial_pressure(void **state) {
+  (void)state;
+  enum { ACROSS = 8, HIGH = 16, COUNT = ACROSS * HIGH };
+  float positions[2 * COUNT];
+  pbf_params params = test_params();
+  pbf_stats stats = {.struct_size = sizeof stats};
+  params.scorr_k = 10;
+  params.scorr_dq = 0.3;
+  params.scorr_n = 4;
+  pbf_solver *s = test_solver(2, PBF_FLOAT32, COUNT);
+  double d = params.smoothing_radius / 2;
+  params.domain_max[0] = params.domain_max[1] = 2 * HIGH * d;
+  assert_ok(pbf_set_params(s, &params));
+  for (int i = 0; i < COUNT; ++i) {
+    positions[2 * i] = (float)(d * (i % ACROSS + 0.5));
+    positions[2 * i + 1] = (float)(d * (i / ACROSS + 0.5));
+  }
+  assert_ok(pbf_add_particles(s, COUNT, positions, NULL, NULL));
+  double start = -params.gravity[1] * 0.5 * HIGH * d;
+  for (int frame = 0; frame < 12; ++frame) {
+    assert_ok(pbf_step(s, 10));
+    assert_ok(pbf_get_stats(s, &stats));
+    double energy = stats.kinetic_energy - params.gravity[1] * stats.center_of_mass[1];
+    assert_true(energy <= 1.001 * start);
+  }
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest extremes[] = {
       cmocka_unit_test(tiny_parameters),
       cmocka_unit_test(tiny_colliders),
       cmocka_unit_test(tiny_distances),
+      cmocka_unit_test(artificial_pressure),
   };
   return TEST_RUN(extremes);
 }
