@@ -220,9 +220,11 @@ static void check_with_vorticity(uint32_t dimension, uint32_t precision) {
   assert_ok(pbf_step(plain, 1));
   assert_ok(pbf_step(whirled, 1));
   double *p = pressures_of(plain, precision), *q = pressures_of(whirled, precision);
+  /* A device may add up in another order where there is vorticity. */
+  double tolerance = precision == PBF_FLOAT64 ? 1e-4 : 1e-2;
   assert_true(largest_of(p, count_of(plain)) > 0);
   for (uint32_t i = 0; i < count_of(plain); ++i)
-    if (!(fabs(p[i] - q[i]) <= 1e-4 * (1 + fabs(p[i]))))
+    if (!(fabs(p[i] - q[i]) <= tolerance * (1 + fabs(p[i]))))
       fail_msg("pressure %u is %g and %g", i, p[i], q[i]);
   free(p), free(q);
   pbf_destroy(plain);
