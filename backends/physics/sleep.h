@@ -70,7 +70,8 @@ static inline pbf_movers pbf_movers_of(const pbf_params *params, uint32_t count,
     if (params->wall_velocity[w] != 0 ||
         (params->wall_amplitude[w] != 0 && params->wall_frequency[w] != 0))
       m.walls |= 1u << w;
-  for (uint32_t k = 0; k < count && (PBF_BUILT & PBF_FEATURE_COLLIDERS); ++k)
+  if (!(PBF_BUILT & PBF_FEATURE_COLLIDERS)) return m;
+  for (uint32_t k = 0; k < count; ++k)
     for (int a = 0; a < 3; ++a)
       if (colliders[k].velocity[a] != 0 || colliders[k].angular_velocity[a] != 0)
         m.solids |= UINT64_C(1) << k;
