@@ -115,7 +115,7 @@ static void check_hydrostatics(uint32_t dimension, uint32_t precision) {
 
 static void hydrostatics(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_hydrostatics);
 }
 
@@ -140,7 +140,7 @@ static void check_start(uint32_t dimension, uint32_t precision) {
 
 static void nothing_before_the_first_step(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_start);
 }
 
@@ -178,7 +178,7 @@ static void check_whose(uint32_t dimension, uint32_t precision) {
 
 static void everybody_keeps_their_own(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_whose);
 }
 
@@ -206,7 +206,7 @@ static void check_view(uint32_t dimension, uint32_t precision) {
 
 static void views(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_view);
 }
 
@@ -233,13 +233,13 @@ static void check_with_vorticity(uint32_t dimension, uint32_t precision) {
 
 static void with_vorticity(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_with_vorticity);
 }
 
 static void no_part_of_the_saved_state(void **state) {
   (void)state;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   pbf_solver *s = tank(3, PBF_FLOAT32, 4, 4);
   uint64_t size;
   assert_ok(pbf_step(s, 3));

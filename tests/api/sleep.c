@@ -21,11 +21,11 @@ static pbf_solver *solver_with(uint32_t dimension, uint32_t precision, const pbf
   pbf_desc desc = test_desc(dimension, precision, particles_in(dimension) + 8);
   pbf_solver *s = NULL;
   desc.threads = 2;
-  if (test_is_stub()) skip();
+  if (test_is_stub()) test_skip("the stub solves nothing");
   pbf_status status = pbf_create(&desc, params, &s);
   if (status == PBF_ERROR_UNSUPPORTED && params->sleep_speed > 0) {
     assert_non_null(strstr(pbf_last_error(), "sleep"));
-    skip();
+    test_skip(pbf_last_error());
   }
   assert_ok(status);
   return s;
