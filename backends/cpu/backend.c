@@ -1,5 +1,6 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
 #include "common/without.h"
+#include "common/views.h"
 #include "cpu/particles.h"
 #include "cpu/plugin.h"
 #include "cpu/step.h"
@@ -322,12 +323,7 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
     return out_of_memory(s, "a view of the pressures");
   for (uint32_t i = 0; i < s->count; ++i)
     s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
-  view->device_type = PBF_DEVICE_CPU;
-  view->element_type = view->particle_stride = view->component_stride = sizeof(pbf_real);
-  view->components = 1;
-  view->count = s->count;
-  view->ids = s->buffers.ids;
-  view->data = s->pressure;
+  pbf_view_numbers(view, s->count, s->buffers.ids, s->pressure);
   return PBF_OK;
 }
 

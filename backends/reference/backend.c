@@ -2,6 +2,7 @@
 #include "common/report.h"
 #include "common/rows.h"
 #include "common/without.h"
+#include "common/views.h"
 #include "reference/plugin.h"
 #include "reference/step.h"
 
@@ -227,12 +228,7 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
     return out_of_memory(s, "a view of the pressures");
   for (uint32_t i = 0; i < s->count; ++i)
     s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
-  view->device_type = PBF_DEVICE_CPU;
-  view->element_type = view->particle_stride = view->component_stride = sizeof(pbf_real);
-  view->components = 1;
-  view->count = s->count;
-  view->ids = s->ids;
-  view->data = s->pressure;
+  pbf_view_numbers(view, s->count, s->ids, s->pressure);
   return PBF_OK;
 }
 

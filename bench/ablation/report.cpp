@@ -14,6 +14,7 @@
 #include "core/machine.h"
 #include "core/resources.h"
 #include "core/table.h"
+#include "report/render.h"
 #include "speedup/speedup.h"
 
 namespace bench {
@@ -242,7 +243,6 @@ void write_ablation_json(const Ablation &ablation, const std::string &path) {
 }
 
 void write_ablation_page(const Ablation &ablation, const std::string &path) {
-  kainjow::mustache::mustache page{ablation_page_text()};
   kainjow::mustache::data data;
   data.set("scene", ablation.scene.name);
   data.set("particles", counted(count_particles(ablation.scene)));
@@ -252,9 +252,7 @@ void write_ablation_page(const Ablation &ablation, const std::string &path) {
   data.set("title", builds ? "What features cost those who do not use them" : "What features cost");
   data.set("table", builds ? page_table(build_header, build_rows(ablation))
                            : page_table(variant_header, variant_rows(ablation)));
-  std::ofstream file(path);
-  file << page.render(data);
-  finish(file, path);
+  render_page("page.html", ablation_page_text(), data, path);
 }
 
 }  // namespace bench

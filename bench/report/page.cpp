@@ -1,20 +1,16 @@
 /* Fills bench/report/page.html with the results. */
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include <kainjow/mustache.hpp>
 
-#include "core/error.h"
 #include "core/machine.h"
 #include "core/resources.h"
 #include "core/scalars.h"
 #include "report/base64.h"
 #include "report/date.h"
+#include "report/render.h"
 #include "report/picture.h"
 #include "speedup/speedup.h"
 
@@ -268,16 +264,7 @@ data page_data(const Speedup &speedup) {
 }  // namespace
 
 void write_speedup_page(const Speedup &speedup, const std::string &path) {
-  kainjow::mustache::mustache page(report_page_text());
-  const std::string text = page.render(page_data(speedup));
-  if (!page.is_valid()) throw Error(exit_failure, "page.html: " + page.error_message());
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code failed;
-  if (!folder.empty()) std::filesystem::create_directories(folder, failed);
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  render_page("page.html", report_page_text(), page_data(speedup), path);
 }
 
 }  // namespace bench

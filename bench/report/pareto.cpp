@@ -2,20 +2,17 @@
 #include "report/pareto.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include <kainjow/mustache.hpp>
 
-#include "core/error.h"
 #include "core/resources.h"
 #include "pareto/words.h"
 #include "report/chart.h"
 #include "report/date.h"
+#include "report/render.h"
 #include "speedup/speedup.h"
 
 namespace bench {
@@ -358,16 +355,7 @@ data page_data(const Study &study) {
 }  // namespace
 
 void write_pareto_page(const Study &study, const std::string &path) {
-  kainjow::mustache::mustache page(pareto_page_text());
-  const std::string text = page.render(page_data(study));
-  if (!page.is_valid()) throw Error(exit_failure, "pareto.html: " + page.error_message());
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code failed;
-  if (!folder.empty()) std::filesystem::create_directories(folder, failed);
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  render_page("pareto.html", pareto_page_text(), page_data(study), path);
 }
 
 }  // namespace bench

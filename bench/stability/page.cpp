@@ -1,17 +1,14 @@
 /* Fills stability.html with the verdicts. */
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include <kainjow/mustache.hpp>
 
-#include "core/error.h"
 #include "core/machine.h"
 #include "core/resources.h"
 #include "report/base64.h"
+#include "report/render.h"
 #include "stability/suite.h"
 
 namespace bench::stability {
@@ -128,16 +125,7 @@ data page_data(const Judgement &judgement) {
 }  // namespace
 
 void write_verdict_page(const Judgement &judgement, const std::string &path) {
-  kainjow::mustache::mustache page(stability_page_text());
-  const std::string text = page.render(page_data(judgement));
-  if (!page.is_valid()) throw Error(exit_failure, "page.html: " + page.error_message());
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::error_code failed;
-  if (!folder.empty()) std::filesystem::create_directories(folder, failed);
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  render_page("page.html", stability_page_text(), page_data(judgement), path);
 }
 
 }  // namespace bench::stability

@@ -8,8 +8,8 @@ import json
 import pathlib
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-END = "<!-- end -->"
+from pages import write_table
+
 SHORT = {"E1.measure.interior.mean_abs@mean": "density", "E1.own.bulk.mean_abs@mean": "own equation"}
 LONG = (*SHORT, "E2.relative@largest")
 LEVELS = ("1 %", "0.1 %", "0.01 %")
@@ -113,18 +113,10 @@ def long_tables(results):
     return lines[1:]
 
 
-def replace(path, name, lines):
-    start = f"<!-- table: {name} -->"
-    text = path.read_text(encoding="utf-8")
-    before, rest = text.split(start)
-    after = rest.split(END, 1)[1]
-    path.write_text(before + "\n".join([start, *lines, END]) + after, encoding="utf-8")
-
-
 def main(paths):
     results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
-    replace(ROOT / "README.md", "pareto", short_table(results))
-    replace(ROOT / "docs" / "accuracy.md", "pareto", long_tables(results))
+    write_table("README.md", "pareto", "\n".join(short_table(results)))
+    write_table("docs/accuracy.md", "pareto", "\n".join(long_tables(results)))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ import json
 import pathlib
 import sys
 
-START, END = "<!-- table: speedup -->", "<!-- end -->"
+from pages import write_table
+
 REPORT_MS = {"naive": 29904, "openmp": 2557, "cuda": 768}  # the report's own figures, 100 steps
 HEAD = ("backend", "device", "threads", "ms for 100 steps", "least … most", "× naive", "the report: ms",
         "× the report", "density error")
@@ -43,12 +44,8 @@ def table(result):
 
 
 def main(path):
-    readme = pathlib.Path(__file__).resolve().parents[2] / "README.md"
-    text = readme.read_text(encoding="utf-8")
-    before, rest = text.split(START)
-    after = rest.split(END, 1)[1]
     result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-    readme.write_text(f"{before}{START}\n{table(result)}\n{END}{after}", encoding="utf-8")
+    write_table("README.md", "speedup", table(result))
 
 
 if __name__ == "__main__":

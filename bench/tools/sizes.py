@@ -13,8 +13,8 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-START, END = "<!-- table: sizes -->", "<!-- end -->"
+from pages import ROOT, write_table
+
 FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
 FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats", "sleep")
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
@@ -99,19 +99,12 @@ def table(result):
     return "\n".join(lines)
 
 
-def write_table(path):
-    page = ROOT / "docs" / "trim.md"
-    before, rest = page.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    text = table(json.loads(path.read_text(encoding="utf-8")))
-    page.write_text(f"{before}{START}\n{text}\n{END}{after}", encoding="utf-8")
-
-
 if __name__ == "__main__":
     arguments = sys.argv[1:]
     if len(arguments) == 3 and arguments[0] == "measure":
         measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]))
     elif len(arguments) == 2 and arguments[0] == "table":
-        write_table(pathlib.Path(arguments[1]))
+        result = json.loads(pathlib.Path(arguments[1]).read_text(encoding="utf-8"))
+        write_table("docs/trim.md", "sizes", table(result))
     else:
         sys.exit(__doc__)

@@ -15,8 +15,8 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-START, END = "<!-- table: sleep -->", "<!-- end -->"
+from pages import ROOT, write_table
+
 SPEED, TIME = 0.07, 0.5  # 0.1 sqrt(|g| spacing) of these scenes, half a second
 SCENES = {"still-tank": [(0, 600), (600, 1200), (1200, 1800)], "dam-break-3d": [(0, 1200), (0, 3600)]}
 RUNS = 1
@@ -98,19 +98,12 @@ def table(result):
     return "\n".join(lines)
 
 
-def write_table(path):
-    page = ROOT / "docs" / "trim.md"
-    before, rest = page.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    text = table(json.loads(path.read_text(encoding="utf-8")))
-    page.write_text(f"{before}{START}\n{text}\n{END}{after}", encoding="utf-8")
-
-
 if __name__ == "__main__":
     arguments = sys.argv[1:]
     if len(arguments) == 3 and arguments[0] == "measure":
         measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]))
     elif len(arguments) == 2 and arguments[0] == "table":
-        write_table(pathlib.Path(arguments[1]))
+        result = json.loads(pathlib.Path(arguments[1]).read_text(encoding="utf-8"))
+        write_table("docs/trim.md", "sleep", table(result))
     else:
         sys.exit(__doc__)

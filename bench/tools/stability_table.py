@@ -10,9 +10,8 @@ import json
 import pathlib
 import sys
 
-START, END = "<!-- table: verdicts -->", "<!-- end -->"
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "stability.md"
+from pages import ROOT, write_table
+
 ORDER = ("reference", "serial", "openmp", "cuda")
 
 
@@ -76,9 +75,7 @@ def main(machine, commit, paths):
     verdicts = merged(path, reports, commit)
     rows = ",\n".join("  " + json.dumps(entry, ensure_ascii=False) for entry in verdicts)
     path.write_text('{\n "verdicts": [\n' + rows + "\n ]\n}\n", encoding="utf-8")
-    before, rest = PAGE.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    PAGE.write_text(f"{before}{START}\n{table(verdicts)}\n{END}{after}", encoding="utf-8")
+    write_table("docs/stability.md", "verdicts", table(verdicts))
 
 
 if __name__ == "__main__":

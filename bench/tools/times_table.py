@@ -7,8 +7,8 @@ import json
 import pathlib
 import sys
 
-START, END = "<!-- table: times -->", "<!-- end -->"
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "cuda.md"
+from pages import write_table
+
 COLUMNS = ("scene", "particles", "precision", "h/d", "neighbours", "ms a step", "least … most",
            "million particle-iterations a second", "bytes a particle", "mean density error")
 
@@ -31,9 +31,7 @@ def main(folder):
     folder = pathlib.Path(folder)
     rows = [json.loads(line) for line in (folder / "times.json").read_text(encoding="utf-8").splitlines()]
     machine = json.loads((folder / "machine.json").read_text(encoding="utf-8"))
-    before, rest = PAGE.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    PAGE.write_text(f"{before}{START}\n{table(rows, machine)}\n{END}{after}", encoding="utf-8")
+    write_table("docs/cuda.md", "times", table(rows, machine))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,7 @@ import json
 import pathlib
 import sys
 
-START, END = "<!-- table: unused -->", "<!-- end -->"
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "trim.md"
+from pages import write_table
 
 
 def percent(ratio):
@@ -41,10 +40,8 @@ def table(results):
 
 
 def main(paths):
-    before, rest = PAGE.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    text = table([json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths])
-    PAGE.write_text(f"{before}{START}\n{text}\n{END}{after}", encoding="utf-8")
+    results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
+    write_table("docs/trim.md", "unused", table(results))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,7 @@ import json
 import pathlib
 import sys
 
-START, END = "<!-- table: validation -->", "<!-- end -->"
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "accuracy.md"
+from pages import write_table
 
 
 def number(value):
@@ -39,10 +38,8 @@ def table(result):
 
 
 def main(path):
-    before, rest = PAGE.read_text(encoding="utf-8").split(START)
-    after = rest.split(END, 1)[1]
-    text = table(json.loads(pathlib.Path(path).read_text(encoding="utf-8")))
-    PAGE.write_text(f"{before}{START}\n{text}\n{END}{after}", encoding="utf-8")
+    result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+    write_table("docs/accuracy.md", "validation", table(result))
 
 
 if __name__ == "__main__":
