@@ -9,20 +9,6 @@
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
 
-static void destroy_solver(solver *s) {
-  {
-    pbf_cuda_scope scope(s->context);
-    clock_stop(&s->clock);
-    if (s->stream) cudaStreamSynchronize(s->stream);
-    pbf_cuda_free_all(&s->memory);
-    if (s->owns_stream) cudaStreamDestroy(s->stream);
-    cudaGetLastError();
-  }
-  s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
-}
-
-static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
-
 /* Neighbours of a particle of the rest lattice, half as many again, and a few. */
 static uint32_t list_chunks(const pbf_params *params) {
   double q = params->smoothing_radius / pbf_derive_spacing(params);
@@ -55,6 +41,52 @@ static pbf_status take_if(solver *s, bool wanted, const char *name, uint64_t byt
   return PBF_OK;
 }
 
+/* What the device tells the host, in the host's memory. */
+static pbf_status take_all_asleep(solver *s) {
+  if (s->all_asleep) return PBF_OK;
+  void *word = nullptr;
+  if (pbf_status status = pbf_cuda_check(
+          cudaHostAlloc(&word, sizeof *s->all_asleep, cudaHostAllocMapped), "cudaHostAlloc"))
+    return status;
+  s->all_asleep = static_cast<uint64_t *>(word);
+  *s->all_asleep = 0;
+  return PBF_OK;
+}
+
+static void free_all_asleep(solver *s) {
+  if (s->all_asleep && cudaFreeHost(s->all_asleep) != cudaSuccess) cudaGetLastError();
+  s->all_asleep = nullptr;
+}
+
+static void destroy_solver(solver *s) {
+  {
+    pbf_cuda_scope scope(s->context);
+    clock_stop(&s->clock);
+    if (s->stream) cudaStreamSynchronize(s->stream);
+    pbf_cuda_free_all(&s->memory);
+    free_all_asleep(s);
+    if (s->owns_stream) cudaStreamDestroy(s->stream);
+    cudaGetLastError();
+  }
+  s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
+}
+
+static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
+
+static pbf_status take_for_sleep(solver *s, bool wanted, uint64_t n) {
+  if (!PBF_SLEEP) return PBF_OK;
+  if (wanted)
+    if (pbf_status status = take_all_asleep(s)) return status;
+  if (pbf_status status = take_if(s, wanted, "unrest", n * sizeof(pbf_real), &s->unrest))
+    return status;
+  if (pbf_status status =
+          take_if(s, wanted, "sorted unrest", n * sizeof(pbf_real), &s->other_unrest))
+    return status;
+  if (pbf_status status = take_if(s, wanted, "sleep", sizeof *s->tally, &s->tally)) return status;
+  if (!wanted) free_all_asleep(s); /* freeing the arrays has waited for the device */
+  return PBF_OK;
+}
+
 static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t n) {
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
@@ -71,19 +103,22 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t
   if (pbf_status status =
           take_if(s, has.watched, "watch over the solve", sizeof *s->watch, &s->watch))
     return status;
+  if (pbf_status status = take_for_sleep(s, has.runs[PBF_STAGE_SLEEP], n)) return status;
   return take_if(s, has.colliders > 0, "colliders",
                  STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
+}
+
+/* Sleep is in the parameters, which may have changed, and may have been in those before. */
+static pbf_status allow_sleep(solver *s, bool changes, bool before) {
+  s->sleep = pbf_sleep_of(&s->params);
+  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
+  if (!before) return greet(s, 0, s->count);
+  return changes ? wake_all(s) : PBF_OK;
 }
 
 static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, colliders)))
     return status;
-  if (params->sleep_speed > 0) {
-    pbf_cuda_host->set_error(
-        "the cuda backend lets nothing sleep; params.sleep_speed must be 0, or the backend "
-        "reference, serial or openmp");
-    return PBF_ERROR_UNSUPPORTED;
-  }
   pbf_schedule schedule = pbf_schedule_of(params, colliders);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
@@ -93,11 +128,13 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t col
     take_for_schedule(s, s->schedule, s->capacity);
     return status;
   }
+  bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
+  bool changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
   s->schedule = schedule;
   s->constants = pbf_constants_of(params);
   if (!schedule.accelerated) s->pressure_scale = 0;
-  return PBF_OK;
+  return schedule.runs[PBF_STAGE_SLEEP] ? allow_sleep(s, changes, slept) : PBF_OK;
 }
 
 static pbf_status set_params(pbf_backend_solver *handle, const pbf_params *params) {
@@ -217,11 +254,19 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
                                 const pbf_collider *colliders, double time) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
-  if (pbf_status status = apply_params(s, &s->params, count)) return status;
+  /* Room for those before, too: fluid near them wakes. */
+  uint32_t room = count ? count : s->collider_count;
+  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->movers.solids;
+  if (pbf_status status = apply_params(s, &s->params, room)) return status;
+  if (pbf_status status = wake_near_colliders(s, changed, s->time)) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->time = time;
-  return PBF_OK;
+  if (room != count)
+    if (pbf_status status = apply_params(s, &s->params, count)) return status;
+  s->movers = pbf_movers_of(&s->params, count, s->colliders);
+  return wake_near_colliders(s, changed, time);
 }
 
 static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, uint32_t *done) {
@@ -231,6 +276,12 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   s->time = time;
   *done = s->count ? 0 : steps;
   while (*done < steps) {
+    if (all_asleep(s)) {
+      s->time = time + steps * dt;
+      s->pressure_scale = s->constants.pressure;
+      *done = steps;
+      break;
+    }
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
     if (small_serves(s)) {
@@ -239,7 +290,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
       s->pressure_scale = s->constants.pressure;
       continue;
     }
-    for (uint32_t k = 0; k < ahead; ++k, ++*done) {
+    for (uint32_t k = 0; k < ahead && !all_asleep(s); ++k, ++*done) {
       if (pbf_status status =
               run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
         return status;

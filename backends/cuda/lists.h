@@ -8,6 +8,7 @@
 #include "cuda/grid.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
+#include "cuda/sort.h"
 
 enum {
   LIST_BLOCK = 128, /* threads that build lists */
@@ -90,13 +91,19 @@ static __global__ void __launch_bounds__(LIST_BLOCK)
   uint32_t i = thread_index(), lane = threadIdx.x % 32;
   if (i - lane >= p.count) return;
   bool real = i < p.count;
+  /* Who sleeps has an empty list. */
+  bool looks = real && !(PBF_SLEEP && p.unrest && pbf_is_asleep(p.unrest[i]));
+  if (PBF_SLEEP && p.unrest && !__any_sync(~0u, looks)) {
+    if (real) lists.sizes[i] = 0;
+    return;
+  }
   pbf_vec x = position_of(load(p.points, real ? i : p.count - 1));
   grid_view view = grid_look(grid, x);
   /* All rows' bounds first: independent loads. */
 #pragma unroll
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t first, last;
-    bool some = real && grid_reach(grid, view, row, &first, &last);
+    bool some = looks && grid_reach(grid, view, row, &first, &last);
     starts[row][threadIdx.x] = some ? p.cell_start[first] : 0;
     ends[row][threadIdx.x] = some ? p.cell_start[last + 1] : 0;
   }

@@ -36,6 +36,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (watched && is_over(extras.watch)) return;
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
+  /* Sleepers keep their lambda. */
+  bool asleep = EXTRAS && PBF_SLEEP && extras.rest.unrest && pbf_is_asleep(extras.rest.unrest[own]);
+  if (EXTRAS && PBF_SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(load(points, own));
   /* Read long before it is written: a store to an address that a load is still waiting for holds up
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
@@ -49,7 +52,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
-               pbf_excess(slack, sums.density));
+               asleep ? 0 : pbf_excess(slack, sums.density));
+  if (EXTRAS && PBF_SLEEP && asleep) return;
   if (accelerated) {
     pbf_real total = points[i].lambda;
     pbf_accelerate(c, lambda, &total, &before);
@@ -68,6 +72,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const point *points = n.particles.points;
   point own = load(points, min(i, n.particles.count - 1));
   bool last = end.place.last;
+  bool asleep = false;
+  if (EXTRAS && PBF_SLEEP && extras.rest.unrest) {
+    asleep = pbf_is_asleep(extras.rest.unrest[min(i, n.particles.count - 1)]);
+    if (asleep && end.place.first && i < n.particles.count) { /* both buffers hold its place */
+      store(moved, i, own);
+      end.velocities[i] = {{0}};
+    }
+    if (*extras.rest.all) return;
+  }
   if (EXTRAS && PBF_TOLERANCE && extras.watch.watch) {
     if (is_over(extras.watch)) { /* x* changes its place, and nothing else */
       if (i < n.particles.count) store(moved, i, own);
@@ -75,13 +88,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     }
     last = ends(extras.watch, last, i);
   }
+  if (EXTRAS && PBF_SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     point other = load(points, j);
     sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
-  if (i >= n.particles.count) return;
+  if (i >= n.particles.count || asleep) return;
   pbf_vec predicted = x;
   if (!end.place.first && (EXTRAS || last)) predicted = end.velocities[i];
   bool accelerated = EXTRAS && extras.before;
@@ -89,10 +103,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                     end.collide || (last && end.collide_last), own.lambda,
                                     predicted, x);
   point to = point_at(x);
-  if (accelerated) to.lambda = own.lambda;
+  if (accelerated || (EXTRAS && PBF_SLEEP && extras.rest.unrest)) to.lambda = own.lambda;
   store(moved, i, to);
   if (last)
     end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
+  if (EXTRAS && PBF_SLEEP && last && extras.rest.unrest &&
+      pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i]))
+    end.velocities[i] = {{0}};
   else if (end.place.first)
     end.velocities[i] = predicted;
 }

@@ -20,6 +20,35 @@ static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
 
+/* ---- Who wakes between steps --------------------------------------------------------------- */
+
+/* `count` particles from `first` on are new. */
+static inline pbf_status greet(solver *s, uint32_t first, uint32_t count) {
+  if (!PBF_SLEEP || !s->unrest || !count) return PBF_OK;
+  ++s->epoch;
+  greet_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(count, s->sleep, s->unrest + first,
+                                                               s->tally);
+  return pbf_cuda_check_launch("greet_kernel");
+}
+
+static inline pbf_status wake_all(solver *s) {
+  if (!PBF_SLEEP || !s->unrest || !s->count) return PBF_OK;
+  ++s->epoch;
+  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->count, s->sleep, s->unrest,
+                                                                     s->tally);
+  return pbf_cuda_check_launch("wake_all_kernel");
+}
+
+/* Those near these colliders as they stood, or will stand, at a time. */
+static inline pbf_status wake_near_colliders(solver *s, pbf_movers movers, double time) {
+  if (!PBF_SLEEP || !s->unrest || !s->count || !pbf_any_moves(movers)) return PBF_OK;
+  ++s->epoch;
+  if (pbf_status status = place_solids(s, time, 1)) return status;
+  return wake_near(s, movers, {pbf_walls_at(&s->params, time), (int)s->collider_count, s->solids});
+}
+
+/* ---- In and out ---------------------------------------------------------------------------- */
+
 static inline pbf_status population_add(solver *s, const pbf_particles *p) {
   uint64_t bytes = p->count * sizeof(pbf_vec);
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
@@ -35,12 +64,14 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
       p->velocities
           ? copy_in(s, velocities, p->velocities, bytes)
           : pbf_cuda_check(cudaMemsetAsync(velocities, 0, bytes, s->stream), "cudaMemsetAsync");
+  if (status == PBF_OK) status = greet(s, s->count, p->count);
   if (status == PBF_OK) s->count += p->count;
   return status;
 }
 
 static inline pbf_status population_remove(solver *s, uint32_t count, const uint32_t *ids) {
   if (!count) return PBF_OK;
+  if (pbf_status status = wake_all(s)) return status;
   uint32_t *removed = s->cells, *place = static_cast<uint32_t *>(s->list_room);
   uint32_t blocks = blocks_for(s->count + 1);
   if (pbf_status status = copy_in(s, removed, ids, count * sizeof(uint32_t))) return status;
@@ -49,12 +80,13 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-      {s->points, s->velocities, s->ids}, s->count, place,
-      {s->other, s->other_velocities, s->other_ids});
+      {s->points, s->velocities, s->ids, s->unrest}, s->count, place,
+      {s->other, s->other_velocities, s->other_ids, s->other_unrest});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   exchange(&s->points, &s->other);
   exchange(&s->velocities, &s->other_velocities);
   exchange(&s->ids, &s->other_ids);
+  exchange(&s->unrest, &s->other_unrest);
   s->count -= count;
   return PBF_OK;
 }
@@ -99,9 +131,34 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
 }
 
+static inline pbf_status population_read_rest(solver *s, const pbf_rows *rows, void *out) {
+  if (!rows->count || !s->unrest) return PBF_OK;
+  row_range range;
+  pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  read_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->unrest, s->ids,
+                                                                      s->count, range, staged);
+  if (pbf_status status = pbf_cuda_check_launch("read_rest_kernel")) return status;
+  return copy_out(s, out, staged, 2 * (uint64_t)rows->count * sizeof(pbf_real));
+}
+
+static inline pbf_status population_write_rest(solver *s, const pbf_rows *rows, const void *in) {
+  if (!rows->count || !s->unrest) return PBF_OK;
+  row_range range;
+  pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
+  if (pbf_status status = wake_all(s)) return status;
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  if (pbf_status status = copy_in(s, staged, in, 2 * (uint64_t)rows->count * sizeof(pbf_real)))
+    return status;
+  write_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->unrest, s->ids,
+                                                                       s->count, range, staged);
+  return pbf_cuda_check_launch("write_rest_kernel");
+}
+
 static inline pbf_status population_read(solver *s, uint32_t field, const pbf_rows *rows,
                                          void *out) {
   if (!rows->count) return PBF_OK;
+  if (field == PBF_BACKEND_FIELD_REST) return population_read_rest(s, rows, out);
   if (field == PBF_FIELD_DENSITY) return read_densities(s, rows, static_cast<pbf_real *>(out));
   row_range range;
   uint32_t blocks = blocks_for(s->count);
@@ -143,10 +200,12 @@ static inline pbf_status population_pressures(solver *s) {
 
 static inline pbf_status population_write(solver *s, uint32_t field, const pbf_rows *rows,
                                           const void *in) {
+  if (field == PBF_BACKEND_FIELD_REST) return population_write_rest(s, rows, in);
   if (!rows->count) return PBF_OK;
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
+  if (pbf_status status = wake_all(s)) return status;
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   if (pbf_status status = copy_in(s, staged, in, rows->count * sizeof(pbf_vec))) return status;
   if (field == PBF_FIELD_POSITION)

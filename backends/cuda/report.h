@@ -22,6 +22,18 @@ static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stat
   stats->neighbors_max = sum.neighbors_max;
 }
 
+static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {
+  if (!PBF_SLEEP || !s->unrest) return PBF_OK;
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemsetAsync(&s->tally->asked, 0, sizeof s->tally->asked, s->stream),
+                         "cudaMemsetAsync"))
+    return status;
+  count_asleep_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->unrest, s->count,
+                                                                         s->tally);
+  if (pbf_status status = pbf_cuda_check_launch("count_asleep_kernel")) return status;
+  return copy_out(s, asleep, &s->tally->asked, sizeof *asleep);
+}
+
 static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   stats->count = s->count;
   stats->iterations = s->params.iterations;
@@ -30,6 +42,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
             copy_out(s, &stats->iterations, &s->watch->done, sizeof stats->iterations))
       return status;
   if (!s->count) return PBF_OK;
+  if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.walls);

@@ -81,6 +81,28 @@ static __global__ void pressures_kernel(const point *points, uint32_t count, pbf
   if (i < count) out[i] = pbf_pressure(scale, points[i].lambda);
 }
 
+/* Unrest and lambda of each, for saved states. */
+static __global__ void read_rest_kernel(const point *points, const pbf_real *unrest,
+                                        const uint32_t *ids, uint32_t count, row_range rows,
+                                        pbf_real *out) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row >= rows.count) return;
+  out[2 * (size_t)row] = unrest[i];
+  out[2 * (size_t)row + 1] = points[i].lambda;
+}
+
+static __global__ void write_rest_kernel(point *points, pbf_real *unrest, const uint32_t *ids,
+                                         uint32_t count, row_range rows, const pbf_real *in) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  uint32_t row = row_in_range(rows, ids[i]);
+  if (row >= rows.count) return;
+  unrest[i] = in[2 * (size_t)row];
+  points[i].lambda = in[2 * (size_t)row + 1];
+}
+
 static __global__ void append_points_kernel(point *points, uint32_t count, const pbf_vec *in) {
   uint32_t i = thread_index();
   if (i < count) store(points, i, point_at(in[i]));
@@ -99,6 +121,7 @@ struct particle_arrays {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
+  pbf_real *unrest; /* where fluid sleeps, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -109,6 +132,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   store(to.points, place[i], load(from.points, i));
   to.velocities[place[i]] = from.velocities[i];
   to.ids[place[i]] = from.ids[i];
+  if (from.unrest) to.unrest[place[i]] = from.unrest[i];
 }
 
 #endif

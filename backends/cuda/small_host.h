@@ -48,8 +48,8 @@ static inline uint32_t small_list_room(const solver *s) {
 static inline bool small_serves(const solver *s) {
   const pbf_schedule &has = s->schedule;
   return s->small.control && !s->clock.begin && s->count > 0 && !has.runs[PBF_STAGE_CURL] &&
-         !has.runs[PBF_STAGE_VISCOSITY] && !has.runs[PBF_STAGE_SLACK] && !has.watched &&
-         s->params.iterations <= SMALL_ITERATIONS &&
+         !has.runs[PBF_STAGE_VISCOSITY] && !has.runs[PBF_STAGE_SLACK] &&
+         !has.runs[PBF_STAGE_SLEEP] && !has.watched && s->params.iterations <= SMALL_ITERATIONS &&
          small_expected_neighbors(&s->params) <= 0.6 * small_list_room(s);
 }
 

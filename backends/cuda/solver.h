@@ -10,6 +10,7 @@
 #include "cuda/memory.h"
 #include "cuda/passes.h"
 #include "cuda/scan.h"
+#include "cuda/sleep.h"
 #include "cuda/small.h"
 #include "cuda/status.h"
 #include "cuda/timing.h"
@@ -52,6 +53,13 @@ struct solver {
   pbf_real *lambda_before; /* an iteration earlier: accelerated only */
   pbf_real *slack;         /* in very short steps only */
   solve_watch *watch;      /* with a tolerance only */
+  pbf_real *unrest;        /* where fluid sleeps only, as all of these */
+  pbf_real *other_unrest;
+  sleep_tally *tally;
+  uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that */
+  uint64_t epoch;       /* between two events that may wake somebody */
+  pbf_sleep sleep;
+  pbf_movers movers;
   pbf_real *pressures;     /* once they have been looked at */
   pbf_real pressure_scale; /* of the last step */
   bool ordered;            /* the particles are in the order of their ids */
@@ -96,11 +104,13 @@ static inline sort_scratch scratch_of(const solver *s) {
 }
 
 static inline unsorted_particles state_of(const solver *s) {
-  return {s->points, s->velocities, s->ids, s->count};
+  return {s->points, s->velocities, s->ids,
+          s->count,  s->unrest,     s->tally ? &s->tally->all : nullptr};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
-  return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count},
+  return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count,
+           s->other_unrest},
           grid,
           s->lists,
           s->constants};

@@ -6,7 +6,11 @@
 #include "cuda/grid.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
+#include "physics/sleep.h"
 #include "physics/stages.h"
+
+/* Whether the build lets fluid sleep. */
+constexpr bool PBF_SLEEP = (PBF_BUILT & PBF_FEATURE_SLEEP) != 0;
 
 /* Walls and colliders of one step; `solids` is on the device. */
 struct step_obstacles {
@@ -35,7 +39,13 @@ struct unsorted_particles {
   const pbf_vec *velocities;
   const uint32_t *ids;
   uint32_t count;
+  const pbf_real *unrest;     /* where fluid sleeps, else null, */
+  const uint32_t *all_asleep; /* and then: when not 0 all stay in their order */
 };
+
+static __device__ __forceinline__ bool is_asleep(const unsorted_particles &p, uint32_t i) {
+  return PBF_SLEEP && p.unrest && pbf_is_asleep(p.unrest[i]);
+}
 
 /* One entry a particle; dead after the sort. */
 struct sort_scratch {
@@ -46,6 +56,7 @@ template <bool COLLIDERS>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
+  if (is_asleep(from, i)) return x;
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
   return p.collide ? resolve<COLLIDERS>(p.obstacles, 1, x, y) : y;
 }
@@ -76,10 +87,18 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
-  pbf_vec x = position_of(load(from.points, i));
+  if (PBF_SLEEP && from.unrest && *from.all_asleep) place = i;
+  point own = load(from.points, i);
+  pbf_vec x = position_of(own);
   pbf_vec predicted = predicted_position<COLLIDERS>(from, p, i, x);
-  store(to.points, place, point_at(predicted));
-  to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
+  if (is_asleep(from, i)) {
+    store(to.points, place, own);
+    to.velocities[place] = {{0}};
+  } else {
+    store(to.points, place, point_at(predicted));
+    to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
+  }
+  if (PBF_SLEEP && from.unrest) to.unrest[place] = from.unrest[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }

@@ -13,6 +13,8 @@ static inline uint32_t launches_of(pbf_stage stage) {
       return PBF_CUDA_SCAN_LAUNCHES + 3;
     case PBF_STAGE_VELOCITY:
       return 0; /* the last move's end */
+    case PBF_STAGE_SLEEP:
+      return 3;
     default:
       return 1;
   }
@@ -23,38 +25,42 @@ static inline bool has_colliders(const solver *s) {
 }
 
 /* Predicts and counts the particles of each cell. */
-static inline pbf_status launch_predict(solver *s, const cell_grid &grid, const prediction &p) {
+static inline pbf_status launch_predict(solver *s, const unsorted_particles &from,
+                                        const cell_grid &grid, const prediction &p) {
   if (pbf_status status = pbf_cuda_check(
           cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
           "cudaMemsetAsync"))
     return status;
   auto kernel = has_colliders(s) ? predict_kernel<true> : predict_kernel<false>;
-  kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(state_of(s), p, grid, s->cell_start,
+  kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
                                                             scratch_of(s));
   return PBF_OK;
 }
 
 /* Sorts the predicted particles into s->other. */
-static inline pbf_status launch_sort(solver *s, const neighborhood &n, const prediction &p) {
+static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
+                                     const neighborhood &n, const prediction &p) {
   uint32_t blocks = blocks_for(s->count);
   if (pbf_status status =
           pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
-  scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), s->cell_start, scratch_of(s));
+  scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
   auto place = has_colliders(s) ? place_kernel<true> : place_kernel<false>;
-  place<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), p, scratch_of(s), n.particles);
+  place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
 }
 
-/* Sorts the present positions. */
+/* Sorts the present positions, also of those that sleep. */
 static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   prediction at_rest = {};
-  if (pbf_status status = launch_predict(s, grid, at_rest)) return status;
-  return launch_sort(s, neighborhood_of(s, grid), at_rest);
+  unsorted_particles from = state_of(s);
+  from.unrest = nullptr;
+  if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
+  return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
 }
 
 static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
+  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched || s->unrest;
 }
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
@@ -98,6 +104,10 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
 static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
   if (!s->schedule.watched) return PBF_OK;
   *pass = {s->watch, (long long)pbf_excess_limit(&s->params, s->count), 0};
+  if (PBF_SLEEP && s->unrest) {
+    clear_watch_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
+    return pbf_cuda_check_launch("clear_watch_kernel");
+  }
   return pbf_cuda_check(cudaMemsetAsync(s->watch, 0, sizeof *s->watch, s->stream),
                         "cudaMemsetAsync");
 }
@@ -107,7 +117,8 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
-  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack, {}};
+  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack, {}, {}};
+  if (PBF_SLEEP && s->unrest) extras.rest = {s->other_unrest, &s->tally->all, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
@@ -164,6 +175,37 @@ static inline pbf_status apply_viscosity(solver *s, const neighborhood &n) {
   return status;
 }
 
+static inline pbf_status wake_near(solver *s, pbf_movers movers, const step_obstacles &obstacles) {
+  if (!PBF_SLEEP || !s->unrest || !s->count || !pbf_any_moves(movers)) return PBF_OK;
+  wake_near_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->count, s->sleep, movers, obstacles, s->constants.h, s->unrest, s->tally);
+  return pbf_cuda_check_launch("wake_near_kernel");
+}
+
+/* The marks take the points that the solve has left behind. */
+static inline pbf_status settle(solver *s, const neighborhood &n) {
+  uint32_t blocks = blocks_for(s->count);
+  uint8_t *room = reinterpret_cast<uint8_t *>(s->other);
+  sleep_marks marks = {room, room + s->capacity};
+  return run_stage(&s->clock, s->stream, PBF_STAGE_SLEEP, [&] {
+    with_kernel(s->schedule.features, [&](auto features) {
+      unrest_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+          n, s->velocities, s->sleep, s->unrest, s->tally, marks);
+    });
+    stir_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->tally, marks);
+    settle_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->count, s->sleep, s->unrest, s->velocities,
+                                                       s->tally, marks, s->all_asleep, s->epoch);
+    return PBF_OK;
+  });
+}
+
+/* Whether no step has anything to do: a look, without waiting. A step launched for want of having
+ * seen it changes nothing, so that results do not depend on when it is seen. */
+static inline bool all_asleep(const solver *s) {
+  return PBF_SLEEP && s->unrest && !pbf_any_moves(s->movers) &&
+         *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch;
+}
+
 /* The step that ends at `time`. */
 static inline pbf_status run_step(solver *s, double time, const pbf_solid *solids) {
   const pbf_schedule &has = s->schedule;
@@ -172,11 +214,12 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   cell_grid grid = grid_over(&obstacles.walls, s->params.smoothing_radius,
                              grid_cell_limit(s->capacity), PBF_FINEST);
   neighborhood n = neighborhood_of(s, grid);
+  if (pbf_status status = wake_near(s, s->movers, obstacles)) return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_PREDICT,
-                                    [&] { return launch_predict(s, grid, p); }))
+                                    [&] { return launch_predict(s, state_of(s), grid, p); }))
     return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_NEIGHBORS, [&] {
-        pbf_status sorted = launch_sort(s, n, p);
+        pbf_status sorted = launch_sort(s, state_of(s), n, p);
         list_kernel<<<(s->count + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK,
                       list_shared(s->lists.chunks), s->stream>>>(n.particles, grid, s->constants.h2,
                                                                  s->lists);
@@ -186,11 +229,14 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   if (pbf_status status = solve_density(s, &n, obstacles)) return status;
   if (n.particles.points == s->other) exchange(&s->points, &s->other);
   exchange(&s->ids, &s->other_ids);
+  exchange(&s->unrest, &s->other_unrest);
   s->ordered = false;
   s->time = time;
   if (has.runs[PBF_STAGE_CURL])
     if (pbf_status status = confine_vorticity(s, n)) return status;
-  return has.runs[PBF_STAGE_VISCOSITY] ? apply_viscosity(s, n) : PBF_OK;
+  if (has.runs[PBF_STAGE_VISCOSITY])
+    if (pbf_status status = apply_viscosity(s, n)) return status;
+  return PBF_SLEEP && s->unrest ? settle(s, n) : PBF_OK;
 }
 
 /* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads

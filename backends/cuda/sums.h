@@ -55,6 +55,13 @@ static __device__ __forceinline__ bool ends(const watch_pass &w, bool last, uint
   return over;
 }
 
+/* What an iteration knows of sleepers. */
+struct sleep_pass {
+  const pbf_real *unrest; /* null: nothing sleeps */
+  const uint32_t *all;    /* not 0: all do */
+  pbf_sleep sleep;
+};
+
 /* What only some scenes have in an iteration. A scene without any of it runs kernels built without
  * it (EXTRAS false). */
 struct iteration_extras {
@@ -63,6 +70,7 @@ struct iteration_extras {
   pbf_real *before;      /* accelerated: lambda an iteration earlier; else null */
   const pbf_real *slack; /* in very short steps; else null */
   watch_pass watch;
+  sleep_pass rest;
 };
 
 static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,

@@ -84,7 +84,7 @@ static inline int pbf_any_moves(pbf_movers m) { return m.walls || m.solids; }
  * elsewhere. */
 static inline pbf_movers pbf_changed(uint32_t count, const pbf_collider *now, uint32_t next_count,
                                      const pbf_collider *next) {
-  static const pbf_collider none[1];
+  static const pbf_collider none[1] = {{0}};
   pbf_movers m = {0, 0};
   for (uint32_t k = 0; k < count || k < next_count; ++k) {
     const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
@@ -94,15 +94,16 @@ static inline pbf_movers pbf_changed(uint32_t count, const pbf_collider *now, ui
 }
 
 /* Whether one of them is within `reach` of x. */
-PBF_FN int pbf_moves_near(pbf_movers m, const pbf_obstacles *o, pbf_real reach, pbf_vec x) {
+PBF_FN int pbf_moves_near(pbf_movers m, const pbf_walls *walls, int count, const pbf_solid *solids,
+                          pbf_real reach, pbf_vec x) {
   for (int k = 0; k < PBF_DIM && m.walls; ++k)
-    if ((m.walls >> 2 * k & 1 && x.c[k] - o->walls.lower.c[k] < reach) ||
-        (m.walls >> 2 * k & 2 && o->walls.upper.c[k] - x.c[k] < reach))
+    if ((m.walls >> 2 * k & 1 && x.c[k] - walls->lower.c[k] < reach) ||
+        (m.walls >> 2 * k & 2 && walls->upper.c[k] - x.c[k] < reach))
       return 1;
-  for (int k = 0; k < pbf_solid_count(o) && m.solids; ++k) {
+  for (int k = 0; k < count && m.solids; ++k) {
     pbf_vec normal;
-    if (!(m.solids >> k & 1) || pbf_solid_beyond(&o->solids[k], x, reach)) continue;
-    if (pbf_solid_distance(&o->solids[k], x, &normal) < reach) return 1;
+    if (!(m.solids >> k & 1) || pbf_solid_beyond(&solids[k], x, reach)) continue;
+    if (pbf_solid_distance(&solids[k], x, &normal) < reach) return 1;
   }
   return 0;
 }

@@ -65,7 +65,8 @@ static inline void wake_near(solver *s, pbf_movers movers, double time) {
   if (!sleeps(s) || !pbf_any_moves(movers)) return;
   pbf_obstacles obstacles = obstacles_at(s, time);
   for (uint32_t i = 0; i < s->count; ++i)
-    if (asleep(s, i) && pbf_moves_near(movers, &obstacles, s->constants.h, s->x[i]))
+    if (asleep(s, i) && pbf_moves_near(movers, &obstacles.walls, obstacles.count, obstacles.solids,
+                                       s->constants.h, s->x[i]))
       s->unrest[i] = pbf_woken(&s->sleep);
 }
 

@@ -102,7 +102,6 @@ static uint64_t bytes_but_lists(pbf_solver *solver) {
 static void check_freed(pbf_solver *s, ask feature, uint64_t bytes) {
   pbf_params params = bare();
   feature(&params);
-  if (on_a_device(s)) params.sleep_speed = 0; /* nothing sleeps there */
   assert_ok(pbf_set_params(s, &params));
   assert_ok(pbf_step(s, 2));
   params = bare();

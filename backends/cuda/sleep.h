@@ -1,0 +1,134 @@
+/* Who falls asleep and who wakes (physics/sleep.h). Nothing comes back to the host, which only
+ * looks: when all sleep, the device says so in the host's memory, and the steps that the host
+ * launches until it has seen that change nothing. */
+#ifndef PBF_CUDA_SLEEP_H
+#define PBF_CUDA_SLEEP_H
+
+#include "cuda/passes.h"
+
+/* What the blocks of a step tell each other. */
+struct sleep_tally {
+  uint32_t drowsy;   /* somebody sleeps or is still enough to */
+  uint32_t sleepers; /* counted in each step, */
+  uint32_t blocks;   /* by so many blocks so far */
+  uint32_t all;      /* nobody is awake */
+  uint32_t asked;    /* sleepers, for statistics */
+};
+
+/* Of particles in sorted order, at the end of a step; a byte each. */
+struct sleep_marks {
+  uint8_t *stirs, *stirred;
+};
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    unrest_kernel(neighborhood n, const pbf_vec *velocities, pbf_sleep sleep, pbf_real *unrest,
+                  sleep_tally *tally, sleep_marks marks) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  if (tally->all) return;
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    sum = pbf_add_scaled(sum, pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij)),
+                         pbf_sub(velocities[j], v));
+  });
+  if (i >= n.particles.count) return;
+  pbf_real rest = unrest[i];
+  bool stirs = false;
+  if (!pbf_is_asleep(rest)) {
+    pbf_vec around = pbf_add_scaled(v, 1, sum);
+    unrest[i] = rest = pbf_unrest(&sleep, rest, around);
+    stirs = pbf_stirs(&sleep, rest, around);
+  }
+  marks.stirs[i] = stirs;
+  marks.stirred[i] = 0;
+  if (rest < sleep.still2) tally->drowsy = 1;
+}
+
+/* Where nobody sleeps nor is about to, nobody need know of what stirs. Several may say the same of
+ * a neighbour. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    stir_kernel(neighborhood n, const sleep_tally *tally, sleep_marks marks) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  if (tally->all || !tally->drowsy) return;
+  const point *points = n.particles.points;
+  pbf_vec x = position_of(load(points, own));
+  bool stirs = marks.stirs[own];
+  if (!__any_sync(~0u, stirs)) return;
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (!stirs || j == n.lists.nowhere) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    if (pbf_dot(x_ij, x_ij) < n.constants.h2) marks.stirred[j] = 1;
+  });
+}
+
+/* The last block to come knows how many sleep; the host knows it by `epoch`. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    settle_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest, pbf_vec *velocities,
+                  sleep_tally *tally, sleep_marks marks, volatile uint64_t *all_asleep,
+                  uint64_t epoch) {
+  uint32_t i = thread_index();
+  if (tally->all) {
+    if (i == 0) *all_asleep = epoch;
+    return;
+  }
+  if (!tally->drowsy) return;
+  bool asleep = false;
+  if (i < count) {
+    pbf_real rest = pbf_settle(&sleep, unrest[i], marks.stirred[i]);
+    unrest[i] = rest;
+    asleep = pbf_is_asleep(rest);
+    if (asleep) velocities[i] = {{0}};
+  }
+  uint32_t sleepers = (uint32_t)__syncthreads_count(asleep);
+  if (threadIdx.x != 0) return;
+  atomicAdd(&tally->sleepers, sleepers);
+  __threadfence();
+  if (atomicAdd(&tally->blocks, 1u) + 1 < gridDim.x) return;
+  __threadfence();
+  bool all = atomicAdd(&tally->sleepers, 0u) == count;
+  if (all) *all_asleep = epoch;
+  *tally = {0, 0, 0, all, 0};
+}
+
+/* Nobody solves while all sleep: then the iterations are those of the step before. */
+static __global__ void clear_watch_kernel(solve_watch *watch, const sleep_tally *tally) {
+  if (!tally->all) *watch = {};
+}
+
+static __global__ void wake_near_kernel(const point *points, uint32_t count, pbf_sleep sleep,
+                                        pbf_movers movers, step_obstacles o, pbf_real reach,
+                                        pbf_real *unrest, sleep_tally *tally) {
+  uint32_t i = thread_index();
+  if (i >= count || !pbf_is_asleep(unrest[i])) return;
+  if (!pbf_moves_near(movers, &o.walls, o.count, o.solids, reach, position_of(load(points, i))))
+    return;
+  unrest[i] = pbf_woken(&sleep);
+  tally->all = 0;
+}
+
+static __global__ void wake_all_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest,
+                                       sleep_tally *tally) {
+  uint32_t i = thread_index();
+  if (i < count && pbf_is_asleep(unrest[i])) unrest[i] = pbf_woken(&sleep);
+  if (i == 0) tally->all = 0;
+}
+
+static __global__ void greet_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest,
+                                    sleep_tally *tally) {
+  uint32_t i = thread_index();
+  if (i < count) unrest[i] = pbf_newcomer(&sleep);
+  if (i == 0) tally->all = 0;
+}
+
+static __global__ void count_asleep_kernel(const pbf_real *unrest, uint32_t count,
+                                           sleep_tally *tally) {
+  uint32_t i = thread_index();
+  uint32_t sleepers = (uint32_t)__syncthreads_count(i < count && pbf_is_asleep(unrest[i]));
+  if (threadIdx.x == 0 && sleepers) atomicAdd(&tally->asked, sleepers);
+}
+
+#endif
