@@ -105,11 +105,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   point to = point_at(x);
   if (accelerated || (EXTRAS && PBF_SLEEP && extras.rest.unrest)) to.lambda = own.lambda;
   store(moved, i, to);
-  if (last)
-    end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
-  if (EXTRAS && PBF_SLEEP && last && extras.rest.unrest &&
+  if (last && EXTRAS && PBF_SLEEP && extras.rest.unrest &&
       pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i]))
     end.velocities[i] = {{0}};
+  else if (last)
+    end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
   else if (end.place.first)
     end.velocities[i] = predicted;
 }
