@@ -4,10 +4,26 @@
 
 #include "cuda/population.h"
 #include "cuda/report.h"
+#include "cuda/room.h"
 #include "cuda/small_host.h"
 #include "cuda/step.h"
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
+
+static void destroy_solver(solver *s) {
+  {
+    pbf_cuda_scope scope(s->context);
+    clock_stop(&s->clock);
+    if (s->stream) cudaStreamSynchronize(s->stream);
+    pbf_cuda_free_all(&s->memory);
+    free_all_asleep(s);
+    if (s->owns_stream) cudaStreamDestroy(s->stream);
+    cudaGetLastError();
+  }
+  s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
+}
+
+static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
 
 /* Neighbours of a particle of the rest lattice, half as many again, and a few. */
 static uint32_t list_chunks(const pbf_params *params) {
@@ -28,62 +44,6 @@ static pbf_status take_lists(solver *s, uint32_t chunks) {
   s->list_room = room;
   s->lists.entries = static_cast<uint4 *>(room);
   s->lists.chunks = chunks;
-  return PBF_OK;
-}
-
-/* Takes or frees an array as `wanted` says. */
-template <class Value>
-static pbf_status take_if(solver *s, bool wanted, const char *name, uint64_t bytes, Value **data) {
-  if (wanted == (*data != nullptr)) return PBF_OK;
-  if (wanted) return pbf_cuda_take(&s->memory, name, bytes, reinterpret_cast<void **>(data));
-  pbf_cuda_free(&s->memory, *data);
-  *data = nullptr;
-  return PBF_OK;
-}
-
-/* What the device tells the host, in the host's memory. */
-static pbf_status take_all_asleep(solver *s) {
-  if (s->all_asleep) return PBF_OK;
-  void *word = nullptr;
-  if (pbf_status status = pbf_cuda_check(
-          cudaHostAlloc(&word, sizeof *s->all_asleep, cudaHostAllocMapped), "cudaHostAlloc"))
-    return status;
-  s->all_asleep = static_cast<uint64_t *>(word);
-  *s->all_asleep = 0;
-  return PBF_OK;
-}
-
-static void free_all_asleep(solver *s) {
-  if (s->all_asleep && cudaFreeHost(s->all_asleep) != cudaSuccess) cudaGetLastError();
-  s->all_asleep = nullptr;
-}
-
-static void destroy_solver(solver *s) {
-  {
-    pbf_cuda_scope scope(s->context);
-    clock_stop(&s->clock);
-    if (s->stream) cudaStreamSynchronize(s->stream);
-    pbf_cuda_free_all(&s->memory);
-    free_all_asleep(s);
-    if (s->owns_stream) cudaStreamDestroy(s->stream);
-    cudaGetLastError();
-  }
-  s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
-}
-
-static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
-
-static pbf_status take_for_sleep(solver *s, bool wanted, uint64_t n) {
-  if (!PBF_SLEEP) return PBF_OK;
-  if (wanted)
-    if (pbf_status status = take_all_asleep(s)) return status;
-  if (pbf_status status = take_if(s, wanted, "unrest", n * sizeof(pbf_real), &s->unrest))
-    return status;
-  if (pbf_status status =
-          take_if(s, wanted, "sorted unrest", n * sizeof(pbf_real), &s->other_unrest))
-    return status;
-  if (pbf_status status = take_if(s, wanted, "sleep", sizeof *s->tally, &s->tally)) return status;
-  if (!wanted) free_all_asleep(s); /* freeing the arrays has waited for the device */
   return PBF_OK;
 }
 
@@ -273,7 +233,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   double dt = s->params.time_step;
-  s->time = time;
+  s->time = s->count ? time : time + steps * dt;
   *done = s->count ? 0 : steps;
   while (*done < steps) {
     if (all_asleep(s)) {
