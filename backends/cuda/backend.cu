@@ -158,6 +158,14 @@ static pbf_status open_stream(solver *s, void *stream) {
   return PBF_OK;
 }
 
+/* Lists grow in more shared memory than a kernel may have unasked. */
+template <class Kernel>
+static pbf_status allow_lists(Kernel *kernel) {
+  return pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                             (int)list_shared(PBF_MOST_LISTED / PBF_CHUNK)),
+                        "cudaFuncSetAttribute");
+}
+
 static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params *params) {
   cudaDeviceProp properties;
   if (pbf_status status = pbf_cuda_check(cudaGetDevice(&s->device), "cudaGetDevice")) return status;
@@ -171,11 +179,9 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;
   if (pbf_status status = place_nowhere(s)) return status;
-  if (pbf_status status = pbf_cuda_check(
-          cudaFuncSetAttribute(list_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                               (int)list_shared(PBF_MOST_LISTED / PBF_CHUNK)),
-          "cudaFuncSetAttribute"))
-    return status;
+  if (pbf_status status = allow_lists(list_kernel<false>)) return status;
+  if constexpr (PBF_SLEEP)
+    if (pbf_status status = allow_lists(list_kernel<true>)) return status;
   if (small_possible(s)) {
     if (pbf_status status = small_take(s)) return status;
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;

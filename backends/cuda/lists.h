@@ -84,6 +84,7 @@ static inline size_t list_shared(uint32_t chunks) {
   return (size_t)chunks * PBF_CHUNK * LIST_BLOCK * sizeof(uint16_t);
 }
 
+template <bool SLEEP>
 static __global__ void __launch_bounds__(LIST_BLOCK)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
   extern __shared__ uint16_t growing[];
@@ -92,8 +93,8 @@ static __global__ void __launch_bounds__(LIST_BLOCK)
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   /* Who sleeps has an empty list. */
-  bool looks = real && !(PBF_SLEEP && p.unrest && pbf_is_asleep(p.unrest[i]));
-  if (PBF_SLEEP && p.unrest && !__any_sync(~0u, looks)) {
+  bool looks = real && !(SLEEP && pbf_is_asleep(p.unrest[i]));
+  if (SLEEP && !__any_sync(~0u, looks)) {
     if (real) lists.sizes[i] = 0;
     return;
   }

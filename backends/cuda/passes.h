@@ -27,7 +27,8 @@ struct move_end {
   pbf_vec *velocities; /* predicted positions from the first move on, velocities from the last */
 };
 
-template <int FEATURES, bool EXTRAS>
+/* SLEEP is EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
   uint32_t i = thread_index();
@@ -37,8 +38,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
   /* Sleepers keep their lambda. */
-  bool asleep = EXTRAS && PBF_SLEEP && extras.rest.unrest && pbf_is_asleep(extras.rest.unrest[own]);
-  if (EXTRAS && PBF_SLEEP && __all_sync(~0u, asleep)) return;
+  bool asleep = SLEEP && pbf_is_asleep(extras.rest.unrest[own]);
+  if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(load(points, own));
   /* Read long before it is written: a store to an address that a load is still waiting for holds up
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
@@ -53,7 +54,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
                asleep ? 0 : pbf_excess(slack, sums.density));
-  if (EXTRAS && PBF_SLEEP && asleep) return;
+  if (SLEEP && asleep) return;
   if (accelerated) {
     pbf_real total = points[i].lambda;
     pbf_accelerate(c, lambda, &total, &before);
@@ -63,8 +64,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   points[i].lambda = lambda;
 }
 
-/* From n.particles.points to `moved`. COLLIDERS are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, bool COLLIDERS>
+/* From n.particles.points to `moved`. COLLIDERS and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool COLLIDERS, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
@@ -73,7 +74,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   point own = load(points, min(i, n.particles.count - 1));
   bool last = end.place.last;
   bool asleep = false;
-  if (EXTRAS && PBF_SLEEP && extras.rest.unrest) {
+  if (SLEEP) {
     asleep = pbf_is_asleep(extras.rest.unrest[min(i, n.particles.count - 1)]);
     if (asleep && end.place.first && i < n.particles.count) { /* both buffers hold its place */
       store(moved, i, own);
@@ -88,14 +89,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     }
     last = ends(extras.watch, last, i);
   }
-  if (EXTRAS && PBF_SLEEP && __all_sync(~0u, asleep)) return;
+  if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     point other = load(points, j);
     sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
-  if (i >= n.particles.count || asleep) return;
+  if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x;
   if (!end.place.first && (EXTRAS || last)) predicted = end.velocities[i];
   bool accelerated = EXTRAS && extras.before;
@@ -103,10 +104,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                     end.collide || (last && end.collide_last), own.lambda,
                                     predicted, x);
   point to = point_at(x);
-  if (accelerated || (EXTRAS && PBF_SLEEP && extras.rest.unrest)) to.lambda = own.lambda;
+  if (accelerated || SLEEP) to.lambda = own.lambda;
   store(moved, i, to);
-  if (last && EXTRAS && PBF_SLEEP && extras.rest.unrest &&
-      pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i]))
+  if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i]))
     end.velocities[i] = {{0}};
   else if (last)
     end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);

@@ -252,7 +252,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
   grid_barrier(small.control, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    count_particle<true>(from, predict, grid, p.cell_start, room.scratch, i);
+    count_particle<true, false>(from, predict, grid, p.cell_start, room.scratch, i);
   grid_barrier(small.control, ++turn);
   scan_by_first_block(p.cell_start, grid.count + 1);
   grid_barrier(small.control, ++turn);
@@ -260,7 +260,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
     scatter_particle(from, p.cell_start, room.scratch, i);
   grid_barrier(small.control, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    place_particle<true>(from, predict, room.scratch, p, i);
+    place_particle<true, false>(from, predict, room.scratch, p, i);
   grid_barrier(small.control, ++turn);
   point *points = p.points, *moved = small.points[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {

@@ -43,32 +43,28 @@ struct unsorted_particles {
   const uint32_t *all_asleep; /* and then: when not 0 all stay in their order */
 };
 
-static __device__ __forceinline__ bool is_asleep(const unsorted_particles &p, uint32_t i) {
-  return PBF_SLEEP && p.unrest && pbf_is_asleep(p.unrest[i]);
-}
-
 /* One entry a particle; dead after the sort. */
 struct sort_scratch {
   uint32_t *cell, *arrival, *id_by_cell;
 };
 
-template <bool COLLIDERS>
+template <bool COLLIDERS, bool SLEEP>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
-  if (is_asleep(from, i)) return x;
+  if (SLEEP && pbf_is_asleep(from.unrest[i])) return x;
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
   return p.collide ? resolve<COLLIDERS>(p.obstacles, 1, x, y) : y;
 }
 
 /* The stages of the sort for particle i. */
-template <bool COLLIDERS>
+template <bool COLLIDERS, bool SLEEP>
 static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
                                                       const prediction &p, const cell_grid &grid,
                                                       uint32_t *cell_count,
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
-  uint32_t cell = grid_cell(grid, predicted_position<COLLIDERS>(from, p, i, x));
+  uint32_t cell = grid_cell(grid, predicted_position<COLLIDERS, SLEEP>(from, p, i, x));
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
@@ -79,7 +75,7 @@ static __device__ __forceinline__ void scatter_particle(const unsorted_particles
   scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
 }
 
-template <bool COLLIDERS>
+template <bool COLLIDERS, bool SLEEP>
 static __device__ __forceinline__ void place_particle(const unsorted_particles &from,
                                                       const prediction &p,
                                                       const sort_scratch &scratch,
@@ -87,28 +83,28 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
-  if (PBF_SLEEP && from.unrest && *from.all_asleep) place = i;
+  if (SLEEP && *from.all_asleep) place = i;
   point own = load(from.points, i);
   pbf_vec x = position_of(own);
-  pbf_vec predicted = predicted_position<COLLIDERS>(from, p, i, x);
-  if (is_asleep(from, i)) {
+  pbf_vec predicted = predicted_position<COLLIDERS, SLEEP>(from, p, i, x);
+  if (SLEEP && pbf_is_asleep(from.unrest[i])) {
     store(to.points, place, own);
     to.velocities[place] = {{0}};
   } else {
     store(to.points, place, point_at(predicted));
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
   }
-  if (PBF_SLEEP && from.unrest) to.unrest[place] = from.unrest[i];
+  if (SLEEP) to.unrest[place] = from.unrest[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }
 
-template <bool COLLIDERS>
+template <bool COLLIDERS, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
                    sort_scratch scratch) {
   uint32_t i = thread_index();
-  if (i < from.count) count_particle<COLLIDERS>(from, p, grid, cell_count, scratch, i);
+  if (i < from.count) count_particle<COLLIDERS, SLEEP>(from, p, grid, cell_count, scratch, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -117,11 +113,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < from.count) scatter_particle(from, cell_start, scratch, i);
 }
 
-template <bool COLLIDERS>
+template <bool COLLIDERS, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
   uint32_t i = thread_index();
-  if (i < from.count) place_particle<COLLIDERS>(from, p, scratch, to, i);
+  if (i < from.count) place_particle<COLLIDERS, SLEEP>(from, p, scratch, to, i);
 }
 
 #endif

@@ -31,7 +31,9 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
           cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
           "cudaMemsetAsync"))
     return status;
-  auto kernel = has_colliders(s) ? predict_kernel<true> : predict_kernel<false>;
+  auto kernel = has_colliders(s) ? predict_kernel<true, false> : predict_kernel<false, false>;
+  if constexpr (PBF_SLEEP)
+    if (from.unrest) kernel = predict_kernel<true, true>;
   kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
                                                             scratch_of(s));
   return PBF_OK;
@@ -45,9 +47,19 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
           pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
-  auto place = has_colliders(s) ? place_kernel<true> : place_kernel<false>;
+  auto place = has_colliders(s) ? place_kernel<true, false> : place_kernel<false, false>;
+  if constexpr (PBF_SLEEP)
+    if (from.unrest) place = place_kernel<true, true>;
   place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
+}
+
+static inline void launch_lists(solver *s, const neighborhood &n) {
+  auto kernel = list_kernel<false>;
+  if constexpr (PBF_SLEEP)
+    if (s->unrest) kernel = list_kernel<true>;
+  kernel<<<(s->count + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK, list_shared(s->lists.chunks),
+           s->stream>>>(n.particles, n.grid, s->constants.h2, s->lists);
 }
 
 /* Sorts the present positions, also of those that sleep. */
@@ -60,7 +72,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
 }
 
 static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched || s->unrest;
+  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
 }
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
@@ -68,10 +80,10 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    if (has_extras(s))
-      lambda_kernel<F, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
-    else
-      lambda_kernel<F, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
+    auto kernel = has_extras(s) ? lambda_kernel<F, true, false> : lambda_kernel<F, false, false>;
+    if constexpr (PBF_SLEEP)
+      if (s->unrest) kernel = lambda_kernel<F, true, true>;
+    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
   });
 }
 
@@ -80,12 +92,12 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   uint32_t blocks = blocks_for(s->count);
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    if (has_colliders(s))
-      move_kernel<F, true, true><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
-    else if (has_extras(s))
-      move_kernel<F, true, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
-    else
-      move_kernel<F, false, false><<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+    auto kernel = has_colliders(s) ? move_kernel<F, true, true, false>
+                  : has_extras(s)  ? move_kernel<F, true, false, false>
+                                   : move_kernel<F, false, false, false>;
+    if constexpr (PBF_SLEEP)
+      if (s->unrest) kernel = move_kernel<F, true, true, true>;
+    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }
 
@@ -220,9 +232,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
     return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_NEIGHBORS, [&] {
         pbf_status sorted = launch_sort(s, state_of(s), n, p);
-        list_kernel<<<(s->count + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK,
-                      list_shared(s->lists.chunks), s->stream>>>(n.particles, grid, s->constants.h2,
-                                                                 s->lists);
+        launch_lists(s, n);
         return sorted;
       }))
     return status;
