@@ -172,11 +172,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(strength, eta, curls[i]));
 }
 
-/* From `velocities` to `smoothed`. */
+/* Eq. 17 with weight 1: sum over the others of V W (v_j - v_i). All threads of a warp call it. */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscosity_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *smoothed) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+static __device__ __forceinline__ pbf_vec velocity_around(const neighborhood &n,
+                                                          const pbf_vec *velocities, uint32_t i) {
+  uint32_t own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
@@ -186,7 +186,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     sum = pbf_add_scaled(sum, pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij)),
                          pbf_sub(velocities[j], v));
   });
-  if (i < n.particles.count) smoothed[i] = pbf_add_scaled(v, c->viscosity, sum);
+  return sum;
+}
+
+/* From `velocities` to `smoothed`. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    viscosity_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *smoothed) {
+  uint32_t i = thread_index();
+  pbf_vec sum = velocity_around<FEATURES>(n, velocities, i);
+  if (i < n.particles.count)
+    smoothed[i] = pbf_add_scaled(velocities[i], n.constants.viscosity, sum);
 }
 
 /* rho/rho0 without the walls' part, and the number of neighbours nearer than h; without lists. */

@@ -24,22 +24,14 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     unrest_kernel(neighborhood n, const pbf_vec *velocities, pbf_sleep sleep, pbf_real *unrest,
                   sleep_tally *tally, sleep_marks marks) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = thread_index();
   if (tally->all) return;
-  const pbf_constants *c = &n.constants;
-  const point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    sum = pbf_add_scaled(sum, pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij)),
-                         pbf_sub(velocities[j], v));
-  });
+  pbf_vec sum = velocity_around<FEATURES>(n, velocities, i);
   if (i >= n.particles.count) return;
   pbf_real rest = unrest[i];
   bool stirs = false;
   if (!pbf_is_asleep(rest)) {
-    pbf_vec around = pbf_add_scaled(v, 1, sum);
+    pbf_vec around = pbf_add_scaled(velocities[i], 1, sum);
     unrest[i] = rest = pbf_unrest(&sleep, rest, around);
     stirs = pbf_stirs(&sleep, rest, around);
   }

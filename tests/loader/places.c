@@ -7,6 +7,7 @@
 #include <grp.h>
 
 #include "child.h"
+#include "support.h"
 
 static char folder[64];    /* libpbf.so and the program that asks it */
 static char output[16384]; /* what it said */
@@ -164,16 +165,11 @@ static void through_a_link(void **state) {
   assert_says("serial|1|%s/real/pbf_backend_serial.so|", folder);
 }
 
-static void skip_because(const char *reason) {
-  print_message("skipped: %s\n", reason);
-  skip();
-}
-
 /* The program runs for nobody, once plainly and once with the rights of another group. */
 static void elevated_privileges(void **state) {
   (void)state;
   char program[128], library[128], trap[128];
-  if (geteuid() != 0) skip_because("only root can make a program of another group");
+  if (geteuid() != 0) test_skip("only root can make a program of another group");
   snprintf(program, sizeof program, "%s/list", folder);
   snprintf(library, sizeof library, "%s/libpbf.so", folder);
   snprintf(trap, sizeof trap, "%s/trap", folder);
@@ -187,7 +183,7 @@ static void elevated_privileges(void **state) {
   assert_int_equal(chown(program, 0, 1), 0);
   assert_int_equal(chmod(program, 02755), 0);
   ask("/", library, 1);
-  if (strstr(output, "secure|0")) skip_because("this file system grants no such rights");
+  if (strstr(output, "secure|0")) test_skip("this file system grants no such rights");
   assert_null(strstr(output, "trap"));
   assert_says("serial|0||no pbf_backend_serial.so in %s", folder);
 }
