@@ -1,6 +1,7 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
 #include "common/without.h"
 #include "common/views.h"
+#include "cpu/arrays.h"
 #include "cpu/particles.h"
 #include "cpu/plugin.h"
 #include "cpu/step.h"
@@ -40,121 +41,6 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 }
 
 /* ---- Life ---------------------------------------------------------------------------------- */
-
-static field take_field(solver *s, const char *name) {
-  field f;
-  pbf_real *base = pbf_memory_take(&s->memory, name, PBF_DIM * padded(s->capacity), sizeof *base);
-  for (uint64_t k = 0; k < PBF_DIM; ++k)
-    f.c[k] = base ? base + FIELD_FRONT + k * padded(s->capacity) : NULL;
-  return f;
-}
-
-/* Read by whole vectors from before its first element on, as a field is. */
-static pbf_real *take_reals(solver *s, const char *name) {
-  pbf_real *base = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof *base);
-  return base ? base + FIELD_FRONT : NULL;
-}
-
-static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
-  return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
-}
-
-/* What the threads need to share their work out; 0 when one is lacking. */
-static int take_pieces(solver *s) {
-  pbf_memory *m = &s->memory;
-  uint64_t threads = s->threads, ranges = RANGE_PIECES * threads;
-  s->sample = take_indices(s, "sampled cell", ranges * SAMPLES_A_RANGE);
-  s->first_cell = take_indices(s, "first cell of a range", ranges + 1);
-  s->first_place = take_indices(s, "first place of a range", ranges + 1);
-  s->first_group = take_indices(s, "first group of a piece", PAIR_PIECES * threads + 1);
-  s->boxes = pbf_memory_take(m, "box of a piece", PARTICLE_PIECES * threads, sizeof *s->boxes);
-  s->list_sizes =
-      pbf_memory_take(m, "list size of a piece", SEARCH_PIECES * threads, sizeof *s->list_sizes);
-  s->slab_counters = pbf_memory_take(m, "slabs taken", threads, sizeof *s->slab_counters);
-  s->team = pbf_memory_take(m, "team", team_bytes(s->threads), 1);
-  return s->team && s->sample && s->first_cell && s->first_place && s->first_group && s->boxes &&
-         s->list_sizes && s->slab_counters;
-}
-
-/* 0 when one is lacking. */
-static int take_arrays(solver *s) {
-  uint64_t n = padded(s->capacity), chunks = chunks_of(s->capacity);
-  buffers *b = &s->buffers;
-  b->x = take_field(s, "position");
-  b->v = take_field(s, "velocity");
-  b->spare[0] = take_field(s, "predicted");
-  b->spare[1] = take_field(s, "predicted velocity");
-  b->spare[2] = take_field(s, "sorted predicted");
-  b->spare[3] = take_field(s, "sorted velocity");
-  s->lambda = take_reals(s, "lambda");
-  b->ids = take_indices(s, "id", n);
-  b->spare_ids = take_indices(s, "sorted id", n);
-  s->cells = take_indices(s, "cell", n);
-  s->sorted_cells = take_indices(s, "sorted cell", n);
-  s->order = take_indices(s, "order", n);
-  s->cell_end = take_indices(s, "cell end", cell_limit(s->capacity) + 1);
-  s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
-  s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
-  s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  return s->memory.count == 16 && take_pieces(s);
-}
-
-typedef struct clearing {
-  solver *s;
-  uint32_t parts;
-} clearing;
-
-static void clear_part(void *context, uint32_t part) {
-  const clearing *c = context;
-  for (uint32_t k = 0; k < c->s->memory.count; ++k) {
-    const pbf_array *a = &c->s->memory.arrays[k];
-    if (a->data == c->s->team) continue;
-    uint64_t begin = a->bytes / c->parts * part;
-    uint64_t end = part + 1 == c->parts ? a->bytes : a->bytes / c->parts * (part + 1);
-    memset((char *)a->data + begin, 0, end - begin);
-  }
-}
-
-/* Each thread writes its part first, so that the pages lie near it. */
-static void clear_arrays(void *context, member *me) {
-  clearing c = {context, me->threads};
-  team_for(me, me->threads, clear_part, NULL, &c);
-}
-
-/* Takes or releases an array that only some parameters need. 0 when there is no memory. */
-static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name) {
-  if (wanted && !*array)
-    *array = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof **array);
-  if (wanted) return *array != NULL;
-  pbf_memory_free(&s->memory, *array);
-  *array = NULL;
-  return 1;
-}
-
-static int keep_excess(solver *s, int wanted) {
-  if (wanted && !s->excess)
-    s->excess = pbf_memory_take(&s->memory, "density error of a piece",
-                                (uint64_t)PAIR_PIECES * s->threads, sizeof *s->excess);
-  if (wanted) return s->excess != NULL;
-  pbf_memory_free(&s->memory, s->excess);
-  s->excess = NULL;
-  return 1;
-}
-
-static int keep_rest(solver *s, const pbf_schedule *has) {
-  int wanted = has->runs[PBF_STAGE_SLEEP] != 0;
-  rest *now = &s->buffers.rest, *spare = &s->buffers.spare_rest;
-  return keep_reals(s, wanted, &now->unrest, "unrest") &&
-         keep_reals(s, wanted, &now->lambda, "lambda asleep") &&
-         keep_reals(s, wanted, &spare->unrest, "sorted unrest") &&
-         keep_reals(s, wanted, &spare->lambda, "sorted lambda asleep");
-}
-
-static int keep_arrays(solver *s, const pbf_schedule *has) {
-  return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
-         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
-         keep_excess(s, has->watched);
-}
 
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {

@@ -56,11 +56,16 @@ static __attribute__((noinline)) const uint8_t *list_dense(const block *b, uint8
   return list;
 }
 
-/* The block's lists, unpacked into `space` where they are not stored; the walk goes on. */
-PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MOST_ROUNDS * WIDTH]) {
+PBF_FN void walk_past(walk *w) {
   const block *b = walk_block(w);
   w->next += sizeof *b + block_payload(b->rounds);
   --w->left;
+}
+
+/* The block's lists, unpacked into `space` where they are not stored; the walk goes on. */
+PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MOST_ROUNDS * WIDTH]) {
+  const block *b = walk_block(w);
+  walk_past(w);
   return b->rounds <= DENSE_ROUNDS ? (const uint8_t *)(b + 1) : list_dense(b, space);
 }
 

@@ -60,6 +60,9 @@ typedef struct pair_pass {
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
 } pair_pass;
 
+/* Sorted particles of whom one byte says whether any of them can be stirred. */
+enum { CALM_CHUNK = 32 };
+
 /* Null: built without the feature. */
 typedef struct kernels {
   uint32_t width; /* particles in a group */
@@ -86,8 +89,8 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
                   const pbf_real *size, field v, uint32_t first, uint32_t last);
-  void (*stir)(const pair_pass *p, const pbf_real *stirs, uint32_t *stirred, uint32_t first,
-               uint32_t last);
+  void (*stir)(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm, uint32_t *stirred,
+               uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);

@@ -480,30 +480,46 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
 
-/* The particles around lane l of group g are stirred. */
-static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t g, uint32_t l) {
-  const pbf_vec x = field_at(&p->x, g * WIDTH + l);
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
-    const uint8_t *list = walk_on(&w, space);
-    for (uint32_t round = 0; round < b->rounds; ++round) {
-      uint32_t slot = list[round * WIDTH + l];
-      if (slot % SLOTS == 0) continue;
-      uint32_t j = b->first[slot / SLOTS] + slot % SLOTS - 1;
-      pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
-      /* Others may say the same at the same time. */
-      if (pbf_dot(x_ij, x_ij) < p->constants->h2)
-        __atomic_store_n(&stirred[j], 1, __ATOMIC_RELAXED);
-    }
+/* The windows of a block in which somebody can be stirred, a bit each. */
+PBF_FN uint32_t calm_windows(const block *b, const uint8_t *calm) {
+  uint32_t windows = 0;
+  for (uint32_t part = 0; part < PARTS; ++part) {
+    uint32_t first = b->first[part], last = first + SLOTS - 2;
+    windows |= (uint32_t)(calm[first / CALM_CHUNK] | calm[last / CALM_CHUNK]) << part;
+  }
+  return windows;
+}
+
+/* The neighbours of particle i, whose list begins at `list`, in these windows of a block are
+ * stirred. */
+static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t i, const block *b,
+                        const uint8_t *list, uint32_t windows) {
+  const pbf_vec x = field_at(&p->x, i);
+  for (uint32_t round = 0; round < b->rounds; ++round) {
+    uint32_t slot = list[round * WIDTH], part = slot / SLOTS;
+    if (slot % SLOTS == 0 || !(windows >> part & 1)) continue;
+    uint32_t j = b->first[part] + slot % SLOTS - 1;
+    pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
+    /* Others may say the same at the same time. */
+    if (pbf_dot(x_ij, x_ij) < p->constants->h2) __atomic_store_n(&stirred[j], 1, __ATOMIC_RELAXED);
   }
 }
 
-static void stir(const pair_pass *p, const pbf_real *stirs, uint32_t *stirred, uint32_t first,
-                 uint32_t last) {
+static void stir(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm, uint32_t *stirred,
+                 uint32_t first, uint32_t last) {
+  uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g)
-    for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-      if (stirs[g * WIDTH + l] > 0) stir_around(p, stirred, g, l);
+    for (walk w = walk_group(&p->lists, g); w.left;) {
+      const block *b = walk_block(&w);
+      uint32_t windows = calm_windows(b, calm);
+      if (!windows) {
+        walk_past(&w);
+        continue;
+      }
+      const uint8_t *list = walk_on(&w, space);
+      for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
+        if (stirs[g * WIDTH + l] > 0) stir_around(p, stirred, g * WIDTH + l, b, list + l, windows);
+    }
 }
 
 /* ---- On request ---------------------------------------------------------------------------- */

@@ -115,14 +115,17 @@ static int find_neighbors(worker *w) {
 }
 
 static pair_pass pairs_at(const worker *w, field x) {
+  static const uint8_t none[LIST_UNIT]; /* where nobody has a neighbour there are no lists */
   const solver *s = w->s;
-  return (pair_pass){
-      .constants = &w->constants,
-      .features = s->schedule.features,
-      .lists = {.groups = s->groups, .data = s->list_data, .far = s->grid.far, .count = s->count},
-      .x = x,
-      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
-      .slack = s->slack};
+  return (pair_pass){.constants = &w->constants,
+                     .features = s->schedule.features,
+                     .lists = {.groups = s->groups,
+                               .data = s->list_data ? s->list_data : none,
+                               .far = s->grid.far,
+                               .count = s->count},
+                     .x = x,
+                     .walls = s->schedule.wall_density ? &w->obstacles : NULL,
+                     .slack = s->slack};
 }
 
 #endif

@@ -10,6 +10,11 @@
 /* Where the velocities around particles go, and then whether they stir. */
 static const field *around_of(const worker *w) { return &w->b.spare[0]; }
 
+/* Chunks reach across the ends of pieces: others may say the same at the same time. */
+static void mark_calm(solver *s, uint32_t i, uint8_t calm) {
+  __atomic_store_n(&s->calm[i / CALM_CHUNK], calm, __ATOMIC_RELAXED);
+}
+
 static void unrest_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
@@ -19,7 +24,7 @@ static void unrest_piece(void *context, uint32_t piece) {
   pbf_constants even = w->constants;
   even.viscosity = 1;
   pairs.constants = &even;
-  uint32_t drowsy = all.last - all.first;
+  uint32_t drowsy = 0;
   memset(s->cells + all.first, 0, (all.last - all.first) * sizeof *s->cells);
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
@@ -31,8 +36,12 @@ static void unrest_piece(void *context, uint32_t piece) {
       pbf_vec v = field_at(around, i);
       w->rest.unrest[i] = pbf_unrest(&s->sleep, w->rest.unrest[i], v);
       around->c[0][i] = pbf_stirs(&s->sleep, w->rest.unrest[i], v);
-      drowsy -= !(w->rest.unrest[i] < s->sleep.still2);
     }
+  for (uint32_t i = all.first; i < all.last; ++i) {
+    if (!(w->rest.unrest[i] < s->sleep.still2)) continue;
+    mark_calm(s, i, 1);
+    ++drowsy;
+  }
   atomic_fetch_add_explicit(&s->drowsy, drowsy, memory_order_relaxed);
 }
 
@@ -45,7 +54,7 @@ static void stir_piece(void *context, uint32_t piece) {
   if (atomic_load_explicit(&s->drowsy, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    s->kernels->stir(&pairs, around_of(w)->c[0], s->cells, g.first, g.last);
+    s->kernels->stir(&pairs, around_of(w)->c[0], s->calm, s->cells, g.first, g.last);
 }
 
 static void settle_piece(void *context, uint32_t piece) {
@@ -56,6 +65,7 @@ static void settle_piece(void *context, uint32_t piece) {
   for (uint32_t i = all.first; i < all.last; ++i) {
     w->rest.unrest[i] = pbf_settle(&s->sleep, w->rest.unrest[i], s->cells[i] != 0);
     sleepers += (uint32_t)pbf_is_asleep(w->rest.unrest[i]);
+    if (i % CALM_CHUNK == 0 || i == all.first) mark_calm(s, i, 0);
   }
   keep_still(w, all, w->b.v.c, PBF_DIM);
   atomic_fetch_add_explicit(&s->sleepers, sleepers, memory_order_relaxed);

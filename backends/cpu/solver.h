@@ -61,8 +61,9 @@ struct pbf_backend_solver {
 
   pbf_sleep sleep;
   pbf_movers movers;
-  uint32_t asleep;        /* at the end of the last step, or 0 since somebody woke */
-  atomic_uint drowsy;     /* who sleeps or is still enough to: counted in each step, */
+  uint8_t *calm;      /* of CALM_CHUNK sorted particles each: 1 while any of them can be stirred */
+  uint32_t asleep;    /* at the end of the last step, or 0 since somebody woke */
+  atomic_uint drowsy; /* who sleeps or is still enough to: counted in each step, */
   atomic_uint sleepers;   /* as are these */
   atomic_uint all_asleep; /* 1: the run ends, since all sleep, */
   uint32_t all_asleep_at; /* with this step */

@@ -14,7 +14,9 @@ static uint64_t bytes_of(int features);
 static uint64_t bytes_of(int features) {
   uint64_t reals = (features & CHEBYSHEV ? 1 : 0) + (features & SLEEP ? 4 : 0);
   uint64_t sums = features & TOLERANCE ? PAIR_PIECES : 0;
-  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t);
+  uint64_t flags = features & SLEEP ? padded(COUNT) / CALM_CHUNK + 1 : 0;
+  if (flags && flags < PBF_ALIGNMENT) flags = PBF_ALIGNMENT;
+  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t) + flags;
 }
 
 static const watched *watched_at(unsigned k) {
