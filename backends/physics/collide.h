@@ -9,10 +9,12 @@
 
 typedef struct pbf_walls {
   pbf_vec lower, upper;
+  pbf_real bounce; /* see pbf_clamp */
 } pbf_walls;
 
 static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   pbf_walls walls;
+  walls.bounce = params->solver == PBF_SOLVER_CHEBYSHEV ? (pbf_real)0.01 : 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     walls.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     walls.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
@@ -20,10 +22,17 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   return walls;
 }
 
-/* Walls that have crossed leave particles at the lower one. */
+/* What lands behind a wall comes back to `bounce` of its depth before it, and so keeps apart from
+ * what else does: laid onto the wall itself, particles from far behind would share a point in its
+ * corners, where a pair has no direction to part in. Walls that have crossed leave particles at the
+ * lower one. */
 PBF_FN pbf_vec pbf_clamp(const pbf_walls *walls, pbf_vec x) {
-  for (int k = 0; k < PBF_DIM; ++k)
-    x.c[k] = pbf_real_max(pbf_real_min(x.c[k], walls->upper.c[k]), walls->lower.c[k]);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    pbf_real lower = walls->lower.c[k], upper = walls->upper.c[k];
+    pbf_real at = pbf_real_max(x.c[k], lower + walls->bounce * (lower - x.c[k]));
+    at = pbf_real_min(at, upper + walls->bounce * (upper - at));
+    x.c[k] = pbf_real_max(pbf_real_min(at, upper), lower);
+  }
   return x;
 }
 

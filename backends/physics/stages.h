@@ -48,18 +48,15 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
 /* Line 10, eqs. 1 and 11, from density = V sum W (the particle itself included), gradient = sum
  * over the others of V grad W, slope2 = sum over the others of |V grad W|². In a crowd the
  * eigenvalues of the iteration grow with the density, and a step that is to stay inside them has to
- * shrink with it; no iteration undoes more than a density of twice the rest's. `slack` is 0 or
- * pbf_slack's. */
+ * shrink with it. The error itself is not bounded: a crowd that pushes less the denser it is draws
+ * in what is around it. `slack` is 0 or pbf_slack's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
   pbf_real constraint = density - 1 - slack;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
   diagonal = pbf_real_max(diagonal, c->min_diagonal);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated) {
-    diagonal *= pbf_real_max(density, 1);
-    constraint = pbf_real_min(constraint, 1);
-  }
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated) diagonal *= pbf_real_max(density, 1);
   return -constraint / diagonal;
 }
 

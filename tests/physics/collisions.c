@@ -44,6 +44,23 @@ static void walls_move_as_said(void **state) {
   assert_at(pbf_clamp(&w, point(NAN, 5, 5)), 12, 5, 5);
 }
 
+/* From far behind a corner, where the accelerated solve's walls keep apart what the paper's lay
+ * into one point. */
+static void what_lands_behind_a_corner_stays_apart(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  pbf_walls w = pbf_walls_at(&p, 0);
+  assert_at(pbf_clamp(&w, point(-3, 12, -1)), 0.03, 9.98, 0.01);
+  assert_at(pbf_clamp(&w, point(-2, 11, -4)), 0.02, 9.99, 0.04);
+  assert_at(pbf_clamp(&w, point(0, 5, 10)), 0, 5, 10);
+  assert_at(pbf_clamp(&w, point(-1e9, 1e9, 5)), 0, 0, 5); /* held, however far it was thrown */
+  p.solver = PBF_SOLVER_JACOBI;
+  w = pbf_walls_at(&p, 0);
+  assert_at(pbf_clamp(&w, point(-3, 12, -1)), 0, 10, 0);
+}
+
 static void plane(void **state) {
   (void)state;
   pbf_collider c = collider(PBF_COLLIDER_PLANE);
@@ -354,6 +371,7 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(walls_move_as_said),
+      cmocka_unit_test(what_lands_behind_a_corner_stays_apart),
       cmocka_unit_test(plane),
       cmocka_unit_test(sphere),
       cmocka_unit_test(capsule),

@@ -206,6 +206,22 @@ static void separation_scales_the_pull(void **state) {
   assert_near(pbf_lambda(&c, 0, 1.2, 1e-9, none), -0.2 / least, 1e-12);
 }
 
+/* A crowd of a density pushes by as many lambdas: less of it the denser it is, and it would draw in
+ * what is around it. Nor may it push more than its own eigenvalue allows. */
+static void crowds_push_no_less_the_denser_they_are(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  pbf_constants c = pbf_constants_of(&p);
+  double diagonal = pbf_derive(&p, PBF_DIM).diagonal, before = 0;
+  pbf_vec none = {{0}};
+  for (double density = 1.5; density < 1000; density *= 1.5) {
+    double push = -density * pbf_lambda(&c, 0, density, density * diagonal, none) * diagonal;
+    assert_true(push > before && push <= 1);
+    before = push;
+  }
+}
+
 static void prediction_is_symplectic_euler(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
@@ -303,6 +319,7 @@ int main(void) {
       cmocka_unit_test(relaxation_is_below_the_stability_limit),
       cmocka_unit_test(chebyshev_reaches_its_rest),
       cmocka_unit_test(separation_scales_the_pull),
+      cmocka_unit_test(crowds_push_no_less_the_denser_they_are),
       cmocka_unit_test(prediction_is_symplectic_euler),
       cmocka_unit_test(rest_of_the_velocity_is_not_rounded),
       cmocka_unit_test(relaxation_is_implicit),
