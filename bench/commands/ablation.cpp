@@ -41,6 +41,7 @@ int run_ablation(Options options) {
   for (const std::string &text : options.against)
     options.ablation.against.push_back(build_of(text));
   Scene scene = load_scene(options.scene);
+  tell_of_misfit(options.scene, scene);
   if (options.scene.steps == 0) scene.steps = std::min<uint32_t>(scene.steps, 50);
   catch_interrupts();
   const Ablation ablation = ablate(scene, options.ablation);

@@ -144,6 +144,7 @@ int run_pareto(ParetoOptions options, const CLI::App &command) {
   if (options.quick) make_quick(options, command);
   refuse_twice(options.plan.backends);
   const Scene scene = load_scene(options.plan.scene);
+  tell_of_misfit(options.plan.scene, scene);
   Study study;
   study.sweep = sweep_of(options, scene.name);
   study.repetitions = options.repetitions;

@@ -110,6 +110,7 @@ void print_stages(FILE *out, const Solver &solver, uint64_t steps) {
 
 int run(const RunOptions &options) {
   const Scene scene = load_scene(options.scene);
+  tell_of_misfit(options.scene, scene);
   const uint64_t steps =
       options.scene.steps > 0 ? scene.steps : uint64_t{scene.lead_in_steps} + scene.steps;
   Solver solver(scene, options.solver);

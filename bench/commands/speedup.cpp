@@ -52,6 +52,7 @@ void check_line_up(const LineUpOptions &options) {
 int run_speedup(const SpeedupOptions &options) {
   check_line_up(options.line_up);
   const Scene scene = load_scene(options.scene);
+  tell_of_misfit(options.scene, scene);
   const Machine machine = this_machine();
   std::printf("%s: %s\n%llu particles, %uD, %u steps of %u iterations; %s, %u CPUs; commit %s\n\n",
               scene.name.c_str(), scene.description.c_str(),

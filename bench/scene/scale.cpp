@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "scene/scene.h"
+#include "scene/fit.h"
 
 namespace bench {
 namespace {
@@ -76,7 +76,7 @@ void scale_scene(Scene &scene, uint64_t particles) {
   }
   const double more = static_cast<double>(particles) / static_cast<double>(before);
   if (scene.scaling->rule == Scaling::Rule::refine) {
-    refine(scene, std::pow(more, 1.0 / scene.dimension));
+    refine(scene, fitting_finer(scene, std::pow(more, 1.0 / scene.dimension), particles));
   } else {
     grow(scene, more);
   }

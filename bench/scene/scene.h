@@ -92,6 +92,13 @@ void scale_scene(Scene &scene, uint64_t particles);
 // The same scene with all its lengths of discretisation divided by `finer`.
 void refine_scene(Scene &scene, double finer);
 
+// One sentence where the particles of a box that reaches to an upper wall do not fit between the
+// walls, which changes the fluid there from the start; empty where they do.
+std::string lattice_misfit(const Scene &scene);
+
+// Says so on standard error, if it is the options that made it so.
+void tell_of_misfit(const SceneOptions &options, const Scene &scene);
+
 // Positions and velocities of the particles at the start, `dimension` numbers each.
 struct Particles {
   uint64_t count = 0;

@@ -16,7 +16,8 @@ import sys
 from pages import ROOT, write_table
 
 FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
-FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats", "sleep")
+FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats",
+            "sleep", "tolerance")
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
 SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel"}
 BUILDS = {

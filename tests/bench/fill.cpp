@@ -171,6 +171,28 @@ void regions_cut_and_gradients_shear(void **) {
   assert_float_equal(volume, expected, 0.02 * expected);
 }
 
+// 1.6 x 1.6 x 1.5: spacings of 0.1 over a whole number fit, and no others.
+void what_does_not_fit_between_the_walls(void **) {
+  assert_string_equal(lattice_misfit(load("dam-break-3d")).c_str(), "");
+  assert_string_equal(lattice_misfit(load("dam-break-3d", 3840)).c_str(), "");
+  expect_contains(lattice_misfit(load("dam-break-3d", 10000)),
+                  "of a spacing behind the wall at z = 1.5; 3840 and 30720 particles fit");
+  assert_string_equal(lattice_misfit(load("dam-break-2d", 1234)).c_str(), "");
+  assert_string_equal(lattice_misfit(load("zero-gravity-drop", 1234)).c_str(), "");
+}
+
+// 1.6 x 1 x 1.6: any whole number of cells along x fits, and one of about as many particles is had.
+void a_number_that_fits_is_taken(void **) {
+  for (const uint64_t particles : {1000, 3840, 9000, 10000, 77777}) {
+    const Scene scene = load("still-tank", particles);
+    const double cells = 1.6 / scene.params.spacing;
+    assert_float_equal(cells, std::round(cells), 0.05);
+    assert_string_equal(lattice_misfit(scene).c_str(), "");
+    const double count = static_cast<double>(count_particles(scene));
+    assert_float_equal(count / static_cast<double>(particles), 1, 0.17);
+  }
+}
+
 void a_scene_without_a_rule_has_a_fixed_number(void **) {
   std::string text = read_text(PBF_TEST_SCENES "/still-tank.json");
   const std::string rule = ",\n  \"scaling\": {\"rule\": \"refine\"}";
@@ -198,6 +220,8 @@ int main() {
       cmocka_unit_test(a_box_is_filled_in_the_middles_of_its_cells),
       cmocka_unit_test(balls_are_round_and_turn),
       cmocka_unit_test(regions_cut_and_gradients_shear),
+      cmocka_unit_test(what_does_not_fit_between_the_walls),
+      cmocka_unit_test(a_number_that_fits_is_taken),
       cmocka_unit_test(a_scene_without_a_rule_has_a_fixed_number),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
