@@ -245,6 +245,58 @@ static void a_moving_plate_takes_along(void **state) {
   assert_near(pbf_dot(pbf_sub(out, s.center), n), -0.005, 1e-5);
 }
 
+/* A thin plate through the origin, turned about z. */
+static pbf_solid plate_at(double angle) {
+  pbf_collider c = collider(PBF_COLLIDER_BOX);
+  c.half_extents[0] = c.half_extents[2] = 2;
+  c.half_extents[1] = 0.05;
+  c.orientation[2] = sin(angle / 2);
+  c.orientation[3] = cos(angle / 2);
+  return pbf_solid_at(&c, 0, 0);
+}
+
+static double depth_in(const pbf_solid *solids, int count, pbf_vec x) {
+  double deepest = 0;
+  for (int k = 0; k < count; ++k) {
+    pbf_vec normal;
+    deepest = fmax(deepest, -pbf_solid_distance(&solids[k], x, &normal));
+  }
+  return deepest;
+}
+
+/* Which of the four rooms between two plates a point is in. */
+static int room_of(const pbf_solid *plates, pbf_vec x) {
+  return (pbf_dot(plates[0].frame[1], x) > 0) + 2 * (pbf_dot(plates[1].frame[1], x) > 0);
+}
+
+/* Two plates that cross: a particle that runs into the edge between them stays in its room, and out
+ * of both. At right angles at once; else each pass of a step, which are iterations + 2, leaves of
+ * the depth in one plate no more than the cosine of the angle. */
+static void check_crossing(double angle, int passes, double most) {
+  pbf_solid plates[2] = {plate_at(0), plate_at(angle)};
+  pbf_walls walls = {.lower = point(-10, -10, -10), .upper = point(10, 10, 10)};
+  uint32_t seed = 7;
+  for (int tried = 0; tried < 4000; ++tried) {
+    pbf_vec from, x;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      from.c[k] = 1.2 * next_random(&seed) - 0.6;
+      x.c[k] = 1.2 * next_random(&seed) - 0.6;
+    }
+    if (depth_in(plates, 2, from) > 0) continue;
+    for (int pass = 0; pass < passes; ++pass) x = pbf_resolve(&walls, 2, plates, 0, from, x);
+    double depth = depth_in(plates, 2, x);
+    if (!(depth <= most)) fail_msg("%g deep between plates at %g", depth, angle);
+    assert_int_equal(room_of(plates, x), room_of(plates, from));
+  }
+}
+
+static void crossing_plates(void **state) {
+  (void)state;
+  check_crossing(PBF_PI / 2, 1, 1e-9);
+  check_crossing(PBF_PI / 3, 6, 0.6 * pow(0.5, 6));
+  check_crossing(2 * PBF_PI / 3, 6, 0.6 * pow(0.5, 6));
+}
+
 static pbf_constants wall_constants(uint32_t kernel) {
   pbf_params p = test_params(kernel);
   p.wall_density = 1;
@@ -383,6 +435,7 @@ int main(void) {
       cmocka_unit_test(a_grazing_way_stays_on_its_side),
       cmocka_unit_test(no_way_leads_through_a_box),
       cmocka_unit_test(a_moving_plate_takes_along),
+      cmocka_unit_test(crossing_plates),
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
