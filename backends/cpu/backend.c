@@ -248,6 +248,7 @@ static pbf_status set_timing(solver *s, uint32_t enabled) {
   s->timing = enabled != 0;
   memset(s->seconds, 0, sizeof s->seconds);
   memset(s->runs, 0, sizeof s->runs);
+  s->skipped = 0;
   return PBF_OK;
 }
 
@@ -257,7 +258,7 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
     pbf_stage_time *t = &timings->stages[timings->stage_count++];
     snprintf(t->name, sizeof t->name, "%s", pbf_stage_name((pbf_stage)k));
     t->milliseconds = 1000 * s->seconds[k];
-    t->runs = s->runs[k];
+    t->runs = s->runs[k] - (k == PBF_STAGE_LAMBDA || k == PBF_STAGE_MOVE ? s->skipped : 0);
   }
   return PBF_OK;
 }

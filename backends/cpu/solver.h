@@ -98,6 +98,7 @@ struct pbf_backend_solver {
   int timing;
   double seconds[PBF_STAGE_COUNT];
   uint64_t runs[PBF_STAGE_COUNT];
+  uint64_t skipped; /* iterations among them that a tolerance left empty */
 
   double now; /* end of the last step: where walls stand for statistics */
   uint32_t collider_count;

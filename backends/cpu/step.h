@@ -171,9 +171,14 @@ static void velocity_piece(void *context, uint32_t piece) {
            (all.last - all.first) * sizeof *s->lambda);
 }
 
+static void count_skipped(void *context) {
+  const worker *w = context;
+  if (w->s->timing) w->s->skipped += w->s->params.iterations - w->s->iterations;
+}
+
 /* From here nothing can fail, and the old state gives way to the new one. */
 static void update_velocity(worker *w) {
-  team_for(w->me, pair_pieces(w), velocity_piece, NULL, w);
+  team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
   swap_fields(&w->b.x, &w->b.spare[1]);
   uint32_t *ids = w->b.ids;
   w->b.ids = w->b.spare_ids;

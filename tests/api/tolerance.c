@@ -170,6 +170,35 @@ static void switched_on_and_off(void **state) {
   pbf_destroy(plain);
 }
 
+/* Stages that were left empty did not run. */
+static void only_what_ran_is_counted(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  if (!bits_stay()) test_skip("a device times launches, empty ones as well");
+  pbf_solver *s = tank_of(3, PBF_FLOAT32, 2e-3, 0.99);
+  pbf_timings timings = {.struct_size = sizeof timings};
+  assert_ok(pbf_step(s, 3));
+  pbf_status status = pbf_set_timing(s, 1);
+  if (status == PBF_ERROR_UNSUPPORTED) test_skip(pbf_last_error());
+  assert_ok(status);
+  uint32_t iterations = 0;
+  for (int k = 0; k < 10; ++k) {
+    assert_ok(pbf_step(s, 1));
+    iterations += stats_of(s).iterations;
+  }
+  assert_true(iterations < 10 * MOST);
+  assert_ok(pbf_get_timings(s, &timings));
+  uint32_t found = 0;
+  for (uint32_t k = 0; k < timings.stage_count; ++k) {
+    const pbf_stage_time *stage = &timings.stages[k];
+    if (strcmp(stage->name, "lambda") != 0 && strcmp(stage->name, "move") != 0) continue;
+    assert_int_equal(stage->runs, iterations);
+    ++found;
+  }
+  assert_int_equal(found, 2);
+  pbf_destroy(s);
+}
+
 static pbf_solver *reference_tank(double tolerance, double squeeze) {
   pbf_desc desc = test_desc(2, PBF_FLOAT64, COLUMNS * LAYERS * 4);
   pbf_params params = box_params(tolerance);
@@ -202,6 +231,7 @@ int main(void) {
       cmocka_unit_test(a_fluid_at_rest_ends_early),  cmocka_unit_test(a_squeezed_one_takes_all),
       cmocka_unit_test(an_easy_tolerance_takes_one), cmocka_unit_test(threads_agree),
       cmocka_unit_test(switched_on_and_off),         cmocka_unit_test(as_many_as_reference),
+      cmocka_unit_test(only_what_ran_is_counted),
   };
   return TEST_RUN(tolerance);
 }
