@@ -95,18 +95,20 @@ static pbf_status check_lengths(const pbf_params *params) {
 /* A fiftieth of a spacing is the least that positions must resolve for a fluid to hold. As at the
  * origin it is with a 4,000th; a domain that is so long that its own end resolves less is taken,
  * as moving it would help little. */
-static pbf_status check_resolution(const pbf_params *params, int wall, double bound) {
+static pbf_status check_resolution(const pbf_params *params, uint32_t precision, int wall,
+                                   double bound) {
   enum { FAR = 4 }; /* lengths of the domain from the origin */
-  int axis = wall / 2;
+  int axis = wall / 2, single = precision == PBF_FLOAT32;
   double length = params->domain_max[axis] - params->domain_min[axis];
   double farthest = fabs(bound) + fabs(params->wall_amplitude[wall]);
-  double resolved = farthest * 0x1p-23, spacing = rest_spacing(params);
+  double resolved = farthest * (single ? 0x1p-23 : 0x1p-52), spacing = rest_spacing(params);
   int parts = farthest > FAR * length ? 4000 : 50;
   if (resolved * parts <= spacing) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "params.domain_%s[%d] is %.9g, where float32 resolves %.2g; it must be a %dth of "
-                  "the spacing (%.2g): move the domain to the origin or use PBF_FLOAT64",
-                  wall & 1 ? "max" : "min", axis, bound, resolved, parts, spacing);
+                  "params.domain_%s[%d] is %.9g, where float%d resolves %.2g; it must be a %dth of "
+                  "the spacing (%.2g): move the domain to the origin%s",
+                  wall & 1 ? "max" : "min", axis, bound, single ? 32 : 64, resolved, parts, spacing,
+                  single ? " or use PBF_FLOAT64" : ", and its ends nearer to it");
 }
 
 static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, double time) {
@@ -118,9 +120,9 @@ static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, do
                       "params.domain_max[%u] is %.9g; it must be above domain_min[%u] (%.9g)%s",
                       axis, high, axis, low, demand ? ", by a finite length" : "");
     }
-    if (kind.precision != PBF_FLOAT32) continue;
-    pbf_status status = check_resolution(params, (int)(2 * axis), low);
-    if (status == PBF_OK) status = check_resolution(params, (int)(2 * axis + 1), high);
+    pbf_status status = check_resolution(params, kind.precision, (int)(2 * axis), low);
+    if (status == PBF_OK)
+      status = check_resolution(params, kind.precision, (int)(2 * axis + 1), high);
     if (status != PBF_OK) return status;
   }
   pbf_box box = pbf_params_box(params, kind.dimension, time);

@@ -177,7 +177,7 @@ static void scorr_only_when_it_is_used(void **state) {
   pbf_destroy(s);
 }
 
-/* In float64 all of this is fine. */
+/* In float64 most of this is fine. */
 static void float32_has_its_limits(void **state) {
   (void)state;
   pbf_solver *single = test_solver(3, PBF_FLOAT32, 10);
@@ -211,6 +211,13 @@ static void float32_has_its_limits(void **state) {
   assert_ok(pbf_set_params(single, &params));
   params.wall_amplitude[PBF_WALL_Y_MAX] = 1;
   refuse_params(single, &params, "must be a 50th of the spacing");
+  /* In float64 2^29 times as far. */
+  params = test_params();
+  params.domain_max[2] = 4.5e12;
+  assert_ok(pbf_set_params(wide, &params));
+  params.domain_max[2] = 4.6e12;
+  assert_fails(pbf_set_params(wide, &params), PBF_ERROR_INVALID_ARGUMENT,
+               "where float64 resolves 0.001; it must be a 50th of the spacing");
   pbf_destroy(single);
   pbf_destroy(wide);
 }
