@@ -95,6 +95,35 @@ static void fluid_at_rest_sleeps(void **state) {
   test_for_each_kind(check_rest);
 }
 
+/* With solves that end early, too, fluid at rest sleeps, and wakes of what falls in. */
+static void rest_within_a_tolerance(void **state) {
+  (void)state;
+  uint32_t count = particles_in(3), id, asleep = 0, fewest = 12, woken = 0;
+  pbf_params params = sleepy();
+  params.iterations = fewest;
+  params.tolerance = 2e-3;
+  pbf_solver *s = solver_with(3, PBF_FLOAT32, &params);
+  fill(s, 3, PBF_FLOAT32);
+  for (int step = 0; step < 300 && asleep < count / 2; ++step) {
+    assert_ok(pbf_step(s, 1));
+    pbf_stats stats = stats_of(s);
+    assert_in_range(stats.iterations, 1, params.iterations);
+    if (asleep == 0 && stats.iterations < fewest) fewest = stats.iterations;
+    asleep = stats.asleep;
+  }
+  assert_true(asleep >= count / 2);
+  assert_true(fewest < params.iterations);
+  const float drop[3] = {0.15f, 0.3f, 0.15f}, down[3] = {0, -2, 0};
+  assert_ok(pbf_add_particles(s, 1, drop, down, &id));
+  for (int step = 0; step < 30; ++step) {
+    assert_ok(pbf_step(s, 1));
+    uint32_t awake = count - asleep_in(s);
+    woken = awake > woken ? awake : woken;
+  }
+  assert_true(woken > count / 2);
+  pbf_destroy(s);
+}
+
 static void without_a_speed_nothing_sleeps(void **state) {
   (void)state;
   pbf_params params = sleepy();
@@ -318,7 +347,7 @@ int main(void) {
       cmocka_unit_test(an_impact_wakes),          cmocka_unit_test(removing_and_setting_wake),
       cmocka_unit_test(a_moving_collider_wakes),  cmocka_unit_test(a_moving_wall_wakes),
       cmocka_unit_test(a_changed_collider_wakes), cmocka_unit_test(sleep_is_saved),
-      cmocka_unit_test(a_forged_state),
+      cmocka_unit_test(a_forged_state),           cmocka_unit_test(rest_within_a_tolerance),
   };
   return TEST_RUN(sleep);
 }
