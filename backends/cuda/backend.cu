@@ -33,21 +33,31 @@ static uint32_t list_chunks(const pbf_params *params) {
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
-static pbf_status take_lists(solver *s, uint32_t chunks) {
-  uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32;
-  uint64_t bytes = padded * chunks * sizeof(uint4), scratch = 3ull * s->capacity * sizeof(uint32_t);
-  void *room = nullptr;
-  if (pbf_status status =
-          pbf_cuda_take(&s->memory, "neighbor list", bytes > scratch ? bytes : scratch, &room))
-    return status;
-  pbf_cuda_free(&s->memory, s->list_room);
+/* Room for lists, before them the sort's scratch, or for what a small scene has. */
+static uint64_t list_room_bytes(const solver *s, uint32_t chunks, bool small) {
+  uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32, most = padded * chunks * sizeof(uint4);
+  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
+                         small ? (unsigned long long)small_parts_of(s).bytes : 0ull})
+    most = other > most ? other : most;
+  return most;
+}
+
+static pbf_status take_lists(solver *s, uint32_t chunks, bool small) {
+  uint64_t bytes = list_room_bytes(s, chunks, small);
+  void *room = s->list_room;
+  if (bytes != s->list_bytes) {
+    if (pbf_status status = pbf_cuda_take(&s->memory, "neighbor list", bytes, &room)) return status;
+    pbf_cuda_free(&s->memory, s->list_room);
+  }
   s->list_room = room;
+  s->list_bytes = bytes;
   s->lists.entries = static_cast<uint4 *>(room);
   s->lists.chunks = chunks;
   return PBF_OK;
 }
 
-static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, uint64_t n) {
+static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool small, uint64_t n) {
+  if (pbf_status status = take_for_small(s, small)) return status;
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
     return status;
@@ -82,12 +92,14 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t col
   pbf_schedule schedule = pbf_schedule_of(params, colliders);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
-  if (chunks != s->lists.chunks)
-    if (pbf_status status = take_lists(s, chunks)) return status;
-  if (pbf_status status = take_for_schedule(s, schedule, s->capacity)) {
-    take_for_schedule(s, s->schedule, s->capacity);
+  bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
+  if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
+  if (pbf_status status = take_for_schedule(s, schedule, small, s->capacity)) {
+    take_for_schedule(s, s->schedule, was_small, s->capacity);
     return status;
   }
+  if (was_small && !small)
+    take_lists(s, chunks, false); /* if that fails, it has more than it needs */
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
@@ -182,10 +194,8 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = allow_lists(list_kernel<false>)) return status;
   if constexpr (PBF_SLEEP)
     if (pbf_status status = allow_lists(list_kernel<true>)) return status;
-  if (small_possible(s)) {
-    if (pbf_status status = small_take(s)) return status;
+  if (small_possible(s))
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
-  }
   if (pbf_status status = apply_params(s, params, 0)) return status;
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }

@@ -1,49 +1,59 @@
-/* A barrier of all blocks of a resident grid, which also tells every block the same about what has
- * failed so far. */
+/* Barriers of all blocks of a resident grid, by which they also learn alike whether any of them
+ * failed at what came before. */
 #ifndef PBF_CUDA_BARRIER_H
 #define PBF_CUDA_BARRIER_H
 
 #include <stdint.h>
 
-struct alignas(16) grid_control {
-  uint32_t arrived;
-  uint32_t cells_failed, lists_failed; /* 1: in this step, they had no room */
-  uint32_t unused;
+/* Of one barrier that recurs: arrivals in the lower half, failures in the upper one. No block may
+ * arrive again before all have seen the last outcome: another barrier in between sees to that. */
+struct grid_counter {
+  unsigned long long arrivals;
 };
 
-struct grid_verdict {
-  uint32_t cells_failed, lists_failed;
-};
+enum { PBF_FAILURE_SHIFT = 32 };
 
-static __device__ __forceinline__ void arrive(uint32_t *arrived) {
-  asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(arrived) : "memory");
+static __device__ __forceinline__ unsigned long long arrival(bool failed) {
+  return 1ull | (unsigned long long)failed << PBF_FAILURE_SHIFT;
 }
 
-static __device__ __forceinline__ uint32_t relaxed(const uint32_t *word) {
-  uint32_t value;
-  asm volatile("ld.relaxed.gpu.global.u32 %0, [%1];" : "=r"(value) : "l"(word) : "memory");
-  return value;
+/* What the block wrote before a __syncthreads, others see after their barrier. */
+static __device__ __forceinline__ void arrive(grid_counter *counter, bool failed) {
+  asm volatile("red.release.gpu.global.add.u64 [%0], %1;" ::"l"(&counter->arrivals),
+               "l"(arrival(failed))
+               : "memory");
 }
 
-/* Barrier `turn` = 1, 2, … of a launch. With `ask`, all blocks learn what any of them found to have
- * failed before it. */
-static __device__ __forceinline__ grid_verdict grid_barrier(grid_control *control, uint32_t turn,
-                                                            bool ask = false) {
-  __shared__ grid_verdict verdict;
-  __syncthreads();
+/* For a barrier that hands over the outcome alone. */
+static __device__ __forceinline__ void arrive_relaxed(grid_counter *counter, bool failed) {
+  asm volatile("red.relaxed.gpu.global.add.u64 [%0], %1;" ::"l"(&counter->arrivals),
+               "l"(arrival(failed))
+               : "memory");
+}
+
+/* Waits for arrival `turn` = 1, 2, … of all blocks; returns the failures since the launch. */
+static __device__ __forceinline__ uint32_t await_all(const grid_counter *counter, uint32_t turn) {
+  unsigned long long seen;
+  do {
+    asm volatile("ld.acquire.gpu.global.u64 %0, [%1];"
+                 : "=l"(seen)
+                 : "l"(&counter->arrivals)
+                 : "memory");
+  } while ((uint32_t)seen < turn * gridDim.x);
+  return (uint32_t)(seen >> PBF_FAILURE_SHIFT);
+}
+
+/* Barrier `turn` of `counter`; returns the failures since the launch, this barrier's included. */
+static __device__ __forceinline__ uint32_t grid_barrier(grid_counter *counter, uint32_t turn,
+                                                        bool failed = false) {
+  __shared__ uint32_t failures;
+  bool any = __syncthreads_or(failed);
   if (threadIdx.x == 0) {
-    uint32_t arrived;
-    arrive(&control->arrived);
-    do {
-      asm volatile("ld.acquire.gpu.global.u32 %0, [%1];"
-                   : "=r"(arrived)
-                   : "l"(&control->arrived)
-                   : "memory");
-    } while (arrived < turn * gridDim.x);
-    if (ask) verdict = {relaxed(&control->cells_failed), relaxed(&control->lists_failed)};
+    arrive(counter, any);
+    failures = await_all(counter, turn);
   }
   __syncthreads();
-  return verdict;
+  return failures;
 }
 
 #endif

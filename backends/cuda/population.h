@@ -53,6 +53,7 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
   uint64_t bytes = p->count * sizeof(pbf_vec);
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
   if (!p->count) return PBF_OK;
+  s->owned = 0;
   if (pbf_status status = copy_in(s, staged, p->positions, bytes)) return status;
   append_points_kernel<<<blocks_for(p->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->count,
                                                                           p->count, staged);
@@ -71,6 +72,7 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
 
 static inline pbf_status population_remove(solver *s, uint32_t count, const uint32_t *ids) {
   if (!count) return PBF_OK;
+  s->owned = 0;
   if (pbf_status status = wake_all(s)) return status;
   uint32_t *removed = s->cells, *place = static_cast<uint32_t *>(s->list_room);
   uint32_t blocks = blocks_for(s->count + 1);
@@ -202,6 +204,7 @@ static inline pbf_status population_write(solver *s, uint32_t field, const pbf_r
                                           const void *in) {
   if (field == PBF_BACKEND_FIELD_REST) return population_write_rest(s, rows, in);
   if (!rows->count) return PBF_OK;
+  if (field == PBF_FIELD_POSITION) s->owned = 0;
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);

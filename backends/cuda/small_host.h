@@ -1,8 +1,12 @@
-/* The host's side of small.h: when it serves, its memory, its launches. */
+/* The host's side of small scenes: when their kernel serves, its memory, its launches. */
 #ifndef PBF_CUDA_SMALL_HOST_H
 #define PBF_CUDA_SMALL_HOST_H
 
+#include "cuda/room.h"
+#include "cuda/small_owners.h"
 #include "cuda/step.h"
+
+/* ---- When it serves -------------------------------------------------------------------------- */
 
 static inline uint32_t small_cells(const solver *s) {
   return (PBF_DIM == 3 ? 1 : 2) * s->capacity + 1024;
@@ -14,66 +18,137 @@ static inline bool small_possible(const solver *s) {
          s->multiprocessors * SMALL_THREADS >= s->capacity;
 }
 
-static inline double small_expected_neighbors(const pbf_params *params) {
-  double q = params->smoothing_radius / pbf_derive_spacing(params);
-  return PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
+/* Whether it has the memory for it. */
+static inline bool small_wanted(const solver *s, const pbf_params *params,
+                                const pbf_schedule &has) {
+  return small_possible(s) && !has.runs[PBF_STAGE_CURL] && !has.runs[PBF_STAGE_VISCOSITY] &&
+         !has.runs[PBF_STAGE_SLACK] && !has.runs[PBF_STAGE_SLEEP] && !has.watched &&
+         params->iterations <= SMALL_ITERATIONS;
 }
 
-/* Threads of a particle: as many as the machine holds at once. */
+static inline double small_reach(const pbf_params *params) { /* in spacings */
+  return params->smoothing_radius / pbf_derive_spacing(params);
+}
+
+/* Particles of a block, one block a multiprocessor. */
+static inline uint32_t small_own(const solver *s) {
+  uint32_t own = (s->count + s->multiprocessors - 1) / s->multiprocessors;
+  return own > SMALL_LEAST_OWN ? own : (uint32_t)SMALL_LEAST_OWN;
+}
+
+/* Threads of a particle: as many as a block has for each, but no more than short lists
+ * are worth. */
 static inline uint32_t small_lanes(const solver *s) {
-  uint32_t lanes = 16;
-  while (lanes > 1 && lanes * s->count > s->multiprocessors * SMALL_THREADS) lanes /= 2;
-  return lanes;
+  uint32_t own = small_own(s);
+  if (own <= SMALL_THREADS / 16) return 8;
+  return own <= SMALL_THREADS / 4 ? 4 : own <= SMALL_THREADS / 2 ? 2 : 1;
 }
 
-/* Threads of a block, one block a multiprocessor. */
-static inline uint32_t small_block(const solver *s) {
-  uint32_t threads = (small_lanes(s) * s->count / s->multiprocessors + 32) / 32 * 32;
-  return threads < SMALL_THREADS ? threads : (uint32_t)SMALL_THREADS;
-}
-
-/* Shared memory that lists can have: less the steps, and what general_step needs. */
+/* Shared memory that a block can divide up: less the steps, and what general_step needs. */
 static inline size_t small_shared(const solver *s) {
   return s->block_shared - SMALL_STEPS * sizeof(small_step) - SMALL_THREADS * sizeof(uint32_t) -
          1024;
 }
 
-static inline uint32_t small_list_room(const solver *s) {
-  size_t room = small_shared(s) / (small_block(s) / small_lanes(s) * sizeof(uint16_t));
-  return room < SMALL_LIST_ROOM ? (uint32_t)room : (uint32_t)SMALL_LIST_ROOM;
+/* Twice the neighbours of the rest lattice, and a few. */
+static inline double small_list_wanted(const solver *s) {
+  double q = small_reach(&s->params);
+  double neighbors = PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
+  return 2 * neighbors / small_lanes(s) + 16;
+}
+
+/* Particles of a compact block of the rest lattice, and of the cells around it. */
+static inline double small_slots_expected(const solver *s) {
+  return pow(pow(small_own(s), 1.0 / PBF_DIM) + 3 * small_reach(&s->params), PBF_DIM);
+}
+
+/* Cells of a tile whose particles are on their own, unless they are many. */
+static inline uint32_t small_cells_wanted(const solver *s) {
+  uint32_t cells = PBF_DIM == 3 ? 27 : 9, most = 6400;
+  return cells * small_own(s) < most ? cells * small_own(s) / 2 * 2 : most;
+}
+
+/* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
+static inline small_layout small_layout_of(const solver *s) {
+  double list_room = fmin(SMALL_MOST_LISTED, small_list_wanted(s));
+  small_layout layout = {(small_cells(s) + 31) / 32, small_cells_wanted(s), 0,
+                         ((uint32_t)list_room + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
+  size_t none = layout.bytes();
+  layout.slot_room = 2;
+  double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s) + 512);
+  double room = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
+  layout.slot_room = (uint32_t)fmin(wanted, 2 * room / (double)(layout.bytes() - none)) / 2 * 2;
+  return layout;
 }
 
 /* Of what determines the state's bits, only parameters and the particle count enter, and whether
  * times are taken. */
 static inline bool small_serves(const solver *s) {
-  const pbf_schedule &has = s->schedule;
-  return s->small.control && !s->clock.begin && s->count > 0 && !has.runs[PBF_STAGE_CURL] &&
-         !has.runs[PBF_STAGE_VISCOSITY] && !has.runs[PBF_STAGE_SLACK] &&
-         !has.runs[PBF_STAGE_SLEEP] && !has.watched && s->params.iterations <= SMALL_ITERATIONS &&
-         small_expected_neighbors(&s->params) <= 0.6 * small_list_room(s);
+  return s->small_upload && !s->clock.begin && s->count > 0 &&
+         small_list_wanted(s) <= SMALL_MOST_LISTED &&
+         small_layout_of(s).slot_room >= 1.75 * small_slots_expected(s);
 }
 
-static inline pbf_status small_take(solver *s) {
-  uint64_t n = s->capacity, cells = small_cells(s);
-  small_room *room = &s->small;
-  const struct {
-    const char *name;
-    uint64_t bytes;
-    void *to;
-  } wanted[] = {
-      {"small: predicted", n * sizeof(point), &room->points[0]},
-      {"small: moved", n * sizeof(point), &room->points[1]},
-      {"small: cell count", cells * sizeof(uint32_t), &room->cell_count},
-      {"small: cell list", cells * SMALL_CELL_ROOM * sizeof(uint16_t), &room->cell_list},
-      {"small: steps", sizeof(small_upload), &s->small_table},
-      {"small: control", sizeof(grid_control), &room->control},
-  };
-  for (const auto &array : wanted)
-    if (pbf_status status =
-            pbf_cuda_take(&s->memory, array.name, array.bytes, static_cast<void **>(array.to)))
-      return status;
-  return PBF_OK;
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
+/* Of the arrays that lie in the room of the lists, which small scenes do without. */
+struct small_parts {
+  uint64_t lambdas, cell_count, cell_list, bytes;
+};
+static inline small_parts small_parts_of(const solver *s) {
+  uint64_t n = ((uint64_t)s->capacity + 31) / 32 * 32,
+           cells = ((uint64_t)small_cells(s) + 3) / 4 * 4;
+  small_parts at;
+  at.lambdas = n * sizeof(ulonglong2);
+  at.cell_count = at.lambdas + n * sizeof(unsigned long long);
+  at.cell_list = at.cell_count + cells * sizeof(uint32_t);
+  at.bytes = at.cell_list + cells * SMALL_CELL_ROOM * sizeof(uint16_t);
+  return at;
 }
+
+static inline char *small_part(const solver *s, uint64_t offset) {
+  return static_cast<char *>(s->list_room) + offset;
+}
+
+static inline pbf_status take_for_small(solver *s, bool wanted) {
+  if (pbf_status status =
+          take_if(s, wanted, "small: steps", sizeof(small_upload), &s->small_upload))
+    return status;
+  if (pbf_status status =
+          take_if(s, wanted, "small: control", sizeof(small_control), &s->small_control))
+    return status;
+  if (!wanted) s->owned = 0;
+  return take_if(s, wanted, "small: owners", s->capacity * sizeof(uint16_t), &s->owners);
+}
+
+static inline small_room small_room_of(const solver *s) {
+  small_parts at = small_parts_of(s);
+  small_room room;
+  room.exchange.positions[0] = reinterpret_cast<ulonglong2 *>(s->list_room);
+  room.exchange.positions[1] = reinterpret_cast<ulonglong2 *>(s->other);
+  room.exchange.lambdas = reinterpret_cast<unsigned long long *>(small_part(s, at.lambdas));
+  room.cell_count = reinterpret_cast<uint32_t *>(small_part(s, at.cell_count));
+  room.cell_list = reinterpret_cast<uint16_t *>(small_part(s, at.cell_list));
+  room.control = s->small_control;
+  return room;
+}
+
+/* A step that is done over needs neither exchange nor cells. */
+static inline general_room general_room_of(const solver *s) {
+  small_parts at = small_parts_of(s);
+  uint32_t *spare = reinterpret_cast<uint32_t *>(small_part(s, at.lambdas));
+  general_room room = {};
+  room.sorted = {s->other, s->other_velocities, s->other_ids, spare + s->capacity, s->cell_start,
+                 s->count};
+  room.moved[0] = reinterpret_cast<point *>(s->list_room);
+  room.moved[1] = reinterpret_cast<point *>(small_part(s, at.cell_list));
+  room.numbers = spare;
+  room.scratch = scratch_of(s);
+  room.before = s->lambda_before;
+  return room;
+}
+
+/* ---- Launches -------------------------------------------------------------------------------- */
 
 /* Into the order of ids, unless the particles are in it. */
 static inline pbf_status small_order(solver *s) {
@@ -102,8 +177,33 @@ static inline pbf_status small_upload_table(solver *s, double time, uint32_t ste
   }
   size_t bytes = s->schedule.accelerated ? sizeof upload : steps * sizeof(small_step);
   return pbf_cuda_check(
-      cudaMemcpyAsync(s->small_table, &upload, bytes, cudaMemcpyHostToDevice, s->stream),
+      cudaMemcpyAsync(s->small_upload, &upload, bytes, cudaMemcpyHostToDevice, s->stream),
       "cudaMemcpyAsync of the steps");
+}
+
+/* Lets each block own neighbours, from now on for SMALL_STEPS steps. */
+static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t steps) {
+  bool lasts = s->owned == s->count && s->owned_steps >= steps;
+  if (lasts) {
+    s->owned_steps -= steps;
+    return PBF_OK;
+  }
+  pbf_walls walls = pbf_walls_at(&s->params, time);
+  uint32_t bits = owner_bits(s->capacity), keys = 1u << (bits * PBF_DIM);
+  owner_grid grid = owner_grid_over(&walls, s->params.smoothing_radius, bits);
+  uint32_t *starts = reinterpret_cast<uint32_t *>(small_part(s, small_parts_of(s).cell_count));
+  if (pbf_status status = pbf_cuda_check(
+          cudaMemsetAsync(starts, 0, keys * sizeof(uint32_t), s->stream), "cudaMemsetAsync"))
+    return status;
+  count_owned_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, grid,
+                                                                        starts, scratch_of(s));
+  if (pbf_status status = pbf_cuda_scan(starts, keys, s->scan_scratch, s->scan_bytes, s->stream))
+    return status;
+  place_owned_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->count, starts,
+                                                                        scratch_of(s), s->owners);
+  s->owned = s->count;
+  s->owned_steps = (uint32_t)SMALL_STEPS - steps;
+  return pbf_cuda_check_launch("place_owned_kernel");
 }
 
 static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
@@ -111,11 +211,14 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   small_scene scene = {};
   scene.points = s->points;
   scene.velocities = s->velocities;
+  scene.owners = s->owners;
   scene.count = s->count;
+  scene.own = small_own(s);
+  scene.cells = small_cells(s);
   scene.steps = steps;
   scene.iterations = s->params.iterations;
   scene.lanes = small_lanes(s);
-  scene.list_room = small_list_room(s);
+  scene.layout = small_layout_of(s);
   scene.constants = s->constants;
   scene.forces = pbf_forces_of(&s->params);
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
@@ -124,8 +227,8 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   scene.collide_after_prediction = has.collide_after_prediction;
   scene.collide_in_iteration = has.collide_in_iteration;
   scene.collide_after_solve = has.collide_after_solve;
-  scene.table = s->small_table->steps;
-  scene.iteration_table = s->small_table->iterations;
+  scene.table = s->small_upload->steps;
+  scene.iteration_table = s->small_upload->iterations;
   scene.solids = s->solids;
   scene.solid_count = (int)s->collider_count;
   return scene;
@@ -146,19 +249,15 @@ template <class Real>
 static pbf_status small_launch(const solver *s, const small_scene &scene) {
   pbf_status status = PBF_OK;
   if constexpr (sizeof(Real) == sizeof(float)) {
-    uint32_t block = small_block(s), blocks = (scene.lanes * s->count + block - 1) / block;
-    size_t shared = (size_t)(block / scene.lanes) * scene.list_room * sizeof(uint16_t);
-    general_room general = {
-        {s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count},
-        reinterpret_cast<uint32_t *>(s->small.points[1]), /* of a step that is done over */
-        scratch_of(s),
-        s->lambda_before};
+    uint32_t blocks = (s->count + scene.own - 1) / scene.own;
+    small_room room = small_room_of(s);
+    general_room general = general_room_of(s);
     with_features(s->schedule.features, [&](auto features) {
       constexpr int FEATURES = decltype(features)::value;
       bool extras = scene.accelerated || scene.wall_density || scene.solid_count;
       auto kernel = extras ? small_kernel<FEATURES, true> : small_kernel<FEATURES, false>;
-      status = launch_resident(s, kernel, blocks, block, shared, "small_kernel", scene, s->small,
-                               general);
+      status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
+                               "small_kernel", scene, room, general);
     });
   }
   return status;
@@ -186,9 +285,11 @@ static pbf_status small_allow_shared(const solver *s) {
 /* The steps that end at `time`, `time` + time_step, …; at most SMALL_STEPS of them. */
 static inline pbf_status small_steps(solver *s, double time, uint32_t steps) {
   if (pbf_status status = small_order(s)) return status;
+  if (pbf_status status = small_own_neighbors(s, time, steps)) return status;
   if (pbf_status status = small_upload_table(s, time, steps)) return status;
-  if (pbf_status status = pbf_cuda_check(
-          cudaMemsetAsync(s->small.control, 0, sizeof(grid_control), s->stream), "cudaMemsetAsync"))
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemsetAsync(s->small_control, 0, sizeof(small_control), s->stream),
+                         "cudaMemsetAsync"))
     return status;
   if (pbf_status status = small_launch<pbf_real>(s, small_scene_of(s, steps))) return status;
   s->time = time + (steps - 1) * s->params.time_step;

@@ -11,7 +11,7 @@
 #include "cuda/passes.h"
 #include "cuda/scan.h"
 #include "cuda/sleep.h"
-#include "cuda/small.h"
+#include "cuda/small_kernel.h"
 #include "cuda/status.h"
 #include "cuda/timing.h"
 #include "physics/schedule.h"
@@ -48,7 +48,8 @@ struct solver {
   size_t scan_bytes;
 
   neighbor_lists lists;
-  void *list_room; /* the lists, and before them the sort's scratch */
+  void *list_room; /* the lists, before them the sort's scratch; or what a small scene has */
+  uint64_t list_bytes;
 
   pbf_real *lambda_before; /* an iteration earlier: accelerated only */
   pbf_real *slack;         /* in very short steps only */
@@ -60,11 +61,13 @@ struct solver {
   uint64_t epoch;       /* between two events that may wake somebody */
   pbf_sleep sleep;
   pbf_movers movers;
-  pbf_real *pressures;     /* once they have been looked at */
-  pbf_real pressure_scale; /* of the last step */
-  bool ordered;            /* the particles are in the order of their ids */
-  small_room small;        /* where small scenes are possible */
-  small_upload *small_table;
+  pbf_real *pressures;               /* once they have been looked at */
+  pbf_real pressure_scale;           /* of the last step */
+  bool ordered;                      /* the particles are in the order of their ids */
+  struct small_upload *small_upload; /* where small scenes are wanted, as all of these */
+  struct small_control *small_control;
+  uint16_t *owners;
+  uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
   pbf_curl *curls;   /* with vorticity only */
   pbf_vec *smoothed; /* with viscosity only */

@@ -78,17 +78,25 @@ static __device__ __forceinline__ void add_walls(const pbf_constants *c, const s
   pbf_add_walls(c, &o.walls, o.count, o.solids, x, density, gradient);
 }
 
+/* V W, and V grad W over x_i - x_j. */
+struct pair_terms {
+  pbf_real value, slope;
+};
+
 template <int FEATURES>
 struct lambda_sums {
   pbf_real density = 0, slope2 = 0;
   pbf_vec gradient = {{0}};
 
-  __device__ __forceinline__ void add(const pbf_constants *c, pbf_vec x_ij) {
-    pbf_real r2 = pbf_dot(x_ij, x_ij), value, slope;
-    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-    density += value;
-    slope2 += slope * slope * r2;
-    gradient = pbf_add_scaled(gradient, slope, x_ij);
+  /* Returns what the pair's move needs, too. */
+  __device__ __forceinline__ pair_terms add(const pbf_constants *c, pbf_vec x_ij) {
+    pbf_real r2 = pbf_dot(x_ij, x_ij);
+    pair_terms pair;
+    pbf_pair_kernel(FEATURES, c, r2, &pair.value, &pair.slope);
+    density += pair.value;
+    slope2 += pair.slope * pair.slope * r2;
+    gradient = pbf_add_scaled(gradient, pair.slope, x_ij);
+    return pair;
   }
 
   /* The particle itself is part of its density. */
@@ -106,10 +114,10 @@ struct move_sum {
 
   /* `lambdas`: of both particles. */
   __device__ __forceinline__ void add(const pbf_constants *c, pbf_vec x_ij, pbf_real lambdas) {
-    pbf_real value, slope;
-    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-    if (FEATURES & PBF_FEATURE_SCORR) lambdas += pbf_pair_scorr(c, value);
-    sum = pbf_add_scaled(sum, lambdas * slope, x_ij);
+    pair_terms pair;
+    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &pair.value, &pair.slope);
+    if (FEATURES & PBF_FEATURE_SCORR) lambdas += pbf_pair_scorr(c, pair.value);
+    sum = pbf_add_scaled(sum, lambdas * pair.slope, x_ij);
   }
 
   /* From x; `predicted` counts where lambda adds up, `accelerated`, and where there are colliders.

@@ -1,5 +1,8 @@
-/* The cuda backend on a device: memory that is not there, dense cells, views, what is freed. */
+/* The cuda backend on a device: memory that is not there, dense cells, particles far apart, views,
+ * what is freed. */
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "driver.h"
 #include "support.h"
@@ -85,16 +88,102 @@ static void crowds_keep_their_bits(void **state) {
   }
 }
 
-static void frees_what_parameters_no_longer_want(void **state) {
+/* A box full of fluid; *positions and *velocities are the caller's to free. The velocities take
+ * every particle to the place of one far away in one step. */
+static pbf_solver *full_box(uint32_t dimension, uint32_t count, float **positions,
+                            float **velocities) {
+  const uint32_t side = dimension == 3 ? 32 : 200;
+  pbf_desc desc = test_desc(dimension, PBF_FLOAT32, count);
+  pbf_params params = test_params();
+  params.spacing = 0.05;
+  params.smoothing_radius = 0.05 / 0.6;
+  params.gravity[1] = 0;
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = 0.05 * (k + 1u == dimension ? 200 : side);
+  *positions = malloc(sizeof(float) * count * dimension);
+  *velocities = malloc(sizeof(float) * count * dimension);
+  assert_true(*positions && *velocities);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t rest = i;
+    for (uint32_t k = 0; k < dimension; ++k, rest /= side)
+      (*positions)[i * dimension + k] =
+          0.05f * ((float)(k + 1 == dimension ? rest : rest % side) + 0.5f);
+  }
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0; k < dimension; ++k)
+      (*velocities)[i * dimension + k] = ((*positions)[(uint64_t)i * 7919 % count * dimension + k] -
+                                          (*positions)[i * dimension + k]) /
+                                         (float)params.time_step;
+  pbf_solver *solver = test_create(&desc, &params);
+  assert_ok(pbf_add_particles(solver, count, *positions, *velocities, NULL));
+  return solver;
+}
+
+/* Who worked on neighbours before a step works on particles far apart after it, and a solver that
+ * takes over from there does not: no matter to the bits. */
+static void particles_far_apart_keep_their_bits(void **state) {
   (void)state;
-  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 1000, 1000);
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    uint32_t count = 30720;
+    float *positions, *velocities;
+    pbf_solver *solver = full_box(dimension, count, &positions, &velocities);
+    assert_ok(pbf_step(solver, 1));
+    memset(velocities, 0, sizeof(float) * count * dimension);
+    assert_ok(pbf_set_velocities(solver, 0, count, velocities));
+    uint64_t size;
+    void *saved = test_save(solver, &size);
+    assert_ok(pbf_step(solver, 3));
+
+    free(positions);
+    free(velocities);
+    pbf_solver *other = full_box(dimension, count, &positions, &velocities);
+    assert_ok(pbf_load(other, saved, size));
+    assert_ok(pbf_step(other, 3));
+    assert_true(test_hash(solver) == test_hash(other));
+    free(positions);
+    free(velocities);
+    free(saved);
+    pbf_destroy(solver);
+    pbf_destroy(other);
+  }
+}
+
+static void frees_what_parameters_no_longer_want(void **state) {
+  enum { CAPACITY = 100000 }; /* no small scene: those have arrays of their own */
+  (void)state;
+  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 1000, CAPACITY);
   pbf_params params = {.struct_size = sizeof params};
   assert_ok(pbf_get_params(solver, &params));
   uint64_t before = plan_bytes(solver);
   params.vorticity = params.viscosity = 0.1;
   assert_ok(pbf_set_params(solver, &params));
-  assert_true(plan_bytes(solver) >= before + 1000 * (12 + 12));
+  assert_true(plan_bytes(solver) >= before + CAPACITY * (12 + 12));
   params.vorticity = params.viscosity = 0;
+  assert_ok(pbf_set_params(solver, &params));
+  assert_int_equal(plan_bytes(solver), before);
+  pbf_destroy(solver);
+}
+
+static uint64_t array_bytes(pbf_solver *solver, const char *name) {
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_ok(pbf_get_plan(solver, &plan));
+  for (uint32_t k = 0; k < plan.array_count; ++k)
+    if (strcmp(plan.arrays[k].name, name) == 0) return plan.arrays[k].bytes;
+  return 0;
+}
+
+/* What small scenes need is there only while one of them may run. */
+static void small_scenes_have_arrays_of_their_own(void **state) {
+  (void)state;
+  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 1000, 1000);
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(solver, &params));
+  uint64_t before = plan_bytes(solver), lists = array_bytes(solver, "neighbor list");
+  assert_true(array_bytes(solver, "small: owners") > 0);
+  params.viscosity = 0.1;
+  assert_ok(pbf_set_params(solver, &params));
+  assert_int_equal(array_bytes(solver, "small: owners"), 0);
+  assert_true(array_bytes(solver, "neighbor list") < lists);
+  params.viscosity = 0;
   assert_ok(pbf_set_params(solver, &params));
   assert_int_equal(plan_bytes(solver), before);
   pbf_destroy(solver);
@@ -118,7 +207,9 @@ int main(void) {
       cmocka_unit_test(too_large_for_the_device),
       cmocka_unit_test(memory_that_others_hold),
       cmocka_unit_test(crowds_keep_their_bits),
+      cmocka_unit_test(particles_far_apart_keep_their_bits),
       cmocka_unit_test(frees_what_parameters_no_longer_want),
+      cmocka_unit_test(small_scenes_have_arrays_of_their_own),
       cmocka_unit_test(views_are_on_the_device),
   };
   return TEST_RUN(tests);

@@ -1,0 +1,123 @@
+/* Values that particles hand from block to block within a launch, each in one word of memory with
+ * the number of the pass that made it. Whoever needs a value reads the word until the number is
+ * right: no barrier, no fence, and a block waits for its neighbours alone.
+ *
+ * Nobody is ahead of a neighbour by more than one publication, as each needs the other's last one.
+ * So positions, which are read until the pass is over, have two words that take turns; a lambda has
+ * one: the next follows the positions that it made. */
+#ifndef PBF_CUDA_EXCHANGE_H
+#define PBF_CUDA_EXCHANGE_H
+
+#include <stdint.h>
+
+#include "physics/real.h"
+
+struct particle_exchange {
+  ulonglong2 *positions[2]; /* 16 bytes: coordinates and number; of even and odd numbers */
+  unsigned long long *lambdas;
+};
+
+static __device__ __forceinline__ unsigned long long word_of(uint32_t low, uint32_t high) {
+  return low | (unsigned long long)high << 32;
+}
+
+static __device__ __forceinline__ void store_whole(ulonglong2 *to, ulonglong2 value) {
+  asm volatile(
+      "{\n\t.reg .b128 whole;\n\tmov.b128 whole, {%1, %2};\n\t"
+      "st.relaxed.gpu.global.b128 [%0], whole;\n\t}" ::"l"(to),
+      "l"(value.x), "l"(value.y)
+      : "memory");
+}
+
+static __device__ __forceinline__ ulonglong2 load_whole(const ulonglong2 *from) {
+  ulonglong2 value;
+  asm volatile(
+      "{\n\t.reg .b128 whole;\n\tld.relaxed.gpu.global.b128 whole, [%2];\n\t"
+      "mov.b128 {%0, %1}, whole;\n\t}"
+      : "=l"(value.x), "=l"(value.y)
+      : "l"(from)
+      : "memory");
+  return value;
+}
+
+static __device__ __forceinline__ void publish_position(const particle_exchange &e, uint32_t i,
+                                                        pbf_vec x, uint32_t pass) {
+  uint32_t last = PBF_DIM == 3 ? __float_as_uint((float)x.c[PBF_DIM - 1]) : 0;
+  store_whole(e.positions[pass % 2] + i,
+              {word_of(__float_as_uint((float)x.c[0]), __float_as_uint((float)x.c[1])),
+               word_of(last, pass)});
+}
+
+static __device__ __forceinline__ pbf_vec position_in(ulonglong2 word) {
+  pbf_vec x;
+  x.c[PBF_DIM - 1] = __uint_as_float((uint32_t)word.y);
+  x.c[0] = __uint_as_float((uint32_t)word.x);
+  x.c[1] = __uint_as_float((uint32_t)(word.x >> 32));
+  return x;
+}
+
+/* A position that lies ready: what it was before the barrier that all have passed. */
+static __device__ __forceinline__ pbf_vec ready_position(const ulonglong2 *positions, uint32_t i) {
+  return position_in(positions[i]);
+}
+
+/* The positions of N particles, once all are of `pass`. */
+template <int N>
+static __device__ __forceinline__ void await_positions(const particle_exchange &e,
+                                                       const uint32_t (&particles)[N],
+                                                       uint32_t pass, pbf_vec (&positions)[N]) {
+  const ulonglong2 *from = e.positions[pass % 2];
+  bool all;
+  do {
+    ulonglong2 words[N];
+#pragma unroll
+    for (int k = 0; k < N; ++k) words[k] = load_whole(from + particles[k]);
+    all = true;
+#pragma unroll
+    for (int k = 0; k < N; ++k) {
+      all = all && (uint32_t)(words[k].y >> 32) == pass;
+      positions[k] = position_in(words[k]);
+    }
+  } while (!all);
+}
+
+static __device__ __forceinline__ void publish_lambda(const particle_exchange &e, uint32_t i,
+                                                      pbf_real lambda, uint32_t pass) {
+  asm volatile("st.relaxed.gpu.global.b64 [%0], %1;" ::"l"(e.lambdas + i),
+               "l"(word_of(__float_as_uint((float)lambda), pass))
+               : "memory");
+}
+
+static __device__ __forceinline__ unsigned long long load_lambda(const particle_exchange &e,
+                                                                 uint32_t i) {
+  unsigned long long word;
+  asm volatile("ld.relaxed.gpu.global.b64 %0, [%1];" : "=l"(word) : "l"(e.lambdas + i) : "memory");
+  return word;
+}
+
+/* The lambdas of N particles, once all are of `pass`. */
+template <int N>
+static __device__ __forceinline__ void await_lambdas(const particle_exchange &e,
+                                                     const uint32_t (&particles)[N], uint32_t pass,
+                                                     pbf_real (&lambdas)[N]) {
+  bool all;
+  do {
+    unsigned long long words[N];
+#pragma unroll
+    for (int k = 0; k < N; ++k) words[k] = load_lambda(e, particles[k]);
+    all = true;
+#pragma unroll
+    for (int k = 0; k < N; ++k) {
+      all = all && (uint32_t)(words[k] >> 32) == pass;
+      lambdas[k] = __uint_as_float((uint32_t)words[k]);
+    }
+  } while (!all);
+}
+
+/* The number of no pass, before the first: the words may hold anything. */
+static __device__ __forceinline__ void forget(const particle_exchange &e, uint32_t i) {
+  for (int k = 0; k < 2; ++k) store_whole(e.positions[k] + i, {0, 0});
+  publish_lambda(e, i, 0, 0);
+}
+
+#endif

@@ -1,0 +1,110 @@
+/* A step of a small scene without limits, for when cells or lists have no room: every stage a loop
+ * over the particles and a barrier, and no lists. */
+#ifndef PBF_CUDA_SMALL_GENERAL_H
+#define PBF_CUDA_SMALL_GENERAL_H
+
+#include "cuda/small.h"
+
+/* Sorted particles carry their number in the order of ids in place of the id. */
+struct general_room {
+  sorted_particles sorted;
+  point *moved[2]; /* to and fro */
+  uint32_t *numbers;
+  sort_scratch scratch;
+  pbf_real *before; /* accelerated: lambda an iteration earlier; else null */
+};
+
+static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uint32_t count) {
+  __shared__ uint32_t shared[SMALL_THREADS];
+  uint32_t size = (count + blockDim.x - 1) / blockDim.x, sum = 0;
+  uint32_t first = min(threadIdx.x * size, count), end = min(first + size, count);
+  if (blockIdx.x != 0) return;
+  for (uint32_t k = first; k < end; ++k) sum += values[k];
+  shared[threadIdx.x] = sum;
+  __syncthreads();
+  sum = 0;
+  for (uint32_t k = 0; k < threadIdx.x; ++k) sum += shared[k];
+  for (uint32_t k = first; k < end; ++k) {
+    uint32_t value = values[k];
+    values[k] = sum;
+    sum += value;
+  }
+}
+
+/* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
+ * particles and a barrier, and no lists. Returns the number of the last barrier. */
+template <int FEATURES>
+static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
+                                                     const small_room &small,
+                                                     const general_room &room, uint32_t step,
+                                                     uint32_t turn) {
+  const pbf_constants *c = &scene.constants;
+  const cell_grid grid = scene.table[step].grid;
+  uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
+  const sorted_particles &p = room.sorted;
+  step_obstacles obstacles = {scene.table[step].walls, scene.solid_count,
+                              scene.solids + step * scene.solid_count};
+  prediction predict = {scene.forces, obstacles, scene.collide_after_prediction};
+  unsorted_particles from = {scene.points, scene.velocities, room.numbers, n};
+  grid_barrier(&small.control->general, ++turn);
+  for (uint32_t k = first; k <= grid.count; k += stride) p.cell_start[k] = 0;
+  for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
+  grid_barrier(&small.control->general, ++turn);
+  for (uint32_t i = first; i < n; i += stride)
+    count_particle<true, false>(from, predict, grid, p.cell_start, room.scratch, i);
+  grid_barrier(&small.control->general, ++turn);
+  scan_by_first_block(p.cell_start, grid.count + 1);
+  grid_barrier(&small.control->general, ++turn);
+  for (uint32_t i = first; i < n; i += stride)
+    scatter_particle(from, p.cell_start, room.scratch, i);
+  grid_barrier(&small.control->general, ++turn);
+  for (uint32_t i = first; i < n; i += stride)
+    place_particle<true, false>(from, predict, room.scratch, p, i);
+  grid_barrier(&small.control->general, ++turn);
+  point *points = p.points, *moved = room.moved[0]; /* p.points keeps the prediction */
+  for (uint32_t k = 0; k < scene.iterations; ++k) {
+    bool last = k + 1 == scene.iterations;
+    const pbf_constants now = constants_at(scene, k);
+    for (uint32_t i = first; i < n; i += stride) {
+      pbf_vec x = position_of(load(points, i));
+      lambda_sums<FEATURES> sums;
+      walk_cells(p, grid, i,
+                 [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
+      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, x);
+      if (PBF_CHEBYSHEV && scene.accelerated) {
+        pbf_real total = points[i].lambda, before = k == 0 ? 0 : room.before[i];
+        pbf_accelerate(&now, lambda, &total, &before);
+        room.before[i] = before;
+        lambda = total;
+      }
+      points[i].lambda = lambda;
+    }
+    grid_barrier(&small.control->general, ++turn);
+    for (uint32_t i = first; i < n; i += stride) {
+      point own = load(points, i);
+      pbf_vec x = position_of(own);
+      move_sum<FEATURES> sum;
+      walk_cells(p, grid, i, [&](uint32_t j) {
+        point other = load(points, j);
+        sum.add(&now, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
+      });
+      pbf_vec predicted = position_of(load(p.points, i));
+      x = sum.template moved<true>(
+          c, obstacles, scene.wall_density, scene.accelerated,
+          scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda, predicted,
+          x);
+      point to = point_at(x);
+      to.lambda = own.lambda;
+      store(moved, i, to);
+      if (!last) continue;
+      store(scene.points, p.ids[i], to);
+      scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.velocities[i], predicted, x);
+    }
+    grid_barrier(&small.control->general, ++turn);
+    points = room.moved[k % 2];
+    moved = room.moved[(k + 1) % 2];
+  }
+  return turn;
+}
+
+#endif

@@ -1,0 +1,327 @@
+/* The resident kernel of small scenes. */
+#ifndef PBF_CUDA_SMALL_KERNEL_H
+#define PBF_CUDA_SMALL_KERNEL_H
+
+#include "cuda/small_general.h"
+#include "cuda/small_search.h"
+
+/* Sums over the threads of a particle, all values at a time; each thread gets the same bits. */
+template <int N>
+static __device__ __forceinline__ void sum_lanes(pbf_real (&values)[N], uint32_t lanes) {
+  for (uint32_t step = 1; step < lanes; step *= 2) {
+#pragma unroll
+    for (int k = 0; k < N; ++k) values[k] += __shfl_xor_sync(~0u, values[k], (int)step);
+  }
+}
+
+template <int FEATURES>
+static __device__ __forceinline__ void sum_lanes(lambda_sums<FEATURES> *sums, uint32_t lanes) {
+  pbf_real values[PBF_DIM + 2] = {sums->density, sums->slope2};
+  for (int k = 0; k < PBF_DIM; ++k) values[k + 2] = sums->gradient.c[k];
+  sum_lanes(values, lanes);
+  sums->density = values[0];
+  sums->slope2 = values[1];
+  for (int k = 0; k < PBF_DIM; ++k) sums->gradient.c[k] = values[k + 2];
+}
+
+/* Fetch what the ghosts' owners publish in a pass, N ghosts a thread at a time; some may be the
+ * same. */
+template <int N, class Fetch>
+static __device__ __forceinline__ void each_ghost_of(const small_tile &t, uint32_t count,
+                                                     Fetch fetch) {
+  for (uint32_t ghost = threadIdx.x; ghost < count; ghost += N * SMALL_THREADS) {
+    uint32_t slots[N], particles[N];
+#pragma unroll
+    for (uint32_t k = 0; k < N; ++k) {
+      uint32_t other = ghost + k * SMALL_THREADS;
+      slots[k] = t.ghosts[other < count ? other : ghost];
+      particles[k] = t.ids[slots[k]];
+    }
+    fetch(slots, particles);
+  }
+}
+
+template <int N>
+static __device__ __forceinline__ void fetch_lambdas_of(const small_tile &t,
+                                                        const particle_exchange &exchange,
+                                                        uint32_t ghosts, uint32_t pass) {
+  each_ghost_of<N>(t, ghosts, [&](const uint32_t(&slots)[N], const uint32_t(&particles)[N]) {
+    pbf_real lambdas[N];
+    await_lambdas(exchange, particles, pass, lambdas);
+#pragma unroll
+    for (int k = 0; k < N; ++k) t.lambdas[slots[k]] = (float)lambdas[k];
+  });
+}
+
+template <int N>
+static __device__ __forceinline__ void fetch_positions_of(const small_tile &t,
+                                                          const particle_exchange &exchange,
+                                                          uint32_t ghosts, uint32_t pass) {
+  each_ghost_of<N>(t, ghosts, [&](const uint32_t(&slots)[N], const uint32_t(&particles)[N]) {
+    pbf_vec positions[N];
+    await_positions(exchange, particles, pass, positions);
+#pragma unroll
+    for (int k = 0; k < N; ++k) set_position(t, slots[k], positions[k]);
+  });
+}
+
+static __device__ __forceinline__ void fetch_lambdas(const small_tile &t,
+                                                     const particle_exchange &exchange,
+                                                     uint32_t ghosts, uint32_t pass) {
+  if (ghosts <= SMALL_THREADS)
+    fetch_lambdas_of<1>(t, exchange, ghosts, pass);
+  else
+    fetch_lambdas_of<2>(t, exchange, ghosts, pass);
+}
+
+static __device__ __forceinline__ void fetch_positions(const small_tile &t,
+                                                       const particle_exchange &exchange,
+                                                       uint32_t ghosts, uint32_t pass) {
+  if (ghosts <= SMALL_THREADS)
+    fetch_positions_of<1>(t, exchange, ghosts, pass);
+  else
+    fetch_positions_of<2>(t, exchange, ghosts, pass);
+}
+
+/* What the threads of a block tell each other. */
+struct small_board {
+  uint32_t ghosts;
+  uint32_t outcome; /* of a barrier: how often blocks have failed */
+  marked_words marked;
+};
+
+/* A thread's share of the work. */
+struct small_thread {
+  uint32_t i, lane, lanes; /* particle; which of its threads, of how many */
+  bool real, leads, works; /* has a particle, is its first thread, is in a warp that has some */
+};
+
+static __device__ __forceinline__ small_thread thread_of(const small_scene &scene) {
+  uint32_t mine = threadIdx.x / scene.lanes, place = blockIdx.x * scene.own + mine;
+  small_thread me;
+  me.lane = threadIdx.x % scene.lanes;
+  me.lanes = scene.lanes;
+  me.real = mine < scene.own && place < scene.count;
+  me.leads = me.real && me.lane == 0;
+  me.works = threadIdx.x / 32 * 32 < scene.own * scene.lanes;
+  me.i = me.real ? scene.owners[place] : 0;
+  return me;
+}
+
+/* Enters the particles into their cells, and numbers the cells of the tile; returns how many. The
+ * barrier in between is number `turn`. */
+static __device__ __forceinline__ uint32_t fill_cells(const small_tile &tile,
+                                                      const small_room &room, const cell_grid &grid,
+                                                      const small_thread &me,
+                                                      const small_search &look, uint32_t cell,
+                                                      uint32_t shift, uint32_t pass, uint32_t turn,
+                                                      small_board *board) {
+  bool crowded = false;
+  uint32_t place = 0;
+  if (threadIdx.x == 0) {
+    board->ghosts = 0;
+    board->marked = {~0u, 0};
+  }
+  if (me.leads) {
+    publish_position(room.exchange, me.i, look.x, pass);
+    place = atomicAdd(room.cell_count + cell, 1u << shift) >> shift & 0xffff;
+  }
+  __syncthreads();
+  /* While the atomic is under way. */
+  if (me.works) {
+    marked_words words = {~0u, 0};
+    if (me.real) words = mark_around(tile, grid, look.place, me.lane, me.lanes);
+    add_words(&board->marked, words);
+  }
+  if (me.leads) {
+    crowded = place >= SMALL_CELL_ROOM;
+    if (!crowded) room.cell_list[(size_t)cell * SMALL_CELL_ROOM + place] = (uint16_t)me.i;
+  }
+  crowded = __syncthreads_or(crowded);
+  if (threadIdx.x == 0) arrive(&room.control->filled, crowded);
+  /* While the others arrive. */
+  uint32_t cells = number_cells(tile, board->marked);
+  if (threadIdx.x == 0) board->outcome = await_all(&room.control->filled, turn);
+  __syncthreads();
+  return cells;
+}
+
+/* Lists the neighbours, and the block's ghosts. */
+static __device__ __forceinline__ void find_neighbors(const small_tile &tile,
+                                                      const small_room &room, const cell_grid &grid,
+                                                      const small_thread &me,
+                                                      const small_search &look, uint32_t shift,
+                                                      const ulonglong2 *predicted, uint32_t cells,
+                                                      small_board *board, small_neighbors *near) {
+  uint32_t slots = cells <= tile.layout.cell_room ? fill_slots(tile, room, shift, cells) : ~0u;
+  near->in_memory = slots > tile.layout.slot_room;
+  __syncthreads();
+  if (near->in_memory) {
+    if (me.real) near->list.size = search_memory(room, shift, predicted, grid, look, near->list);
+  } else {
+    load_slots(tile, predicted, slots);
+    __syncthreads();
+    if (me.real) {
+      near->slot = own_slot(tile, grid, look);
+      search_tile(tile, grid, look, near->slot, &near->list);
+    }
+  }
+  bool all_fit = !__syncthreads_or(near->list.size > near->list.most);
+  if (threadIdx.x == 0) arrive_relaxed(&room.control->searched, !all_fit);
+  if (!all_fit) near->list.size = 0;
+  if (me.works) near->list.balance(me.lane, me.lanes);
+  near->keep();
+  if (near->in_memory) return;
+  if (me.leads) tile.used[near->slot] = 0;
+  __syncthreads();
+  list_ghosts(tile, all_fit ? slots : 0, &board->ghosts);
+  __syncthreads();
+}
+
+/* Without EXTRAS for scenes without acceleration, wall density and colliders: these take registers.
+ * The numbers of passes begin at 1: 0 is that of no pass. */
+template <int FEATURES, bool EXTRAS>
+static __global__ void __launch_bounds__(SMALL_THREADS, 1)
+    small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
+                 const __grid_constant__ general_room general) {
+  extern __shared__ uint4 dynamic[];
+  __shared__ small_step table[SMALL_STEPS];
+  __shared__ small_board board;
+  const pbf_constants *c = &scene.constants;
+  const bool accelerated = PBF_CHEBYSHEV && EXTRAS && scene.accelerated;
+  const bool wall_density = EXTRAS && scene.wall_density;
+  const small_tile tile = tile_in(dynamic, scene.layout);
+  const small_thread me = thread_of(scene);
+  const uint32_t i = me.i;
+  uint32_t general_turn = 0, searches = 0, fill_failures = 0, search_failures = 0;
+  for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
+    reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
+  pbf_vec x = {{0}}, v = {{0}}; /* the state, and once a step can't fail its prediction */
+  if (me.real) {
+    x = position_of(load(scene.points, i));
+    v = scene.velocities[i];
+  }
+  if (me.leads) forget(room.exchange, i);
+  if (threadIdx.x == 0) {
+    pbf_vec far_away;
+    for (int k = 0; k < PBF_DIM; ++k) far_away.c[k] = (pbf_real)1e18;
+    set_position(tile, tile.nowhere(), far_away);
+    tile.lambdas[tile.nowhere()] = 0;
+  }
+  clear_counts(room, scene.cells);
+  clear_marks(tile, {0, scene.layout.words - 1});
+  grid_barrier(&room.control->general, ++general_turn);
+  pbf_real total = 0; /* accelerated: lambda, which the last step leaves in the state */
+  for (uint32_t step = 0; step < scene.steps; ++step) {
+    const cell_grid &grid = table[step].grid;
+    const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
+    step_obstacles obstacles = {table[step].walls, EXTRAS ? scene.solid_count : 0,
+                                scene.solids + step * scene.solid_count};
+    pbf_vec y = pbf_predict(&scene.forces, x, v);
+    if (scene.collide_after_prediction) y = resolve<EXTRAS>(obstacles, 1, x, y);
+    const small_search look = {place_in(grid, y), y, i, me.lane, me.lanes, c->h2};
+    const uint32_t cell = cell_number(grid, look.place.at);
+    uint32_t cells =
+        fill_cells(tile, room, grid, me, look, cell, shift, first_pass, step + 1, &board);
+    bool failed = board.outcome != fill_failures;
+    fill_failures = board.outcome;
+    small_neighbors near = {
+        tile, room.exchange, {tile.lists + threadIdx.x, 0, scene.layout.list_room - SMALL_CHUNK},
+        0,    false,         {0}};
+    if (!failed) {
+      find_neighbors(tile, room, grid, me, look, shift, room.exchange.positions[first_pass % 2],
+                     cells, &board, &near);
+      ++searches;
+    }
+    clear_marks(tile, board.marked);
+    const uint32_t ghosts = board.ghosts;
+    pbf_real before = 0;
+    total = 0;
+    for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
+      const uint32_t pass = first_pass + k;
+      bool last = k + 1 == scene.iterations;
+      const pbf_constants now = accelerated ? constants_at(scene, k) : scene.constants;
+      small_pairs<FEATURES> pairs;
+      pbf_real lambda = 0;
+      if (me.works) {
+        lambda_sums<FEATURES> sums = pairs.meet(near, y, c, &now, pass);
+        __syncwarp();
+        sum_lanes(&sums, me.lanes);
+        lambda = sums.lambda(c, obstacles, wall_density, 0, y);
+        if (accelerated) {
+          pbf_accelerate(&now, lambda, &total, &before);
+          lambda = total;
+        }
+      }
+      if (me.leads) {
+        publish_lambda(room.exchange, i, lambda, pass);
+        if (!near.in_memory) tile.lambdas[near.slot] = (float)lambda;
+      }
+      /* While the others' lambdas are under way. */
+      if (k == 0 && threadIdx.x + 1 == SMALL_THREADS)
+        board.outcome = await_all(&room.control->searched, searches);
+      fetch_lambdas(tile, room.exchange, ghosts, pass);
+      __syncthreads();
+      if (k == 0) {
+        failed = board.outcome != search_failures;
+        search_failures = board.outcome;
+        if (failed) break;
+        /* From here the step can't fail: what it started from gives way. */
+        if (me.leads) clear_count(room, cell, shift);
+        v = pbf_predicted_velocity(&scene.forces, x, v, y);
+        x = y;
+      }
+      if (me.works) {
+        pairs.move(near, y, lambda, &now, pass);
+        __syncwarp();
+        sum_lanes(pairs.sum.sum.c, me.lanes);
+        y = pairs.sum.template moved<EXTRAS>(
+            c, obstacles, wall_density, accelerated,
+            scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x, y);
+      }
+      if (last) continue;
+      if (me.leads) publish_position(room.exchange, i, y, pass + 1);
+      __syncthreads();
+      if (me.leads && !near.in_memory) set_position(tile, near.slot, y);
+      fetch_positions(tile, room.exchange, ghosts, pass + 1);
+      __syncthreads();
+    }
+    if (failed) {
+      if (me.leads) {
+        clear_count(room, cell, shift);
+        store(scene.points, i, point_at(x));
+        scene.velocities[i] = v;
+      }
+      general_turn = general_step<FEATURES>(scene, room, general, step, general_turn);
+      if (me.leads) forget(room.exchange, i);
+      if (me.real) {
+        point own = load(scene.points, i);
+        x = position_of(own);
+        v = scene.velocities[i];
+        total = own.lambda;
+      }
+    } else {
+      v = pbf_velocity(scene.inv_time_step, v, x, y);
+      x = y;
+    }
+  }
+  if (!me.leads) return;
+  point own = point_at(x);
+  own.lambda = total;
+  store(scene.points, i, own);
+  scene.velocities[i] = v;
+}
+
+/* Into the order of ids: a particle's place is the number of ids below its own. */
+static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
+                                    uint32_t *ids) {
+  uint32_t i = thread_index(), place = 0;
+  if (i >= from.count) return;
+  uint32_t id = from.ids[i];
+  for (uint32_t k = 0; k < from.count; ++k) place += from.ids[k] < id;
+  store(points, place, load(from.points, i));
+  velocities[place] = from.velocities[i];
+  ids[place] = id;
+}
+
+#endif

@@ -1,0 +1,242 @@
+/* The lists of small scenes: a particle's candidates are dealt out to its threads in turn, and each
+ * keeps those that are near in a list of its own. */
+#ifndef PBF_CUDA_SMALL_SEARCH_H
+#define PBF_CUDA_SMALL_SEARCH_H
+
+#include "cuda/small_tile.h"
+
+/* A thread's list in shared memory: slots, or particles where the block reads from memory. While
+ * it grows, entries are written in any case, and written over if they do not count. */
+struct small_list {
+  uint16_t *entries; /* SMALL_THREADS apart */
+  uint32_t size;     /* more than `most` if there was no room */
+  uint32_t most;     /* that it may have; four more have room */
+
+  __device__ __forceinline__ uint16_t &at(uint32_t k) const { return entries[k * SMALL_THREADS]; }
+
+  /* Entries k … k + 3. */
+  __device__ __forceinline__ void chunk(uint32_t k, uint32_t (&some)[SMALL_CHUNK]) const {
+#pragma unroll
+    for (uint32_t q = 0; q < SMALL_CHUNK; ++q) some[q] = at(k + q);
+  }
+  __device__ __forceinline__ void fill_up(uint32_t entry) const {
+    if (size > most) return;
+#pragma unroll
+    for (uint32_t q = 0; q < SMALL_CHUNK; ++q) at(size + q) = (uint16_t)entry;
+  }
+
+  /* Evens out the lists of a particle's threads; those of a warp call it together. */
+  __device__ __forceinline__ void balance(uint32_t lane, uint32_t lanes) {
+    for (uint32_t step = 1; step < lanes; step *= 2) {
+      uint32_t other = __shfl_xor_sync(~0u, size, (int)step);
+      uint32_t share = (size + other + (lane & step ? 0 : 1)) / 2;
+      uint16_t *to = entries + ((int)(lane ^ step) - (int)lane);
+      for (; size > share; ++other) to[other * SMALL_THREADS] = at(--size);
+      size = share;
+      __syncwarp();
+    }
+  }
+};
+
+/* What a thread looks for. */
+struct small_search {
+  cell_place place;
+  pbf_vec x;
+  uint32_t own; /* particle */
+  uint32_t lane, lanes;
+  pbf_real h2;
+
+  /* Of two particles the same bits whichever asks, wherever it is compiled into: blocks rely on
+   * that a neighbour's neighbour is oneself. */
+  __device__ __forceinline__ bool is_near(pbf_vec other) const {
+    pbf_vec d = pbf_sub(x, other);
+    float sum = __fmul_rn((float)d.c[0], (float)d.c[0]);
+    for (int k = 1; k < PBF_DIM; ++k) sum = __fmaf_rn((float)d.c[k], (float)d.c[k], sum);
+    return sum < h2;
+  }
+};
+
+static __device__ __forceinline__ uint32_t own_slot(const small_tile &t, const cell_grid &grid,
+                                                    const small_search &s) {
+  uint32_t slot = t.starts[t.index_of(cell_number(grid, s.place.at))];
+  while (t.ids[slot] != s.own) ++slot;
+  return slot;
+}
+
+static __device__ __forceinline__ void search_tile(const small_tile &t, const cell_grid &grid,
+                                                   const small_search &s, uint32_t own,
+                                                   small_list *list) {
+  uint32_t seen = 0;
+  uint16_t *next = list->entries, *full = &list->at(list->most);
+#pragma unroll 1
+  for (uint32_t row = 0; row < PBF_ROWS; ++row) {
+    uint32_t cell, cells;
+    if (!row_around(grid, s.place, row, &cell, &cells)) continue;
+    uint32_t index = t.index_of(cell), start = t.starts[index], end = t.starts[index + cells];
+    for (uint32_t slot = start + ((s.lane - seen) & (s.lanes - 1)); slot < end && next <= full;
+         slot += 4 * s.lanes) {
+      pbf_vec others[4]; /* some beyond the last slot: whatever is there */
+#pragma unroll
+      for (uint32_t q = 0; q < 4; ++q) others[q] = position_in(t, slot + q * s.lanes);
+#pragma unroll
+      for (uint32_t q = 0; q < 4; ++q) {
+        uint32_t candidate = slot + q * s.lanes;
+        bool counts = s.is_near(others[q]) && candidate < end && candidate != own;
+        *next = (uint16_t)candidate;
+        next += counts ? SMALL_THREADS : 0;
+      }
+    }
+    seen += end - start;
+  }
+  list->size = (uint32_t)(next - list->entries) / SMALL_THREADS;
+  if (list->size > list->most) return;
+  for (uint32_t k = 0; k < list->size; ++k) t.used[list->at(k)] = 1;
+}
+
+/* The same neighbours in the same order, as particles; returns the list's size. */
+static __device__ __noinline__ uint32_t search_memory(const small_room &room, uint32_t shift,
+                                                      const ulonglong2 *predicted,
+                                                      const cell_grid &grid, const small_search s,
+                                                      small_list list) {
+  uint16_t sorted[SMALL_CELL_ROOM];
+  uint32_t seen = 0;
+  for (uint32_t row = 0; row < PBF_ROWS; ++row) {
+    uint32_t cell, cells;
+    if (!row_around(grid, s.place, row, &cell, &cells)) continue;
+    for (uint32_t end = cell + cells; cell < end; ++cell) {
+      const uint16_t *particles = room.cell_list + (size_t)cell * SMALL_CELL_ROOM;
+      uint32_t count = listed_in(room, cell, shift);
+      for (uint32_t k = 0; k < count; ++k) insert(sorted, k, particles[k]);
+      for (uint32_t k = 0; k < count; ++k, ++seen) {
+        uint32_t particle = sorted[k];
+        if ((seen & (s.lanes - 1)) != s.lane || particle == s.own || list.size > list.most)
+          continue;
+        if (s.is_near(ready_position(predicted, particle)))
+          list.at(list.size++) = (uint16_t)particle;
+      }
+    }
+  }
+  return list.size;
+}
+
+/* ---- Neighbours in a pass -------------------------------------------------------------------- */
+
+/* Where a thread finds what it needs of its neighbours; the first SMALL_KEPT are in registers. */
+struct small_neighbors {
+  const small_tile &tile;
+  const particle_exchange &exchange;
+  small_list list;
+  uint32_t slot;  /* the particle's own */
+  bool in_memory; /* the same in all threads of the block */
+  uint32_t kept[SMALL_KEPT / 2];
+
+  __device__ __forceinline__ void keep() {
+    uint32_t nobody = in_memory ? (uint32_t)SMALL_NOBODY : tile.nowhere();
+    list.fill_up(nobody);
+#pragma unroll
+    for (uint32_t k = 0; k < SMALL_KEPT / 2; ++k) {
+      uint32_t low = 2 * k < list.size ? list.at(2 * k) : nobody;
+      uint32_t high = 2 * k + 1 < list.size ? list.at(2 * k + 1) : nobody;
+      kept[k] = low | high << 16;
+    }
+  }
+
+  /* Entries k … k + 3 of those. */
+  __device__ __forceinline__ void kept_chunk(uint32_t k, uint32_t (&some)[SMALL_CHUNK]) const {
+#pragma unroll
+    for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
+      some[q] = q % 2 ? kept[(k + q) / 2] >> 16 : kept[(k + q) / 2] & 0xffff;
+  }
+
+  __device__ __forceinline__ void positions(const uint32_t (&entries)[SMALL_CHUNK], uint32_t pass,
+                                            pbf_vec (&x)[SMALL_CHUNK]) const {
+    if (in_memory) {
+      uint32_t particles[SMALL_CHUNK];
+      for (int q = 0; q < SMALL_CHUNK; ++q)
+        particles[q] = entries[entries[q] == SMALL_NOBODY ? 0 : q];
+      await_positions(exchange, particles, pass, x);
+#pragma unroll
+      for (int q = 0; q < SMALL_CHUNK; ++q)
+        if (entries[q] == SMALL_NOBODY) x[q] = position_in(tile, tile.nowhere());
+      return;
+    }
+#pragma unroll
+    for (int q = 0; q < SMALL_CHUNK; ++q) x[q] = position_in(tile, entries[q]);
+  }
+
+  __device__ __forceinline__ void lambdas(const uint32_t (&entries)[SMALL_CHUNK], uint32_t pass,
+                                          pbf_real (&values)[SMALL_CHUNK]) const {
+    if (in_memory) {
+      uint32_t particles[SMALL_CHUNK];
+      for (int q = 0; q < SMALL_CHUNK; ++q)
+        particles[q] = entries[entries[q] == SMALL_NOBODY ? 0 : q];
+      await_lambdas(exchange, particles, pass, values);
+      return; /* what fills up a chunk has no slope */
+    }
+#pragma unroll
+    for (int q = 0; q < SMALL_CHUNK; ++q) values[q] = tile.lambdas[entries[q]];
+  }
+};
+
+/* The pairs of a thread, from an iteration's lambda to its move: what the move needs of the first
+ * SMALL_KEPT, but for the other's lambda, stays in registers. */
+template <int FEATURES>
+struct small_pairs {
+  pbf_vec slopes[SMALL_KEPT]; /* V grad W */
+  move_sum<FEATURES> sum;
+
+  __device__ __forceinline__ lambda_sums<FEATURES> meet(const small_neighbors &n, pbf_vec x,
+                                                        const pbf_constants *c,
+                                                        const pbf_constants *now, uint32_t pass) {
+    lambda_sums<FEATURES> sums;
+    uint32_t entries[SMALL_CHUNK];
+    pbf_vec others[SMALL_CHUNK];
+#pragma unroll
+    for (uint32_t k = 0; k < SMALL_KEPT; k += SMALL_CHUNK) {
+      if (k >= n.list.size) break;
+      n.kept_chunk(k, entries);
+      n.positions(entries, pass, others);
+#pragma unroll
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q) {
+        pbf_vec x_ij = pbf_sub(x, others[q]);
+        pair_terms pair = sums.add(c, x_ij);
+        slopes[k + q] = pbf_add_scaled(pbf_vec{{0}}, pair.slope, x_ij);
+        if constexpr ((FEATURES & PBF_FEATURE_SCORR) != 0)
+          sum.sum = pbf_add_scaled(sum.sum, pbf_pair_scorr(now, pair.value), slopes[k + q]);
+      }
+    }
+    for (uint32_t k = SMALL_KEPT; k < n.list.size; k += SMALL_CHUNK) {
+      n.list.chunk(k, entries);
+      n.positions(entries, pass, others);
+#pragma unroll
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q) sums.add(c, pbf_sub(x, others[q]));
+    }
+    return sums;
+  }
+
+  __device__ __forceinline__ void move(const small_neighbors &n, pbf_vec x, pbf_real lambda,
+                                       const pbf_constants *now, uint32_t pass) {
+    uint32_t entries[SMALL_CHUNK];
+    pbf_vec others[SMALL_CHUNK];
+    pbf_real lambdas[SMALL_CHUNK];
+#pragma unroll
+    for (uint32_t k = 0; k < SMALL_KEPT; k += SMALL_CHUNK) {
+      if (k >= n.list.size) break;
+      n.kept_chunk(k, entries);
+      n.lambdas(entries, pass, lambdas);
+#pragma unroll
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
+        sum.sum = pbf_add_scaled(sum.sum, lambda + lambdas[q], slopes[k + q]);
+    }
+    for (uint32_t k = SMALL_KEPT; k < n.list.size; k += SMALL_CHUNK) {
+      n.list.chunk(k, entries);
+      n.positions(entries, pass, others);
+      n.lambdas(entries, pass, lambdas);
+#pragma unroll
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
+        sum.add(now, pbf_sub(x, others[q]), lambda + lambdas[q]);
+    }
+  }
+};
+
+#endif
