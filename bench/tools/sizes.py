@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Sizes of the library as it ships: builds it trimmed in several ways, and measures.
 
-    bench/tools/sizes.py measure FOLDER RESULT.json    builds in FOLDER
-    bench/tools/sizes.py table RESULT.json             writes the table in docs/trim.md
+    bench/tools/sizes.py measure FOLDER RESULT.json [BUILD ...]    builds in FOLDER: all, or these anew
+    bench/tools/sizes.py table RESULT.json                         writes the table in docs/trim.md
 
 Sizes are of stripped files. A static library has no size of its own in a program: there it is what
 examples/hello.c has with the library in it.
@@ -68,17 +68,22 @@ def files_of(options, folder):
     return [library, *sorted(folder.glob("lib/pbf/backends/*.so"))]
 
 
-def measure(work, result):
-    builds = []
-    for name, options in BUILDS.items():
-        folder = work / name.replace(",", "").replace(" ", "_")
-        configure_and_build(options, folder)
-        files = [{"file": path.name, "bytes": stripped_bytes(path, folder)} for path in files_of(options, folder)]
-        builds.append({"name": name, "options": options, "files": files, "bytes": sum(f["bytes"] for f in files)})
-        print(f"{name}: {builds[-1]['bytes']:,} bytes", flush=True)
-    compiler = run("cc", "--version").splitlines()[0]
+def measured(name, work, commit):
+    options, folder = BUILDS[name], work / name.replace(",", "").replace(" ", "_")
+    configure_and_build(options, folder)
+    files = [{"file": path.name, "bytes": stripped_bytes(path, folder)} for path in files_of(options, folder)]
+    return {"name": name, "options": options, "commit": commit, "files": files, "bytes": sum(f["bytes"] for f in files)}
+
+
+def measure(work, result, names):
+    before = json.loads(result.read_text(encoding="utf-8"))["builds"] if names else []
+    builds = {build["name"]: build for build in before}
     commit = run("git", "-C", ROOT, "rev-parse", "--short=12", "HEAD").strip()
-    result.write_text(json.dumps({"compiler": compiler, "commit": commit, "builds": builds}, indent=2) + "\n",
+    for name in names or BUILDS:
+        builds[name] = measured(name, work, commit)
+        print(f"{name}: {builds[name]['bytes']:,} bytes", flush=True)
+    compiler = run("cc", "--version").splitlines()[0]
+    result.write_text(json.dumps({"compiler": compiler, "builds": list(builds.values())}, indent=2) + "\n",
                       encoding="utf-8")
 
 
@@ -91,19 +96,20 @@ def options_text(options):
 
 
 def table(result):
-    lines = ["| build | options | files | KB |", "| --- | --- | --- | --: |"]
+    lines = ["| build | options | files | KB | commit |", "| --- | --- | --- | --: | --- |"]
     for build in result["builds"]:
         files = "<br>".join(f"{f['file']} {kilobytes(f['bytes'])}" for f in build["files"])
-        lines.append(f"| {build['name']} | {options_text(build['options'])} | {files} | {kilobytes(build['bytes'])} |")
-    lines += ["", f"Stripped, in thousands of bytes; {result['compiler']}, commit {result['commit']}. `hello` is "
-              "`examples/hello.c` with the static library in it."]
+        lines.append(f"| {build['name']} | {options_text(build['options'])} | {files} | {kilobytes(build['bytes'])} | "
+                     f"{build['commit']} |")
+    lines += ["", f"Stripped, in thousands of bytes; {result['compiler']}. `hello` is `examples/hello.c` with the "
+              "static library in it."]
     return "\n".join(lines)
 
 
 if __name__ == "__main__":
     arguments = sys.argv[1:]
-    if len(arguments) == 3 and arguments[0] == "measure":
-        measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]))
+    if len(arguments) >= 3 and arguments[0] == "measure" and set(arguments[3:]) <= set(BUILDS):
+        measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]), arguments[3:])
     elif len(arguments) == 2 and arguments[0] == "table":
         result = json.loads(pathlib.Path(arguments[1]).read_text(encoding="utf-8"))
         write_table("docs/trim.md", "sizes", table(result))
