@@ -47,6 +47,7 @@ static const pbf_real_rule reals[] = {
     REAL(sleep_speed, 1, PBF_AT_LEAST_ZERO),
     REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
     REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
+    REAL(pressure_grid, 1, PBF_AT_LEAST_ZERO),
 };
 
 /* Only what artificial pressure needs, once it is there. */
@@ -69,6 +70,16 @@ static pbf_status check_sleep(const pbf_params *params) {
                   "params.sleep_time is 0; with a sleep_speed (%.9g) it must be above 0, or "
                   "sleep_speed 0",
                   params->sleep_speed);
+}
+
+/* Cells narrower than h would hold too few particles, and wider ones than this none. */
+static pbf_status check_pressure_grid(const pbf_params *params) {
+  double width = params->pressure_grid;
+  if (width <= 0 || (width >= 1 && width <= 1000)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.pressure_grid is %.9g; it must be 1 … 1000, in units of "
+                  "smoothing_radius, or 0 for none",
+                  width);
 }
 
 static double rest_spacing(const pbf_params *params) {
@@ -139,6 +150,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), "params", params, kind);
   if (status == PBF_OK) status = check_scorr(params, kind);
   if (status == PBF_OK) status = check_sleep(params);
+  if (status == PBF_OK) status = check_pressure_grid(params);
   if (status == PBF_OK) status = check_lengths(params);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;

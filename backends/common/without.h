@@ -16,7 +16,8 @@ static inline int pbf_features_wanted(const pbf_params *params, uint32_t collide
          (params->wall_density > 0 ? PBF_FEATURE_WALL_DENSITY : 0) |
          (params->solver == PBF_SOLVER_CHEBYSHEV ? PBF_FEATURE_CHEBYSHEV : 0) |
          (params->sleep_speed > 0 ? PBF_FEATURE_SLEEP : 0) |
-         (params->tolerance > 0 ? PBF_FEATURE_TOLERANCE : 0);
+         (params->tolerance > 0 ? PBF_FEATURE_TOLERANCE : 0) |
+         (params->pressure_grid > 0 ? PBF_FEATURE_PRESSURE_GRID : 0);
 }
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */
@@ -35,6 +36,8 @@ static inline const char *pbf_without(int wanted) {
        "built without PBF_SOLVER_CHEBYSHEV; params.solver must be "
        "PBF_SOLVER_JACOBI"},
       {PBF_FEATURE_TOLERANCE, "built without the solve's early end; params.tolerance must be 0"},
+      {PBF_FEATURE_PRESSURE_GRID,
+       "built without the pressure grid; params.pressure_grid must be 0"},
       {PBF_FEATURE_SLEEP, "built without sleep; params.sleep_speed must be 0"},
       {PBF_FEATURE_STATS, "built without statistics and densities"},
   };

@@ -127,7 +127,8 @@ static int keep_rest(solver *s, const pbf_schedule *has) {
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
          keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
-         keep_excess(s, has->watched);
+         keep_excess(s, has->watched) &&
+         pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity);
 }
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <stdatomic.h>
 
-#include "common/memory.h"
+#include "common/deep.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
 #include "cpu/team.h"
@@ -56,6 +56,7 @@ struct pbf_backend_solver {
   pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *before;   /* … the lambda an iteration earlier */
   pbf_real *slack;    /* in very short steps only */
+  pbf_deep deep;      /* in deep water only */
   pbf_real *pressure; /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
 

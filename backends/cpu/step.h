@@ -2,6 +2,7 @@
 #ifndef PBF_CPU_STEP_H
 #define PBF_CPU_STEP_H
 
+#include "cpu/deep.h"
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
 
@@ -169,6 +170,7 @@ static void velocity_piece(void *context, uint32_t piece) {
   if (sleep_is_on(w))
     memcpy(w->rest.lambda + all.first, s->lambda + all.first,
            (all.last - all.first) * sizeof *s->lambda);
+  if (is_deep(w) && s->schedule.accelerated) add_weight(w, all);
 }
 
 static void count_skipped(void *context) {
@@ -259,6 +261,7 @@ static outcome step_once(worker *w, double time, int sorted) {
   if (!find_neighbors(w)) return STEP_LACKS_MEMORY;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
+  if (is_deep(w)) carry_weight(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
   update_velocity(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);

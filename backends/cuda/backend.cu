@@ -70,6 +70,9 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool sma
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
     return status;
+  if (pbf_status status = take_if(s, PBF_DEEP && has.runs[PBF_STAGE_GRID], "pressure grid",
+                                  deep_bytes(s->capacity), &s->deep_room))
+    return status;
   if (pbf_status status =
           take_if(s, has.watched, "watch over the solve", sizeof *s->watch, &s->watch))
     return status;

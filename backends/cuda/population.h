@@ -176,13 +176,20 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
   return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
 }
 
+static inline pressure_source pressures_of(const solver *s) {
+  pressure_source source = {s->pressure_scale, {}};
+  if (!PBF_DEEP || !s->deep_room || !(s->pressure_scale > 0) || !s->deep_grid.nodes) return source;
+  source.deep = {s->deep_grid, deep_of(s), s->deep_scale};
+  return source;
+}
+
 static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
   if (!rows->count) return PBF_OK;
   row_range range;
   pbf_real *staged = static_cast<pbf_real *>(s->list_room);
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->ids, s->count, s->pressure_scale, range, staged);
+      s->points, s->ids, s->count, pressures_of(s), range, staged);
   if (pbf_status status = pbf_cuda_check_launch("read_pressures_kernel")) return status;
   return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
 }
@@ -196,7 +203,7 @@ static inline pbf_status population_pressures(solver *s) {
       return status;
   if (!s->count) return PBF_OK;
   pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->count, s->pressure_scale, s->pressures);
+      s->points, s->count, pressures_of(s), s->pressures);
   return pbf_cuda_check_launch("pressures_kernel");
 }
 

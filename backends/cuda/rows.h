@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_ROWS_H
 #define PBF_CUDA_ROWS_H
 
+#include "cuda/deep.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
 #include "physics/stages.h"
@@ -66,19 +67,30 @@ static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids,
   if (row < rows.count) values[i] = in[row];
 }
 
+/* The pressure of the last step: of the iterations, and of the grid in deep water. */
+struct pressure_source {
+  pbf_real scale;
+  deep_pressure deep;
+};
+
+static __device__ __forceinline__ pbf_real pressure_of(const pressure_source &source,
+                                                       const point &p) {
+  return pbf_pressure(source.scale, p.lambda) + deep_pressure_at(source.deep, position_of(p));
+}
+
 static __global__ void read_pressures_kernel(const point *points, const uint32_t *ids,
-                                             uint32_t count, pbf_real scale, row_range rows,
+                                             uint32_t count, pressure_source source, row_range rows,
                                              pbf_real *out) {
   uint32_t i = thread_index();
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
-  if (row < rows.count) out[row] = pbf_pressure(scale, points[i].lambda);
+  if (row < rows.count) out[row] = pressure_of(source, load(points, i));
 }
 
-static __global__ void pressures_kernel(const point *points, uint32_t count, pbf_real scale,
+static __global__ void pressures_kernel(const point *points, uint32_t count, pressure_source source,
                                         pbf_real *out) {
   uint32_t i = thread_index();
-  if (i < count) out[i] = pbf_pressure(scale, points[i].lambda);
+  if (i < count) out[i] = pressure_of(source, load(points, i));
 }
 
 /* Unrest and lambda of each, for saved states. */

@@ -22,8 +22,8 @@ static inline bool small_possible(const solver *s) {
 static inline bool small_wanted(const solver *s, const pbf_params *params,
                                 const pbf_schedule &has) {
   return small_possible(s) && !has.runs[PBF_STAGE_CURL] && !has.runs[PBF_STAGE_VISCOSITY] &&
-         !has.runs[PBF_STAGE_SLACK] && !has.runs[PBF_STAGE_SLEEP] && !has.watched &&
-         params->iterations <= SMALL_ITERATIONS;
+         !has.runs[PBF_STAGE_SLACK] && !has.runs[PBF_STAGE_SLEEP] && !has.runs[PBF_STAGE_GRID] &&
+         !has.watched && params->iterations <= SMALL_ITERATIONS;
 }
 
 static inline double small_reach(const pbf_params *params) { /* in spacings */
@@ -232,16 +232,6 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   scene.solids = s->solids;
   scene.solid_count = (int)s->collider_count;
   return scene;
-}
-
-template <class Kernel, class... Arguments>
-static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t blocks, uint32_t threads,
-                                  size_t shared, const char *name, Arguments... arguments) {
-  void *pointers[] = {&arguments...};
-  return pbf_cuda_check(
-      cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel), dim3(blocks),
-                                  dim3(threads), pointers, shared, s->stream),
-      name);
 }
 
 /* In 64 bits there is nothing to compile. */

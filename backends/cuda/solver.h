@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "cuda/context.h"
+#include "cuda/deep.h"
 #include "cuda/memory.h"
 #include "cuda/passes.h"
 #include "cuda/scan.h"
@@ -53,6 +54,9 @@ struct solver {
 
   pbf_real *lambda_before; /* an iteration earlier: accelerated only */
   pbf_real *slack;         /* in very short steps only */
+  void *deep_room;         /* in deep water only */
+  pbf_coarse deep_grid;    /* of the last step, … */
+  double deep_scale;       /* … as is this, of lambda */
   solve_watch *watch;      /* with a tolerance only */
   pbf_real *unrest;        /* where fluid sleeps only, as all of these */
   pbf_real *other_unrest;
@@ -76,6 +80,17 @@ struct solver {
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];
 };
+
+/* Launches blocks that wait for each other. */
+template <class Kernel, class... Arguments>
+static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t blocks, uint32_t threads,
+                                  size_t shared, const char *name, Arguments... arguments) {
+  void *pointers[] = {&arguments...};
+  return pbf_cuda_check(
+      cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel), dim3(blocks),
+                                  dim3(threads), pointers, shared, s->stream),
+      name);
+}
 
 /* Calls launch(constant) with features as a compile-time constant. */
 template <class Launch>
@@ -117,6 +132,11 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
           grid,
           s->lists,
           s->constants};
+}
+
+/* Without arrays where the scene has no pressure grid. */
+static inline deep_arrays deep_of(const solver *s) {
+  return PBF_DEEP && s->deep_room ? deep_arrays_in(s->deep_room, s->capacity) : deep_arrays{};
 }
 
 template <class Value>

@@ -13,6 +13,8 @@ static inline uint32_t launches_of(pbf_stage stage) {
       return PBF_CUDA_SCAN_LAUNCHES + 3;
     case PBF_STAGE_VELOCITY:
       return 0; /* the last move's end */
+    case PBF_STAGE_GRID:
+      return 8; /* with the clearing of sums and of what blocks tell each other */
     case PBF_STAGE_SLEEP:
       return 3;
     default:
@@ -113,6 +115,47 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
   });
 }
 
+/* The grid's equations and their solution, once the particles have been summed up. */
+static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
+  const pbf_coarse &grid = s->deep_grid;
+  deep_arrays arrays = deep_of(s);
+  int axis, down = pbf_coarse_down(&grid, &axis);
+  uint32_t blocks = blocks_for(grid.nodes);
+  deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  deep_guess_kernel<<<blocks_for(pbf_coarse_columns(&grid, axis)), PBF_BLOCK, 0, s->stream>>>(
+      grid, axis, down, arrays);
+  return launch_resident(s, deep_solve_kernel, min(blocks, s->multiprocessors), PBF_BLOCK, 0,
+                         "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
+}
+
+static inline pbf_status carry_weight(solver *s, const neighborhood &n,
+                                      const iteration_extras &extras) {
+  if (!PBF_DEEP || !s->deep_room) return PBF_OK;
+  deep_arrays arrays = deep_of(s);
+  s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
+  s->deep_grid =
+      pbf_coarse_between(&s->params, &extras.obstacles.walls, pbf_coarse_limit(s->capacity));
+  return run_stage(&s->clock, s->stream, PBF_STAGE_GRID, [&] {
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemsetAsync(arrays.control, 0, sizeof *arrays.control, s->stream),
+                           "cudaMemsetAsync"))
+      return status;
+    if (pbf_status status = pbf_cuda_check(
+            cudaMemsetAsync(arrays.sums, 0, s->deep_grid.nodes * sizeof *arrays.sums, s->stream),
+            "cudaMemsetAsync"))
+      return status;
+    with_kernel(s->schedule.features, [&](auto features) {
+      weigh_kernel<decltype(features)::value>
+          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, s->deep_grid, arrays);
+    });
+    if (pbf_status status = solve_deep(s, extras.obstacles)) return status;
+    carry_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+        n.particles, s->deep_grid, arrays, (pbf_real)(1 / s->params.time_step));
+    return (pbf_status)PBF_OK;
+  });
+}
+
 static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
   if (!s->schedule.watched) return PBF_OK;
   *pass = {s->watch, (long long)pbf_excess_limit(&s->params, s->count), 0};
@@ -133,6 +176,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   if (PBF_SLEEP && s->unrest) extras.rest = {s->other_unrest, &s->tally->all, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
+  if (pbf_status status = carry_weight(s, *n, extras)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k + 1 == iterations};
     pbf_set_iteration(&n->constants, &s->params, k);

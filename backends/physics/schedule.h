@@ -13,6 +13,7 @@ typedef enum pbf_stage {
   PBF_STAGE_PREDICT,   /* lines 1-4, with walls and colliders when they act there */
   PBF_STAGE_NEIGHBORS, /* lines 5-7 */
   PBF_STAGE_SLACK,     /* density at the start of a very short step */
+  PBF_STAGE_GRID,      /* deep water's pressure, on a coarse grid */
   PBF_STAGE_LAMBDA,    /* lines 9-11, an iteration */
   PBF_STAGE_MOVE,      /* lines 12-18, an iteration; lines 13 and 14 with collisions there */
   PBF_STAGE_VELOCITY,  /* lines 20, 21, 23, with collisions after the solve */
@@ -46,6 +47,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
   s.runs[PBF_STAGE_PREDICT] = s.runs[PBF_STAGE_NEIGHBORS] = s.runs[PBF_STAGE_VELOCITY] = 1;
   s.runs[PBF_STAGE_SLACK] = pbf_slack_of(params) > 0;
+  s.runs[PBF_STAGE_GRID] = params->pressure_grid > 0;
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
@@ -54,9 +56,9 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
 }
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
-  static const char *const names[PBF_STAGE_COUNT] = {"predict",   "neighbors", "slack", "lambda",
-                                                     "move",      "velocity",  "curl",  "confine",
-                                                     "viscosity", "sleep"};
+  static const char *const names[PBF_STAGE_COUNT] = {
+      "predict",  "neighbors", "slack",   "pressure grid", "lambda", "move",
+      "velocity", "curl",      "confine", "viscosity",     "sleep"};
   return names[stage];
 }
 

@@ -29,6 +29,7 @@ static int keep_arrays(solver *s, const pbf_schedule *has) {
                     sizeof *s->curl) &&
          keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
                     sizeof *s->slack) &&
+         pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity) &&
          keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before) &&
          keep_array(s, sleep, (void **)&s->unrest, "unrest", sizeof *s->unrest) &&
          keep_array(s, sleep, (void **)&s->held, "lambda asleep", sizeof *s->held) &&

@@ -3,7 +3,7 @@
 #ifndef PBF_REFERENCE_SOLVER_H
 #define PBF_REFERENCE_SOLVER_H
 
-#include "common/memory.h"
+#include "common/deep.h"
 #include "physics/scalar.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
@@ -25,6 +25,7 @@ struct pbf_backend_solver {
   pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *before;    /* … the lambda an iteration earlier */
   pbf_real *slack;     /* in very short steps only */
+  pbf_deep deep;       /* in deep water only */
   pbf_curl *curl;      /* with vorticity only */
   pbf_real *pressure;  /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */

@@ -32,18 +32,23 @@ static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x,
     pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
 }
 
-/* rho/rho0 of particle i, positions sorted into s->grid; adds up its neighbours. */
-static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
-                                      uint32_t *neighbors) {
+/* rho/rho0 of particle i at x[i], positions sorted into s->grid; adds up its neighbours. */
+static inline pbf_real density_at(const solver *s, const pbf_obstacles *o, const pbf_vec *x,
+                                  uint32_t i, uint32_t *neighbors) {
   pbf_real density = s->constants.value_scale;
   pbf_vec gradient = {{0}};
   neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->x, s->constants.h2, &n)) {
+  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
     density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
     ++*neighbors;
   }
-  add_walls(s, o, s->x[i], &density, &gradient);
+  add_walls(s, o, x[i], &density, &gradient);
   return density;
+}
+
+static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
+                                      uint32_t *neighbors) {
+  return density_at(s, o, s->x, i, neighbors);
 }
 
 /* From the positions at the start of the step. */
@@ -51,6 +56,31 @@ static inline void compute_slack(solver *s, const pbf_obstacles *o) {
   uint32_t neighbors = 0;
   for (uint32_t i = 0; i < s->count; ++i)
     s->slack[i] = pbf_slack(&s->constants, solver_density(s, o, i, &neighbors));
+}
+
+/* Deep water: what its weight presses together is undone before the iterations. */
+static inline void carry_weight(solver *s, const pbf_obstacles *o) {
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  pbf_deep_begin(&s->deep, &s->params, s->capacity, &o->walls);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    uint32_t neighbors = 0;
+    pbf_real density = asleep(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);
+    pbf_deep_add(&s->deep, s->moved[i], density);
+  }
+  pbf_deep_solve(&s->deep, o);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    pbf_vec u = pbf_deep_move(&s->deep, s->moved[i]);
+    s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);
+    s->predicted[i] = s->moved[i] = pbf_add_scaled(s->moved[i], 1, u);
+  }
+}
+
+/* lambda once the step is over, and with it the pressure: all of it. */
+static inline void add_weight(solver *s) {
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->lambda[i] += pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, s->moved[i]);
 }
 
 /* Returns the density error, where it is wanted, in pbf_excess's units. */
@@ -171,6 +201,8 @@ static inline void solver_step(solver *s, double time) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->before, 0, s->count * sizeof *s->before);
   }
+  if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID])
+    carry_weight(s, &obstacles);
   int64_t limit = has->watched ? pbf_excess_limit(&s->params, s->count) : -1;
   int over = 0;
   for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {
@@ -182,6 +214,8 @@ static inline void solver_step(solver *s, double time) {
   if (sleeps(s)) memcpy(s->held, s->lambda, s->count * sizeof *s->held);
   if (has->collide_after_solve) collide_all(s, &obstacles, 0, s->predicted);
   update_velocity(s);
+  if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID] && has->accelerated)
+    add_weight(s);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {
     compute_curl(s);
     confine_vorticity(s);

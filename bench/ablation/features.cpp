@@ -67,6 +67,10 @@ const Feature features[] = {
      [](Variant &v, const Scene &w) {
        v.scene.params.tolerance = own_or(w.params.tolerance, 1e-9);
      }},
+    {"pressure grid",
+     [](Variant &v, const Scene &w) {
+       v.scene.params.pressure_grid = own_or(w.params.pressure_grid, 2);
+     }},
     {"attraction",
      [](Variant &v, const Scene &w) {
        v.scene.params.attraction = own_or(w.params.attraction, 0.1);
@@ -95,7 +99,7 @@ Variant minimal(const Scene &scene) {
   Variant bare{"minimal", scene, {}};
   pbf_params &p = bare.scene.params;
   p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = p.sleep_speed = 0;
-  p.tolerance = 0;
+  p.tolerance = p.pressure_grid = 0;
   p.solver = PBF_SOLVER_JACOBI;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);

@@ -215,6 +215,11 @@ typedef struct pbf_params {
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
                        Particles asleep count, and may pass for free of error. */
+  double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which the
+                           pressure of the fluid's weight is found before the iterations, which
+                           carry it by about a layer each; 1 … 1000, 2 will do; 0: none. Linear
+                           momentum is then kept only about as well as particles fill the cells
+                           evenly. */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -29,7 +29,7 @@ AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
 
-SIZE(pbf_params, 456);
+SIZE(pbf_params, 464);
 AT(pbf_params, struct_size, 0);
 AT(pbf_params, kernel, 4);
 AT(pbf_params, smoothing_radius, 8);
@@ -62,6 +62,7 @@ AT(pbf_params, search_cell_width, 424);
 AT(pbf_params, sleep_speed, 432);
 AT(pbf_params, sleep_time, 440);
 AT(pbf_params, tolerance, 448);
+AT(pbf_params, pressure_grid, 456);
 
 SIZE(pbf_collider, 184);
 AT(pbf_collider, struct_size, 0);

@@ -44,6 +44,9 @@ static const real_case params_reals[] = {
     {"sleep_speed is -1", P(sleep_speed), -1},
     {"sleep_time is -1", P(sleep_time), -1},
     {"tolerance is -0.001; it must be", P(tolerance), -0.001},
+    {"pressure_grid is -1; it must be", P(pressure_grid), -1},
+    {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},
+    {"pressure_grid is 2000; it must be 1", P(pressure_grid), 2000},
     {"sleep_time is 0; with a sleep_speed (0.1) it must be above 0", P(sleep_speed), 0.1},
     {"domain_max[0] is 0; it must be above domain_min[0] (0)", P(domain_max[0]), 0},
     {"domain_max[1] is -1", P(domain_max[1]), -1},
@@ -89,6 +92,8 @@ static const struct {
     {"search_cell_width", P(search_cell_width), 1},
     {"sleep_speed", P(sleep_speed), 1},
     {"sleep_time", P(sleep_time), 1},
+    {"tolerance", P(tolerance), 1},
+    {"pressure_grid", P(pressure_grid), 1},
 };
 
 static void put_real(void *object, size_t offset, double value) {

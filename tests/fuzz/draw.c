@@ -46,7 +46,8 @@ static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
                                     FIELD(search_cell_width, 1, 0.2, 0.5),
                                     FIELD(sleep_speed, 1, 0, 1),
                                     FIELD(sleep_time, 1, 0.01, 0.1),
-                                    FIELD(tolerance, 1, 0, 0.02)};
+                                    FIELD(tolerance, 1, 0, 0.02),
+                                    FIELD(pressure_grid, 1, 1, 3)};
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 

@@ -16,7 +16,8 @@ static uint64_t bytes_of(int features) {
   uint64_t sums = features & TOLERANCE ? PAIR_PIECES : 0;
   uint64_t flags = features & SLEEP ? padded(COUNT) / CALM_CHUNK + 1 : 0;
   if (flags && flags < PBF_ALIGNMENT) flags = PBF_ALIGNMENT;
-  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t) + flags;
+  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t) + flags +
+         (features & PRESSURE_GRID ? 7 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
 }
 
 static const watched *watched_at(unsigned k) {
@@ -30,6 +31,7 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(curl, VORTICITY, "curl"),
       WATCH_STAGE(confine, VORTICITY, "confine"),
       WATCH_STAGE(smooth_velocity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(settle, SLEEP, "sleep"),
       WATCH(viscosity, VISCOSITY | SLEEP),
       WATCH(pbf_unrest, SLEEP),
@@ -47,7 +49,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_relax, CHEBYSHEV),
       WATCH(pbf_excess, TOLERANCE),
       WATCH(end_when_small, TOLERANCE),
-      WATCH(density, STATS),
+      WATCH(density, STATS | PRESSURE_GRID),
       WATCH(run_survey, STATS),
       WATCH(pbf_stats_add, STATS),
       WATCH(seconds_now, TIMING),

@@ -26,9 +26,10 @@ enum {
   CHEBYSHEV = 1 << 6,
   SLEEP = 1 << 7,
   TOLERANCE = 1 << 8,
-  FEATURES = 9,
-  STATS = 1 << 9,
-  TIMING = 1 << 10
+  PRESSURE_GRID = 1 << 9,
+  FEATURES = 10,
+  STATS = 1 << 10,
+  TIMING = 1 << 11
 };
 
 /* A function that runs for a feature only, or that is a stage of the plan. */
@@ -92,6 +93,7 @@ static pbf_params params_with(int features) {
   p.sleep_speed = features & SLEEP ? 1e-6 : 0; /* so slow that nobody ever sleeps */
   p.sleep_time = 0.5;
   p.tolerance = features & TOLERANCE ? 1e-12 : 0;
+  p.pressure_grid = features & PRESSURE_GRID ? 2 : 0;
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 1;
   return p;
 }
@@ -218,7 +220,7 @@ static void sleepers_cost_nothing(void **state) {
   (void)state;
   const watched *w;
   fluid f = fluid_with(NOTHING);
-  pbf_params params = params_with(SLEEP | VORTICITY | VISCOSITY | CHEBYSHEV);
+  pbf_params params = params_with(SLEEP | VORTICITY | VISCOSITY | CHEBYSHEV | PRESSURE_GRID);
   params.sleep_speed = 10; /* so fast that all sleep at once */
   params.sleep_time = 1e-3;
   assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);

@@ -12,7 +12,8 @@ static uint64_t bytes_of(int features) {
   return (features & CHEBYSHEV ? COUNT * sizeof(pbf_real) : 0) +
          (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0) +
          (features & SLEEP ? 2 * COUNT * sizeof(pbf_real) : 0) +
-         (features & SLEEP ? (uint64_t)fmax(COUNT, PBF_ALIGNMENT) : 0);
+         (features & SLEEP ? (uint64_t)fmax(COUNT, PBF_ALIGNMENT) : 0) +
+         (features & PRESSURE_GRID ? 7 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
 }
 
 static const watched *watched_at(unsigned k) {
@@ -25,6 +26,7 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(compute_curl, VORTICITY, "curl"),
       WATCH_STAGE(confine_vorticity, VORTICITY, "confine"),
       WATCH_STAGE(apply_viscosity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(settle, SLEEP, "sleep"),
       WATCH(pbf_unrest, SLEEP),
       WATCH(pbf_pair_poly6, POLY6),

@@ -48,6 +48,9 @@ static void each_feature_is_refused(void **state) {
   params = minimal();
   params.tolerance = 0.001;
   check_refusal(s, &params, "built without the solve's early end");
+  params = minimal();
+  params.pressure_grid = 2;
+  check_refusal(s, &params, "built without the pressure grid");
   pbf_destroy(s);
 }
 

@@ -1,0 +1,276 @@
+/* The pressure grid: deep water stands with few iterations, and what falls freely is left alone. */
+#include "support.h"
+
+#include <math.h>
+
+enum { LAYERS = 60, COLUMNS = 6, MOST = LAYERS * COLUMNS * 3 };
+
+static const double spacing = 0.05, gravity = 9.81;
+
+static pbf_params column_params(double grid) {
+  pbf_params params = test_params();
+  params.iterations = 4;
+  params.pressure_grid = grid;
+  params.domain_max[0] = spacing * COLUMNS;
+  params.domain_max[1] = spacing * (LAYERS + 12);
+  params.domain_max[2] = spacing * 3;
+  return params;
+}
+
+/* Fluid on its lattice above a point, as wide as the domain where it stands on the floor. */
+static pbf_solver *block(const pbf_desc *desc, const pbf_params *params, uint32_t columns,
+                         uint32_t layers, double left, double low) {
+  uint32_t thick = desc->dimension == 3 ? 3 : 1, count = columns * layers * thick;
+  pbf_solver *s = test_create(desc, params);
+  void *x = calloc((size_t)count * desc->dimension, desc->precision);
+  assert_non_null(x);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t at[3] = {i % columns, i / columns % layers, i / columns / layers};
+    const double from[3] = {left, low, 0};
+    for (uint32_t k = 0; k < desc->dimension; ++k)
+      test_put(x, (uint64_t)i * desc->dimension + k, desc->precision,
+               from[k] + spacing * (at[k] + 0.5));
+  }
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  free(x);
+  return s;
+}
+
+static pbf_solver *column(uint32_t dimension, uint32_t precision, double grid) {
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  pbf_params params = column_params(grid);
+  return block(&desc, &params, COLUMNS, LAYERS, 0, 0);
+}
+
+static pbf_stats stats_of(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  return stats;
+}
+
+/* Of the mean height, at first half the column's. */
+static double lost_height(pbf_solver *s) {
+  return 1 - stats_of(s).center_of_mass[1] / (0.5 * spacing * LAYERS);
+}
+
+/* Largest distance of the pressure from that of water at rest, over that on the floor, where the
+ * surface is two cells away. */
+static double pressure_error(pbf_solver *s, uint32_t dimension, uint32_t precision) {
+  uint32_t count = 0;
+  double worst = 0, deep = gravity * spacing * LAYERS;
+  assert_ok(pbf_get_count(s, &count));
+  void *x = calloc((size_t)count * dimension, precision), *p = calloc(count, precision);
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  assert_ok(pbf_get_pressures(s, 0, count, p));
+  for (uint32_t i = 0; i < count; ++i) {
+    double y = test_value(x, (uint64_t)i * dimension + 1, precision);
+    double rest = gravity * (spacing * LAYERS - y);
+    if (y < spacing * (LAYERS - 8)) worst = fmax(worst, fabs(test_value(p, i, precision) - rest));
+  }
+  free(x);
+  free(p);
+  return worst / deep;
+}
+
+static void check_column(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = column(dimension, precision, 2), *plain = column(dimension, precision, 0);
+  assert_ok(pbf_step(s, 200));
+  assert_ok(pbf_step(plain, 200));
+  double speed = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+  double lost = lost_height(s), error = pressure_error(s, dimension, precision);
+  if (!(fabs(lost) < 0.01)) fail_msg("%uD: %g of the height lost", dimension, lost);
+  if (!(speed < 0.1)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, speed);
+  if (!(error < 0.05)) fail_msg("%uD: the pressure is %g off", dimension, error);
+  if (!(lost_height(plain) > 0.015)) fail_msg("%uD: it stands without a grid", dimension);
+  pbf_destroy(s);
+  pbf_destroy(plain);
+}
+
+static void a_column_stands(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_column);
+}
+
+/* Nothing presses on fluid that falls: not even its own surface, which fills cells in part. */
+static void check_fall(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 10 * 10 * 3);
+  pbf_params params = column_params(2);
+  params.domain_max[0] = 1;
+  params.domain_max[2] = 3;
+  pbf_solver *s = block(&desc, &params, 10, 10, 0.23, 2.51);
+  assert_ok(pbf_step(s, 30));
+  pbf_stats stats = stats_of(s);
+  double t = 30 * params.time_step, expected = gravity * t;
+  if (!(fabs(stats.momentum[1] + expected) < 1e-4 * expected && fabs(stats.momentum[0]) < 1e-4 &&
+        fabs(2 * stats.kinetic_energy - expected * expected) < 1e-3 * expected * expected))
+    fail_msg("%uD: falls at %g, %g, %g; %g is free", dimension, stats.momentum[0],
+             stats.momentum[1], stats.momentum[2], -expected);
+  pbf_destroy(s);
+}
+
+static void what_falls_is_left_alone(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_fall);
+}
+
+static void threads_agree(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  uint64_t hash = 0;
+  for (uint32_t threads = 1; threads <= 3; ++threads) {
+    pbf_desc desc = test_desc(3, PBF_FLOAT32, MOST);
+    pbf_params params = column_params(1.5);
+    desc.threads = threads;
+    params.domain_max[0] *= 2;
+    pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0);
+    assert_ok(pbf_step(s, 7));
+    assert_ok(pbf_step(s, 8));
+    if (threads == 1) hash = test_hash(s);
+    assert_true(test_hash(s) == hash);
+    pbf_destroy(s);
+  }
+}
+
+/* What it held goes, and a saved state needs nothing of it. */
+static void switched_on_and_off(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_solver *s = column(2, PBF_FLOAT64, 0), *plain = column(2, PBF_FLOAT64, 0);
+  pbf_params on = column_params(2), off = column_params(0);
+  assert_ok(pbf_set_params(s, &on));
+  assert_ok(pbf_set_params(s, &off));
+  assert_ok(pbf_step(s, 3));
+  assert_ok(pbf_step(plain, 3));
+  assert_true(test_hash(s) == test_hash(plain));
+  assert_ok(pbf_set_params(s, &on));
+  assert_ok(pbf_set_params(plain, &on));
+  assert_ok(pbf_step(s, 4));
+  assert_ok(pbf_step(plain, 2));
+  assert_ok(pbf_set_params(plain, &off));
+  assert_ok(pbf_set_params(plain, &on));
+  assert_ok(pbf_step(plain, 2));
+  assert_true(test_hash(s) == test_hash(plain));
+  pbf_destroy(s);
+  pbf_destroy(plain);
+}
+
+/* Takes away who is nearer to a point than that. */
+static void dig(pbf_solver *s, const pbf_desc *desc, double x, double y, double radius) {
+  uint32_t count = 0, dug = 0;
+  assert_ok(pbf_get_count(s, &count));
+  void *places = calloc((size_t)count * desc->dimension, desc->precision);
+  uint32_t *ids = calloc(count, sizeof *ids);
+  assert_ok(pbf_get_positions(s, 0, count, places));
+  for (uint32_t i = 0; i < count; ++i) {
+    uint64_t at = (uint64_t)i * desc->dimension;
+    double dx = test_value(places, at, desc->precision) - x;
+    double dy = test_value(places, at + 1, desc->precision) - y;
+    if (dx * dx + dy * dy < radius * radius) ids[dug++] = i;
+  }
+  assert_ok(pbf_remove_particles(s, dug, ids));
+  free(places);
+  free(ids);
+}
+
+/* A ball under water is room that the water does not have, and stays dry. */
+static void check_ball(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 30 * 20 * 3);
+  pbf_params params = column_params(2);
+  params.domain_max[0] = 1.5;
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.position[0] = 0.75;
+  ball.position[1] = 0.3;
+  ball.position[2] = 0.075;
+  ball.radius = 0.2;
+  pbf_solver *s = block(&desc, &params, 30, 20, 0, 0);
+  dig(s, &desc, 0.75, 0.3, 0.22);
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, 120));
+  double speed = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+  if (!(speed < 0.1)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, speed);
+  pbf_destroy(s);
+}
+
+static void water_rests_around_a_ball(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_ball);
+}
+
+/* Who sleeps carries the grid's pressure on. */
+static void it_sleeps(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, MOST);
+  pbf_params params = column_params(2);
+  params.sleep_speed = 0.1 * sqrt(gravity * spacing);
+  params.sleep_time = 0.25;
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0);
+  for (int k = 0; k < 20 && stats_of(s).asleep < stats_of(s).count; ++k) assert_ok(pbf_step(s, 30));
+  assert_int_equal(stats_of(s).asleep, stats_of(s).count);
+  assert_true(fabs(lost_height(s)) < 0.01);
+  assert_true(pressure_error(s, 3, PBF_FLOAT32) < 0.05);
+  static float before[MOST][3], after[MOST][3];
+  assert_ok(pbf_get_positions(s, 0, MOST, before));
+  assert_ok(pbf_step(s, 3));
+  assert_ok(pbf_get_positions(s, 0, MOST, after));
+  assert_memory_equal(before, after, sizeof before);
+  pbf_destroy(s);
+}
+
+static pbf_solver *reference_column(void) {
+  pbf_desc desc = test_desc(2, PBF_FLOAT64, MOST);
+  pbf_params params = column_params(2);
+  desc.backend = "reference";
+  pbf_solver *s = NULL;
+  pbf_backend_info info = {.struct_size = sizeof info};
+  params.domain_max[0] *= 3;
+  for (uint32_t i = 0; pbf_get_backend_info(&desc, i, &info) == PBF_OK; ++i)
+    if (strcmp(info.name, "reference") == 0 && info.available)
+      s = block(&desc, &params, COLUMNS, LAYERS, 0, 0);
+  return s;
+}
+
+/* A column that breaks, as long as rounding has not grown. */
+static void as_the_reference(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_solver *expected = reference_column();
+  if (!expected) test_skip("there is no reference to ask");
+  pbf_desc desc = test_desc(2, PBF_FLOAT64, MOST);
+  pbf_params params = column_params(2);
+  params.domain_max[0] *= 3;
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0);
+  assert_ok(pbf_step(s, 10));
+  assert_ok(pbf_step(expected, 10));
+  enum { COUNT = LAYERS * COLUMNS };
+  double x[COUNT][2], y[COUNT][2], p[COUNT], q[COUNT];
+  assert_ok(pbf_get_positions(s, 0, COUNT, x));
+  assert_ok(pbf_get_positions(expected, 0, COUNT, y));
+  assert_ok(pbf_get_pressures(s, 0, COUNT, p));
+  assert_ok(pbf_get_pressures(expected, 0, COUNT, q));
+  for (int i = 0; i < COUNT; ++i) {
+    for (int k = 0; k < 2; ++k)
+      if (!(fabs(x[i][k] - y[i][k]) < 1e-6))
+        fail_msg("particle %d is %g off the reference", i, fabs(x[i][k] - y[i][k]));
+    if (!(fabs(p[i] - q[i]) < 1e-3)) fail_msg("pressure %d: %g, %g", i, p[i], q[i]);
+  }
+  pbf_destroy(s);
+  pbf_destroy(expected);
+}
+
+int main(void) {
+  const struct CMUnitTest deep[] = {
+      cmocka_unit_test(a_column_stands),
+      cmocka_unit_test(what_falls_is_left_alone),
+      cmocka_unit_test(threads_agree),
+      cmocka_unit_test(switched_on_and_off),
+      cmocka_unit_test(water_rests_around_a_ball),
+      cmocka_unit_test(it_sleeps),
+      cmocka_unit_test(as_the_reference),
+  };
+  return TEST_RUN(deep);
+}
