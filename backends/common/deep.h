@@ -103,8 +103,11 @@ static inline double pbf_deep_iterate(pbf_deep *deep, const pbf_coarse_solve *so
 /* Once all have added. */
 static inline void pbf_deep_solve(pbf_deep *deep, const pbf_obstacles *o) {
   pbf_coarse_solve solve = pbf_deep_prepare(deep, o);
-  for (int k = 0; k < solve.most && pbf_deep_iterate(deep, &solve) > solve.enough; ++k)
+  for (int k = 0; k < solve.most; ++k) {
+    double miss = pbf_deep_iterate(deep, &solve);
+    if (pbf_coarse_asks(k) && miss <= solve.enough) break;
     pbf_coarse_go_on(&solve, k);
+  }
 }
 
 /* What the grid adds to a particle's move. */

@@ -112,6 +112,19 @@ static __device__ __forceinline__ double block_largest(double value) {
   return value;
 }
 
+/* Each time they ask, blocks tell the largest and, after a barrier, hear it. The next time's word
+ * is cleared where nobody can still be reading it: all have come past the barrier since. */
+static __device__ __forceinline__ void tell_miss(deep_control *control, int time, double miss) {
+  if (threadIdx.x != 0) return;
+  atomicMax(&control->miss[time % 3], (unsigned long long)__double_as_longlong(miss));
+  if (blockIdx.x == 0) atomicExch(&control->miss[(time + 1) % 3], 0ull);
+}
+
+static __device__ __forceinline__ double heard_miss(const deep_control *control, int time) {
+  const volatile unsigned long long *miss = &control->miss[time % 3];
+  return __longlong_as_double((long long)*miss);
+}
+
 /* All iterations; all blocks are resident. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_solve_kernel(pbf_coarse grid, deep_arrays a) {
@@ -131,15 +144,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       miss = fmax(miss, pbf_coarse_miss(residual, now[node]));
       before[node] = pbf_coarse_next(&solve, residual, inverse, now[node], before[node]);
     }
-    miss = block_largest(miss);
-    if (threadIdx.x == 0) {
-      atomicMax(&control->miss[k % 3], (unsigned long long)__double_as_longlong(miss));
-      if (blockIdx.x == 0) atomicExch(&control->miss[(k + 1) % 3], 0ull);
-    }
+    if (pbf_coarse_asks(k)) tell_miss(control, k / 4, block_largest(miss));
     grid_barrier(&control->barrier, k + 1);
-    unsigned long long worst =
-        *static_cast<const volatile unsigned long long *>(&control->miss[k % 3]);
-    over = !(__longlong_as_double((long long)worst) > solve.enough);
+    over = pbf_coarse_asks(k) && !(heard_miss(control, k / 4) > solve.enough);
     pbf_coarse_go_on(&solve, k);
     double *other = now;
     now = before;

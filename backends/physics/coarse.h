@@ -226,17 +226,29 @@ PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const int64_t *sums, const 
   if (part > 0) *inverse = pbf_lesser(part, 1) / (pbf_coarse_stiffness(0) * room);
 }
 
-/* What is missing on the left side. */
+/* The part of a node's left side from the cell of which it is corner `a`. */
+PBF_FN double pbf_coarse_part(const pbf_coarse *c, const double *rooms, const double *lambda,
+                              uint32_t node, int a) {
+  double sum = 0;
+  for (int b = 0; b < PBF_CORNERS; ++b) {
+    int64_t away = (b & 1) - (a & 1);
+    for (int k = 1; k < PBF_DIM; ++k)
+      away += ((b >> k & 1) - (a >> k & 1)) * (int64_t)c->corner[1u << k];
+    if (pbf_coarse_stiffness(a ^ b) != 0)
+      sum += pbf_coarse_stiffness(a ^ b) * lambda[(int64_t)node + away];
+  }
+  return rooms[node - c->corner[a]] * sum;
+}
+
+/* What is missing on the left side; one by one, so that every stiffness is a constant. */
 PBF_FN double pbf_coarse_residual(const pbf_coarse *c, const double *rooms, const double *lambda,
                                   double right, uint32_t node) {
-  for (int a = 0; a < PBF_CORNERS; ++a) {
-    const double *corners = lambda + (node - c->corner[a]);
-    double sum = 0;
-    for (int b = 0; b < PBF_CORNERS; ++b)
-      sum += pbf_coarse_stiffness(a ^ b) * corners[c->corner[b]];
-    right -= rooms[node - c->corner[a]] * sum;
-  }
-  return right;
+  right -= pbf_coarse_part(c, rooms, lambda, node, 0) + pbf_coarse_part(c, rooms, lambda, node, 1);
+  right -= pbf_coarse_part(c, rooms, lambda, node, 2) + pbf_coarse_part(c, rooms, lambda, node, 3);
+  if (PBF_DIM == 2) return right;
+  right -= pbf_coarse_part(c, rooms, lambda, node, 4) + pbf_coarse_part(c, rooms, lambda, node, 5);
+  return right -
+         (pbf_coarse_part(c, rooms, lambda, node, 6) + pbf_coarse_part(c, rooms, lambda, node, 7));
 }
 
 /* ---- The solve: Chebyshev's semi-iteration, as in the iterations over particles -------------- */
@@ -275,6 +287,9 @@ PBF_FN double pbf_coarse_next(const pbf_coarse_solve *s, double residual, double
                               double now, double before) {
   return pbf_lesser(s->weight * (now + s->step * residual * inverse - before) + before, 0);
 }
+
+/* Whether an iteration looks if it may be the last. */
+PBF_FN int pbf_coarse_asks(int k) { return k % 4 == 3; }
 
 /* How far its equation is from holding, where lambda may go on. */
 PBF_FN double pbf_coarse_miss(double residual, double lambda) {
