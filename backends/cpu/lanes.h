@@ -28,6 +28,8 @@ enum { SLOTS = 32 };
 #include "cpu/lanes_scalar.h"
 #endif
 
+PBF_FN lane lane_ramp(lane a, lane b) { return lane_max(lane_fma(a, b, lane_set(1)), lane_set(0)); }
+
 #define PBF_LANE lane
 #define PBF_LANE_(operation) lane_##operation
 #define PBF_PAIR(term) lanes_##term

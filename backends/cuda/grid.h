@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "physics/collide.h"
+#include "physics/scalar.h"
 
 /* Rows around a particle's own, itself included. */
 enum { PBF_ROWS = PBF_DIM == 3 ? 9 : 3 };
@@ -22,6 +23,7 @@ struct cell_grid {
   pbf_real reach, reach2;    /* h and a margin for rounding */
   pbf_real row_width;        /* of cells across the rows, at least `reach` */
   uint32_t cells[PBF_DIM];   /* stored; across the rows maybe fewer than last + 1: folded */
+  bool folded[PBF_DIM];      /* fewer */
   uint32_t columns_in_reach; /* cells along a row that `reach` spans */
   uint32_t count;
 };
@@ -76,6 +78,7 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
     g.scale.c[k] = (pbf_real)(1 / width);
     g.last.c[k] = (pbf_real)(k == 0 ? stored[0] - 1 : full[k] - 1);
     g.cells[k] = (uint32_t)stored[k];
+    g.folded[k] = k > 0 && stored[k] < full[k];
     g.count *= g.cells[k];
     if (k == 0) g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
   }
@@ -95,10 +98,8 @@ PBF_FN uint32_t grid_index(const cell_grid &g, int axis, pbf_real coordinate) {
 /* First cell of the row with the indices `at` across the rows. */
 PBF_FN uint32_t grid_row(const cell_grid &g, const uint32_t at[PBF_DIM]) {
   uint32_t row = 0;
-  for (int k = PBF_DIM - 1; k > 0; --k) {
-    bool folded = g.cells[k] <= (uint32_t)g.last.c[k];
-    row = row * g.cells[k] + (folded ? at[k] % g.cells[k] : at[k]);
-  }
+  for (int k = PBF_DIM - 1; k > 0; --k)
+    row = row * g.cells[k] + (g.folded[k] ? at[k] % g.cells[k] : at[k]);
   return row * g.cells[0];
 }
 
@@ -142,7 +143,7 @@ PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint3
     at[k] = view.own[k] + (uint32_t)step;
   }
   if (!(left2 > 0)) return false;
-  pbf_real left = pbf_real_sqrt(left2);
+  pbf_real left = left2 * pbf_scalar_rsqrt(left2); /* `reach` has room for its rounding */
   uint32_t start = grid_row(g, at);
   *first = start + grid_index(g, 0, grid_coordinate(g, 0, view.x - left));
   *last = start + grid_index(g, 0, grid_coordinate(g, 0, view.x + left));
@@ -155,10 +156,9 @@ PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint3
   uint32_t at[PBF_DIM], column = cell % g.cells[0];
   cell /= g.cells[0];
   for (int k = 1; k < PBF_DIM; ++k) {
-    bool folded = g.cells[k] <= (uint32_t)g.last.c[k];
     uint32_t own = cell % g.cells[k], step = (uint32_t)((k == 1 ? row % 3 : row / 3) - 1);
     cell /= g.cells[k];
-    at[k] = folded ? (own + g.cells[k] + step) % g.cells[k] : own + step;
+    at[k] = g.folded[k] ? (own + g.cells[k] + step) % g.cells[k] : own + step;
     if (at[k] >= g.cells[k]) return false;
   }
   uint32_t start = grid_row(g, at), span = g.columns_in_reach;

@@ -8,16 +8,15 @@
 #include "cuda/grid.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
-#include "cuda/sort.h"
 
 enum {
-  LIST_BLOCK = 128, /* threads that build lists */
   PBF_PLACE_BITS = 12,
   PBF_PLACES = 1 << PBF_PLACE_BITS,
   PBF_CHUNK = 8,   /* neighbours */
   PBF_WALKS = 255, /* list size that says: walk the cells */
   PBF_MOST_LISTED = 128,
-  PBF_NOWHERE = PBF_ROWS << PBF_PLACE_BITS /* fills up a chunk: the particle far from everything */
+  PBF_NOWHERE = PBF_ROWS << PBF_PLACE_BITS, /* fills up a chunk: the particle far from everything */
+  PBF_GATHERS = sizeof(pbf_real) == sizeof(float) ? 4 : 2 /* neighbours loaded at once */
 };
 
 struct neighbor_lists {
@@ -30,100 +29,6 @@ struct neighbor_lists {
 
 static __device__ __forceinline__ uint4 *list_of(const neighbor_lists &lists, uint32_t i) {
   return lists.entries + (size_t)(i / 32) * lists.chunks * 32 + i % 32;
-}
-
-/* A thread's list while it grows, in shared memory, entries LIST_BLOCK apart. Places are kept as
- * distances from the block's first entry: what is added up is the address itself. */
-struct growing_list {
-  uint16_t *entries;
-  uint32_t begin, next, last; /* `last`: from where on there is no room for four more */
-  bool fits;
-
-  __device__ __forceinline__ growing_list(uint16_t *block_entries, uint32_t room)
-      : entries(block_entries),
-        begin(threadIdx.x),
-        next(threadIdx.x),
-        last(threadIdx.x + (room - 4) * LIST_BLOCK),
-        fits(true) {}
-
-  __device__ __forceinline__ uint32_t size() const { return (next - begin) / LIST_BLOCK; }
-
-  /* Adds the particles near x among start … end - 1, with OWN all but `own`; `entry` is that of
-   * `start`. Four at a time, reading up to three beyond the last. Every entry is written, and only
-   * those that count are not written over: no branch in which the threads of a warp part. */
-  template <bool OWN>
-  __device__ __forceinline__ void add_row(const point *points, uint32_t start, uint32_t end,
-                                          uint32_t own, pbf_vec x, pbf_real h2, uint32_t entry) {
-    for (uint32_t j = start; j < end; j += 4, entry += 4) {
-      if (next > last) {
-        fits = false;
-        return;
-      }
-#pragma unroll
-      for (uint32_t q = 0; q < 4; ++q) {
-        pbf_vec d = pbf_sub(x, position_of(load(points, j + q)));
-        entries[next] = (uint16_t)(entry + q);
-        if (pbf_dot(d, d) < h2 && j + q < end && !(OWN && j + q == own)) next += LIST_BLOCK;
-      }
-    }
-  }
-
-  __device__ __forceinline__ uint32_t entry(uint32_t k) const {
-    return k < size() ? entries[begin + k * LIST_BLOCK] : (uint32_t)PBF_NOWHERE;
-  }
-
-  __device__ __forceinline__ void write(uint4 *chunk) const {
-    for (uint32_t k = 0; k < size(); k += PBF_CHUNK, chunk += 32)
-      *chunk = {entry(k) | entry(k + 1) << 16, entry(k + 2) | entry(k + 3) << 16,
-                entry(k + 4) | entry(k + 5) << 16, entry(k + 6) | entry(k + 7) << 16};
-  }
-};
-
-/* Bytes of shared memory of a block of list_kernel. */
-static inline size_t list_shared(uint32_t chunks) {
-  return (size_t)chunks * PBF_CHUNK * LIST_BLOCK * sizeof(uint16_t);
-}
-
-template <bool SLEEP>
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
-  extern __shared__ uint16_t growing[];
-  __shared__ uint32_t starts[PBF_ROWS][LIST_BLOCK], ends[PBF_ROWS][LIST_BLOCK];
-  uint32_t i = thread_index(), lane = threadIdx.x % 32;
-  if (i - lane >= p.count) return;
-  bool real = i < p.count;
-  /* Who sleeps has an empty list. */
-  bool looks = real && !(SLEEP && pbf_is_asleep(p.unrest[i]));
-  if (SLEEP && !__any_sync(~0u, looks)) {
-    if (real) lists.sizes[i] = 0;
-    return;
-  }
-  pbf_vec x = position_of(load(p.points, real ? i : p.count - 1));
-  grid_view view = grid_look(grid, x);
-  /* All rows' bounds first: independent loads. */
-#pragma unroll
-  for (int row = 0; row < PBF_ROWS; ++row) {
-    uint32_t first, last;
-    bool some = looks && grid_reach(grid, view, row, &first, &last);
-    starts[row][threadIdx.x] = some ? p.cell_start[first] : 0;
-    ends[row][threadIdx.x] = some ? p.cell_start[last + 1] : 0;
-  }
-  growing_list list(growing, lists.chunks * PBF_CHUNK);
-  for (int row = 0; row < PBF_ROWS; ++row) {
-    uint32_t start = starts[row][threadIdx.x], end = ends[row][threadIdx.x];
-    uint32_t base = __reduce_min_sync(~0u, start < end ? start : ~0u);
-    if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
-    if (start < end && end - base > PBF_PLACES) list.fits = false;
-    uint32_t entry = ((uint32_t)row << PBF_PLACE_BITS) + start - base;
-    if (row == PBF_ROWS / 2 && list.fits)
-      list.add_row<true>(p.points, start, end, i, x, h2, entry);
-    else if (list.fits)
-      list.add_row<false>(p.points, start, end, i, x, h2, entry);
-    __syncwarp();
-  }
-  if (!real) return;
-  lists.sizes[i] = list.fits ? (uint8_t)list.size() : (uint8_t)PBF_WALKS;
-  if (list.fits) list.write(list_of(lists, i));
 }
 
 /* Calls visit(j) for all particles in the cells around particle i's. */
@@ -139,34 +44,90 @@ static __device__ __forceinline__ void walk_cells(const sorted_particles &p, con
   }
 }
 
+/* The warp's bases less the row's bits of an entry, so that adding the entry gives the neighbour.
+ * They are found by the bits themselves, for which the 16 of a warp are aligned. */
+struct alignas(16 * sizeof(uint32_t)) row_bases {
+  uint32_t of[16];
+};
+
+/* The neighbour that one half of a list's word stands for; `bases` in shared memory. */
+static __device__ __forceinline__ uint32_t neighbor_at(uint32_t bases, uint32_t word, bool upper) {
+  enum { ROW_SHIFT = PBF_PLACE_BITS - 2 }; /* of a row's bits, to where they count bytes */
+  uint32_t row = word >> ((upper ? 16 : 0) + ROW_SHIFT) & 15 << 2, base;
+  asm("ld.shared.u32 %0, [%1];" : "=r"(base) : "r"(bases | row));
+  return base + (upper ? word >> 16 : word & 0xffff);
+}
+
+/* Calls take(bases, word, count) for the words of particle i's list, four at a time, of whose
+ * neighbours `count` are left; or visit(j) for all in the cells around where it has none. The
+ * threads of a warp call it with consecutive i and the same p.count. */
+template <class Take, class Visit>
+static __device__ __forceinline__ void for_chunks(const sorted_particles &p, const cell_grid &grid,
+                                                  const neighbor_lists &lists, uint32_t i,
+                                                  Take take, Visit visit) {
+  __shared__ row_bases shared_bases[PBF_BLOCK / 32];
+  uint32_t *bases = shared_bases[threadIdx.x / 32].of;
+  uint32_t lane = threadIdx.x % 32;
+  if (i - lane >= p.count) return;
+  if (lane <= PBF_ROWS) {
+    uint32_t base = lane < PBF_ROWS ? lists.bases[i / 32 * PBF_ROWS + lane] : lists.nowhere;
+    bases[lane] = base - (lane << PBF_PLACE_BITS);
+  }
+  __syncwarp();
+  if (i >= p.count) return;
+  uint32_t shared = (uint32_t)__cvta_generic_to_shared(bases);
+  const uint4 *chunk = list_of(lists, i);
+  uint4 ahead = *chunk; /* there is always a first one */
+  uint32_t size = lists.sizes[i];
+  if (size == PBF_WALKS) return walk_cells(p, grid, i, visit);
+  for (uint32_t k = 0; k < size; k += PBF_CHUNK) {
+    const uint32_t word[4] = {ahead.x, ahead.y, ahead.z, ahead.w};
+    chunk += 32;
+    if (k + PBF_CHUNK < size) ahead = *chunk;
+    take(shared, word, size - k);
+  }
+}
+
 /* Calls visit(j) for the neighbours j of particle i, in sorted order, and maybe for some that are
- * farther than h. The threads of a warp call it with consecutive i and the same `count`. */
+ * farther than h. */
 template <class Visit>
 static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
                                                      const cell_grid &grid,
                                                      const neighbor_lists &lists, uint32_t i,
                                                      Visit visit) {
-  __shared__ uint32_t shared_bases[PBF_BLOCK / 32][16];
-  uint32_t *bases = shared_bases[threadIdx.x / 32], lane = threadIdx.x % 32;
-  if (i - lane >= p.count) return;
-  if (lane < PBF_ROWS) bases[lane] = lists.bases[i / 32 * PBF_ROWS + lane];
-  if (lane == PBF_ROWS) bases[lane] = lists.nowhere;
-  __syncwarp();
-  if (i >= p.count) return;
-  uint32_t size = lists.sizes[i];
-  if (size == PBF_WALKS) return walk_cells(p, grid, i, visit);
-  const uint4 *chunk = list_of(lists, i);
-  for (uint32_t k = 0; k < size; k += PBF_CHUNK, chunk += 32) {
-    uint4 words = *chunk;
-    const uint32_t word[4] = {words.x, words.y, words.z, words.w};
+  for_chunks(
+      p, grid, lists, i,
+      [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
 #pragma unroll
-    for (uint32_t q = 0; q < 4; ++q) {
-      if (k + 2 * q >= size) break;
-      uint32_t a = word[q] & 0xffff, b = word[q] >> 16;
-      visit(bases[a >> PBF_PLACE_BITS] + a % PBF_PLACES);
-      visit(bases[b >> PBF_PLACE_BITS] + b % PBF_PLACES);
-    }
-  }
+        for (uint32_t k = 0; k < PBF_CHUNK; k += 2) {
+          if (k >= count) break;
+          visit(neighbor_at(bases, word[k / 2], false));
+          visit(neighbor_at(bases, word[k / 2], true));
+        }
+      },
+      visit);
+}
+
+/* The same with visit(point), for what needs nothing else. */
+template <class Visit>
+static __device__ __forceinline__ void for_points(const sorted_particles &p, const cell_grid &grid,
+                                                  const neighbor_lists &lists, uint32_t i,
+                                                  Visit visit) {
+  for_chunks(
+      p, grid, lists, i,
+      [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
+#pragma unroll
+        for (uint32_t k = 0; k < PBF_CHUNK; k += PBF_GATHERS) {
+          if (k >= count) break;
+          point near[PBF_GATHERS];
+#pragma unroll
+          for (uint32_t q = 0; q < PBF_GATHERS; ++q)
+            near[q] = load(p.points, neighbor_at(bases, word[(k + q) / 2], q % 2));
+#pragma unroll
+          for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q]);
+        }
+      },
+      [&](uint32_t j) { visit(load(p.points, j)); });
 }
 
 #endif

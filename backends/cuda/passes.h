@@ -27,9 +27,15 @@ struct move_end {
   pbf_vec *velocities; /* predicted positions from the first move on, velocities from the last */
 };
 
+/* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
+ * lets several loads of a thread be under way at once. Colliders need more registers. */
+constexpr int blocks_at_once(bool colliders) {
+  return sizeof(pbf_real) == sizeof(float) ? (colliders ? 4 : 5) : (colliders ? 2 : 4);
+}
+
 /* SLEEP is EXTRAS, too. */
 template <int FEATURES, bool EXTRAS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK)
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
     lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -46,8 +52,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.before;
   pbf_real before = accelerated && !first ? extras.before[own] : 0;
   lambda_sums<FEATURES> sums;
-  for_neighbors(n.particles, n.grid, n.lists, i,
-                [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
+  for_points(n.particles, n.grid, n.lists, i,
+             [&](const point &other) { sums.add(c, pbf_sub(x, position_of(other))); });
   if (i >= n.particles.count) return;
   pbf_real slack = EXTRAS && PBF_CHEBYSHEV && extras.slack ? extras.slack[i] : 0;
   pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
@@ -66,7 +72,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* From n.particles.points to `moved`. COLLIDERS and SLEEP are EXTRAS, too. */
 template <int FEATURES, bool EXTRAS, bool COLLIDERS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK)
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -92,8 +98,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    point other = load(points, j);
+  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
     sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
   if (i >= n.particles.count || (SLEEP && asleep)) return;

@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_STEP_H
 #define PBF_CUDA_STEP_H
 
+#include "cuda/search.h"
 #include "cuda/solver.h"
 
 /* Launches of a stage each time that it runs. */
@@ -60,8 +61,8 @@ static inline void launch_lists(solver *s, const neighborhood &n) {
   auto kernel = list_kernel<false>;
   if constexpr (PBF_SLEEP)
     if (s->unrest) kernel = list_kernel<true>;
-  kernel<<<(s->count + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK, list_shared(s->lists.chunks),
-           s->stream>>>(n.particles, n.grid, s->constants.h2, s->lists);
+  kernel<<<list_blocks(s->count), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
+      n.particles, n.grid, s->constants.h2, s->lists);
 }
 
 /* Sorts the present positions, also of those that sleep. */

@@ -78,11 +78,12 @@ static __device__ __forceinline__ void add_walls(const pbf_constants *c, const s
   pbf_add_walls(c, &o.walls, o.count, o.solids, x, density, gradient);
 }
 
-/* V W, and V grad W over x_i - x_j. */
+/* V W, and V grad W over x_i - x_j in units of pbf_slope_scale. */
 struct pair_terms {
   pbf_real value, slope;
 };
 
+/* In units of the kernel's scales until the end. */
 template <int FEATURES>
 struct lambda_sums {
   pbf_real density = 0, slope2 = 0;
@@ -92,22 +93,27 @@ struct lambda_sums {
   __device__ __forceinline__ pair_terms add(const pbf_constants *c, pbf_vec x_ij) {
     pbf_real r2 = pbf_dot(x_ij, x_ij);
     pair_terms pair;
-    pbf_pair_kernel(FEATURES, c, r2, &pair.value, &pair.slope);
+    pbf_pair_scaled(FEATURES, c, 1, 1, r2, &pair.value, &pair.slope);
     density += pair.value;
     slope2 += pair.slope * pair.slope * r2;
     gradient = pbf_add_scaled(gradient, pair.slope, x_ij);
+    pair.value *= c->value_scale;
     return pair;
   }
 
   /* The particle itself is part of its density. */
   __device__ __forceinline__ pbf_real lambda(const pbf_constants *c, const step_obstacles &o,
                                              bool wall_density, pbf_real slack, pbf_vec x) {
-    density += c->value_scale;
+    pbf_real scale = pbf_slope_scale(FEATURES, c);
+    density = density * c->value_scale + c->value_scale;
+    slope2 = slope2 * scale * scale;
+    for (int k = 0; k < PBF_DIM; ++k) gradient.c[k] *= scale;
     if (wall_density) add_walls(c, o, x, &density, &gradient);
     return pbf_lambda(c, slack, density, slope2, gradient);
   }
 };
 
+/* In units of pbf_slope_scale until the end. */
 template <int FEATURES>
 struct move_sum {
   pbf_vec sum = {{0}};
@@ -115,7 +121,7 @@ struct move_sum {
   /* `lambdas`: of both particles. */
   __device__ __forceinline__ void add(const pbf_constants *c, pbf_vec x_ij, pbf_real lambdas) {
     pair_terms pair;
-    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &pair.value, &pair.slope);
+    pbf_pair_scaled(FEATURES, c, c->value_scale, 1, pbf_dot(x_ij, x_ij), &pair.value, &pair.slope);
     if (FEATURES & PBF_FEATURE_SCORR) lambdas += pbf_pair_scorr(c, pair.value);
     sum = pbf_add_scaled(sum, lambdas * pair.slope, x_ij);
   }
@@ -126,6 +132,7 @@ struct move_sum {
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
                                            bool wall_density, bool accelerated, bool collide,
                                            pbf_real lambda, pbf_vec predicted, pbf_vec x) {
+    for (int k = 0; k < PBF_DIM; ++k) sum.c[k] *= pbf_slope_scale(FEATURES, c);
     if (wall_density) {
       pbf_real density = 0;
       pbf_vec from_walls = {{0}};

@@ -34,6 +34,11 @@ typedef struct pbf_constants {
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
 } pbf_constants;
 
+/* What pbf_pair_kernel's slope is scaled by. */
+PBF_FN pbf_real pbf_slope_scale(int features, const pbf_constants *c) {
+  return features & PBF_FEATURE_POLY6 ? -c->gradient_scale : -c->gradient_over_h;
+}
+
 /* What a step does to the density error that it finds becomes velocity: error times h / dt, without
  * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
  * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
