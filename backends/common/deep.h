@@ -36,9 +36,11 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
 }
 
 /* Before particles add to the sums. */
-static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params, uint32_t capacity,
+static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params,
+                                  const pbf_constants *constants, uint32_t capacity,
                                   const pbf_walls *walls) {
-  deep->grid = pbf_coarse_between(params, walls, pbf_coarse_limit(capacity));
+  deep->grid =
+      pbf_coarse_between(params, constants->value_scale, walls, pbf_coarse_limit(capacity));
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
 }
 

@@ -101,7 +101,7 @@ static void end_search(void *context) {
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && s->deep.sums)
-    pbf_deep_begin(&s->deep, &s->params, s->capacity, &w->obstacles.walls);
+    pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &w->obstacles.walls);
   if (!s->wanted.lacking) return;
   s->stopped_at = w->step;
   atomic_store_explicit(&s->stopped, 1, memory_order_release);

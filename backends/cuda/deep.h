@@ -18,6 +18,7 @@ struct deep_control {
   unsigned long long miss[3];              /* of an iteration; iterations take turns */
   uint32_t below[PBF_DIM], above[PBF_DIM]; /* nodes that are not in the open: the largest */
                                            /* distance from either end of an axis */
+  uint32_t inside;                         /* so many nodes are not in the open */
   uint32_t odd;                            /* 1: the solve has ended in `before` */
 };
 
@@ -25,10 +26,12 @@ struct deep_arrays {
   deep_control *control; /* the first of all arrays; null: not deep */
   unsigned long long *sums;
   double *rooms, *right, *inverse, *lambda, *before;
+  uint32_t *inside; /* the nodes that are not in the open, in any order */
 };
 
 static inline uint64_t deep_bytes(uint32_t capacity) {
-  return sizeof(deep_control) + 6 * pbf_coarse_limit(capacity) * sizeof(double);
+  return sizeof(deep_control) +
+         pbf_coarse_limit(capacity) * (6 * sizeof(double) + sizeof(uint32_t));
 }
 
 static inline deep_arrays deep_arrays_in(void *memory, uint32_t capacity) {
@@ -38,7 +41,7 @@ static inline deep_arrays deep_arrays_in(void *memory, uint32_t capacity) {
   return {control,           reinterpret_cast<unsigned long long *>(first),
           first + limit,     first + 2 * limit,
           first + 3 * limit, first + 4 * limit,
-          first + 5 * limit};
+          first + 5 * limit, reinterpret_cast<uint32_t *>(first + 6 * limit)};
 }
 
 static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a) {
@@ -84,6 +87,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   a.inverse[node] = inverse;
   if (!(inverse > 0)) return;
   int i[PBF_DIM];
+  a.inside[atomicAdd(&a.control->inside, 1u)] = node;
   pbf_coarse_place(&grid, node, i);
   for (int k = 0; k < PBF_DIM; ++k) {
     atomicMax(&a.control->above[k], (uint32_t)i[k]);
@@ -101,14 +105,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* The largest of a block's values, in thread 0. */
+template <uint32_t THREADS>
 static __device__ __forceinline__ double block_largest(double value) {
-  __shared__ double of_warp[PBF_BLOCK / 32];
+  __shared__ double of_warp[THREADS / 32];
   for (int step = 16; step > 0; step /= 2) value = fmax(value, __shfl_xor_sync(~0u, value, step));
   __syncthreads();
   if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = value;
   __syncthreads();
   if (threadIdx.x == 0)
-    for (uint32_t k = 0; k < PBF_BLOCK / 32; ++k) value = fmax(value, of_warp[k]);
+    for (uint32_t k = 0; k < THREADS / 32; ++k) value = fmax(value, of_warp[k]);
   return value;
 }
 
@@ -125,11 +130,18 @@ static __device__ __forceinline__ double heard_miss(const deep_control *control,
   return __longlong_as_double((long long)*miss);
 }
 
+/* A grid of so many indices is solved by one block, whose threads wait for each other a third as
+ * long as blocks do. */
+enum { DEEP_ALONE = 16384, DEEP_ALONE_THREADS = 1024 };
+
 /* All iterations; all blocks are resident. */
-static __global__ void __launch_bounds__(PBF_BLOCK)
+template <bool ALONE>
+static __global__ void __launch_bounds__(ALONE ? DEEP_ALONE_THREADS : PBF_BLOCK)
     deep_solve_kernel(pbf_coarse grid, deep_arrays a) {
+  constexpr uint32_t THREADS = ALONE ? DEEP_ALONE_THREADS : PBF_BLOCK;
   deep_control *control = a.control;
   double *now = a.lambda, *before = a.before;
+  uint32_t inside = control->inside;
   int longest = 1, k = 0;
   for (int axis = 0; axis < PBF_DIM; ++axis)
     longest = max(longest, (int)(control->below[axis] + control->above[axis]) - grid.n[axis]);
@@ -137,15 +149,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       pbf_coarse_begin(longest, __longlong_as_double((long long)control->largest));
   for (bool over = false; k < solve.most && !over; ++k) {
     double miss = 0;
-    for (uint32_t node = thread_index(); node < grid.nodes; node += gridDim.x * PBF_BLOCK) {
-      double inverse = a.inverse[node];
-      if (!(inverse > 0)) continue;
+    for (uint32_t i = thread_index(); i < inside; i += gridDim.x * THREADS) {
+      uint32_t node = a.inside[i];
       double residual = pbf_coarse_residual(&grid, a.rooms, now, a.right[node], node);
       miss = fmax(miss, pbf_coarse_miss(residual, now[node]));
-      before[node] = pbf_coarse_next(&solve, residual, inverse, now[node], before[node]);
+      before[node] = pbf_coarse_next(&solve, residual, a.inverse[node], now[node], before[node]);
     }
-    if (pbf_coarse_asks(k)) tell_miss(control, k / 4, block_largest(miss));
-    grid_barrier(&control->barrier, k + 1);
+    if (pbf_coarse_asks(k)) tell_miss(control, k / 4, block_largest<THREADS>(miss));
+    if (ALONE)
+      __syncthreads();
+    else
+      grid_barrier(&control->barrier, k + 1);
     over = pbf_coarse_asks(k) && !(heard_miss(control, k / 4) > solve.enough);
     pbf_coarse_go_on(&solve, k);
     double *other = now;

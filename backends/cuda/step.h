@@ -126,7 +126,11 @@ static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) 
   deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   deep_guess_kernel<<<blocks_for(pbf_coarse_columns(&grid, axis)), PBF_BLOCK, 0, s->stream>>>(
       grid, axis, down, arrays);
-  return launch_resident(s, deep_solve_kernel, min(blocks, s->multiprocessors), PBF_BLOCK, 0,
+  if (grid.nodes <= DEEP_ALONE) {
+    deep_solve_kernel<true><<<1, DEEP_ALONE_THREADS, 0, s->stream>>>(grid, arrays);
+    return PBF_OK;
+  }
+  return launch_resident(s, deep_solve_kernel<false>, min(blocks, s->multiprocessors), PBF_BLOCK, 0,
                          "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
 }
 
@@ -135,8 +139,8 @@ static inline pbf_status carry_weight(solver *s, const neighborhood &n,
   if (!PBF_DEEP || !s->deep_room) return PBF_OK;
   deep_arrays arrays = deep_of(s);
   s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
-  s->deep_grid =
-      pbf_coarse_between(&s->params, &extras.obstacles.walls, pbf_coarse_limit(s->capacity));
+  s->deep_grid = pbf_coarse_between(&s->params, s->constants.value_scale, &extras.obstacles.walls,
+                                    pbf_coarse_limit(s->capacity));
   return run_stage(&s->clock, s->stream, PBF_STAGE_GRID, [&] {
     if (pbf_status status =
             pbf_cuda_check(cudaMemsetAsync(arrays.control, 0, sizeof *arrays.control, s->stream),

@@ -69,15 +69,15 @@ static inline double pbf_coarse_taken(const pbf_walls *walls, double width) {
   return nodes + 2 * rows + 2;
 }
 
-/* The grid between walls, in a limited number of indices. */
-static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_walls *walls,
-                                            uint64_t limit) {
+/* The grid between walls, in a limited number of indices; `value_scale` is pbf_constants'. */
+static inline pbf_coarse pbf_coarse_between(const pbf_params *params, pbf_real value_scale,
+                                            const pbf_walls *walls, uint64_t limit) {
   pbf_coarse c;
   double dt2 = params->time_step * params->time_step;
   double width = params->pressure_grid * params->smoothing_radius;
   while (pbf_coarse_taken(walls, width) > (double)limit) width *= 1.1;
   c.width = width;
-  c.unit = pbf_derive(params, PBF_DIM).volume;
+  c.unit = (double)value_scale / pbf_norm_value(params->kernel, PBF_DIM, params->smoothing_radius);
   c.nodes = 1;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
