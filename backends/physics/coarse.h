@@ -1,17 +1,18 @@
 /* Deep water: what the weight of the fluid presses together is undone on a coarse grid, once a step
  * and before the iterations, which carry a pressure by about a layer each.
  *
- * The grid has a value lambda at each of its nodes and multilinear elements between them. A
- * particle is a point of quadrature, so that the move u = grad lambda of the particles and their
- * divergence are each other's adjoints, and with K the stiffness of an element,
+ * The grid has a value lambda at each of its nodes and multilinear elements between them. With K the
+ * stiffness of an element, N a node's function and w the moves that the forces alone make in the
+ * step,
  *
- *   sum over the cells e at a node of  fill_e (K lambda)_node
- *       = - sum over them of  fill_e (w_e · grad N_node + PBF_COARSE_SHARE error_e N_node)
+ *   sum over the cells e at a node of  room_e (K lambda)_node
+ *       = - sum over them of  room_e w_e · grad N_node + PBF_COARSE_SHARE error_e N_node
  *
- * takes from the moves w that the forces alone make in this step what compresses. What the fluid
- * brings along is left to the iterations: it is free of divergence as far as these have made it so,
- * and taking from it what a grid can't tell from compression takes energy from every wave. Errors
- * of density would stay; a share of them goes along.
+ * and particles move by grad lambda. What the fluid brings along is left to the iterations: it is
+ * free of divergence as far as these have made it so, and taking from it what a grid can't tell
+ * from compression takes energy from every wave. Errors of density would stay; a share of them goes
+ * along. It is the room of a cell that counts, the part that is free of walls and colliders, and
+ * not what fills it: so nothing presses on fluid that falls, whose surface fills cells in part.
  *
  * lambda is 0 at nodes in the open and nowhere positive; beyond walls there is nothing to move,
  * which is what an element's edge does of itself. */
