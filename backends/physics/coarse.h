@@ -1,9 +1,9 @@
 /* Deep water: what the weight of the fluid presses together is undone on a coarse grid, once a step
  * and before the iterations, which carry a pressure by about a layer each.
  *
- * The grid has a value lambda at each of its nodes and multilinear elements between them. With K the
- * stiffness of an element, N a node's function and w the moves that the forces alone make in the
- * step,
+ * The grid has a value lambda at each of its nodes and multilinear elements between them. With K
+ * the stiffness of an element, N a node's function and w the moves that the forces alone make in
+ * the step,
  *
  *   sum over the cells e at a node of  room_e (K lambda)_node
  *       = - sum over them of  room_e w_e · grad N_node + PBF_COARSE_SHARE error_e N_node
