@@ -200,7 +200,9 @@ PBF_FN double pbf_coarse_stiffness(int differs) {
   return axes == 0 ? 2.0 / 3 : axes == 1 ? -1.0 / 6 : -1.0 / 3;
 }
 
-/* The system's right side and the inverse of its diagonal: 0 for a node in the open, or outside. */
+/* The system's right side and the inverse of its diagonal: 0 for a node in the open, outside, or
+ * with next to no room. A crowd counts as an error of its cell's whole room: it is for the
+ * iterations. */
 PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const int64_t *sums, const double *rooms,
                                 uint32_t node, double *right, double *inverse) {
   int i[PBF_DIM];
@@ -218,11 +220,12 @@ PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const int64_t *sums, const 
       int right_of = a >> k & 1;
       divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
     }
-    sum += PBF_COARSE_SHARE / PBF_CORNERS * pbf_coarse_error(c, sums[cell]) +
-           rooms[cell] * divergence / (PBF_CORNERS / 2);
+    sum +=
+        PBF_COARSE_SHARE / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
+        rooms[cell] * divergence / (PBF_CORNERS / 2);
   }
-  double part =
-      (filled / pbf_greater(room, 0.1) - PBF_COARSE_OPEN) / (PBF_COARSE_FULL - PBF_COARSE_OPEN);
+  if (room < 0.1) return;
+  double part = (filled / room - PBF_COARSE_OPEN) / (PBF_COARSE_FULL - PBF_COARSE_OPEN);
   *right = -sum;
   if (part > 0) *inverse = pbf_lesser(part, 1) / (pbf_coarse_stiffness(0) * room);
 }

@@ -216,6 +216,35 @@ static void water_rests_around_a_ball(void **state) {
   test_for_each_kind(check_ball);
 }
 
+/* Where a ball leaves no room, the grid has nothing to say, not even of a crowd. */
+static pbf_stats in_a_ball(uint32_t dimension, uint32_t precision, double grid) {
+  pbf_desc desc = test_desc(dimension, precision, 6 * 6 * 3);
+  pbf_params params = column_params(grid);
+  pbf_collider ball;
+  params.domain_max[0] = params.domain_max[1] = params.domain_max[2] = 1;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 3;
+  pbf_solver *s = block(&desc, &params, 6, 6, 0, 0, 0.01);
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, 3));
+  pbf_stats stats = stats_of(s);
+  pbf_destroy(s);
+  return stats;
+}
+
+static void check_no_room(uint32_t dimension, uint32_t precision) {
+  pbf_stats with = in_a_ball(dimension, precision, 2.5);
+  pbf_stats without = in_a_ball(dimension, precision, 0);
+  assert_memory_equal(with.center_of_mass, without.center_of_mass, sizeof with.center_of_mass);
+  assert_true(with.speed_max <= 2 * without.speed_max);
+}
+
+static void where_there_is_no_room(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_no_room);
+}
+
 /* Who sleeps carries the grid's pressure on. */
 static void it_sleeps(void **state) {
   (void)state;
@@ -280,13 +309,10 @@ static void as_the_reference(void **state) {
 
 int main(void) {
   const struct CMUnitTest deep[] = {
-      cmocka_unit_test(a_column_stands),
-      cmocka_unit_test(what_is_squeezed_comes_back),
-      cmocka_unit_test(what_falls_is_left_alone),
-      cmocka_unit_test(threads_agree),
-      cmocka_unit_test(switched_on_and_off),
-      cmocka_unit_test(water_rests_around_a_ball),
-      cmocka_unit_test(it_sleeps),
+      cmocka_unit_test(a_column_stands),          cmocka_unit_test(what_is_squeezed_comes_back),
+      cmocka_unit_test(what_falls_is_left_alone), cmocka_unit_test(threads_agree),
+      cmocka_unit_test(switched_on_and_off),      cmocka_unit_test(water_rests_around_a_ball),
+      cmocka_unit_test(where_there_is_no_room),   cmocka_unit_test(it_sleeps),
       cmocka_unit_test(as_the_reference),
   };
   return TEST_RUN(deep);
