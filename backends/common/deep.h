@@ -27,6 +27,8 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
   if (deep->sums) return 1;
   deep->sums = pbf_memory_take(memory, "pressure grid", ARRAYS * limit, sizeof(double));
   if (!deep->sums) return 0;
+  /* What lies behind the last node is read, and counts for nothing unless it is no number. */
+  memset(deep->sums, 0, ARRAYS * limit * sizeof(double));
   double *next = (double *)deep->sums;
   double **const arrays[] = {&deep->rooms, &deep->right, &deep->inverse, &deep->lambda,
                              &deep->before};

@@ -12,11 +12,8 @@ static int is_deep(const worker *w) {
 static void weigh_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
-  range groups = piece_groups(w, piece), r = piece_sorted(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.spare[2]);
-  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
-       g = awake_groups(w, g.last, groups.last))
-    s->kernels->density(&pairs, s->lambda, s->cells, g.first, g.last);
+  range r = piece_sorted(w, piece);
+  find_densities(w, piece, w->b.spare[2], s->lambda);
   for (uint32_t i = r.first; i < r.last; ++i) {
     int asleep = sleep_is_on(w) && pbf_is_asleep(w->rest.unrest[i]);
     pbf_deep_add(&s->deep, field_at(&w->b.spare[2], i), asleep ? 1 : s->lambda[i]);

@@ -130,4 +130,13 @@ static pair_pass pairs_at(const worker *w, field x) {
                      .slack = s->slack};
 }
 
+/* Densities of a piece's particles at the places x, of those in groups where somebody is awake. */
+static void find_densities(const worker *w, uint32_t piece, field x, pbf_real *densities) {
+  range groups = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, x);
+  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
+       g = awake_groups(w, g.last, groups.last))
+    w->s->kernels->density(&pairs, densities, w->s->cells, g.first, g.last);
+}
+
 #endif

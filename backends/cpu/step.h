@@ -57,11 +57,8 @@ static void backtrack_piece(void *context, uint32_t piece) {
 static void slack_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
-  range groups = piece_groups(w, piece), r = piece_sorted(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.spare[0]);
-  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
-       g = awake_groups(w, g.last, groups.last))
-    s->kernels->density(&pairs, s->slack, s->cells, g.first, g.last);
+  range r = piece_sorted(w, piece);
+  find_densities(w, piece, w->b.spare[0], s->slack);
   s->kernels->slack(&s->constants, s->slack, r.first, r.last);
 }
 

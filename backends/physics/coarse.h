@@ -49,8 +49,7 @@ typedef struct pbf_coarse {
   uint32_t nodes;               /* and cells: indices */
 } pbf_coarse;
 
-/* Indices that there is room for; arrays are to have as many again behind them as two rows and
- * planes take, at most. */
+/* Indices that there is room for, with those behind the last node that its cells' corners have. */
 static inline uint64_t pbf_coarse_limit(uint32_t capacity) {
   return 4096 + (uint64_t)capacity / (PBF_DIM == 3 ? 8 : 2);
 }
@@ -60,7 +59,7 @@ static inline int pbf_coarse_cells(const pbf_walls *walls, int axis, double widt
   return (int)fmin(fmax(ceil(length / width - 1e-6), 1), 1e6);
 }
 
-/* Of all sizes, the last row and plane too. */
+/* Indices that a grid takes, with those behind its last node. */
 static inline double pbf_coarse_taken(const pbf_walls *walls, double width) {
   double nodes = 1, rows = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
