@@ -35,6 +35,7 @@ pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size) {
       .gravity = {0, -9.81, 0},
       .solver = PBF_SOLVER_CHEBYSHEV,
       .separation = 1,
+      .pressure_grid = -1,
       .min_diagonal = 1,
       .wall_density = 1,
       .scorr_dq = 0.2,

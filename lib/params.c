@@ -47,7 +47,7 @@ static const pbf_real_rule reals[] = {
     REAL(sleep_speed, 1, PBF_AT_LEAST_ZERO),
     REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
     REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
-    REAL(pressure_grid, 1, PBF_AT_LEAST_ZERO),
+    REAL(pressure_grid, 1, PBF_ANY),
 };
 
 /* Only what artificial pressure needs, once it is there. */
@@ -75,10 +75,10 @@ static pbf_status check_sleep(const pbf_params *params) {
 /* Cells narrower than h would hold too few particles, and wider ones than this none. */
 static pbf_status check_pressure_grid(const pbf_params *params) {
   double width = params->pressure_grid;
-  if (width <= 0 || (width >= 1 && width <= 1000)) return PBF_OK;
+  if (width == 0 || width == -1 || (width >= 1 && width <= 1000)) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "params.pressure_grid is %.9g; it must be 1 … 1000, in units of "
-                  "smoothing_radius, or 0 for none",
+                  "smoothing_radius, 0 for none, or -1 for one where water could be deep",
                   width);
 }
 

@@ -1,18 +1,23 @@
-/* The coarse grid's memory on a host, and its solve, by one thread. */
+/* The coarse grid's memory on a host, and what there is to do about the fluid on it. */
 #ifndef PBF_COMMON_DEEP_H
 #define PBF_COMMON_DEEP_H
 
 #include "common/memory.h"
-#include "physics/coarse.h"
+#include "physics/coarse_nodes.h"
 #include "physics/constants.h"
+
+/* Nodes first … last - 1. */
+typedef struct pbf_deep_run {
+  uint32_t first, last;
+} pbf_deep_run;
 
 typedef struct pbf_deep {
   pbf_coarse grid; /* of this step */
   int64_t *sums;   /* of cells, see pbf_coarse_entry; the first of all arrays */
   double *rooms;   /* of cells */
   double *right, *inverse, *lambda, *before; /* of nodes */
-  uint32_t *inside;                          /* the nodes that are not in the open, … */
-  uint32_t count;                            /* so many */
+  pbf_deep_run *runs; /* all nodes that are not in the open are in one, in their order … */
+  uint32_t count;     /* of so many; unless every node is looked at */
 } pbf_deep;
 
 /* Takes the memory or releases it. 0 when there is none. */
@@ -33,7 +38,7 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
   double **const arrays[] = {&deep->rooms, &deep->right, &deep->inverse, &deep->lambda,
                              &deep->before};
   for (unsigned k = 0; k < sizeof arrays / sizeof arrays[0]; ++k) *arrays[k] = next += limit;
-  deep->inside = (uint32_t *)(next + limit);
+  deep->runs = (pbf_deep_run *)(next + limit);
   return 1;
 }
 
@@ -46,79 +51,70 @@ static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params,
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
 }
 
-/* One particle, from any thread. */
-static inline void pbf_deep_add(pbf_deep *deep, pbf_vec x, pbf_real density) {
-  double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  __atomic_fetch_add(&deep->sums[cell], pbf_coarse_entry(density), __ATOMIC_RELAXED);
+/* Indices, up to the last of them along each axis. */
+typedef struct pbf_deep_box {
+  int first[PBF_DIM], last[PBF_DIM];
+} pbf_deep_box;
+
+/* A walk through the rows of a box along the first axis: the index of the place (0, i[1], i[2]),
+ * and on to the next. Returns 0 after the last. */
+static inline uint32_t pbf_deep_row(const pbf_coarse *c, const int i[PBF_DIM]) {
+  uint32_t row = 0;
+  for (int k = PBF_DIM - 1; k > 0; --k) row = (row + (uint32_t)i[k]) * c->size[k - 1];
+  return row;
 }
 
-/* The nodes that are not in the open, and the solve's bounds. */
-static inline pbf_coarse_solve pbf_deep_equations(pbf_deep *deep) {
-  const pbf_coarse *c = &deep->grid;
-  int low[PBF_DIM], high[PBF_DIM], longest = 1;
-  double largest = 0;
-  deep->count = 0;
-  for (int k = 0; k < PBF_DIM; ++k) low[k] = c->n[k] + 1, high[k] = 0;
-  for (uint32_t node = 0; node < c->nodes; ++node) {
-    int i[PBF_DIM];
-    double *right = &deep->right[node], *inverse = &deep->inverse[node];
-    pbf_coarse_equation(c, deep->sums, deep->rooms, node, right, inverse);
-    if (!(*inverse > 0)) continue;
-    pbf_coarse_place(c, node, i);
-    for (int k = 0; k < PBF_DIM; ++k) {
-      low[k] = low[k] < i[k] ? low[k] : i[k];
-      high[k] = high[k] > i[k] ? high[k] : i[k];
-      if (high[k] - low[k] >= longest) longest = high[k] - low[k] + 1;
-    }
-    largest = fmax(largest, fabs(*right));
-    deep->inside[deep->count++] = node;
+static inline int pbf_deep_next_row(const pbf_deep_box *box, int i[PBF_DIM]) {
+  for (int k = 1; k < PBF_DIM; ++k) {
+    if (++i[k] <= box->last[k]) return 1;
+    i[k] = box->first[k];
   }
-  return pbf_coarse_begin(longest, largest);
+  return 0;
 }
 
-static inline pbf_coarse_solve pbf_deep_prepare(pbf_deep *deep, const pbf_obstacles *o) {
+static inline void pbf_deep_extend(const pbf_coarse *c, pbf_coarse_extent *extent,
+                                   const int i[PBF_DIM]) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    uint32_t above = (uint32_t)i[k], below = (uint32_t)(c->n[k] + 1 - i[k]);
+    if (above > extent->above[k]) extent->above[k] = above;
+    if (below > extent->below[k]) extent->below[k] = below;
+  }
+}
+
+/* The room of the cells in a box outside which there is no fluid, and what is to be done about that
+ * in them. */
+static inline pbf_coarse_dose pbf_deep_dose(pbf_deep *deep, const pbf_obstacles *o,
+                                            const pbf_deep_box *box) {
+  const pbf_coarse *c = &deep->grid;
+  pbf_coarse_extent extent = {{0}, {0}};
+  int i[PBF_DIM];
+  memcpy(i, box->first, sizeof i);
+  do {
+    uint32_t row = pbf_deep_row(c, i);
+    for (i[0] = box->first[0]; i[0] <= box->last[0]; ++i[0]) {
+      uint32_t cell = row + (uint32_t)i[0];
+      deep->rooms[cell] = pbf_coarse_room_at(c, pbf_solid_count(o), o->solids, i);
+      if (pbf_coarse_is_filled(c, deep->sums[cell], deep->rooms[cell]))
+        pbf_deep_extend(c, &extent, i);
+    }
+  } while (pbf_deep_next_row(box, i));
+  return pbf_coarse_dose_of(c, &extent);
+}
+
+/* Where the solve starts, once all have an equation. */
+static inline void pbf_deep_guess(pbf_deep *deep, const pbf_coarse_dose *dose) {
   const pbf_coarse *c = &deep->grid;
   int axis, down = pbf_coarse_down(c, &axis);
-  for (uint32_t cell = 0; cell < c->nodes; ++cell)
-    deep->rooms[cell] = pbf_coarse_room(c, pbf_solid_count(o), o->solids, cell);
-  pbf_coarse_solve solve = pbf_deep_equations(deep);
   for (uint32_t column = 0; column < pbf_coarse_columns(c, axis); ++column)
-    pbf_coarse_guess(c, deep->inverse, axis, down, column, deep->lambda);
+    pbf_coarse_guess(c, dose->part, deep->inverse, axis, down, column, deep->lambda);
   memcpy(deep->before, deep->lambda, c->nodes * sizeof *deep->lambda);
-  return solve;
 }
 
-/* One iteration; returns how far the one before has come. */
-static inline double pbf_deep_iterate(pbf_deep *deep, const pbf_coarse_solve *solve) {
-  double miss = 0, *now = deep->lambda;
-  for (uint32_t k = 0; k < deep->count; ++k) {
-    uint32_t node = deep->inside[k];
-    double *before = &deep->before[node];
-    double residual = pbf_coarse_residual(&deep->grid, deep->rooms, now, deep->right[node], node);
-    miss = fmax(miss, pbf_coarse_miss(residual, now[node]));
-    *before = pbf_coarse_next(solve, residual, deep->inverse[node], now[node], *before);
-  }
-  deep->lambda = deep->before;
-  deep->before = now;
-  return miss;
-}
-
-/* Once all have added. */
-static inline void pbf_deep_solve(pbf_deep *deep, const pbf_obstacles *o) {
-  pbf_coarse_solve solve = pbf_deep_prepare(deep, o);
-  for (int k = 0; k < solve.most; ++k) {
-    double miss = pbf_deep_iterate(deep, &solve);
-    if (pbf_coarse_asks(k) && miss <= solve.enough) break;
-    pbf_coarse_go_on(&solve, k);
-  }
-}
-
-/* What the grid adds to a particle's move. */
-static inline pbf_vec pbf_deep_move(const pbf_deep *deep, pbf_vec x) {
-  double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  return pbf_coarse_move(&deep->grid, deep->lambda, cell, at);
+/* An iteration has written to `before`. */
+static inline void pbf_deep_swap(pbf_deep *deep) {
+  double *now = deep->before;
+  deep->before = deep->lambda;
+  deep->lambda = now;
 }
 
 /* The lambda over particles that has the grid's pressure at x. */

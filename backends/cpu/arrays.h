@@ -94,6 +94,16 @@ static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name)
   return 1;
 }
 
+/* Read as take_reals's are, also behind the last particle: no number must be none. */
+static int keep_added(solver *s, int wanted) {
+  pbf_real *base = s->added ? s->added - FIELD_FRONT : NULL;
+  int had = base != NULL;
+  if (!keep_reals(s, wanted, &base, "lambda added")) return 0;
+  if (base && !had) memset(base, 0, padded(s->capacity) * sizeof *base);
+  s->added = base ? base + FIELD_FRONT : NULL;
+  return 1;
+}
+
 static int keep_excess(solver *s, int wanted) {
   if (wanted && !s->excess)
     s->excess = pbf_memory_take(&s->memory, "density error of a piece",
@@ -125,7 +135,7 @@ static int keep_rest(solver *s, const pbf_schedule *has) {
 }
 
 static int keep_arrays(solver *s, const pbf_schedule *has) {
-  return keep_reals(s, has->accelerated, &s->before, "lambda before") &&
+  return keep_added(s, has->accelerated) &&
          keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
          keep_excess(s, has->watched) &&
          pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity);

@@ -53,7 +53,8 @@ static void allow_sleep(solver *s, int changes, int before) {
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->capacity);
+  add_weight(s);
   if (!keep_arrays(s, &schedule)) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");
@@ -121,7 +122,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
-  s->schedule = pbf_schedule_of(&s->params, count);
+  s->schedule = pbf_schedule_of(&s->params, count, s->capacity);
   s->movers = pbf_movers_of(&s->params, count, s->colliders);
   wake_near(s, changed, time);
   return PBF_OK;
@@ -145,12 +146,14 @@ static pbf_status synchronize(solver *s) {
 /* ---- Particles ----------------------------------------------------------------------------- */
 
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
+  add_weight(s);
   append(s, particles);
   greet(s, s->count - particles->count);
   return PBF_OK;
 }
 
 static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
+  add_weight(s);
   wake_all(s);
   remove_by_id(s, count, ids);
   return PBF_OK;
@@ -175,6 +178,7 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
+  add_weight(s);
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, in);
     return PBF_OK;
@@ -200,6 +204,7 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
 }
 
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
+  add_weight(s);
   read_pressure_rows(s, rows, out);
   return PBF_OK;
 }
@@ -207,6 +212,7 @@ static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
 static pbf_status map_pressures(solver *s, pbf_view *view) {
   if (!keep_reals(s, 1, &s->pressure, "pressure"))
     return out_of_memory(s, "a view of the pressures");
+  add_weight(s);
   for (uint32_t i = 0; i < s->count; ++i)
     s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
   pbf_view_numbers(view, s->count, s->buffers.ids, s->pressure);

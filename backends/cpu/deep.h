@@ -1,56 +1,70 @@
 /* Deep water: the pressure of the fluid's weight on a coarse grid (physics/coarse.h), before the
- * iterations. One thread solves: the grid has a node for some ten to sixty particles. */
+ * iterations. */
 #ifndef PBF_CPU_DEEP_H
 #define PBF_CPU_DEEP_H
 
+#include "cpu/deep_solve.h"
 #include "cpu/lists.h"
 
 static int is_deep(const worker *w) {
   return (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && w->s->deep.sums;
 }
 
+/* The grid changes when the step can no longer fail: until then it is that of the present state. */
+static void end_deep_search(void *context) {
+  worker *w = context;
+  solver *s = w->s;
+  end_search(w);
+  if (!s->wanted.lacking)
+    pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &w->obstacles.walls);
+}
+
+/* Sleepers pass for free of error. */
 static void weigh_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
-  range r = piece_sorted(w, piece);
+  range all = piece_sorted(w, piece);
   find_densities(w, piece, w->b.spare[2], s->lambda);
-  for (uint32_t i = r.first; i < r.last; ++i) {
-    int asleep = sleep_is_on(w) && pbf_is_asleep(w->rest.unrest[i]);
-    pbf_deep_add(&s->deep, field_at(&w->b.spare[2], i), asleep ? 1 : s->lambda[i]);
-  }
+  for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
+       r = sleeping_particles(w, r.last, all.last))
+    for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = 1;
+  s->kernels->weigh(&s->deep, w->b.spare[2], s->lambda, all.first, all.last);
 }
 
-static void solve_deep(void *context) {
-  const worker *w = context;
-  pbf_deep_solve(&w->s->deep, &w->obstacles);
+static void end_weighing(void *context) {
+  worker *w = context;
+  find_solve(w->s, &w->obstacles);
+  begin_solve(w->s, w->me->threads);
 }
 
 static void carry_piece(void *context, uint32_t piece) {
   worker *w = context;
+  solver *s = w->s;
   range all = piece_sorted(w, piece);
-  const field *x = &w->b.spare[2], *v = &w->b.spare[3];
+  help_solving(s);
+  if (s->deep_solve.nodes == 0) return; /* lambda is 0 */
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    for (uint32_t i = r.first; i < r.last; ++i) {
-      pbf_vec u = pbf_deep_move(&w->s->deep, field_at(x, i));
-      field_set(x, i, pbf_add_scaled(field_at(x, i), 1, u));
-      field_set(v, i, pbf_add_scaled(field_at(v, i), w->forces.inv_time_step, u));
-    }
+    s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.spare[2], w->b.spare[3], r.first,
+                      r.last);
 }
 
 /* What the weight presses together is undone. */
 static void carry_weight(worker *w) {
-  team_for(w->me, pair_pieces(w), weigh_piece, solve_deep, w);
+  team_for(w->me, pair_pieces(w), weigh_piece, end_weighing, w);
   team_for(w->me, pair_pieces(w), carry_piece, NULL, w);
   stage_end(w, PBF_STAGE_GRID);
 }
 
-/* lambda of these particles once the step is over, and with it the pressure: all of it. */
-static void add_weight(const worker *w, range r) {
-  solver *s = w->s;
-  for (uint32_t i = r.first; i < r.last; ++i)
-    s->lambda[i] += pbf_deep_lambda(&s->deep, &s->constants, w->forces.inv_time_step,
-                                    field_at(&w->b.spare[1], i));
+/* Between steps: lambda of all particles, and with it the pressure, gets what the last step's grid
+ * added. No step asks for it. */
+static void add_weight(solver *s) {
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->unweighed) return;
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->lambda[i] +=
+        pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, field_at(&s->buffers.x, i));
+  s->unweighed = 0;
 }
 
 #endif

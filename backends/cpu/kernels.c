@@ -1,4 +1,5 @@
 /* One instruction set's loops of one variant; see kernels.h. */
+#include "cpu/kernels_deep.h"
 #include "cpu/kernels_pairs.h"
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"
@@ -10,7 +11,7 @@ const kernels PBF_VARIANT_API = {
     .predict = predict,
     .bounds = bounds,
     .cells = cells,
-    .velocity = velocity,
+    .collide = collide,
     .search = search_groups,
     .lambda = lambda,
     .move = move,
@@ -21,4 +22,8 @@ const kernels PBF_VARIANT_API = {
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .backtrack = backtrack,
     .slack = slack,
+    .weigh = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? weigh : NULL,
+    .carry = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? carry : NULL,
+    .equations = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? equations : NULL,
+    .relax = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? relax : NULL,
 };

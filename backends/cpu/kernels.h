@@ -3,6 +3,7 @@
 #ifndef PBF_CPU_KERNELS_H
 #define PBF_CPU_KERNELS_H
 
+#include "common/deep.h"
 #include "cpu/grid.h"
 #include "physics/stages.h"
 
@@ -60,8 +61,21 @@ typedef struct pair_pass {
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
 } pair_pass;
 
+/* What an iteration moves particles by, and to. */
+typedef struct move_pass {
+  const pbf_real *lambda;
+  const pbf_obstacles *obstacles;
+  int collide; /* with these */
+  pbf_real inv_time_step;
+  field predicted, to;
+  field velocity; /* goes along */
+} move_pass;
+
 /* Sorted particles of whom one byte says whether any of them can be stirred. */
 enum { CALM_CHUNK = 32 };
+
+/* Nodes of the pressure grid that are done at once, at most. */
+enum { DEEP_LANES = 8 };
 
 /* Null: built without the feature. */
 typedef struct kernels {
@@ -75,16 +89,14 @@ typedef struct kernels {
   void (*bounds)(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper);
   void (*cells)(const grid *grid, field x, uint32_t first, uint32_t last, uint32_t *cells,
                 uint32_t *lowest, uint32_t *highest);
-  void (*velocity)(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
-                   field velocity, field predicted, field after, field v, uint32_t first,
-                   uint32_t last);
+  void (*collide)(const pbf_obstacles *obstacles, pbf_real inv_time_step, field predicted, field x,
+                  field velocity, uint32_t first, uint32_t last);
 
   /* Groups first … last - 1 of sorted particles. */
   list_size (*search)(const search *s, uint32_t first, uint32_t last, room *space);
-  void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *before, uint32_t first,
+  void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                  uint32_t last);
-  void (*move)(const pair_pass *p, const pbf_obstacles *obstacles, int collide, field predicted,
-               const pbf_real *lambda, field moved, uint32_t first, uint32_t last);
+  void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
@@ -92,9 +104,20 @@ typedef struct kernels {
   void (*stir)(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm, uint32_t *stirred,
                uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
+  /* `neighbors` null: nobody counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);
   void (*slack)(const pbf_constants *constants, pbf_real *density, uint32_t first, uint32_t last);
+
+  /* The pressure grid's, over particles … */
+  void (*weigh)(const pbf_deep *deep, field x, const pbf_real *densities, uint32_t first,
+                uint32_t last);
+  void (*carry)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
+                uint32_t last);
+  /* … and over nodes: kernels_deep.h. */
+  void (*equations)(const pbf_deep *deep, const pbf_coarse_dose *dose, const int i[PBF_DIM],
+                    int last, uint32_t row);
+  int (*relax)(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first, uint32_t last);
 } kernels;
 
 #endif

@@ -117,10 +117,76 @@ PBF_FN pbf_real wall_reach(const pbf_constants *c) {
   return (pbf_real)1.001 * (c->h - c->wall_offset);
 }
 
+/* What walls lend, in all lanes. */
+typedef struct lane_walls {
+  _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
+} lane_walls;
+
+/* Adds what the wall at these distances lends, whose normal has this sign; 0: nobody is near. */
+static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH], pbf_real sign,
+                          lane_walls *walls) {
+  _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH], g1[WIDTH];
+  _Alignas(64) int nodes[WIDTH];
+  const pbf_real reach = wall_reach(c), last = PBF_WALL_LAST;
+  int near = 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) near |= distances[l] < reach;
+  if (!near) return 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real t = pbf_wall_place(c, distances[l]), within = pbf_real_max(t, 0);
+    lends[l] = t < last ? 1 : 0;
+    s[l] = pbf_real_min(within, last);
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    nodes[l] = (int)pbf_real_min(s[l], last - 1);
+    s[l] -= nodes[l];
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    v0[l] = c->wall_value[nodes[l]];
+    v1[l] = c->wall_value[nodes[l] + 1];
+    g0[l] = c->wall_slope[nodes[l]];
+    g1[l] = c->wall_slope[nodes[l] + 1];
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real slope, value = pbf_wall_between(c, s[l], v0[l], v1[l], g0[l], g1[l], &slope);
+    walls->value[l] += lends[l] * value;
+    walls->slope[l] += sign * lends[l] * slope;
+  }
+  return 1;
+}
+
+/* pbf_add_walls where there are no colliders, in all lanes. */
+static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
+                                                      const pbf_walls *walls, const lane_values *x,
+                                                      pbf_real densities[WIDTH],
+                                                      lane_values *gradients) {
+  _Alignas(64) pbf_real lent[WIDTH] = {0};
+  lane_values slopes = {{{0}}};
+  for (int k = 0; k < PBF_DIM; ++k) {
+    _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
+    lane_walls along = {{0}, {0}};
+    for (uint32_t l = 0; l < WIDTH; ++l) below[l] = x->c[k][l] - walls->lower.c[k];
+    for (uint32_t l = 0; l < WIDTH; ++l) above[l] = walls->upper.c[k] - x->c[k][l];
+    int near = add_wall_lanes(c, below, 1, &along);
+    near |= add_wall_lanes(c, above, -1, &along);
+    for (int j = 0; j < PBF_DIM && near; ++j)
+      for (uint32_t l = 0; l < WIDTH; ++l)
+        slopes.c[j][l] =
+            pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, lent[l], slopes.c[j][l]);
+    for (uint32_t l = 0; l < WIDTH && near; ++l) lent[l] = pbf_join_value(along.value[l], lent[l]);
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l];
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += slopes.c[k][l];
+}
+
 static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
                                                 const lane_values *x,
                                                 const pbf_real distances[WIDTH],
                                                 pbf_real densities[WIDTH], lane_values *gradients) {
+  if (!pbf_solid_count(o)) {
+    add_plain_walls(c, &o->walls, x, densities, gradients);
+    return;
+  }
   for (uint32_t l = 0; l < WIDTH; ++l) {
     if (!(distances[l] < wall_reach(c))) continue;
     pbf_vec gradient = lane_value(gradients, l);
@@ -133,7 +199,7 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
 /* Lambda of one group from its sums. */
 PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
                          const lane_values *gradients, const pbf_real *slack, pbf_real *lambda,
-                         pbf_real *before) {
+                         pbf_real *added) {
   _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
   lane_store(slopes2, *slope2);
@@ -141,7 +207,7 @@ PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane
     lambdas[l] =
         pbf_lambda(c, slack ? slack[l] : 0, densities[l], slopes2[l], lane_value(gradients, l));
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
-    for (uint32_t l = 0; l < WIDTH; ++l) pbf_accelerate(c, lambdas[l], &lambda[l], &before[l]);
+    for (uint32_t l = 0; l < WIDTH; ++l) pbf_accelerate(c, lambdas[l], &lambda[l], &added[l]);
   else
     lane_store(lambda, lane_load(lambdas));
 }
@@ -196,8 +262,8 @@ PBF_FN density_sums density_of(const int features, const pbf_constants *c, const
   return sums;
 }
 
-PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda,
-                          pbf_real *before, uint32_t first, uint32_t last) {
+PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
+                          uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
@@ -215,16 +281,16 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
     }
     if (asked_excess(p)) *p->excess += excess_of(p, &sums.density, g);
     lambda_group(&c, &sums.density, &sums.slope2, &gradients,
-                 p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, before + g * WIDTH);
+                 p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, added + g * WIDTH);
   }
 }
 
-static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *before, uint32_t first,
+static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                    uint32_t last) {
   if (hot_features(p) & PBF_FEATURE_POLY6)
-    lambda_groups(PBF_FEATURE_POLY6, p, lambda, before, first, last);
+    lambda_groups(PBF_FEATURE_POLY6, p, lambda, added, first, last);
   else
-    lambda_groups(0, p, lambda, before, first, last);
+    lambda_groups(0, p, lambda, added, first, last);
 }
 
 PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
@@ -275,16 +341,12 @@ static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
   }
 }
 
-/* Where the iteration moves the particles of a group: from x*, its lambda and sums. */
-PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *predicted,
-                               const lane_values *from, const pbf_real *lambda,
+/* Where the iteration moves the particles of a group: from x* by its sums. */
+PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *from,
                                const lane_values *sums) {
   lane_values x;
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec sum = lane_value(sums, l), at = lane_value(from, l);
-    pbf_vec moved = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated
-                        ? pbf_relax(c, lane_value(predicted, l), at, lambda[l], sum)
-                        : pbf_move(c, at, sum);
+    pbf_vec moved = pbf_move(c, lane_value(from, l), lane_value(sums, l));
     for (int k = 0; k < PBF_DIM; ++k) x.c[k][l] = moved.c[k];
   }
   return x;
@@ -307,40 +369,62 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
   }
 }
 
-PBF_FN void move_groups(const int features, const pair_pass *p, const pbf_obstacles *obstacles,
-                        int collide, const field *predicted, const pbf_real *lambda,
-                        const field *to, uint32_t first, uint32_t last) {
+/* What pbf_push and pbf_velocity make of a group's velocities, by its moves and what walls and
+ * colliders made of them. */
+PBF_FN void push_group(const pbf_constants *c, const move_pass *m, const lane_values *sums,
+                       const lane_values *moved, const lane_values *after, uint32_t first,
+                       uint32_t lanes) {
+  const lane inv_time_step = lane_set(m->inv_time_step),
+             push = lane_set(m->inv_time_step * c->omega);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lane v = lane_fma(push, lane_load(sums->c[k]), lane_load(m->velocity.c[k] + first));
+    v = lane_fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), v);
+    if (lanes == WIDTH) {
+      lane_store(m->velocity.c[k] + first, v);
+    } else {
+      _Alignas(64) pbf_real values[WIDTH];
+      lane_store(values, v);
+      memcpy(m->velocity.c[k] + first, values, lanes * sizeof(pbf_real));
+    }
+  }
+}
+
+PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass *m, uint32_t first,
+                        uint32_t last) {
   const pbf_constants c = *p->constants;
   const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    const lane_vec start = lane_vec_load(predicted, g * WIDTH);
-    const lane_values xs = lane_vec_values(&x), starts = lane_vec_values(&start);
-    lane_vec sum = move_sum(features, &c, &n, &p->x, lambda, g);
+    const lane_values xs = lane_vec_values(&x);
+    lane_vec sum = move_sum(features, &c, &n, &p->x, m->lambda, g);
     lane_values sums = lane_vec_values(&sum);
-    if (lending_walls(p)) add_walls_to_change(p, lambda, g, &sums);
-    lane_values moved = moved_group(&c, &starts, &xs, lambda + g * WIDTH, &sums);
+    if (lending_walls(p)) add_walls_to_change(p, m->lambda, g, &sums);
+    const lane_values moved = moved_group(&c, &xs, &sums);
+    lane_values after = moved;
     uint32_t lanes = lanes_in_group(&n, g);
-    if (collide && pbf_solid_count(obstacles))
-      resolve_group(obstacles, &starts, &moved, lanes);
-    else if (collide)
-      clamp_group(obstacles, &moved);
+    if (m->collide && pbf_solid_count(m->obstacles)) {
+      const lane_vec start = lane_vec_load(&m->predicted, g * WIDTH);
+      const lane_values starts = lane_vec_values(&start);
+      resolve_group(m->obstacles, &starts, &after, lanes);
+    } else if (m->collide) {
+      clamp_group(m->obstacles, &after);
+    }
+    push_group(&c, m, &sums, &moved, &after, g * WIDTH, lanes);
     for (int k = 0; k < PBF_DIM; ++k)
-      memcpy(to->c[k] + g * WIDTH, moved.c[k], lanes * sizeof(pbf_real));
+      memcpy(m->to.c[k] + g * WIDTH, after.c[k], lanes * sizeof(pbf_real));
   }
 }
 
-static void move(const pair_pass *p, const pbf_obstacles *obstacles, int collide, field predicted,
-                 const pbf_real *lambda, field moved, uint32_t first, uint32_t last) {
+static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
   if ((hot_features(p) & BOTH) == BOTH)
-    move_groups(BOTH, p, obstacles, collide, &predicted, lambda, &moved, first, last);
+    move_groups(BOTH, p, m, first, last);
   else if (hot_features(p) & PBF_FEATURE_POLY6)
-    move_groups(PBF_FEATURE_POLY6, p, obstacles, collide, &predicted, lambda, &moved, first, last);
+    move_groups(PBF_FEATURE_POLY6, p, m, first, last);
   else if (hot_features(p) & PBF_FEATURE_SCORR)
-    move_groups(PBF_FEATURE_SCORR, p, obstacles, collide, &predicted, lambda, &moved, first, last);
+    move_groups(PBF_FEATURE_SCORR, p, m, first, last);
   else
-    move_groups(0, p, obstacles, collide, &predicted, lambda, &moved, first, last);
+    move_groups(0, p, m, first, last);
 }
 
 /* ---- Velocity ------------------------------------------------------------------------------ */
@@ -540,12 +624,12 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
       for (; list < list_end; list += WIDTH) {
         slots s = slots_of_bytes(list);
         lane_vec x_ij = lane_vec_minus(&x, &x_of, place_of(b->first, s));
-        count = count + (slots_set(1) & ~slots_below(s, 1));
+        if (neighbors) count = count + (slots_set(1) & ~slots_below(s, 1));
         density = density + lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
       }
     }
     lane_store(densities + g * WIDTH, density);
-    slots_store(neighbors + g * WIDTH, count);
+    if (neighbors) slots_store(neighbors + g * WIDTH, count);
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
@@ -558,10 +642,14 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
 
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
+  if (hot_features(p) & PBF_FEATURE_POLY6 && neighbors)
     density_groups(PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
-  else
+  else if (hot_features(p) & PBF_FEATURE_POLY6)
+    density_groups(PBF_FEATURE_POLY6, p, densities, NULL, first, last);
+  else if (neighbors)
     density_groups(0, p, densities, neighbors, first, last);
+  else
+    density_groups(0, p, densities, NULL, first, last);
 }
 
 #endif

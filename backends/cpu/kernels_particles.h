@@ -7,8 +7,8 @@
 /* Particles on their way from `from` to x; from before the obstacles moved where these `carried`
  * it.
  */
-static void collide_range(const pbf_obstacles *o, int carried, field from, field x, uint32_t first,
-                          uint32_t last) {
+static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int carried, field from,
+                                                    field x, uint32_t first, uint32_t last) {
   const pbf_walls walls = o->walls;
   if (pbf_solid_count(o) == 0) {
     for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
@@ -81,14 +81,20 @@ static void cells(const grid *of, field x, uint32_t first, uint32_t last, uint32
   *highest = high;
 }
 
-static void velocity(const pbf_obstacles *obstacles, int collide, pbf_real inv_time_step,
-                     field velocity, field predicted, field after, field v, uint32_t first,
-                     uint32_t last) {
-  if (collide) collide_range(obstacles, 0, predicted, after, first, last);
-  for (uint32_t i = first; i < last; ++i)
-    field_set(&v, i,
-              pbf_velocity(inv_time_step, field_at(&velocity, i), field_at(&predicted, i),
-                           field_at(&after, i)));
+/* Once the velocity is that of x. */
+static void collide(const pbf_obstacles *o, pbf_real inv_time_step, field predicted, field x,
+                    field velocity, uint32_t first, uint32_t last) {
+  enum { AT_ONCE = 64 };
+  pbf_vec before[AT_ONCE];
+  for (uint32_t begin = first, end; begin < last; begin = end) {
+    end = last - begin < AT_ONCE ? last : begin + AT_ONCE;
+    for (uint32_t i = begin; i < end; ++i) before[i - begin] = field_at(&x, i);
+    collide_range(o, 0, predicted, x, begin, end);
+    for (uint32_t i = begin; i < end; ++i)
+      field_set(
+          &velocity, i,
+          pbf_velocity(inv_time_step, field_at(&velocity, i), before[i - begin], field_at(&x, i)));
+  }
 }
 
 #endif

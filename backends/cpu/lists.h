@@ -100,18 +100,17 @@ static void end_search(void *context) {
   for (uint32_t t = 0; t < w->me->threads; ++t)
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);
-  if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && s->deep.sums)
-    pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &w->obstacles.walls);
   if (!s->wanted.lacking) return;
   s->stopped_at = w->step;
   atomic_store_explicit(&s->stopped, 1, memory_order_release);
 }
 
 /* Finds the neighbours at the sorted positions. 0 when there is no memory for them: the team then
- * stops at this step, and the caller's thread alone may take more (grow_lists). */
-static int find_neighbors(worker *w) {
+ * stops at this step, and the caller's thread alone may take more (grow_lists). `last` is
+ * end_search, with or without more. */
+static int find_neighbors(worker *w, team_last last) {
   w->room = (room){.more = next_slab, .context = w};
-  team_for(w->me, search_pieces(w), search_piece, end_search, w);
+  team_for(w->me, search_pieces(w), search_piece, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);
 }
@@ -136,7 +135,7 @@ static void find_densities(const worker *w, uint32_t piece, field x, pbf_real *d
   pair_pass pairs = pairs_at(w, x);
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    w->s->kernels->density(&pairs, densities, w->s->cells, g.first, g.last);
+    w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);
 }
 
 #endif

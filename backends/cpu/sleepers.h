@@ -64,10 +64,16 @@ static inline void calm_woken(const worker *w, range r, const field *v) {
     if (pbf_just_woke(&w->s->sleep, w->rest.unrest[i])) field_set(v, i, (pbf_vec){{0}});
 }
 
-static inline void keep_lambda(const worker *w, range r, pbf_real *lambda) {
+/* Their lambda stays: all of it acts in the first iteration. */
+static inline void keep_lambda(const worker *w, range r) {
+  pbf_real *lambda = w->s->lambda, *added = w->s->added;
   for (range s = sleeping_particles(w, r.first, r.last); s.first < s.last;
-       s = sleeping_particles(w, s.last, r.last))
-    memcpy(lambda + s.first, w->rest.lambda + s.first, (s.last - s.first) * sizeof(pbf_real));
+       s = sleeping_particles(w, s.last, r.last)) {
+    uint64_t bytes = (s.last - s.first) * sizeof *lambda;
+    memcpy(lambda + s.first, w->rest.lambda + s.first, bytes);
+    if (added && w->iteration == 0) memcpy(added + s.first, lambda + s.first, bytes);
+    if (added && w->iteration > 0) memset(added + s.first, 0, bytes);
+  }
 }
 
 #endif

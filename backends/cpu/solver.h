@@ -37,6 +37,18 @@ typedef struct slab_counter {
   _Alignas(64) atomic_uint taken;
 } slab_counter;
 
+/* The solve on the pressure grid (deep_solve.h), and its parts where threads share them. */
+typedef struct deep_solve {
+  pbf_coarse_solve solve;
+  int iteration;  /* under way */
+  uint32_t nodes; /* in all runs */
+  uint32_t parts; /* of an iteration */
+  atomic_uint led, solved;
+  _Alignas(64) atomic_ullong next; /* the iteration, and the next of its parts to be taken */
+  _Alignas(64) atomic_uint done;   /* parts, of all iterations */
+  atomic_uint lacking;             /* 1: a node was missing more than enough */
+} deep_solve;
+
 struct pbf_backend_solver {
   pbf_memory memory;
   const pbf_backend_host *host;
@@ -53,11 +65,13 @@ struct pbf_backend_solver {
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
   buffers buffers;
-  pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *before;   /* … the lambda an iteration earlier */
-  pbf_real *slack;    /* in very short steps only */
-  pbf_deep deep;      /* in deep water only */
-  pbf_real *pressure; /* once it has been looked at */
+  pbf_real *lambda; /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *added;  /* … what this iteration adds to it */
+  pbf_real *slack;  /* in very short steps only */
+  pbf_deep deep;    /* in deep water only … */
+  deep_solve deep_solve;
+  int unweighed;           /* 1: lambda is without what its grid added in the last step */
+  pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
 
   pbf_sleep sleep;
@@ -129,8 +143,6 @@ static inline uint64_t padded(uint32_t capacity) {
 
 /* Room for a real of each particle, with whole vectors at both ends, when no iteration is under
  * way. Lambda is the pressure where it adds up. */
-static inline pbf_real *spare_reals(const solver *s) {
-  return s->before ? s->before + FIELD_FRONT : s->lambda;
-}
+static inline pbf_real *spare_reals(const solver *s) { return s->added ? s->added : s->lambda; }
 
 #endif

@@ -40,7 +40,7 @@ static void clear_totals(solver *s, range groups) {
   uint64_t width = s->kernels->width;
   uint64_t bytes = (groups.last - groups.first) * width * sizeof *s->lambda;
   memset(s->lambda + groups.first * width, 0, bytes);
-  memset(s->before + groups.first * width, 0, bytes);
+  memset(s->added + groups.first * width, 0, bytes);
 }
 
 /* Where x* stands: it starts as the prediction in spare[2], and is in spare[1] after an iteration.
@@ -75,8 +75,8 @@ static void find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece)
     clear_totals(s, r);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->lambda(pairs, s->lambda, s->before, g.first, g.last);
-  keep_lambda(w, piece_sorted(w, piece), s->lambda);
+    s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
+  keep_lambda(w, piece_sorted(w, piece));
 }
 
 static void lambda_piece(void *context, uint32_t piece) {
@@ -90,10 +90,16 @@ static void move_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, *now_at(w));
+  const move_pass m = {s->schedule.accelerated ? s->added : s->lambda,
+                       &w->obstacles,
+                       s->schedule.collide_in_iteration,
+                       w->forces.inv_time_step,
+                       w->b.spare[2],
+                       w->b.spare[0],
+                       w->b.spare[3]};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->move(&pairs, &w->obstacles, s->schedule.collide_in_iteration, w->b.spare[2],
-                     s->lambda, w->b.spare[0], g.first, g.last);
+    s->kernels->move(&pairs, &m, g.first, g.last);
   keep_places(w, piece_sorted(w, piece), &w->b.spare[2], &w->b.spare[0]);
 }
 
@@ -144,7 +150,7 @@ static int is_watched(const solver *s) {
 
 static void iterate(worker *w) {
   int watched = is_watched(w->s);
-  pbf_set_iteration(&w->constants, &w->s->params, w->iteration);
+  pbf_set_iteration(&w->constants, w->iteration);
   team_for(w->me, pair_pieces(w), watched ? watched_lambda_piece : lambda_piece,
            watched ? end_when_small : NULL, w);
   stage_end(w, PBF_STAGE_LAMBDA);
@@ -158,16 +164,16 @@ static void velocity_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   if (is_watched(s)) fetch_moved(w, all);
-  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+  for (range r = awake_particles(w, all.first, all.last);
+       s->schedule.collide_after_solve && r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->velocity(&w->obstacles, s->schedule.collide_after_solve, w->forces.inv_time_step,
-                         w->b.spare[3], w->b.spare[2], w->b.spare[1], w->b.v, r.first, r.last);
-  keep_still(w, all, w->b.v.c, PBF_DIM);
-  calm_woken(w, all, &w->b.v);
+    s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.spare[2], w->b.spare[1],
+                        w->b.spare[3], r.first, r.last);
+  keep_still(w, all, w->b.spare[3].c, PBF_DIM);
+  calm_woken(w, all, &w->b.spare[3]);
   if (sleep_is_on(w))
     memcpy(w->rest.lambda + all.first, s->lambda + all.first,
            (all.last - all.first) * sizeof *s->lambda);
-  if (is_deep(w) && s->schedule.accelerated) add_weight(w, all);
 }
 
 static void count_skipped(void *context) {
@@ -179,6 +185,7 @@ static void count_skipped(void *context) {
 static void update_velocity(worker *w) {
   team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
   swap_fields(&w->b.x, &w->b.spare[1]);
+  swap_fields(&w->b.v, &w->b.spare[3]);
   uint32_t *ids = w->b.ids;
   w->b.ids = w->b.spare_ids;
   w->b.spare_ids = ids;
@@ -255,7 +262,7 @@ static outcome step_once(worker *w, double time, int sorted) {
   w->rest = w->b.rest;
   if (!sorted) predict_and_sort(w);
   w->rest = w->b.spare_rest;
-  if (!find_neighbors(w)) return STEP_LACKS_MEMORY;
+  if (!find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return STEP_LACKS_MEMORY;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
   if (is_deep(w)) carry_weight(w);
@@ -300,7 +307,10 @@ static void run_job(step_job *job) {
     job->done = job->reached;
     job->sorted = job->last == STEP_LACKS_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
-  if (job->done > before) s->pressure_scale = s->constants.pressure;
+  if (job->done > before) {
+    s->pressure_scale = s->constants.pressure;
+    s->unweighed = s->deep.sums && s->schedule.accelerated;
+  }
   s->now = job->time + job->done * step;
 }
 

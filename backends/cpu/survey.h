@@ -24,7 +24,7 @@ static void run_survey(void *context, member *me) {
   place_obstacles(s, s->now, &w.obstacles);
   team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
-  if (find_neighbors(&w)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
+  if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
 }
 
 /* 0 when the memory for the neighbours is lacking. */

@@ -4,9 +4,23 @@
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 
+#include <sched.h>
 #include <stdint.h>
 
 typedef struct team team;
+
+/* In a loop that waits for another thread: `looks` counts its turns from 1. Who has looked often
+ * offers the core to others. */
+static inline void wait_a_little(unsigned *looks) {
+  enum { PATIENCE = 2000 };
+  if (++*looks >= PATIENCE) {
+    sched_yield();
+    return;
+  }
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
 
 /* One thread's place in a running team. */
 typedef struct member {

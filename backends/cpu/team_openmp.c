@@ -6,16 +6,12 @@
  * with his own part takes pieces from the end of another's. A loop is over when its pieces are
  * done, whether or not all threads have come. */
 #include <omp.h>
-#include <sched.h>
 #include <stdatomic.h>
 
 #include "cpu/team.h"
 
 /* More threads than that gain nothing. */
 enum { MOST_THREADS = 256 };
-
-/* How often a waiting thread looks before it offers its core to others. */
-enum { PATIENCE = 2000 };
 
 /* How often it looks before it counts the pieces done itself, in case thread 0 can't. */
 enum { TRUST = 64 };
@@ -126,16 +122,8 @@ static void end_loop(const member *me, team_last last, void *context) {
 }
 
 static void wait_for_end(const member *me, team_last last, void *context) {
-  for (unsigned looks = 1; !is_over(me); ++looks) {
+  for (unsigned looks = 1; !is_over(me); wait_a_little(&looks))
     if ((me->thread == 0 || looks % TRUST == 0) && all_done(me)) end_loop(me, last, context);
-    if (looks >= PATIENCE) {
-      sched_yield();
-      continue;
-    }
-#if defined(__x86_64__)
-    __builtin_ia32_pause();
-#endif
-  }
 }
 
 void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context) {

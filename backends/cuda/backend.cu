@@ -65,7 +65,7 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool sma
                                   n * sizeof(pbf_vec), &s->smoothed))
     return status;
   if (pbf_status status =
-          take_if(s, has.accelerated, "lambda before", n * sizeof(pbf_real), &s->lambda_before))
+          take_if(s, has.accelerated, "lambda total", n * sizeof(pbf_real), &s->total))
     return status;
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
@@ -92,7 +92,7 @@ static pbf_status allow_sleep(solver *s, bool changes, bool before) {
 static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, colliders)))
     return status;
-  pbf_schedule schedule = pbf_schedule_of(params, colliders);
+  pbf_schedule schedule = pbf_schedule_of(params, colliders, s->capacity);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
@@ -197,6 +197,8 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = allow_lists(list_kernel<false>)) return status;
   if constexpr (PBF_SLEEP)
     if (pbf_status status = allow_lists(list_kernel<true>)) return status;
+  if constexpr (PBF_DEEP)
+    if (pbf_status status = allow_deep(s)) return status;
   if (small_possible(s))
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
   if (pbf_status status = apply_params(s, params, 0)) return status;

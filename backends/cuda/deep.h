@@ -5,28 +5,25 @@
 
 #include "cuda/barrier.h"
 #include "cuda/passes.h"
-#include "physics/coarse.h"
+#include "physics/coarse_nodes.h"
 
 /* Whether the build has it. */
 constexpr bool PBF_DEEP = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) != 0;
 
-/* What blocks tell each other in a step; zeroed before it. Reals that are never negative are
- * ordered as their bits are. */
+/* What a step finds out of all cells and nodes; zeroed before it, with the sums behind it. Reals
+ * that are never negative are ordered as their bits are. */
 struct deep_control {
   grid_counter barrier;
-  unsigned long long largest;              /* of the right sides */
-  unsigned long long miss[3];              /* of an iteration; iterations take turns */
-  uint32_t below[PBF_DIM], above[PBF_DIM]; /* nodes that are not in the open: the largest */
-                                           /* distance from either end of an axis */
-  uint32_t inside;                         /* so many nodes are not in the open */
-  uint32_t odd;                            /* 1: the solve has ended in `before` */
+  unsigned long long largest; /* right side */
+  pbf_coarse_extent extent;   /* of filled cells */
+  uint32_t odd;               /* 1: the solve has ended in `before` */
 };
 
 struct deep_arrays {
   deep_control *control; /* the first of all arrays; null: not deep */
   unsigned long long *sums;
   double *rooms, *right, *inverse, *lambda, *before;
-  uint32_t *inside; /* the nodes that are not in the open, in any order */
+  uint32_t *inside; /* the nodes that are not in the open; each block has its own */
 };
 
 static inline uint64_t deep_bytes(uint32_t capacity) {
@@ -50,15 +47,15 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
 
 /* Sums the particles up; sleepers pass for free of error. */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
     weigh_kernel(neighborhood n, iteration_extras extras, pbf_coarse grid, deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
-  uint32_t own = min(i, n.particles.count - 1);
-  pbf_vec x = position_of(load(n.particles.points, own)), gradient = {{0}};
+  pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
+  pbf_vec gradient = {{0}};
   pbf_real density = c->value_scale;
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    pbf_vec x_ij = pbf_sub(x, position_of(load(n.particles.points, j)));
+  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
+    pbf_vec x_ij = pbf_sub(x, position_of(other));
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
   if (i >= n.particles.count) return;
@@ -73,100 +70,71 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_cells_kernel(pbf_coarse grid, step_obstacles o, deep_arrays a) {
   uint32_t cell = thread_index();
   if (cell >= grid.nodes) return;
-  a.rooms[cell] = pbf_coarse_room(&grid, o.count, o.solids, cell);
+  double room = pbf_coarse_room(&grid, o.count, o.solids, cell);
+  a.rooms[cell] = room;
+  if (!pbf_coarse_is_filled(&grid, (int64_t)a.sums[cell], room)) return;
+  int i[PBF_DIM];
+  pbf_coarse_place(&grid, cell, i);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    atomicMax(&a.control->extent.above[k], (uint32_t)i[k]);
+    atomicMax(&a.control->extent.below[k], (uint32_t)(grid.n[k] + 1 - i[k]));
+  }
+}
+
+/* The step's dose, for all threads of a block. */
+static __device__ __forceinline__ pbf_coarse_dose deep_dose(const pbf_coarse &grid,
+                                                            const deep_arrays &a) {
+  __shared__ pbf_coarse_dose dose;
+  if (threadIdx.x == 0) dose = pbf_coarse_dose_of(&grid, &a.control->extent);
+  __syncthreads();
+  return dose;
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_nodes_kernel(pbf_coarse grid, deep_arrays a) {
   uint32_t node = thread_index();
-  if (node >= grid.nodes) return;
-  double right, inverse;
-  pbf_coarse_equation(&grid, reinterpret_cast<const int64_t *>(a.sums), a.rooms, node, &right,
-                      &inverse);
-  a.right[node] = right;
-  a.inverse[node] = inverse;
-  if (!(inverse > 0)) return;
-  int i[PBF_DIM];
-  a.inside[atomicAdd(&a.control->inside, 1u)] = node;
-  pbf_coarse_place(&grid, node, i);
-  for (int k = 0; k < PBF_DIM; ++k) {
-    atomicMax(&a.control->above[k], (uint32_t)i[k]);
-    atomicMax(&a.control->below[k], (uint32_t)(grid.n[k] + 1 - i[k]));
+  const pbf_coarse_dose dose = deep_dose(grid, a);
+  double right = 0, inverse = 0;
+  if (node < grid.nodes) {
+    pbf_coarse_equation(&grid, &dose, reinterpret_cast<const int64_t *>(a.sums), a.rooms, node,
+                        &right, &inverse);
+    a.right[node] = right;
+    a.inverse[node] = inverse;
   }
-  atomicMax(&a.control->largest, (unsigned long long)__double_as_longlong(fabs(right)));
+  double largest = inverse > 0 ? fabs(right) : 0;
+  for (int step = 16; step > 0; step /= 2)
+    largest = fmax(largest, __shfl_xor_sync(~0u, largest, step));
+  if (threadIdx.x % 32 == 0 && largest > 0)
+    atomicMax(&a.control->largest, (unsigned long long)__double_as_longlong(largest));
 }
 
+/* Nodes one above the other that are not in the open, from `floor` on; a warp looks together. */
+static __device__ __forceinline__ uint32_t deep_stands(const double *inverse, uint32_t floor,
+                                                       int64_t up, uint32_t most) {
+  for (uint32_t base = 0; base < most; base += 32) {
+    uint32_t i = base + threadIdx.x % 32;
+    uint32_t open = __ballot_sync(~0u, !(i < most && inverse[floor + i * up] > 0));
+    if (open) return base + (uint32_t)__ffs((int)open) - 1;
+  }
+  return most;
+}
+
+/* Where the solve starts, pbf_coarse_guess: a warp a column. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_guess_kernel(pbf_coarse grid, int axis, int down, deep_arrays a) {
-  uint32_t column = thread_index();
+  uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[axis];
+  const double part = deep_dose(grid, a).part;
   if (column >= pbf_coarse_columns(&grid, axis)) return;
-  pbf_coarse_guess(&grid, a.inverse, axis, down, column, a.lambda);
-  pbf_coarse_guess(&grid, a.inverse, axis, down, column, a.before);
-}
-
-/* The largest of a block's values, in thread 0. */
-template <uint32_t THREADS>
-static __device__ __forceinline__ double block_largest(double value) {
-  __shared__ double of_warp[THREADS / 32];
-  for (int step = 16; step > 0; step /= 2) value = fmax(value, __shfl_xor_sync(~0u, value, step));
-  __syncthreads();
-  if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = value;
-  __syncthreads();
-  if (threadIdx.x == 0)
-    for (uint32_t k = 0; k < THREADS / 32; ++k) value = fmax(value, of_warp[k]);
-  return value;
-}
-
-/* Each time they ask, blocks tell the largest and, after a barrier, hear it. The next time's word
- * is cleared where nobody can still be reading it: all have come past the barrier since. */
-static __device__ __forceinline__ void tell_miss(deep_control *control, int time, double miss) {
-  if (threadIdx.x != 0) return;
-  atomicMax(&control->miss[time % 3], (unsigned long long)__double_as_longlong(miss));
-  if (blockIdx.x == 0) atomicExch(&control->miss[(time + 1) % 3], 0ull);
-}
-
-static __device__ __forceinline__ double heard_miss(const deep_control *control, int time) {
-  const volatile unsigned long long *miss = &control->miss[time % 3];
-  return __longlong_as_double((long long)*miss);
-}
-
-/* A grid of so many indices is solved by one block, whose threads wait for each other a third as
- * long as blocks do. */
-enum { DEEP_ALONE = 16384, DEEP_ALONE_THREADS = 1024 };
-
-/* All iterations; all blocks are resident. */
-template <bool ALONE>
-static __global__ void __launch_bounds__(ALONE ? DEEP_ALONE_THREADS : PBF_BLOCK)
-    deep_solve_kernel(pbf_coarse grid, deep_arrays a) {
-  constexpr uint32_t THREADS = ALONE ? DEEP_ALONE_THREADS : PBF_BLOCK;
-  deep_control *control = a.control;
-  double *now = a.lambda, *before = a.before;
-  uint32_t inside = control->inside;
-  int longest = 1, k = 0;
-  for (int axis = 0; axis < PBF_DIM; ++axis)
-    longest = max(longest, (int)(control->below[axis] + control->above[axis]) - grid.n[axis]);
-  pbf_coarse_solve solve =
-      pbf_coarse_begin(longest, __longlong_as_double((long long)control->largest));
-  for (bool over = false; k < solve.most && !over; ++k) {
-    double miss = 0;
-    for (uint32_t i = thread_index(); i < inside; i += gridDim.x * THREADS) {
-      uint32_t node = a.inside[i];
-      double residual = pbf_coarse_residual(&grid, a.rooms, now, a.right[node], node);
-      miss = fmax(miss, pbf_coarse_miss(residual, now[node]));
-      before[node] = pbf_coarse_next(&solve, residual, a.inverse[node], now[node], before[node]);
-    }
-    if (pbf_coarse_asks(k)) tell_miss(control, k / 4, block_largest<THREADS>(miss));
-    if (ALONE)
-      __syncthreads();
-    else
-      grid_barrier(&control->barrier, k + 1);
-    over = pbf_coarse_asks(k) && !(heard_miss(control, k / 4) > solve.enough);
-    pbf_coarse_go_on(&solve, k);
-    double *other = now;
-    now = before;
-    before = other;
+  uint32_t stride = grid.corner[1u << axis];
+  uint32_t first = column % stride + column / stride * stride * grid.size[axis];
+  uint32_t floor = down < 0 ? first + stride : first + top * stride;
+  int64_t up = down < 0 ? (int64_t)stride : -(int64_t)stride;
+  uint32_t stands = down == 0 ? 0 : deep_stands(a.inverse, floor, up, top);
+  for (uint32_t i = threadIdx.x % 32; i <= top; i += 32) {
+    int64_t node = i < top ? floor + i * up : first; /* the last: the one outside */
+    double lambda = i < stands ? pbf_coarse_weight(&grid, part, axis, stands - i) : 0;
+    a.lambda[node] = a.before[node] = lambda;
   }
-  if (thread_index() == 0) control->odd = k % 2;
 }
 
 /* What the grid adds to the moves. */

@@ -15,7 +15,7 @@ struct neighborhood {
 
 /* The place of an iteration among those of the step. */
 struct iteration_place {
-  bool first, last;
+  bool first, second, last;
 };
 
 /* How an iteration's move ends. */
@@ -24,7 +24,7 @@ struct move_end {
   pbf_real inv_time_step;
   int collide;         /* with the obstacles, */
   int collide_last;    /* and in the last iteration */
-  pbf_vec *velocities; /* predicted positions from the first move on, velocities from the last */
+  pbf_vec *velocities; /* with all moves so far, from the first on */
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
@@ -43,14 +43,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   if (watched && is_over(extras.watch)) return;
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
-  /* Sleepers keep their lambda. */
   bool asleep = SLEEP && pbf_is_asleep(extras.rest.unrest[own]);
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(load(points, own));
   /* Read long before it is written: a store to an address that a load is still waiting for holds up
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
-  bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.before;
-  pbf_real before = accelerated && !first ? extras.before[own] : 0;
+  bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
+  pbf_real total = accelerated && !first ? extras.total[own] : 0;
   lambda_sums<FEATURES> sums;
   for_points(n.particles, n.grid, n.lists, i,
              [&](const point &other) { sums.add(c, pbf_sub(x, position_of(other))); });
@@ -62,12 +61,29 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
                asleep ? 0 : pbf_excess(slack, sums.density));
   if (SLEEP && asleep) return;
   if (accelerated) {
-    pbf_real total = points[i].lambda;
-    pbf_accelerate(c, lambda, &total, &before);
-    extras.before[i] = before;
-    lambda = total;
+    pbf_real change = points[i].lambda;
+    pbf_accelerate(c, lambda, &total, &change);
+    extras.total[i] = total;
+    lambda = change;
   }
   points[i].lambda = lambda;
+}
+
+/* A sleeper's move: both buffers hold its place. Where lambda adds up, all that it holds acts in
+ * the first iteration: in later ones it has none where others read, and in the state all of it. */
+static __device__ __forceinline__ void pass_sleeper(const iteration_extras &extras,
+                                                    const point &own, const move_end &end,
+                                                    bool last, point *moved, uint32_t i) {
+  point to = own;
+  if (end.place.first) end.velocities[i] = {{0}};
+  if (!extras.total) {
+    if (end.place.first) store(moved, i, own);
+    return;
+  }
+  if (end.place.first) extras.total[i] = own.lambda;
+  if (!end.place.first && !end.place.second && !last) return;
+  to.lambda = last ? extras.total[i] : 0;
+  store(moved, i, to);
 }
 
 /* From n.particles.points to `moved`. COLLIDERS and SLEEP are EXTRAS, too. */
@@ -79,14 +95,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
   const point *points = n.particles.points;
   point own = load(points, min(i, n.particles.count - 1));
   bool last = end.place.last;
-  bool asleep = false;
-  if (SLEEP) {
-    asleep = pbf_is_asleep(extras.rest.unrest[min(i, n.particles.count - 1)]);
-    if (asleep && end.place.first && i < n.particles.count) { /* both buffers hold its place */
+  if (SLEEP && *extras.rest.all) {
+    if (end.place.first && i < n.particles.count) {
       store(moved, i, own);
       end.velocities[i] = {{0}};
     }
-    if (*extras.rest.all) return;
+    return;
   }
   if (EXTRAS && PBF_TOLERANCE && extras.watch.watch) {
     if (is_over(extras.watch)) { /* x* changes its place, and nothing else */
@@ -95,6 +109,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
     }
     last = ends(extras.watch, last, i);
   }
+  bool asleep = SLEEP && pbf_is_asleep(extras.rest.unrest[min(i, n.particles.count - 1)]);
+  if (asleep && i < n.particles.count) pass_sleeper(extras, own, end, last, moved, i);
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;
@@ -102,21 +118,19 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
     sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
   });
   if (i >= n.particles.count || (SLEEP && asleep)) return;
-  pbf_vec predicted = x;
-  if (!end.place.first && (EXTRAS || last)) predicted = end.velocities[i];
-  bool accelerated = EXTRAS && extras.before;
-  x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density, accelerated,
-                                    end.collide || (last && end.collide_last), own.lambda,
-                                    predicted, x);
+  pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
+  if (COLLIDERS && !end.place.first)
+    predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
+  x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density,
+                                    end.collide || (last && end.collide_last), end.inv_time_step,
+                                    own.lambda, predicted, x, &v);
+  bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
+  if (accelerated && last) to.lambda = extras.total[i];
   store(moved, i, to);
-  if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i]))
-    end.velocities[i] = {{0}};
-  else if (last)
-    end.velocities[i] = pbf_velocity(end.inv_time_step, n.particles.velocities[i], predicted, x);
-  else if (end.place.first)
-    end.velocities[i] = predicted;
+  if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i])) v = {{0}};
+  end.velocities[i] = v;
 }
 
 /* What a very short step leaves of the density error where the particles were at its start. */

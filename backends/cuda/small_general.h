@@ -11,7 +11,7 @@ struct general_room {
   point *moved[2]; /* to and fro */
   uint32_t *numbers;
   sort_scratch scratch;
-  pbf_real *before; /* accelerated: lambda an iteration earlier; else null */
+  pbf_real *total; /* accelerated: lambda that has added up; else null */
 };
 
 static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uint32_t count) {
@@ -72,10 +72,10 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
                  [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
       pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, x);
       if (PBF_CHEBYSHEV && scene.accelerated) {
-        pbf_real total = points[i].lambda, before = k == 0 ? 0 : room.before[i];
-        pbf_accelerate(&now, lambda, &total, &before);
-        room.before[i] = before;
-        lambda = total;
+        pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
+        pbf_accelerate(&now, lambda, &total, &change);
+        room.total[i] = total;
+        lambda = change;
       }
       points[i].lambda = lambda;
     }
@@ -89,16 +89,19 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
         sum.add(&now, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
       });
       pbf_vec predicted = position_of(load(p.points, i));
+      pbf_vec v = p.velocities[i];
       x = sum.template moved<true>(
-          c, obstacles, scene.wall_density, scene.accelerated,
-          scene.collide_in_iteration || (last && scene.collide_after_solve), own.lambda, predicted,
-          x);
+          c, obstacles, scene.wall_density,
+          scene.collide_in_iteration || (last && scene.collide_after_solve), scene.inv_time_step,
+          own.lambda, predicted, x, &v);
+      p.velocities[i] = v;
       point to = point_at(x);
       to.lambda = own.lambda;
       store(moved, i, to);
       if (!last) continue;
+      if (PBF_CHEBYSHEV && scene.accelerated) to.lambda = room.total[i];
       store(scene.points, p.ids[i], to);
-      scene.velocities[p.ids[i]] = pbf_velocity(scene.inv_time_step, p.velocities[i], predicted, x);
+      scene.velocities[p.ids[i]] = v;
     }
     grid_barrier(&small.control->general, ++turn);
     points = room.moved[k % 2];

@@ -144,7 +144,7 @@ static inline general_room general_room_of(const solver *s) {
   room.moved[1] = reinterpret_cast<point *>(small_part(s, at.cell_list));
   room.numbers = spare;
   room.scratch = scratch_of(s);
-  room.before = s->lambda_before;
+  room.total = s->total;
   return room;
 }
 
@@ -172,7 +172,7 @@ static inline pbf_status small_upload_table(solver *s, double time, uint32_t ste
         grid_over(&upload.steps[k].walls, s->params.smoothing_radius, small_cells(s), 1);
   }
   for (uint32_t k = 0; k < s->params.iterations; ++k) {
-    pbf_set_iteration(&c, &s->params, k);
+    pbf_set_iteration(&c, k);
     upload.iterations[k] = {c.weight, c.scorr_k};
   }
   size_t bytes = s->schedule.accelerated ? sizeof upload : steps * sizeof(small_step);

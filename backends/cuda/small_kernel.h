@@ -211,7 +211,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   clear_counts(room, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});
   grid_barrier(&room.control->general, ++general_turn);
-  pbf_real total = 0; /* accelerated: lambda, which the last step leaves in the state */
+  pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves */
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
     const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
@@ -235,7 +235,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     }
     clear_marks(tile, board.marked);
     const uint32_t ghosts = board.ghosts;
-    pbf_real before = 0;
+    pbf_real change = 0;
     total = 0;
     for (uint32_t k = 0; !failed && k < scene.iterations; ++k) {
       const uint32_t pass = first_pass + k;
@@ -249,8 +249,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, me.lanes);
         lambda = sums.lambda(c, obstacles, wall_density, 0, y);
         if (accelerated) {
-          pbf_accelerate(&now, lambda, &total, &before);
-          lambda = total;
+          pbf_accelerate(&now, lambda, &total, &change);
+          lambda = change;
         }
       }
       if (me.leads) {
@@ -276,8 +276,9 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         __syncwarp();
         sum_lanes(pairs.sum.sum.c, me.lanes);
         y = pairs.sum.template moved<EXTRAS>(
-            c, obstacles, wall_density, accelerated,
-            scene.collide_in_iteration || (last && scene.collide_after_solve), lambda, x, y);
+            c, obstacles, wall_density,
+            scene.collide_in_iteration || (last && scene.collide_after_solve), scene.inv_time_step,
+            lambda, x, y, &v);
       }
       if (last) continue;
       if (me.leads) publish_position(room.exchange, i, y, pass + 1);
@@ -301,7 +302,6 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         total = own.lambda;
       }
     } else {
-      v = pbf_velocity(scene.inv_time_step, v, x, y);
       x = y;
     }
   }

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "cuda/context.h"
-#include "cuda/deep.h"
+#include "cuda/deep_solve.h"
 #include "cuda/memory.h"
 #include "cuda/passes.h"
 #include "cuda/scan.h"
@@ -52,13 +52,14 @@ struct solver {
   void *list_room; /* the lists, before them the sort's scratch; or what a small scene has */
   uint64_t list_bytes;
 
-  pbf_real *lambda_before; /* an iteration earlier: accelerated only */
-  pbf_real *slack;         /* in very short steps only */
-  void *deep_room;         /* in deep water only */
-  pbf_coarse deep_grid;    /* of the last step, … */
-  double deep_scale;       /* … as is this, of lambda */
-  solve_watch *watch;      /* with a tolerance only */
-  pbf_real *unrest;        /* where fluid sleeps only, as all of these */
+  pbf_real *total;       /* lambda that has added up: accelerated only */
+  pbf_real *slack;       /* in very short steps only */
+  void *deep_room;       /* in deep water only */
+  uint32_t deep_cluster; /* most blocks of a cluster; 0: it has none */
+  pbf_coarse deep_grid;  /* of the last step, … */
+  double deep_scale;     /* … as is this, of lambda */
+  solve_watch *watch;    /* with a tolerance only */
+  pbf_real *unrest;      /* where fluid sleeps only, as all of these */
   pbf_real *other_unrest;
   sleep_tally *tally;
   uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that */

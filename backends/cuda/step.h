@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_STEP_H
 #define PBF_CUDA_STEP_H
 
+#include "cuda/deep_host.h"
 #include "cuda/search.h"
 #include "cuda/solver.h"
 
@@ -15,7 +16,7 @@ static inline uint32_t launches_of(pbf_stage stage) {
     case PBF_STAGE_VELOCITY:
       return 0; /* the last move's end */
     case PBF_STAGE_GRID:
-      return 8; /* with the clearing of sums and of what blocks tell each other */
+      return 7; /* with the clearing of sums and of what blocks tell each other */
     case PBF_STAGE_SLEEP:
       return 3;
     default:
@@ -124,14 +125,9 @@ static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) 
   uint32_t blocks = blocks_for(grid.nodes);
   deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
   deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_guess_kernel<<<blocks_for(pbf_coarse_columns(&grid, axis)), PBF_BLOCK, 0, s->stream>>>(
+  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid, axis)), PBF_BLOCK, 0, s->stream>>>(
       grid, axis, down, arrays);
-  if (grid.nodes <= DEEP_ALONE) {
-    deep_solve_kernel<true><<<1, DEEP_ALONE_THREADS, 0, s->stream>>>(grid, arrays);
-    return PBF_OK;
-  }
-  return launch_resident(s, deep_solve_kernel<false>, min(blocks, s->multiprocessors), PBF_BLOCK, 0,
-                         "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
+  return launch_deep_solve(s, grid, arrays);
 }
 
 static inline pbf_status carry_weight(solver *s, const neighborhood &n,
@@ -142,12 +138,10 @@ static inline pbf_status carry_weight(solver *s, const neighborhood &n,
   s->deep_grid = pbf_coarse_between(&s->params, s->constants.value_scale, &extras.obstacles.walls,
                                     pbf_coarse_limit(s->capacity));
   return run_stage(&s->clock, s->stream, PBF_STAGE_GRID, [&] {
-    if (pbf_status status =
-            pbf_cuda_check(cudaMemsetAsync(arrays.control, 0, sizeof *arrays.control, s->stream),
-                           "cudaMemsetAsync"))
-      return status;
     if (pbf_status status = pbf_cuda_check(
-            cudaMemsetAsync(arrays.sums, 0, s->deep_grid.nodes * sizeof *arrays.sums, s->stream),
+            cudaMemsetAsync(arrays.control, 0,
+                            sizeof *arrays.control + s->deep_grid.nodes * sizeof *arrays.sums,
+                            s->stream),
             "cudaMemsetAsync"))
       return status;
     with_kernel(s->schedule.features, [&](auto features) {
@@ -177,14 +171,14 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
-  iteration_extras extras = {obstacles, has.wall_density, s->lambda_before, s->slack, {}, {}};
+  iteration_extras extras = {obstacles, has.wall_density, s->total, s->slack, {}, {}};
   if (PBF_SLEEP && s->unrest) extras.rest = {s->other_unrest, &s->tally->all, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
   if (pbf_status status = carry_weight(s, *n, extras)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
-    iteration_place place = {k == 0, k + 1 == iterations};
-    pbf_set_iteration(&n->constants, &s->params, k);
+    iteration_place place = {k == 0, k == 1, k + 1 == iterations};
+    pbf_set_iteration(&n->constants, k);
     move_end end = {place, (pbf_real)(1 / s->params.time_step), has.collide_in_iteration,
                     has.collide_after_solve, s->velocities};
     extras.watch.iteration = k;

@@ -67,7 +67,8 @@ struct sleep_pass {
 struct iteration_extras {
   step_obstacles obstacles;
   int wall_density;
-  pbf_real *before;      /* accelerated: lambda an iteration earlier; else null */
+  pbf_real *total;       /* accelerated: lambda that has added up; else null. Particles then
+                          * hold what an iteration adds, and after the last one the total */
   const pbf_real *slack; /* in very short steps; else null */
   watch_pass watch;
   sleep_pass rest;
@@ -126,12 +127,12 @@ struct move_sum {
     sum = pbf_add_scaled(sum, lambdas * pair.slope, x_ij);
   }
 
-  /* From x; `predicted` counts where lambda adds up, `accelerated`, and where there are colliders.
-   */
+  /* From x, and the velocity with it; `predicted` counts where there are colliders. */
   template <bool COLLIDERS>
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
-                                           bool wall_density, bool accelerated, bool collide,
-                                           pbf_real lambda, pbf_vec predicted, pbf_vec x) {
+                                           bool wall_density, bool collide, pbf_real inv_time_step,
+                                           pbf_real lambda, pbf_vec predicted, pbf_vec x,
+                                           pbf_vec *velocity) {
     for (int k = 0; k < PBF_DIM; ++k) sum.c[k] *= pbf_slope_scale(FEATURES, c);
     if (wall_density) {
       pbf_real density = 0;
@@ -139,9 +140,12 @@ struct move_sum {
       add_walls(c, o, x, &density, &from_walls);
       sum = pbf_add_scaled(sum, lambda, from_walls);
     }
-    pbf_vec y = PBF_CHEBYSHEV && accelerated ? pbf_relax(c, predicted, x, lambda, sum)
-                                             : pbf_move(c, x, sum);
-    return collide ? resolve<COLLIDERS>(o, 0, predicted, y) : y;
+    pbf_vec y = pbf_move(c, x, sum);
+    *velocity = pbf_push(c, inv_time_step, *velocity, sum);
+    if (!collide) return y;
+    pbf_vec after = resolve<COLLIDERS>(o, 0, predicted, y);
+    *velocity = pbf_velocity(inv_time_step, *velocity, y, after);
+    return after;
   }
 };
 

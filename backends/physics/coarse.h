@@ -6,7 +6,7 @@
  * the step,
  *
  *   sum over the cells e at a node of  room_e (K lambda)_node
- *       = - sum over them of  room_e w_e · grad N_node + PBF_COARSE_SHARE error_e N_node
+ *       = - part * sum over them of  room_e w_e · grad N_node + share error_e N_node
  *
  * and particles move by grad lambda. What the fluid brings along is left to the iterations: it is
  * free of divergence as far as these have made it so, and taking from it what a grid can't tell
@@ -14,15 +14,16 @@
  * along. It is the room of a cell that counts, the part that is free of walls and colliders, and
  * not what fills it: so nothing presses on fluid that falls, whose surface fills cells in part.
  *
+ * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
+ * left to the iterations.
+ *
  * lambda is 0 at nodes in the open and nowhere positive; beyond walls there is nothing to move,
  * which is what an element's edge does of itself. */
 #ifndef PBF_PHYSICS_COARSE_H
 #define PBF_PHYSICS_COARSE_H
 
 #include "physics/collide.h"
-#include "physics/derive.h"
-
-#define PBF_COARSE_SHARE 0.1 /* of the density errors that a step undoes */
+#include "physics/depth.h"
 
 /* Nodes among cells that are filled to less than the first part are in the open, from the second on
  * they are not. */
@@ -38,11 +39,13 @@ enum { PBF_CORNERS = 1 << PBF_DIM };
  * corner 0, and one row of cells and nodes lies before the walls on each side, so that no loop asks
  * where it ends. */
 typedef struct pbf_coarse {
-  double lower[PBF_DIM], width; /* of the first cells inside */
-  double last[PBF_DIM];         /* part of the last ones that is before the upper walls */
+  double lower[PBF_DIM], width; /* of the first cells inside: they lie evenly between the walls */
+  double edge[PBF_DIM];         /* part of the first and of the last ones that is inside */
+  double per_width;             /* 1 / width */
   double unit;                  /* what a particle fills of a cell */
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
+  double error;                 /* pbf_depth_error of a head of 1 */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
@@ -74,17 +77,21 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, pbf_real v
                                             const pbf_walls *walls, uint64_t limit) {
   pbf_coarse c;
   double dt2 = params->time_step * params->time_step;
-  double width = params->pressure_grid * params->smoothing_radius;
+  double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
+  double width = cells * params->smoothing_radius;
   while (pbf_coarse_taken(walls, width) > (double)limit) width *= 1.1;
   c.width = width;
+  c.per_width = 1 / width;
+  c.error = pbf_depth_error(params, width * width);
   c.unit = (double)value_scale / pbf_norm_value(params->kernel, PBF_DIM, params->smoothing_radius);
   c.nodes = 1;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double length = (double)walls->upper.c[k] - (double)walls->lower.c[k];
-    c.lower[k] = (double)walls->lower.c[k];
     c.n[k] = pbf_coarse_cells(walls, k, width);
-    c.last[k] = fmin(1, length / width - (c.n[k] - 1));
+    double beyond = fmax(0, c.n[k] - length / width);
+    c.lower[k] = (double)walls->lower.c[k] - 0.5 * beyond * width;
+    c.edge[k] = c.n[k] == 1 ? 1 - beyond : 1 - 0.5 * beyond;
     c.unit /= width;
     c.push[k] = dt2 / width *
                 (params->gravity[k] -
@@ -107,15 +114,22 @@ PBF_FN void pbf_coarse_place(const pbf_coarse *c, uint32_t index, int at[PBF_DIM
 
 /* ---- Particles ----------------------------------------------------------------------------- */
 
-/* The cell that holds x, and where x is in it. */
+/* How many cells inside lie before x, along an axis, … */
+PBF_FN double pbf_coarse_before(const pbf_coarse *c, int axis, pbf_real x) {
+  return pbf_greater(((double)x - c->lower[axis]) * c->per_width, 0);
+}
+
+/* … the index of the cell that holds it, and where x is in that. */
+PBF_FN uint32_t pbf_coarse_index(const pbf_coarse *c, int axis, double before, double *at) {
+  int i = (int)pbf_lesser(before, c->n[axis] - 1);
+  *at = pbf_lesser(before - i, 1);
+  return (uint32_t)(i + 1);
+}
+
 PBF_FN uint32_t pbf_coarse_cell(const pbf_coarse *c, pbf_vec x, double at[PBF_DIM]) {
   uint32_t cell = 0;
-  for (int k = PBF_DIM - 1; k >= 0; --k) {
-    double place = pbf_greater(((double)x.c[k] - c->lower[k]) / c->width, 0);
-    int last = c->n[k] - 1, i = place < last ? (int)place : last;
-    at[k] = pbf_lesser(place - i, 1);
-    cell = cell * c->size[k] + (uint32_t)(i + 1);
-  }
+  for (int k = PBF_DIM - 1; k >= 0; --k)
+    cell = cell * c->size[k] + pbf_coarse_index(c, k, pbf_coarse_before(c, k, x.c[k]), &at[k]);
   return cell;
 }
 
@@ -125,36 +139,58 @@ PBF_FN uint32_t pbf_coarse_cell(const pbf_coarse *c, pbf_vec x, double at[PBF_DI
 PBF_FN int64_t pbf_coarse_entry(pbf_real density) {
   double error = pbf_lesser((double)density - 1, 1);
   if (error < 0) error *= pbf_greater(0, 1 + 10 * error);
-  return ((int64_t)1 << 40) + (int64_t)(error * (1 << 20));
+  return ((int64_t)1 << 40) + (int)(error * (1 << 20));
+}
+
+/* From a to b: a difference, or what is between them. */
+PBF_FN double pbf_coarse_from_to(double a, double b, int differs, double at) {
+  return differs ? b - a : a + at * (b - a);
+}
+
+/* A face's function and a cell's at the place `at`, from the values at its corners: the derivative
+ * along an axis, or where `axis` is none of them the value. */
+PBF_FN double pbf_coarse_on_face(const double *values, const double *at, int axis) {
+  return pbf_coarse_from_to(pbf_coarse_from_to(values[0], values[1], axis == 0, at[0]),
+                            pbf_coarse_from_to(values[2], values[3], axis == 0, at[0]), axis == 1,
+                            at[1]);
+}
+
+PBF_FN double pbf_coarse_in_cell(const double values[PBF_CORNERS], const double at[PBF_DIM],
+                                 int axis) {
+  double first = pbf_coarse_on_face(values, at, axis);
+  if (PBF_DIM == 2) return first;
+  double second = pbf_coarse_on_face(values + PBF_CORNERS / 2, at, axis);
+  return pbf_coarse_from_to(first, second, axis == 2, at[PBF_DIM - 1]);
+}
+
+/* u there, from lambda at the corners. */
+PBF_FN pbf_vec pbf_coarse_slope(const pbf_coarse *c, const double values[PBF_CORNERS],
+                                const double at[PBF_DIM]) {
+  pbf_vec u;
+  for (int k = 0; k < PBF_DIM; ++k)
+    u.c[k] = (pbf_real)(c->width * pbf_coarse_in_cell(values, at, k));
+  return u;
+}
+
+PBF_FN void pbf_coarse_corners(const pbf_coarse *c, const double *lambda, uint32_t cell,
+                               double values[PBF_CORNERS]) {
+  for (int a = 0; a < PBF_CORNERS; ++a) values[a] = lambda[cell + c->corner[a]];
 }
 
 /* u at the place `at` in a cell. */
 PBF_FN pbf_vec pbf_coarse_move(const pbf_coarse *c, const double *lambda, uint32_t cell,
                                const double at[PBF_DIM]) {
-  pbf_vec u;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    double sum = 0;
-    for (int a = 0; a < PBF_CORNERS; ++a) {
-      double slope = a >> k & 1 ? 1 : -1;
-      for (int l = 0; l < PBF_DIM; ++l)
-        if (l != k) slope *= a >> l & 1 ? at[l] : 1 - at[l];
-      sum += slope * lambda[cell + c->corner[a]];
-    }
-    u.c[k] = (pbf_real)(c->width * sum);
-  }
-  return u;
+  double values[PBF_CORNERS];
+  pbf_coarse_corners(c, lambda, cell, values);
+  return pbf_coarse_slope(c, values, at);
 }
 
 /* lambda there. */
 PBF_FN double pbf_coarse_lambda(const pbf_coarse *c, const double *lambda, uint32_t cell,
                                 const double at[PBF_DIM]) {
-  double sum = 0;
-  for (int a = 0; a < PBF_CORNERS; ++a) {
-    double value = lambda[cell + c->corner[a]];
-    for (int k = 0; k < PBF_DIM; ++k) value *= a >> k & 1 ? at[k] : 1 - at[k];
-    sum += value;
-  }
-  return c->width * c->width * sum;
+  double values[PBF_CORNERS];
+  pbf_coarse_corners(c, lambda, cell, values);
+  return c->width * c->width * pbf_coarse_in_cell(values, at, PBF_DIM);
 }
 
 /* ---- Cells --------------------------------------------------------------------------------- */
@@ -169,16 +205,14 @@ PBF_FN double pbf_coarse_error(const pbf_coarse *c, int64_t sum) {
   return c->unit * (double)(sum - pbf_coarse_count(sum) * ((int64_t)1 << 40)) / (1 << 20);
 }
 
-/* The part of a cell that is free of walls and colliders. */
-PBF_FN double pbf_coarse_room(const pbf_coarse *c, int count, const pbf_solid *solids,
-                              uint32_t cell) {
+/* The part of a cell, the i-th along each axis, that is free of walls and colliders. */
+PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, int count, const pbf_solid *solids,
+                                 const int i[PBF_DIM]) {
   double room = 1;
-  int i[PBF_DIM];
   pbf_vec middle;
-  pbf_coarse_place(c, cell, i);
   for (int k = 0; k < PBF_DIM; ++k) {
     if (i[k] == 0 || i[k] > c->n[k]) return 0;
-    if (i[k] == c->n[k]) room *= c->last[k];
+    if (i[k] == 1 || i[k] == c->n[k]) room *= c->edge[k];
     middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
   }
   for (int s = 0; s < count; ++s) {
@@ -189,143 +223,52 @@ PBF_FN double pbf_coarse_room(const pbf_coarse *c, int count, const pbf_solid *s
   return room;
 }
 
-/* ---- Nodes --------------------------------------------------------------------------------- */
-
-/* Integral over a unit cell of grad N_a · grad N_b, for corners that differ along the axes of these
- * bits. */
-PBF_FN double pbf_coarse_stiffness(int differs) {
-  int axes = (differs & 1) + (differs >> 1 & 1) + (differs >> 2);
-  if (PBF_DIM == 3) return axes == 0 ? 1.0 / 3 : axes == 1 ? 0 : -1.0 / 12;
-  return axes == 0 ? 2.0 / 3 : axes == 1 ? -1.0 / 6 : -1.0 / 3;
-}
-
-/* The system's right side and the inverse of its diagonal: 0 for a node in the open, outside, or
- * with next to no room. A crowd counts as an error of its cell's whole room: it is for the
- * iterations. */
-PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const int64_t *sums, const double *rooms,
-                                uint32_t node, double *right, double *inverse) {
+PBF_FN double pbf_coarse_room(const pbf_coarse *c, int count, const pbf_solid *solids,
+                              uint32_t cell) {
   int i[PBF_DIM];
-  double filled = 0, room = 0, sum = 0;
-  *right = *inverse = 0;
-  pbf_coarse_place(c, node, i);
-  for (int k = 0; k < PBF_DIM; ++k)
-    if (i[k] == 0) return;
-  for (int a = 0; a < PBF_CORNERS; ++a) {
-    uint32_t cell = node - c->corner[a];
-    double divergence = 0;
-    filled += pbf_coarse_fill(c, sums[cell]);
-    room += rooms[cell];
-    for (int k = 0; k < PBF_DIM; ++k) {
-      int right_of = a >> k & 1;
-      divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
-    }
-    sum +=
-        PBF_COARSE_SHARE / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
-        rooms[cell] * divergence / (PBF_CORNERS / 2);
+  pbf_coarse_place(c, cell, i);
+  return pbf_coarse_room_at(c, count, solids, i);
+}
+
+/* Whether what fills a cell counts for the fluid's depth: nodes that are not in the open have one
+ * that does. */
+PBF_FN int pbf_coarse_is_filled(const pbf_coarse *c, int64_t sum, double room) {
+  return room > 0 && pbf_coarse_fill(c, sum) >= PBF_COARSE_OPEN * room;
+}
+
+/* Where filled cells are along each axis: the largest of their indices, and of these from the other
+ * end; 0 when there are none. */
+typedef struct pbf_coarse_extent {
+  uint32_t above[PBF_DIM], below[PBF_DIM];
+} pbf_coarse_extent;
+
+/* What a step does about the fluid in these cells. */
+typedef struct pbf_coarse_dose {
+  double part;  /* of the forces' pressure, */
+  double share; /* and of the density errors, before that part is taken */
+  int longest;  /* run of nodes along an axis, at most */
+} pbf_coarse_dose;
+
+/* Errors go as fast as the fluid could fall through its depth: a faster share throws it up, a
+ * slower one is not heard. Where forces alone cross half a cell in a step, what the grid sees is
+ * not where the fluid is. */
+PBF_FN pbf_coarse_dose pbf_coarse_dose_of(const pbf_coarse *c, const pbf_coarse_extent *e) {
+  pbf_coarse_dose dose = {0, 0, 1};
+  double head = 0, fastest = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    int last = (int)e->above[k], first = c->n[k] + 1 - (int)e->below[k], cells = last + 1 - first;
+    if (cells <= 0) return dose;
+    double push =
+        pbf_greater(fabs(c->push[k] + c->pull[k] * first), fabs(c->push[k] + c->pull[k] * last));
+    head += cells * push;
+    fastest = pbf_greater(fastest, push);
+    if (cells >= dose.longest) dose.longest = cells + 1;
   }
-  if (room < 0.1) return;
-  double part = (filled / room - PBF_COARSE_OPEN) / (PBF_COARSE_FULL - PBF_COARSE_OPEN);
-  *right = -sum;
-  if (part > 0) *inverse = pbf_lesser(part, 1) / (pbf_coarse_stiffness(0) * room);
-}
-
-/* The part of a node's left side from the cell of which it is corner `a`. */
-PBF_FN double pbf_coarse_part(const pbf_coarse *c, const double *rooms, const double *lambda,
-                              uint32_t node, int a) {
-  double sum = 0;
-  for (int b = 0; b < PBF_CORNERS; ++b) {
-    int64_t away = (b & 1) - (a & 1);
-    for (int k = 1; k < PBF_DIM; ++k)
-      away += ((b >> k & 1) - (a >> k & 1)) * (int64_t)c->corner[1u << k];
-    if (pbf_coarse_stiffness(a ^ b) != 0)
-      sum += pbf_coarse_stiffness(a ^ b) * lambda[(int64_t)node + away];
-  }
-  return rooms[node - c->corner[a]] * sum;
-}
-
-/* What is missing on the left side; one by one, so that every stiffness is a constant. */
-PBF_FN double pbf_coarse_residual(const pbf_coarse *c, const double *rooms, const double *lambda,
-                                  double right, uint32_t node) {
-  right -= pbf_coarse_part(c, rooms, lambda, node, 0) + pbf_coarse_part(c, rooms, lambda, node, 1);
-  right -= pbf_coarse_part(c, rooms, lambda, node, 2) + pbf_coarse_part(c, rooms, lambda, node, 3);
-  if (PBF_DIM == 2) return right;
-  right -= pbf_coarse_part(c, rooms, lambda, node, 4) + pbf_coarse_part(c, rooms, lambda, node, 5);
-  return right -
-         (pbf_coarse_part(c, rooms, lambda, node, 6) + pbf_coarse_part(c, rooms, lambda, node, 7));
-}
-
-/* ---- The solve: Chebyshev's semi-iteration, as in the iterations over particles -------------- */
-
-/* No element's largest eigenvalue is above 1.5 times its diagonal, so no grid's is; the smallest is
- * that of a wave four times as long as the water, of so many nodes. */
-#define PBF_COARSE_HIGHEST 1.5
-
-typedef struct pbf_coarse_solve {
-  double ratio2, step; /* of the interval */
-  int most;            /* iterations */
-  double enough;       /* what may be missing at a node */
-  double weight;       /* of the iteration */
-} pbf_coarse_solve;
-
-/* `largest` is the largest right side. */
-PBF_FN pbf_coarse_solve pbf_coarse_begin(int longest, double largest) {
-  pbf_coarse_solve s;
-  double wave = 0.5 * PBF_PI / (longest + 1), low = 0.375 * wave * wave;
-  double ratio = (PBF_COARSE_HIGHEST - low) / (PBF_COARSE_HIGHEST + low);
-  s.ratio2 = ratio * ratio;
-  s.step = 2 / (PBF_COARSE_HIGHEST + low);
-  s.most = 8 + 4 * longest;
-  s.enough = 0.05 / longest * largest;
-  s.weight = 1;
-  return s;
-}
-
-/* Once iteration k is over. */
-PBF_FN void pbf_coarse_go_on(pbf_coarse_solve *s, int k) {
-  s->weight = k == 0 ? 2 / (2 - s->ratio2) : 4 / (4 - s->ratio2 * s->weight);
-}
-
-/* lambda of a node that is not in the open, after an iteration. */
-PBF_FN double pbf_coarse_next(const pbf_coarse_solve *s, double residual, double inverse,
-                              double now, double before) {
-  return pbf_lesser(s->weight * (now + s->step * residual * inverse - before) + before, 0);
-}
-
-/* Whether an iteration looks if it may be the last. */
-PBF_FN int pbf_coarse_asks(int k) { return k % 4 == 3; }
-
-/* How far its equation is from holding, where lambda may go on. */
-PBF_FN double pbf_coarse_miss(double residual, double lambda) {
-  return lambda < 0 || residual < 0 ? fabs(residual) : 0;
-}
-
-/* ---- Where it starts ----------------------------------------------------------------------- */
-
-/* The axis along which the forces push most, and to which side: -1 or 1; 0: there are none. */
-PBF_FN int pbf_coarse_down(const pbf_coarse *c, int *axis) {
-  *axis = 0;
-  for (int k = 1; k < PBF_DIM; ++k)
-    if (fabs(c->push[k]) > fabs(c->push[*axis])) *axis = k;
-  return c->push[*axis] < 0 ? -1 : c->push[*axis] > 0;
-}
-
-PBF_FN uint32_t pbf_coarse_columns(const pbf_coarse *c, int axis) {
-  return c->nodes / c->size[axis];
-}
-
-/* The weight of what stands above, in the run of nodes of a column along that axis that stands on
- * the domain's wall; 0 elsewhere. */
-PBF_FN void pbf_coarse_guess(const pbf_coarse *c, const double *inverse, int axis, int down,
-                             uint32_t column, double *lambda) {
-  uint32_t stride = c->corner[1u << axis], top = 1 + (uint32_t)c->n[axis];
-  uint32_t first = column % stride + column / stride * stride * c->size[axis];
-  uint32_t floor = down < 0 ? first + stride : first + top * stride;
-  int64_t up = down < 0 ? (int64_t)stride : -(int64_t)stride;
-  uint32_t stands = 0;
-  for (uint32_t i = 0; i <= top; ++i) lambda[first + i * stride] = 0;
-  while (down != 0 && stands < top && inverse[floor + stands * up] > 0) ++stands;
-  for (uint32_t i = 0; i < stands; ++i)
-    lambda[floor + i * up] = -fabs(c->push[axis]) * (stands - i);
+  double error = c->error * head;
+  if (!(error > PBF_DEPTH_LEFT && fastest < 0.5)) return dose;
+  dose.part = (1 - PBF_DEPTH_LEFT / error) * pbf_lesser(1, 2 - 4 * fastest);
+  dose.share = fastest / sqrt(head);
+  return dose;
 }
 
 #endif

@@ -13,19 +13,21 @@ typedef struct pbf_constants {
   pbf_real h, h2, inv_h, inv_h2;
   pbf_real tiny2; /* r² below which a pair has no direction */
   pbf_real value_scale, gradient_scale, gradient_over_h;
-  pbf_real epsilon, omega;
+  pbf_real epsilon;
+  pbf_real omega;        /* of an iteration's moves; 1 where lambda adds up */
   pbf_real tension;      /* weight of densities below rest */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
   pbf_real vorticity, viscosity;
   int scorr_n;
-  int accelerated;    /* lambda adds up over the iterations, with … */
-  int one_sided;      /* … its sign kept */
-  pbf_real step_size; /* of the Chebyshev iteration, */
-  double contraction; /* what its weights follow from, pbf_next_weight, */
-  pbf_real weight;    /* and the one of this iteration */
-  pbf_real stiffness; /* 1/length², see pbf_relax */
-  double scorr_most;  /* see pbf_most_scorr */
+  int accelerated;               /* lambda adds up over the iterations, with … */
+  int one_sided;                 /* … its sign kept */
+  pbf_real step_size;            /* of the Chebyshev iteration, */
+  double contraction;            /* what its weights follow from, pbf_next_weight, */
+  pbf_real weight;               /* and the one of this iteration */
+  pbf_real most_change;          /* of lambda in an iteration, see pbf_accelerate */
+  double scorr_step, scorr_most; /* an iteration's artificial pressure, and all of it, see
+                                    pbf_most_scorr */
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
   pbf_real slack;    /* part of a density error that a step leaves, see pbf_slack */
   pbf_real wall_offset;
@@ -67,7 +69,7 @@ static inline double pbf_most_scorr(const pbf_params *params) {
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
                                         double stiffness, double pressure) {
-  const double rest = 0.3, least_angle = 0.25, room = 1.15;
+  const double rest = 0.3, least_angle = 0.25, room = 1.05, most_change = 3;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
@@ -76,19 +78,22 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
-  c->stiffness = (pbf_real)stiffness;
+  c->most_change = (pbf_real)(stiffness > 0 ? most_change / stiffness : 1e30);
+  c->scorr_step = params->scorr_k * (double)c->omega;
   c->scorr_most = stiffness > 0 ? pbf_most_scorr(params) / stiffness : 0;
   c->pressure = (pbf_real)(c->accelerated ? pressure / (params->time_step * params->time_step) : 0);
   c->slack = (pbf_real)pbf_slack_of(params);
+  if (c->accelerated) c->omega = 1;
 }
 
 /* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga
- * 1961), and the artificial pressure that has acted so often by then. */
-static inline void pbf_set_iteration(pbf_constants *c, const pbf_params *params, uint32_t k) {
+ * 1961), and its artificial pressure, until all that a step can take has acted. */
+static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
   if (!c->accelerated) return;
   double r2 = c->contraction * c->contraction;
   c->weight = (pbf_real)(k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * (double)c->weight));
-  c->scorr_k = (pbf_real)fmin(params->scorr_k * (double)c->omega * (k + 1), c->scorr_most);
+  double left = fmax(0, c->scorr_most - c->scorr_step * k);
+  c->scorr_k = (pbf_real)fmin(c->scorr_step, left);
 }
 
 /* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), yet with

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "physics/constants.h"
+#include "physics/depth.h"
 #include "physics/features.h"
 
 typedef enum pbf_stage {
@@ -34,7 +35,8 @@ typedef struct pbf_schedule {
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
-static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders) {
+static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders,
+                                           uint32_t capacity) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
@@ -47,7 +49,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
   s.runs[PBF_STAGE_PREDICT] = s.runs[PBF_STAGE_NEIGHBORS] = s.runs[PBF_STAGE_VELOCITY] = 1;
   s.runs[PBF_STAGE_SLACK] = pbf_slack_of(params) > 0;
-  s.runs[PBF_STAGE_GRID] = params->pressure_grid > 0;
+  s.runs[PBF_STAGE_GRID] =
+      (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && pbf_depth_grid(params, PBF_DIM, capacity) > 0;
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;

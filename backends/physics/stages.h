@@ -77,40 +77,65 @@ static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count)
   return (int64_t)fmin(params->tolerance * count * (1 << 24), 0x1p62);
 }
 
-/* One Chebyshev step: `lambda` is pbf_lambda's; *total is the lambda that acts, *before the one of
- * an iteration earlier (both 0 at the start of a step). */
+/* One Chebyshev step: `lambda` is pbf_lambda's; *total is the lambda that has added up, *change
+ * what the iteration adds to it and moves particles by (both 0 at the start of a step).
+ *
+ * Where fluid is pressed hard, the large forces of a particle's neighbours cancel, and what is left
+ * when one is out of place grows like stiffness * |lambda|. So no iteration adds more than a few
+ * parts of 1 / stiffness, at places where neighbours have moved by as much: momentum is kept to
+ * rounding however hard. */
 PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real lambda, pbf_real *total,
-                           pbf_real *before) {
-  pbf_real now = *total;
-  pbf_real next = c->weight * (now + c->step_size * lambda - *before) + *before;
-  *total = c->one_sided ? pbf_real_min(next, 0) : next;
-  *before = now;
+                           pbf_real *change) {
+  pbf_real add = (c->weight - 1) * *change + c->weight * c->step_size * lambda;
+  add = pbf_real_max(pbf_real_min(add, c->most_change), -c->most_change);
+  pbf_real next = *total + add;
+  if (c->one_sided) next = pbf_real_min(next, 0);
+  *change = next - *total;
+  *total = next;
 }
 
-/* Density that a plane wall lends at a distance, and its derivative. */
-PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
-  enum { LAST = PBF_WALL_NODES - 1 };
-  pbf_real t = (distance + c->wall_offset) * c->inv_h * LAST;
-  *slope = 0;
-  if (!(t < LAST)) return 0;
-  t = pbf_real_max(t, 0);
-  int k = (int)t;
-  pbf_real s = t - k, s2 = s * s;
-  pbf_real v0 = c->wall_value[k], v1 = c->wall_value[k + 1];
-  pbf_real g0 = c->wall_slope[k], g1 = c->wall_slope[k + 1], rise = v1 - v0;
-  *slope = LAST * c->inv_h *
+enum { PBF_WALL_LAST = PBF_WALL_NODES - 1 };
+
+/* Where a distance from a plane wall is among the nodes that say what the wall lends: from
+ * PBF_WALL_LAST on it lends nothing. */
+PBF_FN pbf_real pbf_wall_place(const pbf_constants *c, pbf_real distance) {
+  return (distance + c->wall_offset) * c->inv_h * PBF_WALL_LAST;
+}
+
+/* Density that the wall lends at the part s of the way between two nodes with these values and
+ * slopes, and its derivative. */
+PBF_FN pbf_real pbf_wall_between(const pbf_constants *c, pbf_real s, pbf_real v0, pbf_real v1,
+                                 pbf_real g0, pbf_real g1, pbf_real *slope) {
+  pbf_real s2 = s * s, rise = v1 - v0;
+  *slope = PBF_WALL_LAST * c->inv_h *
            (g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1);
   return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
+}
+
+PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
+  pbf_real t = pbf_wall_place(c, distance);
+  *slope = 0;
+  if (!(t < PBF_WALL_LAST)) return 0;
+  t = pbf_real_max(t, 0);
+  int k = (int)t;
+  return pbf_wall_between(c, t - k, c->wall_value[k], c->wall_value[k + 1], c->wall_slope[k],
+                          c->wall_slope[k + 1], slope);
 }
 
 /* Joins what one more obstacle lends, `value` with the gradient `slope` * `normal`, to what others
  * lend. Half-spaces overlap, where walls meet at right angles: what is free of both is about the
  * product of what is free of each, exactly so for a kernel that is a product over the axes. */
+PBF_FN pbf_real pbf_join_slope(pbf_real value, pbf_real slope, pbf_real lent, pbf_real gradient) {
+  return gradient * (1 - value) + (1 - lent) * slope;
+}
+
+PBF_FN pbf_real pbf_join_value(pbf_real value, pbf_real lent) { return lent + (1 - lent) * value; }
+
 PBF_FN void pbf_join_wall(pbf_real value, pbf_real slope, pbf_vec normal, pbf_real *lent,
                           pbf_vec *gradient) {
   for (int k = 0; k < PBF_DIM; ++k)
-    gradient->c[k] = gradient->c[k] * (1 - value) + (1 - *lent) * slope * normal.c[k];
-  *lent += (1 - *lent) * value;
+    gradient->c[k] = pbf_join_slope(value, slope * normal.c[k], *lent, gradient->c[k]);
+  *lent = pbf_join_value(value, *lent);
 }
 
 /* Adds what all walls of the domain and all colliders lend, each by its nearest plane. */
@@ -138,32 +163,23 @@ PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int co
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is
- * lambda_i + lambda_j + s_ij; `sum` is the sum of these products over the others. */
+ * lambda_i + lambda_j + s_ij; `sum` is the sum of these products over the others. Where lambda adds
+ * up it is the iteration's change of it that counts. */
 PBF_FN pbf_vec pbf_move(const pbf_constants *c, pbf_vec x, pbf_vec sum) {
   return pbf_add_scaled(x, c->omega, sum);
 }
 
-/* The same with the lambda that has added up, whose change counts from the prediction.
- *
- * Where fluid is pressed hard, the large forces of a particle's neighbours cancel, and what is left
- * when one is out of place grows like stiffness * |lambda|: above 2 (above about 4 for the
- * velocity) an explicit step overshoots, however well the constraint is solved. So x* goes to the
- * fixed point x = predicted + sum(x) by relaxation: an implicit step. Its factor is 1, and momentum
- * kept to rounding, unless stiffness * |lambda| > 1/2, which is some five layers of water at 1/120
- * s. */
-PBF_FN pbf_vec pbf_relax(const pbf_constants *c, pbf_vec predicted, pbf_vec x, pbf_real total,
-                         pbf_vec sum) {
-  pbf_real stiff = c->stiffness * (total < 0 ? -total : total);
-  pbf_real factor = pbf_real_min(1, (pbf_real)1.5 / (1 + stiff));
-  for (int k = 0; k < PBF_DIM; ++k) x.c[k] += factor * (predicted.c[k] + sum.c[k] - x.c[k]);
-  return x;
+/* Line 21, a move at a time: the velocity that explains it. Dividing x* - x by the time step would
+ * round away what a particle does not move in a step, and turn what positions round into speed. */
+PBF_FN pbf_vec pbf_push(const pbf_constants *c, pbf_real inv_time_step, pbf_vec velocity,
+                        pbf_vec sum) {
+  return pbf_add_scaled(velocity, inv_time_step * c->omega, sum);
 }
 
-/* Line 21: the velocity that explains the step, as the predicted one and what the solve changed:
- * dividing x* - x by the time step would round away what a particle does not move in a step. */
-PBF_FN pbf_vec pbf_velocity(pbf_real inv_time_step, pbf_vec velocity, pbf_vec predicted,
+/* The same for what walls and colliders do to a place. */
+PBF_FN pbf_vec pbf_velocity(pbf_real inv_time_step, pbf_vec velocity, pbf_vec before,
                             pbf_vec after) {
-  return pbf_add_scaled(velocity, inv_time_step, pbf_sub(after, predicted));
+  return pbf_add_scaled(velocity, inv_time_step, pbf_sub(after, before));
 }
 
 /* Pressure over rest density of a step, from the lambda that has added up. A step moves a pair by

@@ -30,7 +30,7 @@ static int keep_arrays(solver *s, const pbf_schedule *has) {
          keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
                     sizeof *s->slack) &&
          pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity) &&
-         keep_array(s, has->accelerated, (void **)&s->before, "lambda before", sizeof *s->before) &&
+         keep_array(s, has->accelerated, (void **)&s->added, "lambda added", sizeof *s->added) &&
          keep_array(s, sleep, (void **)&s->unrest, "unrest", sizeof *s->unrest) &&
          keep_array(s, sleep, (void **)&s->held, "lambda asleep", sizeof *s->held) &&
          keep_array(s, sleep, (void **)&s->stirred, "stirred", sizeof *s->stirred);
@@ -47,7 +47,7 @@ static void allow_sleep(solver *s, int changes, int before) {
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count);
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->capacity);
   if (!keep_arrays(s, &schedule)) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");

@@ -3,7 +3,7 @@
 #ifndef PBF_REFERENCE_SOLVER_H
 #define PBF_REFERENCE_SOLVER_H
 
-#include "common/deep.h"
+#include "reference/deep.h"
 #include "physics/scalar.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
@@ -23,7 +23,7 @@ struct pbf_backend_solver {
   pbf_vec *moved;      /* x* */
   pbf_vec *change;     /* position change of an iteration; the second velocity of viscosity */
   pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *before;    /* … the lambda an iteration earlier */
+  pbf_real *added;     /* … what this iteration adds to it */
   pbf_real *slack;     /* in very short steps only */
   pbf_deep deep;       /* in deep water only */
   pbf_curl *curl;      /* with vorticity only */

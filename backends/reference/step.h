@@ -13,6 +13,17 @@ static inline void collide_all(const solver *s, const pbf_obstacles *o, int carr
       s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, carried, from[i], s->moved[i]);
 }
 
+/* And once the velocity is that of x*. */
+static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    pbf_vec x = pbf_resolve(&o->walls, o->count, o->solids, 0, s->predicted[i], s->moved[i]);
+    s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->moved[i], x);
+    s->moved[i] = x;
+  }
+}
+
 static inline void predict(solver *s, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params);
   for (uint32_t i = 0; i < s->count; ++i)
@@ -65,12 +76,12 @@ static inline void carry_weight(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     uint32_t neighbors = 0;
     pbf_real density = asleep(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);
-    pbf_deep_add(&s->deep, s->moved[i], density);
+    deep_add(&s->deep, s->moved[i], density);
   }
-  pbf_deep_solve(&s->deep, o);
+  deep_solve(&s->deep, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    pbf_vec u = pbf_deep_move(&s->deep, s->moved[i]);
+    pbf_vec u = deep_move(&s->deep, s->moved[i]);
     s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);
     s->predicted[i] = s->moved[i] = pbf_add_scaled(s->moved[i], 1, u);
   }
@@ -92,6 +103,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     pbf_vec gradient = {{0}};
     if (asleep(s, i)) {
       s->lambda[i] = s->held[i];
+      if (s->added) s->added[i] = s->iterations == 0 ? s->held[i] : 0;
       continue;
     }
     neighbor n = neighbors_of(&s->grid, i);
@@ -108,7 +120,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
       excess += pbf_excess(slack, density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
-      pbf_accelerate(c, lambda, &s->lambda[i], &s->before[i]);
+      pbf_accelerate(c, lambda, &s->lambda[i], &s->added[i]);
     else
       s->lambda[i] = lambda;
   }
@@ -117,6 +129,8 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
 
 static inline void move(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
+  const pbf_real *lambda = s->schedule.accelerated ? s->added : s->lambda;
+  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   int features = s->schedule.features;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec sum = {{0}};
@@ -125,30 +139,27 @@ static inline void move(solver *s, const pbf_obstacles *o) {
     while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(features, c, n.r2, &value, &slope);
-      pbf_real factor = s->lambda[i] + s->lambda[n.j];
+      pbf_real factor = lambda[i] + lambda[n.j];
       if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
       sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
     }
     pbf_real density = 0;
     pbf_vec from_walls = {{0}};
     add_walls(s, o, s->moved[i], &density, &from_walls);
-    s->change[i] = pbf_add_scaled(sum, s->lambda[i], from_walls);
+    s->change[i] = pbf_add_scaled(sum, lambda[i], from_walls);
   }
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    s->moved[i] = s->schedule.accelerated
-                      ? pbf_relax(c, s->predicted[i], s->moved[i], s->lambda[i], s->change[i])
-                      : pbf_move(c, s->moved[i], s->change[i]);
+    s->moved[i] = pbf_move(c, s->moved[i], s->change[i]);
+    s->v[i] = pbf_push(c, inv_time_step, s->v[i], s->change[i]);
   }
 }
 
-static inline void update_velocity(solver *s) {
-  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  for (uint32_t i = 0; i < s->count; ++i) {
-    if (asleep(s, i)) continue;
-    s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->predicted[i], s->moved[i]);
+static inline void end_solve(solver *s, const pbf_obstacles *o) {
+  if (sleeps(s)) memcpy(s->held, s->lambda, s->count * sizeof *s->held);
+  if (s->schedule.collide_after_solve) collide_moving(s, o);
+  for (uint32_t i = 0; i < s->count; ++i)
     if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
-  }
 }
 
 static inline void compute_curl(solver *s) {
@@ -199,21 +210,19 @@ static inline void solver_step(solver *s, double time) {
   if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
-    memset(s->before, 0, s->count * sizeof *s->before);
+    memset(s->added, 0, s->count * sizeof *s->added);
   }
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID])
     carry_weight(s, &obstacles);
   int64_t limit = has->watched ? pbf_excess_limit(&s->params, s->count) : -1;
   int over = 0;
   for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {
-    pbf_set_iteration(&s->constants, &s->params, s->iterations);
+    pbf_set_iteration(&s->constants, s->iterations);
     over = compute_lambda(s, &obstacles) <= limit;
     move(s, &obstacles);
-    if (has->collide_in_iteration) collide_all(s, &obstacles, 0, s->predicted);
+    if (has->collide_in_iteration) collide_moving(s, &obstacles);
   }
-  if (sleeps(s)) memcpy(s->held, s->lambda, s->count * sizeof *s->held);
-  if (has->collide_after_solve) collide_all(s, &obstacles, 0, s->predicted);
-  update_velocity(s);
+  end_solve(s, &obstacles);
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID] && has->accelerated)
     add_weight(s);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {

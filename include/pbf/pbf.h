@@ -215,11 +215,13 @@ typedef struct pbf_params {
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
                        Particles asleep count, and may pass for free of error. */
-  double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which the
-                           pressure of the fluid's weight is found before the iterations, which
-                           carry it by about a layer each; 1 … 1000, 2 will do; 0: none. Linear
-                           momentum is then kept only about as well as particles fill the cells
-                           evenly. */
+  double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
+                           the iterations, the pressure of the fluid's weight is found, so far as
+                           it is more than these carry, by about a layer each: 1 … 1000; 0: none.
+                           Linear momentum is then kept only about as well as particles fill the
+                           cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where as many
+                           particles as there is room for would settle so deep, H, that
+                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0. */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

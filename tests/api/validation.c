@@ -44,7 +44,7 @@ static const real_case params_reals[] = {
     {"sleep_speed is -1", P(sleep_speed), -1},
     {"sleep_time is -1", P(sleep_time), -1},
     {"tolerance is -0.001; it must be", P(tolerance), -0.001},
-    {"pressure_grid is -1; it must be", P(pressure_grid), -1},
+    {"pressure_grid is -2; it must be", P(pressure_grid), -2},
     {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},
     {"pressure_grid is 2000; it must be 1", P(pressure_grid), 2000},
     {"sleep_time is 0; with a sleep_speed (0.1) it must be above 0", P(sleep_speed), 0.1},

@@ -1,0 +1,149 @@
+/* Loops of the pressure grid (physics/coarse.h): over particles, and over nodes along the first
+ * axis. They are left to the compiler's vectoriser. */
+#ifndef PBF_CPU_KERNELS_DEEP_H
+#define PBF_CPU_KERNELS_DEEP_H
+
+#include "cpu/kernels.h"
+
+/* Particles whose cells are found before anything else is done with them. */
+enum { DEEP_CHUNK = 64 };
+
+typedef struct deep_places {
+  uint32_t cells[DEEP_CHUNK];
+  double at[PBF_DIM][DEEP_CHUNK]; /* in the cell */
+} deep_places;
+
+/* Of the particles from `first` on. */
+PBF_FN void find_places(const pbf_coarse *c, const field *x, uint32_t first, uint32_t count,
+                        deep_places *places) {
+  memset(places->cells, 0, sizeof places->cells);
+  for (int k = PBF_DIM - 1; k >= 0; --k) {
+    const pbf_real *from = x->c[k] + first;
+    double *at = places->at[k];
+    for (uint32_t l = 0; l < count; ++l) at[l] = pbf_coarse_before(c, k, from[l]);
+    for (uint32_t l = 0; l < count; ++l) {
+      uint32_t along = pbf_coarse_index(c, k, at[l], &at[l]);
+      places->cells[l] = places->cells[l] * c->size[k] + along;
+    }
+  }
+}
+
+PBF_FN uint32_t deep_chunk(uint32_t first, uint32_t last) {
+  return last - first < DEEP_CHUNK ? last - first : DEEP_CHUNK;
+}
+
+/* Sorted particles come cell by cell: others are told of a cell once. */
+PBF_FN void add_entries(int64_t *sums, const uint32_t *cells, const int64_t *entries,
+                        uint32_t count) {
+  for (uint32_t l = 0; l < count;) {
+    uint32_t cell = cells[l];
+    int64_t sum = 0;
+    for (; l < count && cells[l] == cell; ++l) sum += entries[l];
+    __atomic_fetch_add(&sums[cell], sum, __ATOMIC_RELAXED);
+  }
+}
+
+static void weigh(const pbf_deep *deep, field x, const pbf_real *densities, uint32_t first,
+                  uint32_t last) {
+  const pbf_coarse c = deep->grid;
+  for (uint32_t count; first < last; first += count) {
+    deep_places places;
+    int64_t entries[DEEP_CHUNK];
+    count = deep_chunk(first, last);
+    find_places(&c, &x, first, count, &places);
+    for (uint32_t l = 0; l < count; ++l) entries[l] = pbf_coarse_entry(densities[first + l]);
+    add_entries(deep->sums, places.cells, entries, count);
+  }
+}
+
+/* Lambda at the corners of the particles' cells. */
+typedef struct deep_corners {
+  double lambda[PBF_CORNERS][DEEP_CHUNK];
+} deep_corners;
+
+PBF_FN void fetch_corners(const pbf_deep *deep, const uint32_t *cells, uint32_t count,
+                          deep_corners *corners) {
+  for (uint32_t l = 0; l < count; ++l) {
+    double values[PBF_CORNERS];
+    pbf_coarse_corners(&deep->grid, deep->lambda, cells[l], values);
+    for (int a = 0; a < PBF_CORNERS; ++a) corners->lambda[a][l] = values[a];
+  }
+}
+
+static void carry(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
+                  uint32_t last) {
+  const pbf_coarse c = deep->grid;
+  for (uint32_t count; first < last; first += count) {
+    deep_places places;
+    deep_corners corners;
+    pbf_real moves[PBF_DIM][DEEP_CHUNK];
+    count = deep_chunk(first, last);
+    find_places(&c, &x, first, count, &places);
+    fetch_corners(deep, places.cells, count, &corners);
+    for (uint32_t l = 0; l < count; ++l) {
+      double values[PBF_CORNERS], at[PBF_DIM];
+      for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
+      for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
+      pbf_vec u = pbf_coarse_slope(&c, values, at);
+      for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
+    }
+    for (int k = 0; k < PBF_DIM; ++k) {
+      pbf_real *to = x.c[k] + first, *velocity = v.c[k] + first;
+      for (uint32_t l = 0; l < count; ++l) to[l] += moves[k][l];
+      for (uint32_t l = 0; l < count; ++l) velocity[l] += inv_time_step * moves[k][l];
+    }
+  }
+}
+
+/* Of the nodes from (i[0], i[1], i[2]) along the first axis up to `last`; `row` is the index of
+ * (0, i[1], i[2]). */
+static __attribute__((noinline)) void write_equations(const pbf_deep *deep,
+                                                      const pbf_coarse_dose *dose,
+                                                      const int i[PBF_DIM], int last, uint32_t row,
+                                                      double *restrict right,
+                                                      double *restrict inverse) {
+  const pbf_coarse c = deep->grid;
+  const pbf_coarse_dose d = *dose;
+  const double *rooms = deep->rooms;
+  const int64_t *sums = deep->sums;
+  for (int x = i[0]; x <= last; ++x) {
+    int place[PBF_DIM];
+    for (int k = 0; k < PBF_DIM; ++k) place[k] = k ? i[k] : x;
+    pbf_coarse_equation_at(&c, &d, sums, rooms, (int64_t)row + x, place, &right[x], &inverse[x]);
+  }
+}
+
+static void equations(const pbf_deep *deep, const pbf_coarse_dose *dose, const int i[PBF_DIM],
+                      int last, uint32_t row) {
+  write_equations(deep, dose, i, last, row, deep->right + row, deep->inverse + row);
+}
+
+/* 1 when a node was missing more than enough. */
+static __attribute__((noinline)) int relax_run(const pbf_deep *deep, const pbf_coarse_solve *solve,
+                                               uint32_t first, uint32_t count,
+                                               double *restrict before) {
+  const pbf_coarse c = deep->grid;
+  const pbf_coarse_solve s = *solve;
+  const double *rooms = deep->rooms + first, *now = deep->lambda + first;
+  const double *right = deep->right + first, *inverse = deep->inverse + first;
+  int64_t lacking = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    double around[PBF_CORNERS];
+    pbf_coarse_around(&c, rooms, k, around);
+    double residual = pbf_coarse_residual(&c, around, now, right[k], k);
+    double miss = inverse[k] > 0 ? pbf_coarse_miss(residual, now[k]) : 0;
+    lacking |= miss > s.enough ? 1 : 0;
+    before[k] = pbf_coarse_next(&s, residual, inverse[k], now[k], before[k]);
+  }
+  return lacking != 0;
+}
+
+/* An iteration for the nodes of a run, a multiple of DEEP_LANES: 1 when one of them was missing
+ * more than enough before it. What is in the open stays 0. */
+static int relax(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first,
+                 uint32_t last) {
+  uint32_t count = (last - first) / DEEP_LANES * DEEP_LANES;
+  return relax_run(deep, solve, first, count, deep->before + first);
+}
+
+#endif

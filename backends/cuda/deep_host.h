@@ -1,0 +1,80 @@
+/* How the pressure grid's solve is launched. */
+#ifndef PBF_CUDA_DEEP_HOST_H
+#define PBF_CUDA_DEEP_HOST_H
+
+#include "cuda/solver.h"
+
+static inline size_t deep_shared(const pbf_coarse &grid, uint32_t blocks) {
+  uint32_t reach = deep_reach(grid);
+  return 2 * sizeof(double) * deep_length(deep_part_size(grid.nodes, blocks, reach), reach);
+}
+
+/* What a block can have, less what the kernel has of itself. */
+static inline size_t deep_most_shared(const solver *s) { return s->block_shared - 1024; }
+
+static inline cudaLaunchConfig_t deep_config(const solver *s, uint32_t blocks, size_t shared,
+                                             cudaLaunchAttribute *cluster) {
+  cudaLaunchConfig_t config = {};
+  config.gridDim = dim3(blocks);
+  config.blockDim = dim3(DEEP_THREADS);
+  config.dynamicSmemBytes = shared;
+  config.stream = s->stream;
+  cluster->id = cudaLaunchAttributeClusterDimension;
+  cluster->val.clusterDim = {blocks, 1, 1};
+  config.attrs = cluster;
+  config.numAttrs = blocks > 1;
+  return config;
+}
+
+/* Lets the solve have its shared memory, and finds out how large a cluster can be. */
+static inline pbf_status allow_deep(solver *s) {
+  auto kernel = deep_solve_kernel<deep_in_cluster>;
+  int clusters = 0;
+  if (pbf_status status =
+          pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                              (int)deep_most_shared(s)),
+                         "cudaFuncSetAttribute"))
+    return status;
+  s->deep_cluster = 1;
+  if (pbf_status status =
+          pbf_cuda_check(cudaDeviceGetAttribute(&clusters, cudaDevAttrClusterLaunch, s->device),
+                         "cudaDeviceGetAttribute"))
+    return status;
+  if (!clusters) return PBF_OK;
+  if (pbf_status status = pbf_cuda_check(
+          cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
+          "cudaFuncSetAttribute"))
+    return status;
+  for (uint32_t blocks = 16; blocks > 1 && s->deep_cluster == 1; blocks /= 2) {
+    cudaLaunchAttribute cluster;
+    cudaLaunchConfig_t config = deep_config(s, blocks, deep_most_shared(s), &cluster);
+    if (cudaOccupancyMaxActiveClusters(&clusters, kernel, &config) != cudaSuccess)
+      cudaGetLastError(); /* not so many */
+    else if (clusters > 0)
+      s->deep_cluster = blocks;
+  }
+  return PBF_OK;
+}
+
+/* Blocks of the cluster that solves a grid; 0 where it has no room for it. */
+static inline uint32_t deep_blocks(const solver *s, const pbf_coarse &grid) {
+  uint32_t blocks = s->deep_cluster;
+  return deep_shared(grid, blocks) <= deep_most_shared(s) ? blocks : 0;
+}
+
+static inline pbf_status launch_deep_solve(solver *s, const pbf_coarse &grid,
+                                           const deep_arrays &arrays) {
+  uint32_t blocks = deep_blocks(s, grid);
+  if (!blocks)
+    return launch_resident(s, deep_solve_kernel<deep_in_memory>,
+                           min((grid.nodes + DEEP_THREADS - 1) / DEEP_THREADS, s->multiprocessors),
+                           DEEP_THREADS, 0, "cudaLaunchCooperativeKernel of the pressure grid",
+                           grid, arrays);
+  cudaLaunchAttribute cluster;
+  cudaLaunchConfig_t config = deep_config(s, blocks, deep_shared(grid, blocks), &cluster);
+  return pbf_cuda_check(
+      cudaLaunchKernelEx(&config, deep_solve_kernel<deep_in_cluster>, grid, arrays),
+      "cudaLaunchKernelEx of the pressure grid");
+}
+
+#endif

@@ -1,0 +1,237 @@
+/* The solve of the pressure grid, by blocks that each have a run of its nodes. Up to as many as fit
+ * there, lambda is in the shared memory of one block or of a cluster, and blocks hand on what their
+ * neighbours need: an iteration waits for shared memory alone. Larger grids are in memory, and
+ * their blocks meet at a barrier of all. */
+#ifndef PBF_CUDA_DEEP_SOLVE_H
+#define PBF_CUDA_DEEP_SOLVE_H
+
+#include <cooperative_groups.h>
+
+#include "cuda/deep.h"
+
+enum {
+  DEEP_THREADS = 512,
+  DEEP_KEPT = 3 /* nodes of a thread whose equations stay in registers */
+};
+
+/* A block's nodes first … end - 1, in `size` indices: all have the same. Nodes that are farther
+ * apart than `reach` have no cell in common. */
+struct deep_part {
+  uint32_t first, end, size, reach;
+};
+
+static inline __host__ __device__ uint32_t deep_reach(const pbf_coarse &grid) {
+  return grid.corner[PBF_CORNERS - 1];
+}
+
+/* So that a block's neighbours alone need its nodes. */
+static inline __host__ __device__ uint32_t deep_part_size(uint32_t nodes, uint32_t blocks,
+                                                          uint32_t reach) {
+  uint32_t size = (nodes + blocks - 1) / blocks;
+  return size > reach ? size : reach;
+}
+
+/* Nodes at filled cells, as they are the only ones that may not be in the open. */
+static __device__ __forceinline__ deep_part deep_part_of(const pbf_coarse &grid,
+                                                         const pbf_coarse_extent &filled) {
+  constexpr int axis = PBF_DIM - 1;
+  uint32_t stride = grid.corner[1u << axis], reach = deep_reach(grid);
+  uint32_t low = (uint32_t)grid.n[axis] + 1 - filled.below[axis], high = filled.above[axis] + 1;
+  uint32_t first = low * stride + reach - stride, end = (high + 1) * stride;
+  uint32_t size = deep_part_size(end - first, gridDim.x, reach);
+  first += blockIdx.x * size;
+  return {first, max(first, min(first + size, end)), size, reach};
+}
+
+/* Lists the block's nodes that are not in the open; returns how many. */
+static __device__ __forceinline__ uint32_t list_inside(const deep_arrays &a,
+                                                       const deep_part &part) {
+  __shared__ uint32_t listed;
+  uint32_t lane = threadIdx.x % 32;
+  if (threadIdx.x == 0) listed = 0;
+  __syncthreads();
+  for (uint32_t base = part.first + threadIdx.x - lane; base < part.end; base += DEEP_THREADS) {
+    uint32_t node = base + lane, before = 0;
+    bool inside = node < part.end && a.inverse[node] > 0;
+    uint32_t warp = __ballot_sync(~0u, inside);
+    if (lane == 0) before = atomicAdd(&listed, (uint32_t)__popc(warp));
+    before = __shfl_sync(~0u, before, 0) + (uint32_t)__popc(warp & ((1u << lane) - 1));
+    if (inside) a.inside[part.first + before] = node;
+  }
+  __syncthreads();
+  return listed;
+}
+
+/* The equation of a node. */
+struct deep_equation {
+  uint32_t node;
+  double right, inverse, around[PBF_CORNERS];
+};
+
+static __device__ __forceinline__ deep_equation equation_of(const pbf_coarse &grid,
+                                                            const deep_arrays &a, uint32_t node) {
+  deep_equation e;
+  e.node = node;
+  e.right = a.right[node];
+  e.inverse = a.inverse[node];
+  pbf_coarse_around(&grid, a.rooms, node, e.around);
+  return e;
+}
+
+/* ---- Lambda in memory, for any number of blocks -----------------------------------------------
+ */
+
+struct deep_in_memory {
+  grid_counter *barrier;
+  uint32_t meetings, misses;
+
+  __device__ __forceinline__ deep_in_memory(const deep_arrays &a, const deep_part &)
+      : barrier(&a.control->barrier), meetings(0), misses(0) {}
+  __device__ __forceinline__ uint32_t low() const { return 0; }
+  __device__ __forceinline__ void begin(const pbf_coarse &, const deep_arrays &a, double **now,
+                                        double **before) const {
+    *now = a.lambda;
+    *before = a.before;
+  }
+  __device__ __forceinline__ void hand_on(double *, uint32_t, double) const {}
+
+  /* Whether a thread of any block misses; asked, or the answer is no. */
+  __device__ __forceinline__ bool meet(bool asked, bool misses_here) {
+    uint32_t before = misses;
+    misses = grid_barrier(barrier, ++meetings, asked && misses_here);
+    return misses != before;
+  }
+
+  __device__ __forceinline__ void end(const deep_arrays &a, const double *now, uint32_t) const {
+    if (thread_index() == 0) a.control->odd = now == a.before;
+  }
+};
+
+/* ---- In the shared memory of a cluster, or of one block ---------------------------------------
+ */
+
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 900
+template <class Value>
+static __device__ __forceinline__ Value *in_block(Value *shared, uint32_t block) {
+  return cooperative_groups::this_cluster().map_shared_rank(shared, block);
+}
+static __device__ __forceinline__ void meet_cluster() { cooperative_groups::this_cluster().sync(); }
+#else /* a block is always alone */
+template <class Value>
+static __device__ __forceinline__ Value *in_block(Value *shared, uint32_t) {
+  return shared;
+}
+static __device__ __forceinline__ void meet_cluster() {}
+#endif
+
+/* Nodes that a block keeps: its own, and so many more on each side as its neighbours hand on. */
+static inline __host__ __device__ uint32_t deep_length(uint32_t size, uint32_t reach) {
+  return size + 2 * reach;
+}
+
+struct deep_in_cluster {
+  deep_part part;
+  uint32_t *misses; /* in shared memory: two that take turns */
+  uint32_t asked_so_far;
+
+  __device__ __forceinline__ deep_in_cluster(const deep_arrays &, const deep_part &part)
+      : part(part), asked_so_far(0) {
+    __shared__ uint32_t shared_misses[2];
+    misses = shared_misses;
+  }
+  __device__ __forceinline__ uint32_t low() const { return part.first - part.reach; }
+  __device__ __forceinline__ void begin(const pbf_coarse &grid, const deep_arrays &a, double **now,
+                                        double **before) const {
+    extern __shared__ double lambdas[];
+    uint32_t length = deep_length(part.size, part.reach);
+    *now = lambdas;
+    *before = lambdas + length;
+    for (uint32_t k = threadIdx.x; k < length; k += DEEP_THREADS) {
+      double value = low() + k < grid.nodes ? a.lambda[low() + k] : 0;
+      (*now)[k] = (*before)[k] = value;
+    }
+    if (threadIdx.x < 2) misses[threadIdx.x] = 0;
+    if (gridDim.x == 1)
+      __syncthreads();
+    else
+      meet_cluster();
+  }
+
+  /* Lambda of the node at `at` of `lambda`, to the blocks that read it. */
+  __device__ __forceinline__ void hand_on(double *lambda, uint32_t at, double value) const {
+    if (at < 2 * part.reach && blockIdx.x > 0)
+      in_block(lambda, blockIdx.x - 1)[at + part.size] = value;
+    if (at >= part.size && blockIdx.x + 1 < gridDim.x)
+      in_block(lambda, blockIdx.x + 1)[at - part.size] = value;
+  }
+
+  __device__ __forceinline__ bool meet(bool asked, bool misses_here) {
+    if (gridDim.x == 1) return __syncthreads_or(asked && misses_here);
+    uint32_t turn = asked_so_far % 2;
+    if (asked) {
+      bool any = __syncthreads_or(misses_here);
+      if (any && threadIdx.x < gridDim.x) *in_block(misses + turn, threadIdx.x) = 1;
+      if (threadIdx.x == 0) misses[1 - turn] = 0; /* long read, and not written before the next */
+      ++asked_so_far;
+    }
+    meet_cluster();
+    return asked && misses[turn];
+  }
+
+  __device__ __forceinline__ void end(const deep_arrays &a, const double *now,
+                                      uint32_t count) const {
+    for (uint32_t k = threadIdx.x; k < count; k += DEEP_THREADS) {
+      uint32_t node = a.inside[part.first + k];
+      a.lambda[node] = now[node - low()];
+    }
+  }
+};
+
+/* ---- The iterations ---------------------------------------------------------------------------
+ */
+
+template <class Lambda>
+static __global__ void __launch_bounds__(DEEP_THREADS)
+    deep_solve_kernel(const __grid_constant__ pbf_coarse grid,
+                      const __grid_constant__ deep_arrays a) {
+  const deep_control *control = a.control;
+  pbf_coarse_solve solve = pbf_coarse_begin(pbf_coarse_dose_of(&grid, &control->extent).longest,
+                                            __longlong_as_double((long long)control->largest));
+  if (solve.most == 0) return;
+  const deep_part part = deep_part_of(grid, control->extent);
+  const uint32_t count = list_inside(a, part);
+  Lambda lambda(a, part);
+  double *now, *before;
+  lambda.begin(grid, a, &now, &before);
+  deep_equation kept[DEEP_KEPT];
+#pragma unroll
+  for (uint32_t q = 0; q < DEEP_KEPT; ++q) {
+    uint32_t k = threadIdx.x + q * DEEP_THREADS;
+    if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
+  }
+  bool over = false;
+  for (int k = 0; k < solve.most && !over; ++k) {
+    bool misses = false;
+    auto go_on = [&](const deep_equation &e) {
+      uint32_t at = e.node - lambda.low();
+      double residual = pbf_coarse_residual(&grid, e.around, now, e.right, at);
+      double next = pbf_coarse_next(&solve, residual, e.inverse, now[at], before[at]);
+      misses = misses || pbf_coarse_miss(residual, now[at]) > solve.enough;
+      before[at] = next;
+      lambda.hand_on(before, at, next);
+    };
+#pragma unroll
+    for (uint32_t q = 0; q < DEEP_KEPT; ++q)
+      if (threadIdx.x + q * DEEP_THREADS < count) go_on(kept[q]);
+    for (uint32_t i = threadIdx.x + DEEP_KEPT * DEEP_THREADS; i < count; i += DEEP_THREADS)
+      go_on(equation_of(grid, a, a.inside[part.first + i]));
+    over = !lambda.meet(pbf_coarse_asks(k), misses) && pbf_coarse_asks(k);
+    pbf_coarse_go_on(&solve, k);
+    double *other = now;
+    now = before;
+    before = other;
+  }
+  lambda.end(a, now, count);
+}
+
+#endif
