@@ -118,14 +118,15 @@ typedef struct pbf_coarse_solve {
   double weight;       /* of the iteration */
 } pbf_coarse_solve;
 
-/* `largest` is the largest right side; 0: there is nothing to do. */
+/* `largest` is the largest right side; 0: there is nothing to do. So many iterations leave 4 % of
+ * the longest wave, which fluid in motion takes all of them for. */
 PBF_FN pbf_coarse_solve pbf_coarse_begin(int longest, double largest) {
   pbf_coarse_solve s;
   double wave = 0.5 * PBF_PI / (longest + 1), low = 0.375 * wave * wave;
   double ratio = (PBF_COARSE_HIGHEST - low) / (PBF_COARSE_HIGHEST + low);
   s.ratio2 = ratio * ratio;
   s.step = 2 / (PBF_COARSE_HIGHEST + low);
-  s.most = largest > 0 ? 8 + 4 * longest : 0;
+  s.most = largest > 0 ? 8 + 2 * longest : 0;
   s.enough = 0.05 / longest * largest;
   s.weight = 1;
   return s;
