@@ -17,7 +17,7 @@ from pages import ROOT, write_table
 
 FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
 FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats",
-            "sleep", "tolerance")
+            "sleep", "tolerance", "pressure_grid")
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
 SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel"}
 BUILDS = {
