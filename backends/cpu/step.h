@@ -304,13 +304,11 @@ static void run_job(step_job *job) {
     atomic_store(&s->drowsy, 0);
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
+    if (job->reached > job->done) s->unweighed = s->deep.sums && s->schedule.accelerated;
     job->done = job->reached;
     job->sorted = job->last == STEP_LACKS_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
-  if (job->done > before) {
-    s->pressure_scale = s->constants.pressure;
-    s->unweighed = s->deep.sums && s->schedule.accelerated;
-  }
+  if (job->done > before) s->pressure_scale = s->constants.pressure;
   s->now = job->time + job->done * step;
 }
 

@@ -350,11 +350,14 @@ static void it_sleeps(void **state) {
   /* What the iterations carry of it, a quarter, is that of single steps. */
   double error = pressure_error(s, 3, PBF_FLOAT32);
   if (!(error < 0.15)) fail_msg("asleep the pressure is %g off", error);
-  static float before[MOST][3], after[MOST][3];
+  static float before[MOST][3], after[MOST][3], pressures[2][MOST];
   assert_ok(pbf_get_positions(s, 0, MOST, before));
+  assert_ok(pbf_get_pressures(s, 0, MOST, pressures[0]));
   assert_ok(pbf_step(s, 3));
   assert_ok(pbf_get_positions(s, 0, MOST, after));
+  assert_ok(pbf_get_pressures(s, 0, MOST, pressures[1]));
   assert_memory_equal(before, after, sizeof before);
+  assert_memory_equal(pressures[0], pressures[1], sizeof pressures[0]);
   pbf_destroy(s);
 }
 
