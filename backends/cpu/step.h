@@ -253,7 +253,7 @@ static void predict_and_sort(worker *w) {
 static outcome step_once(worker *w, double time, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
-  w->forces = pbf_forces_of(&s->params);
+  w->forces = pbf_forces_of(&s->params, time);
   place_obstacles(s, time + s->params.time_step, &w->obstacles);
   w->key = &w->b.spare[0];
   w->sorted_key = &w->b.spare[2];

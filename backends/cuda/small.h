@@ -35,6 +35,7 @@ enum {
 struct small_step {
   pbf_walls walls;
   cell_grid grid;
+  pbf_real rounding; /* of pbf_forces */
 };
 
 /* What differs from iteration to iteration of an accelerated solve. */
@@ -108,6 +109,13 @@ static __device__ __forceinline__ pbf_constants constants_at(const small_scene &
   c.weight = scene.iteration_table[k].weight;
   c.scorr_k = scene.iteration_table[k].scorr_k;
   return c;
+}
+
+static __device__ __forceinline__ pbf_forces forces_at(const small_scene &scene,
+                                                       const small_step &step) {
+  pbf_forces forces = scene.forces;
+  forces.rounding = step.rounding;
+  return forces;
 }
 
 /* Where in a cell's count that of this step begins. */

@@ -44,7 +44,8 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   const sorted_particles &p = room.sorted;
   step_obstacles obstacles = {scene.table[step].walls, scene.solid_count,
                               scene.solids + step * scene.solid_count};
-  prediction predict = {scene.forces, obstacles, scene.collide_after_prediction};
+  prediction predict = {forces_at(scene, scene.table[step]), obstacles,
+                        scene.collide_after_prediction};
   unsorted_particles from = {scene.points, scene.velocities, room.numbers, n};
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t k = first; k <= grid.count; k += stride) p.cell_start[k] = 0;

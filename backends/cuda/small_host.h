@@ -166,10 +166,12 @@ static inline pbf_status small_upload_table(solver *s, double time, uint32_t ste
   small_upload upload;
   pbf_constants c = s->constants;
   memset(static_cast<void *>(&upload), 0, sizeof upload);
+  const double dt = s->params.time_step;
   for (uint32_t k = 0; k < steps; ++k) {
-    upload.steps[k].walls = pbf_walls_at(&s->params, time + k * s->params.time_step);
+    upload.steps[k].walls = pbf_walls_at(&s->params, time + k * dt);
     upload.steps[k].grid =
         grid_over(&upload.steps[k].walls, s->params.smoothing_radius, small_cells(s), 1);
+    upload.steps[k].rounding = pbf_rounding_of(time + (k - 1.0) * dt, dt);
   }
   for (uint32_t k = 0; k < s->params.iterations; ++k) {
     pbf_set_iteration(&c, k);
@@ -220,7 +222,7 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   scene.lanes = small_lanes(s);
   scene.layout = small_layout_of(s);
   scene.constants = s->constants;
-  scene.forces = pbf_forces_of(&s->params);
+  scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
   scene.wall_density = has.wall_density;
   scene.accelerated = has.accelerated;

@@ -217,7 +217,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
     step_obstacles obstacles = {table[step].walls, EXTRAS ? scene.solid_count : 0,
                                 scene.solids + step * scene.solid_count};
-    pbf_vec y = pbf_predict(&scene.forces, x, v);
+    const pbf_forces forces = forces_at(scene, table[step]);
+    pbf_vec y = pbf_predict(&forces, x, v);
     if (scene.collide_after_prediction) y = resolve<EXTRAS>(obstacles, 1, x, y);
     const small_search look = {place_in(grid, y), y, i, me.lane, me.lanes, c->h2};
     const uint32_t cell = cell_number(grid, look.place.at);
@@ -268,7 +269,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         if (failed) break;
         /* From here the step can't fail: what it started from gives way. */
         if (me.leads) clear_count(room, cell, shift);
-        v = pbf_predicted_velocity(&scene.forces, x, v, y);
+        v = pbf_predicted_velocity(&forces, x, v, y);
         x = y;
       }
       if (me.works) {

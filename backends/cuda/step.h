@@ -265,7 +265,8 @@ static inline bool all_asleep(const solver *s) {
 static inline pbf_status run_step(solver *s, double time, const pbf_solid *solids) {
   const pbf_schedule &has = s->schedule;
   step_obstacles obstacles = {pbf_walls_at(&s->params, time), (int)s->collider_count, solids};
-  prediction p = {pbf_forces_of(&s->params), obstacles, has.collide_after_prediction};
+  prediction p = {pbf_forces_of(&s->params, time - s->params.time_step), obstacles,
+                  has.collide_after_prediction};
   cell_grid grid = grid_over(&obstacles.walls, s->params.smoothing_radius,
                              grid_cell_limit(s->capacity), PBF_FINEST);
   neighborhood n = neighborhood_of(s, grid);

@@ -4,6 +4,7 @@
 #define PBF_PHYSICS_REAL_H
 
 #include <math.h>
+#include <string.h>
 
 #include "physics/features.h"
 
@@ -30,6 +31,19 @@ PBF_FN pbf_real pbf_real_sqrt(pbf_real a) {
 #endif
 PBF_FN pbf_real pbf_real_max(pbf_real a, pbf_real b) { return a > b ? a : b; }
 PBF_FN pbf_real pbf_real_min(pbf_real a, pbf_real b) { return a < b ? a : b; }
+
+/* The last bit of a float32, by which its neighbour above is apart; 0 for a float64, whose own
+ * nothing here needs. */
+PBF_FN pbf_real pbf_last_bit(pbf_real a) {
+  if (sizeof a != sizeof(float)) return 0;
+  const float value = (float)a;
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  bits &= 0x7f800000u;
+  float power;
+  memcpy(&power, &bits, sizeof power);
+  return (pbf_real)(power * 0x1p-23f);
+}
 
 PBF_FN pbf_real pbf_dot(pbf_vec a, pbf_vec b) {
   pbf_real sum = a.c[0] * b.c[0];

@@ -8,15 +8,28 @@
 /* Forces of one step (Algorithm 1, line 2), in the precision of the particles. */
 typedef struct pbf_forces {
   pbf_real time_step, inv_time_step;
+  pbf_real rounding; /* part of a last bit that predictions are off, see pbf_rounding_of */
   pbf_vec gravity;
   pbf_real attraction;
   pbf_vec attraction_center;
 } pbf_forces;
 
-static inline pbf_forces pbf_forces_of(const pbf_params *params) {
+/* At a constant velocity a place is rounded the same way in every step, and what is lost adds up.
+ * So the ways that particles go are off by a part of a last bit before they are rounded, in each
+ * step by another one: a golden part of a turn on, which spreads any run of steps as evenly as can
+ * be (Kronecker's sequence), so that their mean is what was to be added. The steps' number is told
+ * from the `time` at which a step begins, at a place in it that no change of the time step hits. */
+static inline pbf_real pbf_rounding_of(double time, double time_step) {
+  const double golden = 0.61803398874989485;
+  double turns = golden * floor(time / time_step + (1 - golden));
+  return (pbf_real)(0.9999 * (turns - floor(turns + 0.5)));
+}
+
+static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   pbf_forces f;
   f.time_step = (pbf_real)params->time_step;
   f.inv_time_step = (pbf_real)(1 / params->time_step);
+  f.rounding = pbf_rounding_of(time, params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {
     f.gravity.c[k] = (pbf_real)params->gravity[k];
@@ -35,7 +48,15 @@ PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
 
 /* Lines 2 and 3: the predicted position of a particle at x with velocity v. */
 PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
-  return pbf_add_scaled(x, f->time_step, pbf_apply_forces(f, x, v));
+  pbf_vec velocity = pbf_apply_forces(f, x, v);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const int back = velocity.c[k] < 0;
+    pbf_real way = f->time_step * (back ? -velocity.c[k] : velocity.c[k]);
+    way += f->rounding * pbf_last_bit(x.c[k]);
+    if (way < 0) way = 0;
+    x.c[k] += back ? -way : way;
+  }
+  return x;
 }
 
 /* The velocity that goes with it: `predicted` may have been moved out of an obstacle. */
@@ -52,7 +73,7 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
  * in what is around it. `slack` is 0 or pbf_slack's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
-  pbf_real constraint = density - 1 - slack;
+  pbf_real constraint = density - c->rest - slack;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
   diagonal = pbf_real_max(diagonal, c->min_diagonal);

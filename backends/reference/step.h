@@ -24,8 +24,8 @@ static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
   }
 }
 
-static inline void predict(solver *s, const pbf_obstacles *o) {
-  pbf_forces forces = pbf_forces_of(&s->params);
+static inline void predict(solver *s, double time, const pbf_obstacles *o) {
+  pbf_forces forces = pbf_forces_of(&s->params, time);
   for (uint32_t i = 0; i < s->count; ++i)
     s->moved[i] = asleep(s, i) ? s->x[i] : pbf_predict(&forces, s->x[i], s->v[i]);
   if (s->schedule.collide_after_prediction) collide_all(s, o, 1, s->x);
@@ -205,7 +205,7 @@ static inline void solver_step(solver *s, double time) {
     wake_near(s, s->movers, time + s->params.time_step);
     if (sleepers(s) == s->count) return;
   }
-  predict(s, &obstacles);
+  predict(s, time, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
   if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {

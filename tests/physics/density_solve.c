@@ -233,13 +233,13 @@ static void prediction_is_symplectic_euler(void **state) {
   pbf_vec x = {{0}}, v = {{0}};
   x.c[0] = 3;
   v.c[1] = 5;
-  pbf_forces f = pbf_forces_of(&p);
+  pbf_forces f = pbf_forces_of(&p, 0);
   pbf_vec y = pbf_predict(&f, x, v);
   assert_near(y.c[0], 3 + 0.1 * (0.1 * 1), 1e-15);
   assert_near(y.c[1], 0.1 * (5 - 0.2), 1e-15);
   p.attraction = 4;
   p.attraction_center[0] = 1;
-  f = pbf_forces_of(&p);
+  f = pbf_forces_of(&p, 0);
   y = pbf_predict(&f, x, v);
   assert_near(y.c[0], 3 + 0.1 * (0.1 * (1 - 4 * 2)), 1e-15);
   pbf_vec w = pbf_predicted_velocity(&f, x, v, y);
@@ -258,7 +258,7 @@ static void rest_of_the_velocity_is_not_rounded(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.time_step = 1e-9;
-  pbf_forces f = pbf_forces_of(&p);
+  pbf_forces f = pbf_forces_of(&p, 0);
   pbf_vec x = {{0}}, v = {{0}};
   x.c[0] = 1000;
   v.c[0] = 0.1234567890123;
