@@ -19,8 +19,16 @@ def poly6(r, h, dim):
     return norm * rest**3
 
 
+def cubic_spline(r, h, dim):
+    """Monaghan's, which ends at h."""
+    q = np.minimum(np.asarray(r, float) / h, 1.0)
+    norm = 40 / (7 * np.pi * h**2) if dim == 2 else 8 / (np.pi * h**3)
+    return norm * np.where(q <= 0.5, 6 * q * q * (q - 1) + 1, 2 * (1 - q) ** 3)
+
+
 # By the names in a manifest: the kernel of the density. A gradient kernel plays no part here.
-KERNELS = {"wendland_c2": wendland_c2, "poly6_spiky": poly6}
+# "cubic_spline" is none of the library's, but other solvers' by default.
+KERNELS = {"wendland_c2": wendland_c2, "poly6_spiky": poly6, "cubic_spline": cubic_spline}
 
 
 def lattice_points(reach, dim):
