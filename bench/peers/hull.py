@@ -160,6 +160,8 @@ def measure(scene, result, plan, save):
                 save()
         run_library(scene, round_, own)
         added, context = library_points(scene, own, points, plan["figures"])
+        planned = {(family["name"], label(settings)) for family in families for settings in products(family["vary"])}
+        points = {key: p for key, p in points.items() if key in planned}  # a plan may have changed in between
         points.update({(p["family"], p["label"]): p for p in added})
         result.update(points=list(points.values()), particles=len(scene.positions), time_step=scene.manifest["time_step"],
                       simulated=scene.entry["duration"], cpu_model=context["cpu_model"], commit=context["commit"])

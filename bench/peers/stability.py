@@ -25,7 +25,7 @@ def place(trial, number, job, result, divide, offset, to):
     """Moves a trial's frames from the run's folder into the case's."""
     to.mkdir(parents=True)
     times = {}
-    for step in replay.frames(trial, offset, divide):
+    for step in replay.frames(trial, number, offset, divide):
         times[str(step)] = result["times"][str(step)]
         for name in ("positions", "velocities"):
             shutil.copy(pathlib.Path(job["folder"]) / f"{name}_{step:06d}.npy", to)
@@ -85,7 +85,8 @@ def main():
         if number in replay.ABSENT or number in replay.NOT_DRIVEN or number in replay.OTHER_INTERFACE:
             continue
         for variant in args.variant or VARIANTS:
-            if (args.out / case.name / variant / "facts.json").exists():
+            done = (args.out / case.name / variant / "facts.json").exists()
+            if done or (VARIANTS[variant][0], number) in replay.INCOMPARABLE:
                 continue
             with tempfile.TemporaryDirectory() as scratch:
                 run_case(case, variant, args, pathlib.Path(scratch))

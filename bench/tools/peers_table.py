@@ -88,12 +88,12 @@ HULL_HEAD = ("error", "scene", "method", "least error", *(w for level in LEVELS 
 
 
 def few_rows(result):
-    order = lambda p: (method(p) == OWN, p["family"], p["label"])  # noqa: E731
+    order = lambda p: (method(p) == OWN, p["family"] if method(p) != OWN else "", seconds(p))  # noqa: E731
     step = result["time_step"]
     return [(method(p), p["label"] + ("" if p["family"] != "grid" else ", pressure grid"), significant(1000 * seconds(p) * step),
              f'{significant(1000 * min(p["seconds"]) * step)} … {significant(1000 * max(p["seconds"]) * step)}',
              *(percent(p["errors"][figure]) for figure in FEW_FIGURES))
-            for p in sorted(result["points"], key=order) if p["seconds"] and set(FEW_FIGURES) <= set(p["errors"])]
+            for p in sorted((p for p in result["points"] if p["seconds"]), key=order) if set(FEW_FIGURES) <= set(p["errors"])]
 
 
 FEW_HEAD = ("method", "setting", "ms a step", "least … most", "own equation", "compression", "compression, all", "largest", "volume")
