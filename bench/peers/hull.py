@@ -69,8 +69,8 @@ def figure(report, name):
 def judged(folder, figures):
     keys = ",".join(sorted({name.split(".")[0] for name in figures}))
     report = folder / "report.json"
-    done = subprocess.run([sys.executable, "-B", str(CHECK), "errors", str(folder), "--only", keys, "--json", str(report)],
-                          capture_output=True, text=True, check=False)
+    command = [sys.executable, "-B", str(CHECK), "errors", str(folder), "--only", keys, "--json", str(report)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         return None, "can't be judged: " + done.stderr.strip().splitlines()[-1]
     found = json.loads(report.read_text(encoding="utf-8"))
@@ -122,7 +122,8 @@ def run_library(scene, repetitions, json_file):
     sweep = "sweep-few.json" if scene.entry["particles"] > FEW else "sweep.json"
     subprocess.run([scene.args.program, "pareto", *scene.options, "--duration", str(scene.entry["duration"]),
                     "--frames", str(scene.entry["frames"]), "--repetitions", str(repetitions), "--cpu-time",
-                    "--patience", str(scene.args.limit), "--dumps", str(scene.scratch / "own"), "--sweep", str(HERE / sweep), "--json", str(json_file),
+                    "--patience", str(scene.args.limit), "--dumps", str(scene.scratch / "own"),
+                    "--sweep", str(HERE / sweep), "--json", str(json_file),
                     "--html", str(scene.scratch / "pareto.html")], check=True, stdout=subprocess.DEVNULL)
 
 
@@ -130,7 +131,7 @@ def library_points(scene, json_file, known, figures):
     """The points of pbf-bench pareto as those of the peer, their dumps judged as its are."""
     results = json.loads(json_file.read_text(encoding="utf-8"))
     simulated = results["context"]["simulated"]
-    titles = {family["family"]: family["title"] for entry in results["analysis"] for family in entry["families"]}
+    titles = {f["family"]: f["title"] for entry in results["analysis"] for f in entry["families"]}
     points = []
     for index, point in enumerate(results["points"]):
         outcome, folder = point["outcome"], scene.scratch / "own" / str(index)
@@ -138,9 +139,9 @@ def library_points(scene, json_file, known, figures):
         if set(figures) - set(errors) and folder.exists():
             errors = judged(folder, figures)[0] or {}
             shutil.rmtree(folder)
-        points.append({"family": point["family"], "title": titles.get(point["family"], point["family"]),
-                       "label": point["label"], "seconds": [s / simulated for s in outcome["seconds"]],
-                       "errors": errors, **({"reason": outcome["reason"]} if outcome.get("reason") else {})})
+        found = {"family": point["family"], "title": titles.get(point["family"], point["family"]), "label": point["label"],
+                 "seconds": [s / simulated for s in outcome["seconds"]], "errors": errors}
+        points.append({**found, "reason": outcome["reason"]} if outcome.get("reason") else found)
     return points, results["context"]
 
 
@@ -151,8 +152,9 @@ def measure(scene, result, plan, save):
     for round_ in range(1, scene.args.repetitions + 1):
         for family in families:
             for settings in products(family["vary"]):
-                point = points.setdefault((family["name"], label(settings)), {
-                    "family": family["name"], "title": family["title"], "label": label(settings), "seconds": [], "errors": {}})
+                new = {"family": family["name"], "title": family["title"], "label": label(settings), "seconds": [],
+                       "errors": {}}
+                point = points.setdefault((family["name"], label(settings)), new)
                 if point.get("reason") or len(point["seconds"]) >= round_:
                     continue
                 run_peer(scene, family, settings, point, plan["figures"])
@@ -160,11 +162,12 @@ def measure(scene, result, plan, save):
                 save()
         run_library(scene, round_, own)
         added, context = library_points(scene, own, points, plan["figures"])
-        planned = {(family["name"], label(settings)) for family in families for settings in products(family["vary"])}
+        planned = {(f["name"], label(settings)) for f in families for settings in products(f["vary"])}
         points = {key: p for key, p in points.items() if key in planned}  # a plan may have changed in between
         points.update({(p["family"], p["label"]): p for p in added})
-        result.update(points=list(points.values()), particles=len(scene.positions), time_step=scene.manifest["time_step"],
-                      simulated=scene.entry["duration"], cpu_model=context["cpu_model"], commit=context["commit"])
+        result.update(points=list(points.values()), particles=len(scene.positions),
+                      time_step=scene.manifest["time_step"], simulated=scene.entry["duration"],
+                      cpu_model=context["cpu_model"], commit=context["commit"])
         save()
 
 
@@ -182,7 +185,9 @@ def options():
 def main():
     args, plan = options(), json.loads((HERE / "hull.json").read_text(encoding="utf-8"))
     path = pathlib.Path(args.json)
-    results = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"peer": "SPlisHSPlasH 2.19.0", "scenes": {}}
+    results = {"peer": "SPlisHSPlasH 2.19.0", "scenes": {}}
+    if path.exists():
+        results = json.loads(path.read_text(encoding="utf-8"))
 
     def save():
         path.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -21,7 +21,9 @@ def libraries(python, folder):
 
 
 def environment(python, folder, threads):
-    return {**os.environ, "LD_LIBRARY_PATH": libraries(python, folder), "OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive"}  # others may hold its cores
+    # Threads that wait sleep: others may hold its cores.
+    return {**os.environ, "LD_LIBRARY_PATH": libraries(python, folder), "OMP_NUM_THREADS": str(threads),
+            "OMP_WAIT_POLICY": "passive"}
 
 
 def run(python, scratch, job, positions, velocities=None, threads=1, limit=600):

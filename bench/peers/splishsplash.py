@@ -94,7 +94,8 @@ class Run:
         walls = [self.simulation.getBoundaryModel(i).numberOfParticles()
                  for i in range(self.simulation.numberOfBoundaryModels())]
         return {"steps": self.step, "seconds_wall": self.wall, "seconds_cpu": self.cpu,
-                "iterations": self.iterations, "times": self.times, "particles": self.fluid.count, "wall_particles": sum(walls),
+                "iterations": self.iterations, "times": self.times, "particles": self.fluid.count,
+                "wall_particles": sum(walls),
                 "own_compression_mean": float(np.maximum(density - 1, 0).mean()) if len(density) else 0.0}
 
 

@@ -51,7 +51,8 @@ def run_case(case, variant, args, scratch):
         job = replay.job(trials, number, method, divide, scratch / "run")
         shutil.rmtree(job["folder"], ignore_errors=True)
         positions, velocities = trials[0].start()
-        result, reason = peer.run(args.peer, scratch, job, replay.piled(number, positions), velocities, threads=threads_of(trials[0]), limit=args.limit)
+        result, reason = peer.run(args.peer, scratch, job, replay.piled(number, positions), velocities,
+                                  threads=threads_of(trials[0]), limit=args.limit)
         if result is None:
             told["failed"] = f"{trials[0].label}: {reason}"
             break

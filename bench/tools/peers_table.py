@@ -25,14 +25,18 @@ def method(point):
     return PEERS.get(point["family"], OWN)
 
 
+def setting(point):
+    return point["label"] + (", pressure grid" if point["family"] == "grid" else "")
+
+
 def seconds(point):
     return statistics.median(point["seconds"])
 
 
 def measured(scene, error):
     """(method, seconds for one simulated, error, setting) of what has all of them."""
-    return [(method(p), seconds(p), p["errors"][error], p["label"] + ("" if method(p) != OWN or p["family"] == "library" else f', {p["family"]}'))
-            for p in scene["points"] if p["seconds"] and p["errors"].get(error) is not None]
+    return [(method(p), seconds(p), p["errors"][error], setting(p)) for p in scene["points"]
+            if p["seconds"] and p["errors"].get(error) is not None]
 
 
 def cheapest(points, level):
@@ -83,31 +87,32 @@ def hull_rows(results):
     return rows
 
 
-HULL_HEAD = ("error", "scene", "method", "least error", *(w for level in LEVELS for w in (f"{100 * level:g} %", "×")),
-             "below the library's hull")
+HULL_HEAD = ("error", "scene", "method", "least error",
+             *(word for level in LEVELS for word in (f"{100 * level:g} %", "×")), "below the library's hull")
 
 
 def few_rows(result):
     order = lambda p: (method(p) == OWN, p["family"] if method(p) != OWN else "", seconds(p))  # noqa: E731
     step = result["time_step"]
-    return [(method(p), p["label"] + ("" if p["family"] != "grid" else ", pressure grid"), significant(1000 * seconds(p) * step),
+    return [(method(p), setting(p), significant(1000 * seconds(p) * step),
              f'{significant(1000 * min(p["seconds"]) * step)} … {significant(1000 * max(p["seconds"]) * step)}',
              *(percent(p["errors"][figure]) for figure in FEW_FIGURES))
             for p in sorted((p for p in result["points"] if p["seconds"]), key=order) if set(FEW_FIGURES) <= set(p["errors"])]
 
 
-FEW_HEAD = ("method", "setting", "ms a step", "least … most", "own equation", "compression", "compression, all", "largest", "volume")
+FEW_HEAD = ("method", "setting", "ms a step", "least … most", "own equation", "compression", "compression, all", "largest",
+            "volume")
 
 
 def source(results):
     told = []
     for scene, r in results["scenes"].items():
         runs = max(len(p["seconds"]) for p in r["points"])
-        told.append(f'`{scene}`: {r["particles"]:,} particles, {r["simulated"]:.3g} s, step {1000 * r["time_step"]:.3g} ms where '
-                    f'not divided, {runs} run{"s" if runs > 1 else ""} a setting')
+        told.append(f'`{scene}`: {r["particles"]:,} particles, {r["simulated"]:.3g} s, step {1000 * r["time_step"]:.3g} ms '
+                    f'where not divided, {runs} run{"s" if runs > 1 else ""} a setting')
     first = next(iter(results["scenes"].values()))
-    return (f'{results["peer"]} and commit {first["commit"]} by turns on one machine ({first["cpu_model"]}), one thread each, '
-            "processor time. " + "; ".join(told) + ".")
+    return (f'{results["peer"]} and commit {first["commit"]} by turns on one machine ({first["cpu_model"]}), one thread '
+            "each, processor time. " + "; ".join(told) + ".")
 
 
 def tables(results):

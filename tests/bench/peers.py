@@ -101,6 +101,8 @@ def the_table_takes_the_cheapest():
     assert [p[1] for p in peers_table.beaten_by(points, [("b", 1.5, 0.006, "")])] == [1.0, 3.0]
 
 
-for check in [value for name, value in list(globals().items()) if callable(value) and getattr(value, "__module__", "") == "__main__" and name != "trial"]:
+for check in (the_mesh_is_closed_and_faces_outwards, particles_keep_their_float32, walls_leave_a_lattice_alone,
+              settings_become_parameters, figures_are_over_the_frames_after_the_start, a_chained_case_is_one_run,
+              steps_alternate, piles_are_put_back, the_table_takes_the_cheapest):
     check()
     print(f"ok: {check.__name__}")
