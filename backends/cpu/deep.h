@@ -19,14 +19,14 @@ static void end_deep_search(void *context) {
     pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &w->obstacles.walls);
 }
 
-/* Sleepers pass for free of error. */
+/* Sleepers out of reach of the awake pass for free of error. */
 static void weigh_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   find_densities(w, piece, w->b.spare[2], s->lambda);
-  for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
-       r = sleeping_particles(w, r.last, all.last))
+  for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
+       r = idle_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = 1;
   s->kernels->weigh(&s->deep, w->b.spare[2], s->lambda, all.first, all.last);
 }

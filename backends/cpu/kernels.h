@@ -5,6 +5,7 @@
 
 #include "common/deep.h"
 #include "cpu/grid.h"
+#include "physics/sleep.h"
 #include "physics/stages.h"
 
 /* Where the neighbours of a group, as many consecutive sorted particles as the vectors have lanes,
@@ -59,6 +60,7 @@ typedef struct pair_pass {
   const pbf_obstacles *walls; /* that lend density; null: none do */
   const pbf_real *slack;      /* null: none */
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
+  const pbf_real *unrest;     /* null: nobody sleeps */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */
@@ -73,6 +75,9 @@ typedef struct move_pass {
 
 /* Sorted particles of whom one byte says whether any of them can be stirred. */
 enum { CALM_CHUNK = 32 };
+
+/* No place in any order. */
+#define STIRRED UINT32_MAX
 
 /* Nodes of the pressure grid that are done at once, at most. */
 enum { DEEP_LANES = 8 };
@@ -101,7 +106,8 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
                   const pbf_real *size, field v, uint32_t first, uint32_t last);
-  void (*stir)(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm, uint32_t *stirred,
+  /* Those who have somebody `loud` within h, above 0, are STIRRED. */
+  void (*stir)(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
                uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
   /* `neighbors` null: nobody counts them. */

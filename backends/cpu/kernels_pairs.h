@@ -219,7 +219,8 @@ static __attribute__((noinline)) int64_t excess_of(const pair_pass *p, const lan
   int64_t sum = 0;
   lane_store(densities, *density);
   for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-    sum += pbf_excess(p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
+    if (!p->unrest || !pbf_is_idle(p->unrest[g * WIDTH + l]))
+      sum += pbf_excess(p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
   return sum;
 }
 
@@ -585,11 +586,12 @@ static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t i, const
     uint32_t j = b->first[part] + slot % SLOTS - 1;
     pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
     /* Others may say the same at the same time. */
-    if (pbf_dot(x_ij, x_ij) < p->constants->h2) __atomic_store_n(&stirred[j], 1, __ATOMIC_RELAXED);
+    if (pbf_dot(x_ij, x_ij) < p->constants->h2)
+      __atomic_store_n(&stirred[j], STIRRED, __ATOMIC_RELAXED);
   }
 }
 
-static void stir(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm, uint32_t *stirred,
+static void stir(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
                  uint32_t first, uint32_t last) {
   uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g)
@@ -602,7 +604,7 @@ static void stir(const pair_pass *p, const pbf_real *stirs, const uint8_t *calm,
       }
       const uint8_t *list = walk_on(&w, space);
       for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-        if (stirs[g * WIDTH + l] > 0) stir_around(p, stirred, g * WIDTH + l, b, list + l, windows);
+        if (loud[g * WIDTH + l] > 0) stir_around(p, stirred, g * WIDTH + l, b, list + l, windows);
     }
 }
 

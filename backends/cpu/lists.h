@@ -51,23 +51,66 @@ static void list_size_add(list_size *all, list_size more) {
   if (more.largest > all->largest) all->largest = more.largest;
 }
 
+static pair_pass pairs_at(const worker *w, field x) {
+  static const uint8_t none[LIST_UNIT]; /* where nobody has a neighbour there are no lists */
+  const solver *s = w->s;
+  return (pair_pass){.constants = &w->constants,
+                     .features = s->schedule.features,
+                     .lists = {.groups = s->groups,
+                               .data = s->list_data ? s->list_data : none,
+                               .far = s->grid.far,
+                               .count = s->count},
+                     .x = x,
+                     .walls = s->schedule.wall_density ? &w->obstacles : NULL,
+                     .slack = s->slack,
+                     .unrest = sleep_is_on(w) ? w->rest.unrest : NULL};
+}
+
+static void list_neighbors(worker *w, range groups, list_size *all) {
+  const solver *s = w->s;
+  const search job = {.grid = &s->grid,
+                      .h2 = s->constants.h2,
+                      .x = *w->sorted_key,
+                      .cells = s->sorted_cells,
+                      .cell_end = s->cell_end,
+                      .count = s->count,
+                      .groups = s->groups,
+                      .data = s->list_data};
+  list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->room));
+}
+
+/* The sleepers within h of somebody awake in these groups. */
+static void find_shore(const worker *w, range groups) {
+  const solver *s = w->s;
+  pair_pass pairs = pairs_at(w, *w->sorted_key);
+  s->kernels->stir(&pairs, w->rest.unrest, s->calm, s->order, groups.first, groups.last);
+}
+
 static void search_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range r = part_of(groups_of(s), piece, search_pieces(w));
-  search job = {.grid = &s->grid,
-                .h2 = s->constants.h2,
-                .x = *w->sorted_key,
-                .cells = s->sorted_cells,
-                .cell_end = s->cell_end,
-                .count = s->count,
-                .groups = s->groups,
-                .data = s->list_data};
   list_size all = {0};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
-    list_size_add(&all, s->kernels->search(&job, g.first, g.last, &w->room));
+       g = awake_groups(w, g.last, r.last)) {
+    list_neighbors(w, g, &all);
+    if (sleep_is_on(w) && s->asleep && !all.lacking) find_shore(w, g);
+  }
   s->list_sizes[piece] = all;
+}
+
+/* The shore has lists of its own. */
+static void shore_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = part_of(groups_of(s), piece, search_pieces(w));
+  uint64_t end = (uint64_t)r.last * s->kernels->width;
+  if (!s->asleep) return;
+  for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
+    if (s->order[i] == STIRRED && pbf_is_asleep(w->rest.unrest[i])) w->rest.unrest[i] = pbf_shore();
+  for (uint32_t g = r.first; g < r.last; ++g)
+    if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_shore()))
+      list_neighbors(w, (range){g, g + 1}, &s->list_sizes[piece]);
 }
 
 /* What a group's pairs cost, in units of its list, without any of these. */
@@ -110,31 +153,18 @@ static void end_search(void *context) {
  * end_search, with or without more. */
 static int find_neighbors(worker *w, team_last last) {
   w->room = (room){.more = next_slab, .context = w};
-  team_for(w->me, search_pieces(w), search_piece, last, w);
+  team_for(w->me, search_pieces(w), search_piece, sleep_is_on(w) ? NULL : last, w);
+  if (sleep_is_on(w)) team_for(w->me, search_pieces(w), shore_piece, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);
 }
 
-static pair_pass pairs_at(const worker *w, field x) {
-  static const uint8_t none[LIST_UNIT]; /* where nobody has a neighbour there are no lists */
-  const solver *s = w->s;
-  return (pair_pass){.constants = &w->constants,
-                     .features = s->schedule.features,
-                     .lists = {.groups = s->groups,
-                               .data = s->list_data ? s->list_data : none,
-                               .far = s->grid.far,
-                               .count = s->count},
-                     .x = x,
-                     .walls = s->schedule.wall_density ? &w->obstacles : NULL,
-                     .slack = s->slack};
-}
-
-/* Densities of a piece's particles at the places x, of those in groups where somebody is awake. */
+/* Densities of a piece's particles at the places x, of those in groups where somebody solves. */
 static void find_densities(const worker *w, uint32_t piece, field x, pbf_real *densities) {
   range groups = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, x);
-  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
-       g = awake_groups(w, g.last, groups.last))
+  for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
+       g = solving_groups(w, g.last, groups.last))
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);
 }
 

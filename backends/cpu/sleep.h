@@ -10,11 +10,6 @@
 /* Where the velocities around particles go, and then whether they stir. */
 static const field *around_of(const worker *w) { return &w->b.spare[0]; }
 
-/* Chunks reach across the ends of pieces: others may say the same at the same time. */
-static void mark_calm(solver *s, uint32_t i, uint8_t calm) {
-  __atomic_store_n(&s->calm[i / CALM_CHUNK], calm, __ATOMIC_RELAXED);
-}
-
 static void unrest_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;

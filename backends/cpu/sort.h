@@ -171,6 +171,7 @@ static void sort_range(void *context, uint32_t piece) {
     gather_reals(s->order, places, w->b.rest.unrest, w->b.spare_rest.unrest);
     gather_reals(s->order, places, w->b.rest.lambda, w->b.spare_rest.lambda);
   }
+  mark_sleepers(w, places);
 }
 
 /* Sorts by the positions `key`, whose grid has been made, into `sorted_key`, and `other`, unless

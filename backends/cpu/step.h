@@ -68,15 +68,16 @@ static void find_slack(worker *w) {
   stage_end(w, PBF_STAGE_SLACK);
 }
 
-static void find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
+/* Returns how many do not solve. */
+static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
-  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
+  for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
+       g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
-  keep_lambda(w, piece_sorted(w, piece));
+  return clear_idle(w, piece_sorted(w, piece));
 }
 
 static void lambda_piece(void *context, uint32_t piece) {
@@ -116,8 +117,8 @@ static void watched_lambda_piece(void *context, uint32_t piece) {
   pair_pass pairs = pairs_at(w, *now_at(w));
   int64_t excess = 0;
   pairs.excess = &excess;
-  find_lambda(w, &pairs, piece);
-  w->s->excess[piece] = excess;
+  int64_t idle = find_lambda(w, &pairs, piece);
+  w->s->excess[piece] = excess + idle * pbf_idle_excess(&w->s->params);
 }
 
 /* Once lambda is known, and with it the density error that the iteration has found. */
@@ -171,9 +172,7 @@ static void velocity_piece(void *context, uint32_t piece) {
                         w->b.spare[3], r.first, r.last);
   keep_still(w, all, w->b.spare[3].c, PBF_DIM);
   calm_woken(w, all, &w->b.spare[3]);
-  if (sleep_is_on(w))
-    memcpy(w->rest.lambda + all.first, s->lambda + all.first,
-           (all.last - all.first) * sizeof *s->lambda);
+  keep_lambda(w, all);
 }
 
 static void count_skipped(void *context) {

@@ -194,9 +194,11 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;
   if (pbf_status status = place_nowhere(s)) return status;
-  if (pbf_status status = allow_lists(list_kernel<false>)) return status;
-  if constexpr (PBF_SLEEP)
-    if (pbf_status status = allow_lists(list_kernel<true>)) return status;
+  if (pbf_status status = allow_lists(list_kernel<SEARCH_ALL>)) return status;
+  if constexpr (PBF_SLEEP) {
+    if (pbf_status status = allow_lists(list_kernel<SEARCH_AWAKE>)) return status;
+    if (pbf_status status = allow_lists(list_kernel<SEARCH_SHORE>)) return status;
+  }
   if constexpr (PBF_DEEP)
     if (pbf_status status = allow_deep(s)) return status;
   if (small_possible(s))

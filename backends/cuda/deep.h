@@ -45,7 +45,7 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
   return a.control->odd ? a.before : a.lambda;
 }
 
-/* Sums the particles up; sleepers pass for free of error. */
+/* Sums the particles up; sleepers out of reach of the awake pass for free of error. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
     weigh_kernel(neighborhood n, iteration_extras extras, pbf_coarse grid, deep_arrays a) {
@@ -60,7 +60,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   });
   if (i >= n.particles.count) return;
   if (extras.wall_density) add_walls(c, extras.obstacles, x, &density, &gradient);
-  if (extras.rest.unrest && pbf_is_asleep(extras.rest.unrest[i])) density = 1;
+  if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = 1;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
   atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(density));

@@ -43,8 +43,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   if (watched && is_over(extras.watch)) return;
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
-  bool asleep = SLEEP && pbf_is_asleep(extras.rest.unrest[own]);
-  if (SLEEP && __all_sync(~0u, asleep)) return;
+  pbf_real unrest = SLEEP ? extras.rest.unrest[own] : 0;
+  bool idle = SLEEP && pbf_is_idle(unrest);
+  if (SLEEP && __all_sync(~0u, idle)) {
+    if (watched && i < n.particles.count)
+      add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32), extras.watch.idle);
+    return;
+  }
   pbf_vec x = position_of(load(points, own));
   /* Read long before it is written: a store to an address that a load is still waiting for holds up
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
@@ -58,8 +63,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
-               asleep ? 0 : pbf_excess(slack, sums.density));
-  if (SLEEP && asleep) return;
+               idle ? extras.watch.idle : pbf_excess(slack, sums.density));
+  if (idle) return;
+  if (SLEEP && first && pbf_is_asleep(unrest)) {
+    extras.rest.kept[i].c[0] = points[i].lambda;
+    points[i].lambda = 0;
+  }
   if (accelerated) {
     pbf_real change = points[i].lambda;
     pbf_accelerate(c, lambda, &total, &change);
@@ -69,11 +78,26 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   points[i].lambda = lambda;
 }
 
-/* A sleeper's move: both buffers hold its place. Where lambda adds up, all that it holds acts in
- * the first iteration: in later ones it has none where others read, and in the state all of it. */
-static __device__ __forceinline__ void pass_sleeper(const iteration_extras &extras,
-                                                    const point &own, const move_end &end,
-                                                    bool last, point *moved, uint32_t i) {
+/* The shore's move: its place, with the lambda that others read, and in the state the one that it
+ * keeps. No later stage asks for its neighbours. */
+static __device__ __forceinline__ void pass_shore(const neighborhood &n,
+                                                  const iteration_extras &extras, const point &own,
+                                                  const move_end &end, bool last, point *moved,
+                                                  uint32_t i) {
+  point to = own;
+  if (last) {
+    to.lambda = extras.rest.kept[i].c[0];
+    end.velocities[i] = {{0}};
+    n.lists.sizes[i] = 0;
+  }
+  store(moved, i, to);
+}
+
+/* That of other sleepers: both buffers hold the place. Where lambda adds up, they have none from
+ * the first iteration on, and in the state all that they hold. */
+static __device__ __forceinline__ void pass_idle(const iteration_extras &extras, const point &own,
+                                                 const move_end &end, bool last, point *moved,
+                                                 uint32_t i) {
   point to = own;
   if (end.place.first) end.velocities[i] = {{0}};
   if (!extras.total) {
@@ -109,8 +133,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
     }
     last = ends(extras.watch, last, i);
   }
-  bool asleep = SLEEP && pbf_is_asleep(extras.rest.unrest[min(i, n.particles.count - 1)]);
-  if (asleep && i < n.particles.count) pass_sleeper(extras, own, end, last, moved, i);
+  pbf_real unrest = SLEEP ? extras.rest.unrest[min(i, n.particles.count - 1)] : 0;
+  bool asleep = SLEEP && pbf_is_asleep(unrest);
+  if (asleep && i < n.particles.count) {
+    if (pbf_is_idle(unrest))
+      pass_idle(extras, own, end, last, moved, i);
+    else
+      pass_shore(n, extras, own, end, last, moved, i);
+  }
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   move_sum<FEATURES> sum;

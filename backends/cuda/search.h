@@ -101,7 +101,11 @@ static inline uint32_t list_blocks(uint32_t count) {
   return (count + SEARCH_BLOCK - 1) / SEARCH_BLOCK;
 }
 
-template <bool SLEEP>
+/* Who gets a list. The shore (physics/sleep.h) is known once the awake have theirs; a warp's lists
+ * have their bases in common, so that it gets them together. */
+enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SHORE };
+
+template <searchers WHO>
 static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
   extern __shared__ uint16_t growing[];
@@ -109,9 +113,14 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   growing_list list(growing, lists.chunks * PBF_CHUNK);
-  /* Who sleeps has an empty list. */
-  bool looks = real && !(SLEEP && pbf_is_asleep(p.unrest[i]));
-  if (SLEEP && !__any_sync(~0u, looks)) {
+  pbf_real unrest = WHO != SEARCH_ALL && real ? p.unrest[i] : (pbf_real)PBF_ASLEEP;
+  bool looks = real && (WHO == SEARCH_ALL || !pbf_is_asleep(unrest));
+  if (WHO == SEARCH_SHORE) {
+    if (!__any_sync(~0u, unrest == pbf_shore())) return;
+    looks = !pbf_is_idle(unrest);
+  }
+  /* The other lists are empty. */
+  if (WHO == SEARCH_AWAKE && !__any_sync(~0u, looks)) {
     if (real) list.write(list_of(lists, i));
     if (real) lists.sizes[i] = 0;
     return;

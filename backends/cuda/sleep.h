@@ -12,6 +12,7 @@ struct sleep_tally {
   uint32_t sleepers; /* counted in each step, */
   uint32_t blocks;   /* by so many blocks so far */
   uint32_t all;      /* nobody is awake */
+  uint32_t some;     /* somebody may sleep */
   uint32_t asked;    /* sleepers, for statistics */
 };
 
@@ -19,6 +20,24 @@ struct sleep_tally {
 struct sleep_marks {
   uint8_t *stirs, *stirred;
 };
+
+/* Sleepers with somebody awake within h, once the awake have their lists. Several may say the same
+ * of one. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    shore_kernel(neighborhood n, const sleep_tally *tally) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  if (tally->all || !tally->some) return;
+  const point *points = n.particles.points;
+  volatile pbf_real *unrest = n.particles.unrest;
+  bool awake = !pbf_is_asleep(unrest[own]);
+  if (!__any_sync(~0u, awake)) return;
+  pbf_vec x = position_of(load(points, own));
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (!awake || j == n.lists.nowhere || !pbf_is_idle(unrest[j])) return;
+    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    if (pbf_dot(x_ij, x_ij) < n.constants.h2) unrest[j] = pbf_shore();
+  });
+}
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -67,7 +86,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     if (i == 0) *all_asleep = epoch;
     return;
   }
-  if (!tally->drowsy) return;
+  if (!tally->drowsy) {
+    if (i == 0) tally->some = 0;
+    return;
+  }
   bool asleep = false;
   if (i < count) {
     pbf_real rest = pbf_settle(&sleep, unrest[i], marks.stirred[i]);
@@ -83,7 +105,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   __threadfence();
   bool all = atomicAdd(&tally->sleepers, 0u) == count;
   if (all) *all_asleep = epoch;
-  *tally = {0, 0, 0, all, 0};
+  *tally = {0, 0, 0, all, 0, 0};
 }
 
 /* Nobody solves while all sleep: then the iterations are those of the step before. */

@@ -123,8 +123,13 @@ static inline sort_scratch scratch_of(const solver *s) {
 }
 
 static inline unsorted_particles state_of(const solver *s) {
-  return {s->points, s->velocities, s->ids,
-          s->count,  s->unrest,     s->tally ? &s->tally->all : nullptr};
+  return {s->points,
+          s->velocities,
+          s->ids,
+          s->count,
+          s->unrest,
+          s->tally ? &s->tally->all : nullptr,
+          s->tally ? &s->tally->some : nullptr};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {

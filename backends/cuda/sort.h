@@ -40,7 +40,8 @@ struct unsorted_particles {
   const uint32_t *ids;
   uint32_t count;
   const pbf_real *unrest;     /* where fluid sleeps, else null, */
-  const uint32_t *all_asleep; /* and then: when not 0 all stay in their order */
+  const uint32_t *all_asleep; /* and then: when not 0 all stay in their order; */
+  uint32_t *some_asleep;      /* the sort sets it where somebody sleeps */
 };
 
 /* One entry a particle; dead after the sort. */
@@ -90,6 +91,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   if (SLEEP && pbf_is_asleep(from.unrest[i])) {
     store(to.points, place, own);
     to.velocities[place] = {{0}};
+    *from.some_asleep = 1;
   } else {
     store(to.points, place, point_at(predicted));
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);

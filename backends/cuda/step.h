@@ -18,7 +18,7 @@ static inline uint32_t launches_of(pbf_stage stage) {
     case PBF_STAGE_GRID:
       return 7; /* with the clearing of sums and of what blocks tell each other */
     case PBF_STAGE_SLEEP:
-      return 3;
+      return 5; /* with the shore's, among those of the neighbours */
     default:
       return 1;
   }
@@ -59,11 +59,20 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
 }
 
 static inline void launch_lists(solver *s, const neighborhood &n) {
-  auto kernel = list_kernel<false>;
-  if constexpr (PBF_SLEEP)
-    if (s->unrest) kernel = list_kernel<true>;
-  kernel<<<list_blocks(s->count), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
-      n.particles, n.grid, s->constants.h2, s->lists);
+  uint32_t blocks = list_blocks(s->count);
+  size_t shared = list_shared(s->lists.chunks);
+  if (!PBF_SLEEP || !s->unrest) {
+    list_kernel<SEARCH_ALL><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(n.particles, n.grid,
+                                                                         s->constants.h2, s->lists);
+    return;
+  }
+  if constexpr (PBF_SLEEP) {
+    list_kernel<SEARCH_AWAKE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
+        n.particles, n.grid, s->constants.h2, s->lists);
+    shore_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
+    list_kernel<SEARCH_SHORE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
+        n.particles, n.grid, s->constants.h2, s->lists);
+  }
 }
 
 /* Sorts the present positions, also of those that sleep. */
@@ -157,7 +166,8 @@ static inline pbf_status carry_weight(solver *s, const neighborhood &n,
 
 static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
   if (!s->schedule.watched) return PBF_OK;
-  *pass = {s->watch, (long long)pbf_excess_limit(&s->params, s->count), 0};
+  *pass = {s->watch, (long long)pbf_excess_limit(&s->params, s->count), pbf_idle_excess(&s->params),
+           0};
   if (PBF_SLEEP && s->unrest) {
     clear_watch_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
     return pbf_cuda_check_launch("clear_watch_kernel");
@@ -172,7 +182,8 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
   iteration_extras extras = {obstacles, has.wall_density, s->total, s->slack, {}, {}};
-  if (PBF_SLEEP && s->unrest) extras.rest = {s->other_unrest, &s->tally->all, s->sleep};
+  if (PBF_SLEEP && s->unrest)
+    extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
   if (pbf_status status = carry_weight(s, *n, extras)) return status;

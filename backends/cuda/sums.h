@@ -22,7 +22,8 @@ struct solve_watch {
 /* What an iteration needs to watch. */
 struct watch_pass {
   solve_watch *watch; /* null: not watched */
-  long long limit;    /* of the sum at which the solve ends */
+  long long limit;    /* of the sum at which the solve ends, */
+  int32_t idle;       /* and the part in it of a particle that does not solve */
   uint32_t iteration;
 };
 
@@ -59,6 +60,7 @@ static __device__ __forceinline__ bool ends(const watch_pass &w, bool last, uint
 struct sleep_pass {
   const pbf_real *unrest; /* null: nothing sleeps */
   const uint32_t *all;    /* not 0: all do */
+  pbf_vec *kept;          /* its first number: the lambda that the shore keeps */
   pbf_sleep sleep;
 };
 

@@ -24,10 +24,18 @@ static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
   return s;
 }
 
-/* What stands for sleep in place of an unrest. */
+/* What stands for sleep in place of an unrest. Sleepers within h of somebody awake are the shore of
+ * the sleeping fluid: they do not move, yet go on solving for their density, so that the awake find
+ * pressure where they come too near to them. The solve begins anew in each step, and so does who is
+ * the shore: from the search of its neighbours until all settle. */
 enum { PBF_ASLEEP = -1 };
 
+PBF_FN pbf_real pbf_shore(void) { return (pbf_real)-0.5; }
+
 PBF_FN int pbf_is_asleep(pbf_real unrest) { return unrest < 0; }
+
+/* Who sleeps out of reach of the awake. */
+PBF_FN int pbf_is_idle(pbf_real unrest) { return unrest < pbf_shore(); }
 
 /* Of a particle that wakes: it has to come to rest anew, yet does not wake others by itself. */
 PBF_FN pbf_real pbf_woken(const pbf_sleep *s) { return s->stir2; }
@@ -49,9 +57,10 @@ PBF_FN int pbf_stirs(const pbf_sleep *s, pbf_real unrest, pbf_vec around) {
   return pbf_real_max(unrest, pbf_dot(around, around)) > s->stir2;
 }
 
-/* What is `stirred`, something near it stirs, wakes or stays awake; what is still falls asleep. */
+/* What is `stirred`, something near it stirs, wakes or stays awake; what is still falls asleep: the
+ * unrest of nobody awake is below still2. */
 PBF_FN pbf_real pbf_settle(const pbf_sleep *s, pbf_real unrest, int stirred) {
-  if (stirred) return pbf_is_asleep(unrest) ? pbf_woken(s) : unrest;
+  if (stirred) return pbf_is_asleep(unrest) ? pbf_woken(s) : pbf_real_max(unrest, s->still2);
   return unrest < s->still2 ? (pbf_real)PBF_ASLEEP : unrest;
 }
 

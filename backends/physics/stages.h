@@ -93,6 +93,11 @@ PBF_FN int32_t pbf_excess(pbf_real slack, pbf_real density) {
   return (int32_t)(pbf_real_min(pbf_real_max(density - 1 - slack, 0), most) * unit);
 }
 
+/* The part of a particle that does not solve, and so has no say in when the others have done. */
+static inline int32_t pbf_idle_excess(const pbf_params *params) {
+  return (int32_t)(fmin(params->tolerance, 64) * (1 << 24));
+}
+
 /* What the sum over all particles may be when the solve ends. */
 static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count) {
   return (int64_t)fmin(params->tolerance * count * (1 << 24), 0x1p62);

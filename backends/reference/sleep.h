@@ -19,6 +19,10 @@ static inline int asleep(const solver *s, uint32_t i) {
   return sleeps(s) && pbf_is_asleep(s->unrest[i]);
 }
 
+static inline int idle(const solver *s, uint32_t i) {
+  return sleeps(s) && pbf_is_idle(s->unrest[i]);
+}
+
 static inline int just_woke(const solver *s, uint32_t i) {
   return sleeps(s) && pbf_just_woke(&s->sleep, s->unrest[i]);
 }
@@ -27,6 +31,16 @@ static inline uint32_t sleepers(const solver *s) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < s->count; ++i) count += (uint32_t)asleep(s, i);
   return count;
+}
+
+/* Sleepers within h of somebody awake, once all are predicted. */
+static inline void find_shore(solver *s) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n))
+      if (asleep(s, n.j)) s->unrest[n.j] = pbf_shore();
+  }
 }
 
 /* v_i and `viscosity` times what eq. 17 adds to it. */

@@ -75,7 +75,7 @@ static inline void carry_weight(solver *s, const pbf_obstacles *o) {
   pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &o->walls);
   for (uint32_t i = 0; i < s->count; ++i) {
     uint32_t neighbors = 0;
-    pbf_real density = asleep(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);
+    pbf_real density = idle(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);
     deep_add(&s->deep, s->moved[i], density);
   }
   deep_solve(&s->deep, o);
@@ -101,9 +101,8 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real density = c->value_scale, slope2 = 0;
     pbf_vec gradient = {{0}};
-    if (asleep(s, i)) {
-      s->lambda[i] = s->held[i];
-      if (s->added) s->added[i] = s->iterations == 0 ? s->held[i] : 0;
+    if (idle(s, i)) {
+      excess += pbf_idle_excess(&s->params);
       continue;
     }
     neighbor n = neighbors_of(&s->grid, i);
@@ -156,7 +155,11 @@ static inline void move(solver *s, const pbf_obstacles *o) {
 }
 
 static inline void end_solve(solver *s, const pbf_obstacles *o) {
-  if (sleeps(s)) memcpy(s->held, s->lambda, s->count * sizeof *s->held);
+  for (uint32_t i = 0; i < s->count && sleeps(s); ++i)
+    if (asleep(s, i))
+      s->lambda[i] = s->held[i];
+    else
+      s->held[i] = s->lambda[i];
   if (s->schedule.collide_after_solve) collide_moving(s, o);
   for (uint32_t i = 0; i < s->count; ++i)
     if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
@@ -207,6 +210,7 @@ static inline void solver_step(solver *s, double time) {
   }
   predict(s, time, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
+  if (sleeps(s)) find_shore(s);
   if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
@@ -214,6 +218,8 @@ static inline void solver_step(solver *s, double time) {
   }
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID])
     carry_weight(s, &obstacles);
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (idle(s, i)) s->lambda[i] = 0;
   int64_t limit = has->watched ? pbf_excess_limit(&s->params, s->count) : -1;
   int over = 0;
   for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {

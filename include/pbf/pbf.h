@@ -214,7 +214,7 @@ typedef struct pbf_params {
   double tolerance; /* >= 0: the density solve of a step ends with the iteration that finds a mean
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
-                       Particles asleep count, and may pass for free of error. */
+                       Of particles asleep only those within h of somebody awake count. */
   double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
                            the iterations, the pressure of the fluid's weight is found, so far as
                            it is more than these carry, by about a layer each: 1 … 1000; 0: none.
