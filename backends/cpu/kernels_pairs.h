@@ -154,6 +154,18 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
   return 1;
 }
 
+/* Adds what the walls of an axis lend for themselves, and leaves what they share. */
+PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real densities[WIDTH],
+                          pbf_real slopes[WIDTH]) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real rate, share = pbf_wall_share(c, walls->value[l], &rate);
+    densities[l] += walls->value[l] - share;
+    slopes[l] += (1 - rate) * walls->slope[l];
+    walls->value[l] = share;
+    walls->slope[l] *= rate;
+  }
+}
+
 /* pbf_add_walls where there are no colliders, in all lanes. */
 static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
                                                       const pbf_walls *walls, const lane_values *x,
@@ -168,6 +180,7 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
     for (uint32_t l = 0; l < WIDTH; ++l) above[l] = walls->upper.c[k] - x->c[k][l];
     int near = add_wall_lanes(c, below, 1, &along);
     near |= add_wall_lanes(c, above, -1, &along);
+    if (near) keep_own_part(c, &along, densities, gradients->c[k]);
     for (int j = 0; j < PBF_DIM && near; ++j)
       for (uint32_t l = 0; l < WIDTH; ++l)
         slopes.c[j][l] =

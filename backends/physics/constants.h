@@ -32,6 +32,7 @@ typedef struct pbf_constants {
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
   pbf_real slack;    /* part of a density error that a step leaves, see pbf_slack */
   pbf_real wall_offset;
+  pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
@@ -126,9 +127,12 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
+  c->wall_rest = c->wall_inv_rest = 0;
   if (!(params->wall_density > 0)) return;
   double first = (0.5 * derived->spacing + derived->wall_offset) / derived->h;
   double f0 = pbf_half_space(kernel, PBF_DIM, first), scale = f0 * params->wall_density;
+  c->wall_rest = (pbf_real)scale;
+  c->wall_inv_rest = (pbf_real)(scale > 0 ? 1 / scale : 0);
   for (int k = 0; k < LAST; ++k) {
     double t = (double)k / LAST, at = fmax(t, first - 1.0 / LAST);
     double f = pbf_half_space(kernel, PBF_DIM, at) / f0;

@@ -148,44 +148,65 @@ PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *sl
                           c->wall_slope[k + 1], slope);
 }
 
-/* Joins what one more obstacle lends, `value` with the gradient `slope` * `normal`, to what others
- * lend. Half-spaces overlap, where walls meet at right angles: what is free of both is about the
- * product of what is free of each, exactly so for a kernel that is a product over the axes. */
+/* The part of what an obstacle lends that it shares with others: all of it up to twice what it
+ * lends the first layer of a fluid at rest, then ever less; *rate is the derivative. The rest it
+ * lends for itself: deep inside two walls nothing of their slopes may be lost, else their common
+ * edge pushes back less than the fluid presses, and holds for good whom an impact has thrown there.
+ */
+PBF_FN pbf_real pbf_wall_share(const pbf_constants *c, pbf_real value, pbf_real *rate) {
+  pbf_real beyond = pbf_real_min(pbf_real_max(value * c->wall_inv_rest - 2, 0), 2);
+  *rate = 1 - beyond / 2;
+  return pbf_real_min(value, 2 * c->wall_rest) + c->wall_rest * beyond * (1 - beyond / 4);
+}
+
+/* Joins the share of one more obstacle, `value` with the gradient `slope` * `normal`, to what
+ * others lend. Half-spaces overlap, where walls meet at right angles: what is free of both is about
+ * the product of what is free of each, exactly so for a kernel that is a product over the axes. */
 PBF_FN pbf_real pbf_join_slope(pbf_real value, pbf_real slope, pbf_real lent, pbf_real gradient) {
   return gradient * (1 - value) + (1 - lent) * slope;
 }
 
 PBF_FN pbf_real pbf_join_value(pbf_real value, pbf_real lent) { return lent + (1 - lent) * value; }
 
-PBF_FN void pbf_join_wall(pbf_real value, pbf_real slope, pbf_vec normal, pbf_real *lent,
-                          pbf_vec *gradient) {
+/* What obstacles lend: as far as they share it, and each for itself. */
+typedef struct pbf_lent {
+  pbf_real shared, own;
+  pbf_vec shared_gradient, own_gradient;
+} pbf_lent;
+
+PBF_FN void pbf_join_wall(const pbf_constants *c, pbf_real value, pbf_real slope, pbf_vec normal,
+                          pbf_lent *lent) {
+  pbf_real rate, share = pbf_wall_share(c, value, &rate);
   for (int k = 0; k < PBF_DIM; ++k)
-    gradient->c[k] = pbf_join_slope(value, slope * normal.c[k], *lent, gradient->c[k]);
-  *lent = pbf_join_value(value, *lent);
+    lent->shared_gradient.c[k] =
+        pbf_join_slope(share, rate * slope * normal.c[k], lent->shared, lent->shared_gradient.c[k]);
+  lent->shared = pbf_join_value(share, lent->shared);
+  lent->own_gradient = pbf_add_scaled(lent->own_gradient, (1 - rate) * slope, normal);
+  lent->own += value - share;
 }
 
 /* Adds what all walls of the domain and all colliders lend, each by its nearest plane. */
 PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
                           const pbf_solid *solids, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {
-  pbf_real lent = 0;
-  pbf_vec lent_gradient = {{0}};
+  pbf_lent lent = {0, 0, {{0}}, {{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_vec axis = {{0}};
     axis.c[k] = 1;
     pbf_real rise, fall, value = pbf_wall(c, x.c[k] - walls->lower.c[k], &rise);
     value += pbf_wall(c, walls->upper.c[k] - x.c[k], &fall);
-    pbf_join_wall(value, rise - fall, axis, &lent, &lent_gradient);
+    pbf_join_wall(c, value, rise - fall, axis, &lent);
   }
   for (int k = 0; k < count; ++k) {
     if (pbf_solid_beyond(&solids[k], x, c->h - c->wall_offset)) continue;
     pbf_vec normal;
     pbf_real slope, distance = pbf_solid_distance(&solids[k], x, &normal);
     pbf_real value = pbf_wall(c, distance, &slope);
-    pbf_join_wall(value, slope, normal, &lent, &lent_gradient);
+    pbf_join_wall(c, value, slope, normal, &lent);
   }
-  *density += lent;
-  *gradient = pbf_add_scaled(*gradient, 1, lent_gradient);
+  *density += lent.shared + lent.own;
+  *gradient = pbf_add_scaled(*gradient, 1, lent.shared_gradient);
+  *gradient = pbf_add_scaled(*gradient, 1, lent.own_gradient);
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is

@@ -306,7 +306,11 @@ static pbf_constants wall_constants(uint32_t kernel) {
 static void add_wall(const pbf_constants *c, double distance, pbf_vec normal, double *density,
                      pbf_vec *gradient) {
   double slope, value = pbf_wall(c, distance, &slope);
-  pbf_join_wall(value, slope, normal, density, gradient);
+  pbf_lent lent = {0};
+  pbf_join_wall(c, value, slope, normal, &lent);
+  *density += lent.shared + lent.own;
+  *gradient =
+      pbf_add_scaled(*gradient, 1, pbf_add_scaled(lent.shared_gradient, 1, lent.own_gradient));
 }
 
 /* Half the kernel lies beyond a plane through its centre; of Wendland C2 in 3D, with u = 1 - t,
@@ -420,6 +424,36 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   assert_near(gradient.c[1], (up - down) / (2 * e), 1e-4);
 }
 
+/* Fluid presses into edges and corners from all sides but theirs, and whom an impact has thrown
+ * there must come out again: deep in a corner every wall pushes as hard as it does alone. */
+static void walls_of_a_corner_push_each_for_itself(void **state) {
+  (void)state;
+  for (double support = 2; support <= 3; support += 0.5) {
+    pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+    p.wall_density = 1;
+    p.smoothing_radius = support * p.spacing;
+    for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
+    pbf_constants c = pbf_constants_of(&p);
+    pbf_walls walls = pbf_walls_at(&p, 0);
+    for (double depth = 0; depth < 0.25; depth += 0.1) {
+      double slope, lent = 0, value = pbf_wall(&c, depth * p.spacing, &slope), e = 1e-6 * p.spacing;
+      pbf_vec x, gradient = {{0}}, unused = {{0}};
+      for (int a = 0; a < PBF_DIM; ++a) x.c[a] = depth * p.spacing + e;
+      pbf_add_walls(&c, &walls, 0, NULL, x, &lent, &gradient);
+      assert_true(lent > value);
+      for (int a = 0; a < PBF_DIM; ++a) {
+        double up = 0, down = 0;
+        assert_true(gradient.c[a] < (support > 2 ? 0.25 : 0.7) * slope);
+        pbf_vec above = x, below = x;
+        above.c[a] += e, below.c[a] -= e;
+        pbf_add_walls(&c, &walls, 0, NULL, above, &up, &unused);
+        pbf_add_walls(&c, &walls, 0, NULL, below, &down, &unused);
+        assert_near(gradient.c[a] / ((up - down) / (2 * e)), 1, 1e-3);
+      }
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(walls_move_as_said),
@@ -436,6 +470,7 @@ int main(void) {
       cmocka_unit_test(no_way_leads_through_a_box),
       cmocka_unit_test(a_moving_plate_takes_along),
       cmocka_unit_test(crossing_plates),
+      cmocka_unit_test(walls_of_a_corner_push_each_for_itself),
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(wall_gradient_is_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
