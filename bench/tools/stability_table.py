@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the table of docs/stability.md from what pbf-bench stability --json has reported.
+"""Writes the tables of docs/stability.md from what pbf-bench stability --json has reported.
 
     bench/tools/stability_table.py MACHINE COMMIT REPORT.json…
 
-The verdicts of the reports go into bench/results/MACHINE/stability.json first, each with the figure
-that is nearest to its bound; other backends that stand there stay.
+The verdicts of the reports go into bench/results/MACHINE/stability.json first, those of full sizes into
+stability-full.json, each with the figure that is nearest to its bound; other backends that stand there stay.
 """
 import json
 import pathlib
@@ -70,12 +70,16 @@ def table(verdicts):
 
 
 def main(machine, commit, paths):
-    path = ROOT / "bench" / "results" / machine / "stability.json"
     reports = [json.loads(pathlib.Path(name).read_text(encoding="utf-8")) for name in paths]
+    sizes = {entry["quick"] for report in reports for entry in report["verdicts"]}
+    if len(sizes) != 1:
+        sys.exit("stability_table.py: quick and full sizes do not go into one table")
+    quick = sizes.pop()
+    path = ROOT / "bench" / "results" / machine / ("stability.json" if quick else "stability-full.json")
     verdicts = merged(path, reports, commit)
     rows = ",\n".join("  " + json.dumps(entry, ensure_ascii=False) for entry in verdicts)
     path.write_text('{\n "verdicts": [\n' + rows + "\n ]\n}\n", encoding="utf-8")
-    write_table("docs/stability.md", "verdicts", table(verdicts))
+    write_table("docs/stability.md", "verdicts" if quick else "verdicts-full", table(verdicts))
 
 
 if __name__ == "__main__":
