@@ -3,6 +3,7 @@
 #define PBF_CPU_KERNELS_PAIRS_H
 
 #include "cpu/blocks.h"
+#include "cpu/kernels_collide.h"
 
 typedef struct lane_vec {
   lane c[PBF_DIM];
@@ -377,8 +378,7 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved = pbf_resolve(&obstacles->walls, obstacles->count, obstacles->solids, 0,
-                                   lane_value(from, l), lane_value(x, l));
+    pbf_vec resolved = resolve(obstacles, 0, lane_value(from, l), lane_value(x, l));
     for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
   }
 }

@@ -2,7 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PARTICLES_H
 #define PBF_CPU_KERNELS_PARTICLES_H
 
-#include "cpu/kernels.h"
+#include "cpu/kernels_collide.h"
 
 /* Particles on their way from `from` to x; from before the obstacles moved where these `carried`
  * it.
@@ -15,21 +15,22 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int 
     return;
   }
   for (uint32_t i = first; i < last; ++i)
-    field_set(&x, i,
-              pbf_resolve(&walls, pbf_solid_count(o), o->solids, carried, field_at(&from, i),
-                          field_at(&x, i)));
+    field_set(&x, i, resolve(o, carried, field_at(&from, i), field_at(&x, i)));
 }
 
 static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
                     field v, field predicted, field velocity, uint32_t first, uint32_t last) {
   const pbf_forces f = *forces;
-  for (uint32_t i = first; i < last; ++i)
-    field_set(&predicted, i, pbf_predict(&f, field_at(&x, i), field_at(&v, i)));
+  for (uint32_t i = first; i < last; ++i) {
+    pbf_vec y = pbf_predict(&f, field_at(&x, i), field_at(&v, i));
+    field_set(&predicted, i, y);
+    field_set(&velocity, i, y); /* kept until the obstacles are done */
+  }
   if (collide) collide_range(obstacles, 1, x, predicted, first, last);
   for (uint32_t i = first; i < last; ++i)
-    field_set(
-        &velocity, i,
-        pbf_predicted_velocity(&f, field_at(&x, i), field_at(&v, i), field_at(&predicted, i)));
+    field_set(&velocity, i,
+              pbf_predicted_velocity(&f, field_at(&x, i), field_at(&v, i), field_at(&velocity, i),
+                                     field_at(&predicted, i)));
 }
 
 /* Where particles were at the start of the step. */

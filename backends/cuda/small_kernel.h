@@ -269,7 +269,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         if (failed) break;
         /* From here the step can't fail: what it started from gives way. */
         if (me.leads) clear_count(room, cell, shift);
-        v = pbf_predicted_velocity(&forces, x, v, y);
+        v = pbf_predicted_velocity(&forces, x, v, pbf_predict(&forces, x, v), y);
         x = y;
       }
       if (me.works) {

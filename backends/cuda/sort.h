@@ -94,7 +94,8 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     *from.some_asleep = 1;
   } else {
     store(to.points, place, point_at(predicted));
-    to.velocities[place] = pbf_predicted_velocity(&p.forces, x, from.velocities[i], predicted);
+    pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
+    to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
   if (SLEEP) to.unrest[place] = from.unrest[i];
   to.ids[place] = id;

@@ -59,10 +59,10 @@ PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   return x;
 }
 
-/* The velocity that goes with it: `predicted` may have been moved out of an obstacle. */
-PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
-                                      pbf_vec predicted) {
-  pbf_vec moved = pbf_sub(predicted, pbf_predict(f, x, v));
+/* The velocity that goes with it: obstacles may have moved what was `predicted` to `after`. */
+PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v, pbf_vec predicted,
+                                      pbf_vec after) {
+  pbf_vec moved = pbf_sub(after, predicted);
   return pbf_add_scaled(pbf_apply_forces(f, x, v), f->inv_time_step, moved);
 }
 

@@ -32,7 +32,8 @@ static inline void predict(solver *s, double time, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     s->predicted[i] = s->moved[i];
     if (asleep(s, i)) continue;
-    s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], s->predicted[i]);
+    pbf_vec free = pbf_predict(&forces, s->x[i], s->v[i]);
+    s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], free, s->predicted[i]);
   }
 }
 

@@ -242,11 +242,11 @@ static void prediction_is_symplectic_euler(void **state) {
   f = pbf_forces_of(&p, 0);
   y = pbf_predict(&f, x, v);
   assert_near(y.c[0], 3 + 0.1 * (0.1 * (1 - 4 * 2)), 1e-15);
-  pbf_vec w = pbf_predicted_velocity(&f, x, v, y);
+  pbf_vec w = pbf_predicted_velocity(&f, x, v, y, y);
   assert_near(w.c[0], 0.1 * (1 - 8), 1e-13);
   x = y; /* out of an obstacle, then by the solve */
   x.c[1] += 0.02;
-  w = pbf_predicted_velocity(&f, (pbf_vec){{3}}, v, x);
+  w = pbf_predicted_velocity(&f, (pbf_vec){{3}}, v, y, x);
   assert_near(w.c[1], 5 - 0.2 + 0.2, 1e-13);
   pbf_vec after = x;
   after.c[0] += 0.03;
@@ -262,7 +262,7 @@ static void rest_of_the_velocity_is_not_rounded(void **state) {
   pbf_vec x = {{0}}, v = {{0}};
   x.c[0] = 1000;
   v.c[0] = 0.1234567890123;
-  pbf_vec y = pbf_predict(&f, x, v), w = pbf_predicted_velocity(&f, x, v, y);
+  pbf_vec y = pbf_predict(&f, x, v), w = pbf_predicted_velocity(&f, x, v, y, y);
   w = pbf_velocity(f.inv_time_step, w, y, y);
   assert_true(w.c[0] == v.c[0]);
 }
