@@ -14,7 +14,7 @@ typedef struct pbf_constants {
   pbf_real tiny2; /* r² below which a pair has no direction */
   pbf_real value_scale, gradient_scale, gradient_over_h;
   pbf_real epsilon;
-  pbf_real rest;         /* density that counts as that of rest, see pbf_rest_density */
+  pbf_real rounding;     /* density error that may be rounding, see pbf_density_rounding */
   pbf_real omega;        /* of an iteration's moves; 1 where lambda adds up */
   pbf_real tension;      /* weight of densities below rest */
   pbf_real min_diagonal; /* 1/length² */
@@ -56,17 +56,16 @@ static inline double pbf_slack_of(const pbf_params *params) {
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
  * about that becomes velocity, too: in a step of 1e-7 s half a metre a second. So where a step is
- * short for gravity, `slack` > 0, or no gravity says what is short, the one-sided constraint begins
- * beyond that rounding: 1e-5 above 1 in float32 for a domain of ten h. */
-static inline double pbf_rest_density(const pbf_params *params, double slack, double diagonal) {
+ * short for gravity, `slack` > 0, or no gravity says what is short, errors of no more than that are
+ * none: in float32 1e-5 for a domain of ten h. Larger ones are undone as elsewhere. */
+static inline double pbf_density_rounding(const pbf_params *params, double slack, double diagonal) {
   const double bit = sizeof(pbf_real) == sizeof(float) ? 0x1p-23 : 0x1p-52;
   double extent = 0, g2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     extent = fmax(extent, fmax(fabs(params->domain_min[k]), fabs(params->domain_max[k])));
     g2 += params->gravity[k] * params->gravity[k];
   }
-  double rounding = fmin(1e-4, 2 * bit * (4 + extent * sqrt(diagonal)));
-  return 1 + (g2 > 0 ? slack : 1) * rounding;
+  return (g2 > 0 ? slack : 1) * fmin(1e-4, 2 * bit * (4 + extent * sqrt(diagonal)));
 }
 
 /* Artificial pressure that a step can integrate, times the stiffness. Measured where it is beyond
@@ -167,7 +166,8 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_walls(&c, params, &d);
-  c.rest = c.one_sided ? (pbf_real)pbf_rest_density(params, (double)c.slack, d.diagonal) : 1;
+  c.rounding =
+      c.one_sided ? (pbf_real)pbf_density_rounding(params, (double)c.slack, d.diagonal) : 0;
   if (c.one_sided) c.tension = 1; /* the sign of lambda does what the constraint's would */
   return c;
 }

@@ -73,9 +73,10 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
  * in what is around it. `slack` is 0 or pbf_slack's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
-  pbf_real constraint = density - c->rest - slack;
+  pbf_real constraint = density - 1 - slack;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
+  if (constraint > 0 && constraint < c->rounding) constraint = 0;
   diagonal = pbf_real_max(diagonal, c->min_diagonal);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated) diagonal *= pbf_real_max(density, 1);
   return -constraint / diagonal;
