@@ -95,6 +95,35 @@ static void fluid_at_rest_sleeps(void **state) {
   test_for_each_kind(check_rest);
 }
 
+/* A pool without weight that rises as one, at a part of the speed at which fluid falls asleep. */
+static uint32_t asleep_of_a_flow(uint32_t dimension, uint32_t precision, double part) {
+  uint32_t count = particles_in(dimension);
+  pbf_params params = sleepy();
+  memset(params.gravity, 0, sizeof params.gravity);
+  pbf_solver *s = solver_with(dimension, precision, &params);
+  fill(s, dimension, precision);
+  void *v = calloc((size_t)count * dimension, precision);
+  for (uint32_t i = 0; i < count; ++i)
+    test_put(v, (uint64_t)i * dimension + 1, precision, part * params.sleep_speed);
+  assert_ok(pbf_set_velocities(s, 0, count, v));
+  free(v);
+  assert_ok(pbf_step(s, 200)); /* more than eight times sleep_time */
+  uint32_t asleep = asleep_in(s);
+  pbf_destroy(s);
+  return asleep;
+}
+
+/* Between once and three times that speed nobody is stirred awake: the unrest alone must tell. */
+static void check_flow(uint32_t dimension, uint32_t precision) {
+  assert_int_equal(asleep_of_a_flow(dimension, precision, 2), 0);
+  assert_int_equal(asleep_of_a_flow(dimension, precision, 0.5), particles_in(dimension));
+}
+
+static void what_flows_stays_awake(void **state) {
+  (void)state;
+  test_for_each_kind(check_flow);
+}
+
 /* With solves that end early, too, fluid at rest sleeps, and wakes of what falls in. */
 static void rest_within_a_tolerance(void **state) {
   (void)state;
@@ -412,7 +441,8 @@ int main(void) {
       cmocka_unit_test(a_moving_collider_wakes),  cmocka_unit_test(a_moving_wall_wakes),
       cmocka_unit_test(a_changed_collider_wakes), cmocka_unit_test(sleep_is_saved),
       cmocka_unit_test(a_forged_state),           cmocka_unit_test(rest_within_a_tolerance),
-      cmocka_unit_test(sleep_is_not_denser),      cmocka_unit_test(nor_within_a_tolerance),
+      cmocka_unit_test(what_flows_stays_awake),   cmocka_unit_test(sleep_is_not_denser),
+      cmocka_unit_test(nor_within_a_tolerance),
   };
   return TEST_RUN(sleep);
 }
