@@ -153,6 +153,8 @@ class Residuals(StabilityTest):
         self.holds(12, labels(0.9, 0.95, 1.0), FREE)
         self.fails("rise", 12, labels(0.9, 0.85, 1.0), FREE)
         self.fails("residual of 1,000", 12, labels(0.9, 0.9, 0.9), FREE)
+        self.holds(12, labels(1.1, 1.1, 1.1), FREE)
+        self.fails("rise", 12, labels(1.1, 0.9, 1.1), FREE)
 
 
 if __name__ == "__main__":
