@@ -3,10 +3,11 @@
 #
 #   bench/tools/unused.sh BUILD FOLDER [pbf-bench ablation's options]
 #
-# Builds the CPU backends once without each feature and once with all into FOLDER, and compares them
-# on a scene that needs none by BUILD's pbf-bench. `pbf-bench ablation --against` says what it does.
+# Builds the CPU backends, or those that PBF_BACKENDS names, once without each feature and once with all
+# into FOLDER, and compares them on a scene that needs none by BUILD's pbf-bench. `pbf-bench ablation
+# --against` says what it does.
 set -eu
-[ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 build=$1 folder=$2
 shift 2
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -14,7 +15,7 @@ against=
 for without in "" scorr poly6 vorticity viscosity colliders wall_density chebyshev timing stats sleep tolerance pressure_grid \
   "scorr;poly6;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid"; do
   case $without in "") name=with_all ;; *";"*) name=without_any ;; *) name=without_$without ;; esac
-  cmake -S "$source" -B "$folder/$name" -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=reference;serial;openmp" \
+  cmake -S "$source" -B "$folder/$name" -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=${PBF_BACKENDS:-reference;serial;openmp}" \
     -DPBF_VARIANTS=3d-f32 "-DPBF_WITHOUT=$without" \
     -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_EXAMPLES=OFF >/dev/null
   cmake --build "$folder/$name" --parallel 2 >/dev/null

@@ -26,6 +26,10 @@ def lines_of(result):
                f"{row['bytes'] - first['bytes']}", "the same" if row["state"] == first["state"] else "others")
 
 
+def threads_of(result):
+    return {0: "", 1: ", 1 thread"}.get(result["threads"], f", {result['threads']} threads")
+
+
 def table(results):
     lines = ["| backend | build | time, median | middle half | least time | bytes | bits |",
              "| --- | --- | --: | --: | --: | --: | --- |"]
@@ -35,7 +39,7 @@ def table(results):
         lines += ["", f"{result['backend']}: {result['scene']}, {result['particles']:,} particles, "
                   f"{result['time']} time of "
                   f"{len(result['builds'][0]['ms_per_step'])} rounds of {result['steps_a_round']} steps on "
-                  f"{result['device']}, {result['threads']} threads, commit {result['commit']}."]
+                  f"{result['device']}{threads_of(result)}, commit {result['commit']}."]
     return "\n".join(lines)
 
 
