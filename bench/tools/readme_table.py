@@ -38,7 +38,7 @@ def table(result):
     context = result["context"]
     builds = sorted({value for key, value in context.items() if key.startswith("build_")})
     lines += ["", f"Medians, {context['cpu_model']} with {context['num_cpus']} CPUs, "
-              f"{'; '.join(builds)}, commit {context['commit']}. The naive row is one run, the "
+              f"library {'; '.join(builds)}, commit {context['commit']}. The naive row is one run, the "
               "others five. The density error is that of the scene's own parameters, which ask for "
               "a rest density that 5 iterations do not reach: every row makes the same error."]
     return "\n".join(lines)
