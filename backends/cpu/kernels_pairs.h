@@ -221,7 +221,8 @@ PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane
     lambdas[l] =
         pbf_lambda(c, slack ? slack[l] : 0, densities[l], slopes2[l], lane_value(gradients, l));
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
-    for (uint32_t l = 0; l < WIDTH; ++l) pbf_accelerate(c, lambdas[l], &lambda[l], &added[l]);
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      pbf_accelerate(c, densities[l], lambdas[l], &lambda[l], &added[l]);
   else
     lane_store(lambda, lane_load(lambdas));
 }

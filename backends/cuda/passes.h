@@ -71,7 +71,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
   }
   if (accelerated) {
     pbf_real change = points[i].lambda;
-    pbf_accelerate(c, lambda, &total, &change);
+    pbf_accelerate(c, sums.density, lambda, &total, &change);
     extras.total[i] = total;
     lambda = change;
   }

@@ -74,7 +74,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, x);
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
-        pbf_accelerate(&now, lambda, &total, &change);
+        pbf_accelerate(&now, sums.density, lambda, &total, &change);
         room.total[i] = total;
         lambda = change;
       }

@@ -250,7 +250,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, me.lanes);
         lambda = sums.lambda(c, obstacles, wall_density, 0, y);
         if (accelerated) {
-          pbf_accelerate(&now, lambda, &total, &change);
+          pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
         }
       }

@@ -30,7 +30,8 @@ typedef struct pbf_constants {
   double scorr_step, scorr_most; /* an iteration's artificial pressure, and all of it, see
                                     pbf_most_scorr */
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
-  pbf_real slack;    /* part of a density error that a step leaves, see pbf_slack */
+  pbf_real slack;    /* part of a density error that a step leaves, … */
+  pbf_real most_undone; /* … and what it undoes of it at most, see pbf_slack */
   pbf_real wall_offset;
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
   pbf_real
@@ -52,6 +53,16 @@ static inline double pbf_slack_of(const pbf_params *params) {
   if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g2 > 0)) return 0;
   double time = 0.02 * sqrt(params->smoothing_radius / sqrt(g2));
   return fmax(0, 1 - params->time_step / time);
+}
+
+/* Share by share, what starts dense would still be thrown: 5 % of ten layers at eight times the
+ * speed of a fall by one. Such a step undoes no more than fluid does that spreads by a tenth of its
+ * length while a particle falls by h / 2. */
+static inline double pbf_most_undone_of(const pbf_params *params, double slack) {
+  double g2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) g2 += params->gravity[k] * params->gravity[k];
+  double rate = 0.1 * sqrt(sqrt(g2) / params->smoothing_radius);
+  return slack > 0 ? fmin(rate * params->time_step / slack, 1e30) : 1e30;
 }
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
@@ -79,13 +90,21 @@ static inline double pbf_most_scorr(const pbf_params *params) {
   return fmin(1, 0.02 / fmax(pow(share, params->scorr_n), 1e-6));
 }
 
+/* What an iteration may add to lambda, times the stiffness: an h of fewer than two spacings has so
+ * few neighbours that a disordered fluid is stiffer than its lattice by far, and boils under its
+ * weight in long steps. Measured from 1.3 to 3 spacings. */
+static inline double pbf_most_change_of(const pbf_params *params) {
+  double spacings = params->smoothing_radius / pbf_derive_spacing(params);
+  return fmin(fmax(1 + (spacings - 1.4) / 0.3, 0.5), 3);
+}
+
 /* Interval [a, L] of eigenvalues that the Chebyshev iteration treats alike: L is the lattice's
  * largest with room for disorder; a such that the iterations of a step leave `rest` of what lies
  * inside, but not so small that the memory of the iteration outlasts changes of the contact set:
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
                                         double stiffness, double pressure) {
-  const double rest = 0.3, least_angle = 0.25, room = 1.05, most_change = 3;
+  const double rest = 0.3, least_angle = 0.25, room = 1.05;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
@@ -94,11 +113,12 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
-  c->most_change = (pbf_real)(stiffness > 0 ? most_change / stiffness : 1e30);
+  c->most_change = (pbf_real)(stiffness > 0 ? pbf_most_change_of(params) / stiffness : 1e30);
   c->scorr_step = params->scorr_k * (double)c->omega;
   c->scorr_most = stiffness > 0 ? pbf_most_scorr(params) / stiffness : 0;
   c->pressure = (pbf_real)(c->accelerated ? pressure / (params->time_step * params->time_step) : 0);
   c->slack = (pbf_real)pbf_slack_of(params);
+  c->most_undone = (pbf_real)pbf_most_undone_of(params, (double)c->slack);
   if (c->accelerated) c->omega = 1;
 }
 

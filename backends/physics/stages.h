@@ -84,7 +84,8 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real dens
 
 /* What a step leaves of the density error at its start. */
 PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
-  return c->slack * pbf_real_max(density - 1, 0);
+  pbf_real error = pbf_real_max(density - 1, 0);
+  return pbf_real_max(c->slack * error, error - c->most_undone);
 }
 
 /* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers
@@ -111,10 +112,12 @@ static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count)
  * when one is out of place grows like stiffness * |lambda|. So no iteration adds more than a few
  * parts of 1 / stiffness, at places where neighbours have moved by as much: momentum is kept to
  * rounding however hard. */
-PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real lambda, pbf_real *total,
-                           pbf_real *change) {
+PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real density, pbf_real lambda,
+                           pbf_real *total, pbf_real *change) {
+  const pbf_real crowd = (pbf_real)1.5;
+  pbf_real most = c->most_change / pbf_real_max(density / crowd, 1);
   pbf_real add = (c->weight - 1) * *change + c->weight * c->step_size * lambda;
-  add = pbf_real_max(pbf_real_min(add, c->most_change), -c->most_change);
+  add = pbf_real_max(pbf_real_min(add, most), -most);
   pbf_real next = *total + add;
   if (c->one_sided) next = pbf_real_min(next, 0);
   *change = next - *total;

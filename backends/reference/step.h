@@ -120,7 +120,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
       excess += pbf_excess(slack, density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
-      pbf_accelerate(c, lambda, &s->lambda[i], &s->added[i]);
+      pbf_accelerate(c, density, lambda, &s->lambda[i], &s->added[i]);
     else
       s->lambda[i] = lambda;
   }

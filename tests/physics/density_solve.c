@@ -180,14 +180,14 @@ static void chebyshev_reaches_its_rest(void **state) {
       double start = 1e-3 * c.most_change, error = 1, total = 0, change = 0;
       for (uint32_t n = 0; n < iterations; ++n) {
         pbf_set_iteration(&c, n);
-        pbf_accelerate(&c, -start * error, &total, &change);
+        pbf_accelerate(&c, 1, -start * error, &total, &change);
         error = 1 + k * total / start;
       }
       assert_true(fabs(error) < 0.3001);
     }
     double total = 0, change = 0; /* a density below rest: no pull */
     pbf_set_iteration(&c, 0);
-    pbf_accelerate(&c, 0.3, &total, &change);
+    pbf_accelerate(&c, 1, 0.3, &total, &change);
     assert_near(total, 0, 0);
     assert_near(change, 0, 0);
   }
@@ -279,11 +279,49 @@ static void an_iteration_adds_what_a_lattice_bears(void **state) {
   double lambda = 0, change = 0, sum = 0;
   for (uint32_t n = 0; n < p.iterations; ++n) {
     pbf_set_iteration(&c, n);
-    pbf_accelerate(&c, n < 4 ? -1e6 * most : 1e6 * most, &lambda, &change);
+    pbf_accelerate(&c, 1, n < 4 ? -1e6 * most : 1e6 * most, &lambda, &change);
     assert_near(change, n < 4 ? -most : most, 1e-12 * most);
     sum += change;
     assert_near(lambda, sum, 1e-12 * most);
   }
+}
+
+/* In a crowd forces add up, and so each is to be the smaller; with few neighbours likewise. */
+static void crowds_and_few_neighbors_add_less(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  const double spacings[] = {1.2, 1.4, 1.7, 2, 3}, parts[] = {0.5, 1, 2, 3, 3};
+  const double densities[] = {0.2, 1.5, 3, 15}, shares[] = {1, 1, 0.5, 0.1};
+  for (int k = 0; k < 5; ++k) {
+    p.spacing = p.smoothing_radius / spacings[k];
+    pbf_constants c = pbf_constants_of(&p);
+    double most = parts[k] / pbf_derive(&p, PBF_DIM).stiffness;
+    for (int j = 0; j < 4; ++j) {
+      double lambda = 0, change = 0;
+      pbf_set_iteration(&c, 0);
+      pbf_accelerate(&c, densities[j], -1e6 * most, &lambda, &change);
+      assert_near(change, -most * shares[j], 1e-9 * most);
+    }
+  }
+}
+
+/* Steps short for gravity undo their share of the error that they start from, yet so much of it at
+ * most that fluid spreads at the speed of a fall; long ones all of it. */
+static void short_steps_undo_little(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  p.gravity[1] = -10;
+  double fall = sqrt(p.smoothing_radius / 10);
+  p.time_step = 0.005 * fall; /* a quarter of what is not short */
+  pbf_constants c = pbf_constants_of(&p);
+  assert_near(pbf_slack(&c, 0.9), 0, 0);
+  assert_near(pbf_slack(&c, 1.0004), 0.75 * 0.0004, 1e-12);
+  assert_near(pbf_slack(&c, 1.2), 0.2 - 0.1 * 0.005 / 0.75, 1e-12);
+  p.time_step = 0.021 * fall;
+  c = pbf_constants_of(&p);
+  assert_near(pbf_slack(&c, 1.2), 0, 0);
 }
 
 /* A move goes into the velocity undivided: far from the origin a place would round it away. */
@@ -340,6 +378,8 @@ int main(void) {
       cmocka_unit_test(prediction_is_symplectic_euler),
       cmocka_unit_test(rest_of_the_velocity_is_not_rounded),
       cmocka_unit_test(an_iteration_adds_what_a_lattice_bears),
+      cmocka_unit_test(crowds_and_few_neighbors_add_less),
+      cmocka_unit_test(short_steps_undo_little),
       cmocka_unit_test(moves_push),
       cmocka_unit_test(stiffness_of_a_lattice),
   };

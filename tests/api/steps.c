@@ -1,0 +1,130 @@
+/* Steps far longer and far shorter than the defaults', and an h of few neighbours: water stands,
+ * and what starts dense is not thrown. */
+#include "support.h"
+
+#include <math.h>
+
+enum { LAYERS = 20, MOST_COLUMNS = 12, MOST = LAYERS * MOST_COLUMNS * MOST_COLUMNS };
+
+static const double spacing = 0.05, gravity = 9.81;
+
+/* A tank full to a height of LAYERS; `fall`: what a particle falls in a step, in spacings. */
+static pbf_params tank_params(uint32_t dimension, double spacings, uint32_t iterations,
+                              double fall) {
+  pbf_params params = test_params();
+  params.spacing = spacing;
+  params.smoothing_radius = spacings * spacing;
+  params.iterations = iterations;
+  params.time_step = sqrt(fall * spacing / gravity);
+  for (int k = 0; k < 3; ++k)
+    params.domain_max[k] = spacing * (k == 1 ? 2.5 * LAYERS : dimension == 3 ? 6 : MOST_COLUMNS);
+  return params;
+}
+
+/* Its water: a lattice with every coordinate off by up to a part of a spacing, squeezed. */
+static pbf_solver *tank(uint32_t dimension, uint32_t precision, const pbf_params *params,
+                        double off, double squeeze) {
+  uint32_t wide = (uint32_t)lround(params->domain_max[0] / spacing);
+  uint32_t count = LAYERS * (dimension == 3 ? wide * wide : wide), seed = 1;
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  desc.capacity = count;
+  pbf_solver *s = test_create(&desc, params);
+  void *x = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t at[3] = {i % wide, i / wide % LAYERS, i / wide / LAYERS};
+    for (uint32_t k = 0; k < dimension; ++k) {
+      seed = seed * 1664525u + 1013904223u;
+      double place = at[k] + 0.5 + off * (seed / 2147483648.0 - 1);
+      test_put(x, (uint64_t)i * dimension + k, precision, (k == 1 ? squeeze : 1) * spacing * place);
+    }
+  }
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  free(x);
+  return s;
+}
+
+typedef struct tank_state {
+  double height; /* twice the mean, in layers */
+  double speed;  /* RMS, over sqrt(g d) */
+  double energy; /* a particle, over g d */
+} tank_state;
+
+static tank_state state_of(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  uint32_t count = 0;
+  assert_ok(pbf_get_count(s, &count));
+  double mean = stats.center_of_mass[1] / spacing;
+  double kinetic = stats.kinetic_energy / (gravity * spacing);
+  return (tank_state){2 * mean, sqrt(2 * kinetic), mean + kinetic};
+}
+
+static void expect_rest(const char *what, uint32_t dimension, pbf_solver *s) {
+  tank_state end = state_of(s);
+  if (!(fabs(end.height / LAYERS - 1) < 0.1))
+    fail_msg("%s, %uD: %g of the height", what, dimension, end.height / LAYERS);
+  if (!(end.speed < 0.25)) fail_msg("%s, %uD: moves at %g sqrt(g d)", what, dimension, end.speed);
+}
+
+/* 0.3 spacings a step: a centimetre at 30 steps a second and g. The rest is what the grid and the
+ * iterations make of the weight between them. */
+static void check_long(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 4, 0.3);
+  pbf_solver *s = tank(dimension, precision, &params, 0, 1);
+  assert_ok(pbf_step(s, 300));
+  expect_rest("long steps", dimension, s);
+  pbf_destroy(s);
+}
+
+static void water_stands_in_long_steps(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_long);
+}
+
+static void check_few_neighbors(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 1.5, 8, 0.2);
+  pbf_solver *s = tank(dimension, precision, &params, 0.25, 1);
+  assert_ok(pbf_step(s, 300));
+  expect_rest("few neighbours", dimension, s);
+  pbf_destroy(s);
+}
+
+static void few_neighbors_do_not_boil(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_few_neighbors);
+}
+
+/* Squeezed by a tenth, water has to rise by half a layer a particle to be at rest, and is to do so
+ * at the speeds of falling. */
+static void check_dense(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 4, 5e-5);
+  pbf_solver *s = tank(dimension, precision, &params, 0, 0.9);
+  tank_state begin = state_of(s);
+  double most = begin.energy, rise = 0.5 * (LAYERS - begin.height);
+  for (int k = 0; k < 30; ++k) {
+    assert_ok(pbf_step(s, 20));
+    most = fmax(most, state_of(s).energy);
+  }
+  if (!(most - begin.energy < 2 * rise))
+    fail_msg("%uD: gains %g g d a particle, and rises by %g d", dimension, most - begin.energy,
+             rise);
+  pbf_destroy(s);
+}
+
+static void what_is_dense_is_not_thrown(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_dense);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(water_stands_in_long_steps),
+      cmocka_unit_test(few_neighbors_do_not_boil),
+      cmocka_unit_test(what_is_dense_is_not_thrown),
+  };
+  return TEST_RUN(tests);
+}
