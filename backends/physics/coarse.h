@@ -250,9 +250,10 @@ typedef struct pbf_coarse_dose {
 } pbf_coarse_dose;
 
 /* Errors go as fast as the fluid could fall through its depth: a faster share throws it up, a
- * slower one is not heard. In long steps the weight of a cell's height is left to the iterations,
- * too: with less of it, fluid of lambda's one sign spreads until it fills 1.4 times its volume.
- * Where forces alone cross half a cell in a step, what the grid sees is not where the fluid is. */
+ * slower one is not heard. In long steps, which fall by a 36th of a cell and more, the weight of a
+ * cell's height is left to the iterations, too, in shorter ones less of it: with too little, fluid
+ * of lambda's one sign spreads until it fills 1.4 times its volume. Where forces alone cross half a
+ * cell in a step, what the grid sees is not where the fluid is. */
 PBF_FN pbf_coarse_dose pbf_coarse_dose_of(const pbf_coarse *c, const pbf_coarse_extent *e) {
   pbf_coarse_dose dose = {0, 0, 1};
   double head = 0, fastest = 0;
@@ -265,7 +266,8 @@ PBF_FN pbf_coarse_dose pbf_coarse_dose_of(const pbf_coarse *c, const pbf_coarse_
     fastest = pbf_greater(fastest, push);
     if (cells >= dose.longest) dose.longest = cells + 1;
   }
-  double error = c->error * head, left = pbf_greater(PBF_DEPTH_LEFT, c->error * fastest);
+  double error = c->error * head, cell = c->error * fastest;
+  double left = pbf_greater(PBF_DEPTH_LEFT, cell * pbf_lesser(36 * fastest, 1));
   if (!(error > left && fastest < 0.5)) return dose;
   dose.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
   dose.share = fastest / sqrt(head);
