@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { LAYERS = 20, MOST_COLUMNS = 12, MOST = LAYERS * MOST_COLUMNS * MOST_COLUMNS };
+enum { LAYERS = 20, COLUMNS = 12 };
 
 static const double spacing = 0.05, gravity = 9.81;
 
@@ -17,7 +17,7 @@ static pbf_params tank_params(uint32_t dimension, double spacings, uint32_t iter
   params.iterations = iterations;
   params.time_step = sqrt(fall * spacing / gravity);
   for (int k = 0; k < 3; ++k)
-    params.domain_max[k] = spacing * (k == 1 ? 2.5 * LAYERS : dimension == 3 ? 6 : MOST_COLUMNS);
+    params.domain_max[k] = spacing * (k == 1 ? 2.5 * LAYERS : dimension == 3 ? 6 : COLUMNS);
   return params;
 }
 
@@ -26,8 +26,7 @@ static pbf_solver *tank(uint32_t dimension, uint32_t precision, const pbf_params
                         double off, double squeeze) {
   uint32_t wide = (uint32_t)lround(params->domain_max[0] / spacing);
   uint32_t count = LAYERS * (dimension == 3 ? wide * wide : wide), seed = 1;
-  pbf_desc desc = test_desc(dimension, precision, MOST);
-  desc.capacity = count;
+  pbf_desc desc = test_desc(dimension, precision, count);
   pbf_solver *s = test_create(&desc, params);
   void *x = calloc((size_t)count * dimension, precision);
   assert_non_null(x);
@@ -53,8 +52,6 @@ typedef struct tank_state {
 static tank_state state_of(pbf_solver *s) {
   pbf_stats stats = {.struct_size = sizeof stats};
   assert_ok(pbf_get_stats(s, &stats));
-  uint32_t count = 0;
-  assert_ok(pbf_get_count(s, &count));
   double mean = stats.center_of_mass[1] / spacing;
   double kinetic = stats.kinetic_energy / (gravity * spacing);
   return (tank_state){2 * mean, sqrt(2 * kinetic), mean + kinetic};
