@@ -41,6 +41,7 @@ pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size) {
       .scorr_dq = 0.2,
       .scorr_n = 4,
       .domain_max = {1, 1, 1},
+      .prestabilization = 0.02,
   };
   return init(&pbf_kind_params, &defaults, params, struct_size);
 }

@@ -48,6 +48,7 @@ static const pbf_real_rule reals[] = {
     REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
     REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
     REAL(pressure_grid, 1, PBF_ANY),
+    REAL(prestabilization, 1, PBF_AT_LEAST_ZERO),
 };
 
 /* Only what artificial pressure needs, once it is there. */

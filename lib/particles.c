@@ -43,7 +43,10 @@ static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *nam
   if (status != PBF_OK) return status;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
   status = solver->api.write(solver->backend, field, &rows, in);
-  if (status == PBF_OK) ++solver->generation;
+  if (status == PBF_OK) {
+    ++solver->generation;
+    if (field == PBF_FIELD_POSITION && count >= solver->count - count) solver->is_start = 1;
+  }
   return pbf_backend_result(solver, status, "write");
 }
 

@@ -72,6 +72,7 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   pbf_separated_give(solver, &separated);
   give_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
+  if (count >= solver->count) solver->is_start = 1;
   solver->count += count;
   solver->next_id += count;
   ++solver->generation;

@@ -42,6 +42,8 @@ struct pbf_solver {
   uint64_t steps_since;
   double time_base;
 
+  uint32_t is_start; /* the next step is the first since a start, see pbf_prestabilize */
+
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];
 };

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "params.h"
+#include "prestabilize.h"
 #include "solver.h"
 
 static double time_after(const pbf_solver *solver, uint32_t steps) {
@@ -39,7 +40,8 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   uint32_t done = 0;
   pbf_status status;
   if (solver->count > 0) {
-    status = run_backend(solver, pbf_solver_time(solver), steps, &done);
+    status = pbf_prestabilize(solver);
+    if (status == PBF_OK) status = run_backend(solver, pbf_solver_time(solver), steps, &done);
   } else {
     status = pbf_solver_tell_time(solver, time_after(solver, steps));
     done = status == PBF_OK ? steps : 0;

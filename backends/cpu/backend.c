@@ -138,6 +138,30 @@ static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
 }
 
+/* A step of no time, without what only steps need. */
+static pbf_status project(solver *s, double time, uint32_t iterations) {
+  const pbf_params params = s->params;
+  const pbf_schedule schedule = s->schedule;
+  const pbf_constants constants = s->constants;
+  const uint32_t ended_after = s->iterations;
+  pbf_real *slack = s->slack;
+  step_job job = {.s = s, .time = time, .steps = 1};
+  add_weight(s);
+  wake_all(s);
+  s->params = pbf_projection_of(&params, iterations);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->constants = pbf_constants_of(&s->params);
+  s->slack = NULL;
+  run_job(&job);
+  s->params = params;
+  s->schedule = schedule;
+  s->constants = constants;
+  s->iterations = ended_after;
+  s->slack = slack;
+  s->pressure_scale = 0;
+  return job.done == 1 ? PBF_OK : no_memory_for_neighbors(s);
+}
+
 static pbf_status synchronize(solver *s) {
   (void)s;
   return PBF_OK;
@@ -291,4 +315,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .get_timings = PBF_BUILT & PBF_FEATURE_TIMING ? get_timings : NULL,
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
+    .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
 };

@@ -7,7 +7,7 @@
 #include "cpu/lists.h"
 
 static int is_deep(const worker *w) {
-  return (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && w->s->deep.sums;
+  return (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && w->s->schedule.runs[PBF_STAGE_GRID];
 }
 
 /* The grid changes when the step can no longer fail: until then it is that of the present state. */

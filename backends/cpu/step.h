@@ -270,7 +270,7 @@ static outcome step_once(worker *w, double time, int sorted) {
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
     smooth_velocity(w);
-  return sleep_is_on(w) && settle(w) ? STEP_DONE_ALL_ASLEEP : STEP_DONE;
+  return s->schedule.runs[PBF_STAGE_SLEEP] && settle(w) ? STEP_DONE_ALL_ASLEEP : STEP_DONE;
 }
 
 /* A thread may begin when the others are at the end: what it begins with is not written here. */
@@ -303,7 +303,7 @@ static void run_job(step_job *job) {
     atomic_store(&s->drowsy, 0);
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
-    if (job->reached > job->done) s->unweighed = s->deep.sums && s->schedule.accelerated;
+    if (job->reached > job->done) s->unweighed = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
     job->done = job->reached;
     job->sorted = job->last == STEP_LACKS_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));

@@ -283,6 +283,33 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
   return PBF_OK;
 }
 
+/* A step of no time, without what only steps need. */
+static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iterations) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status = wake_all(s)) return status;
+  const pbf_params params = s->params;
+  const pbf_schedule schedule = s->schedule;
+  const pbf_constants constants = s->constants;
+  pbf_real *slack = s->slack;
+  void *deep_room = s->deep_room;
+  s->params = pbf_projection_of(&params, iterations);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->constants = pbf_constants_of(&s->params);
+  s->slack = nullptr;
+  s->deep_room = nullptr;
+  pbf_status status = place_solids(s, time, 1);
+  if (status == PBF_OK) status = run_step(s, time, s->solids);
+  s->params = params;
+  s->schedule = schedule;
+  s->constants = constants;
+  s->slack = slack;
+  s->deep_room = deep_room;
+  s->pressure_scale = 0;
+  s->time = time;
+  return status;
+}
+
 static pbf_status synchronize(pbf_backend_solver *handle) {
   pbf_cuda_scope scope(of(handle)->context);
   return pbf_cuda_check(cudaStreamSynchronize(of(handle)->stream), "cudaStreamSynchronize");
@@ -414,4 +441,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     nullptr,
     read_pressures,
     map_pressures,
+    PBF_BUILT &PBF_FEATURE_STATS ? project : nullptr,
 };

@@ -149,7 +149,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
   });
   if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
-  if (COLLIDERS && !end.place.first)
+  if (COLLIDERS && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
   x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density,
                                     end.collide || (last && end.collide_last), end.inv_time_step,

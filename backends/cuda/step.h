@@ -190,7 +190,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k == 1, k + 1 == iterations};
     pbf_set_iteration(&n->constants, k);
-    move_end end = {place, (pbf_real)(1 / s->params.time_step), has.collide_in_iteration,
+    move_end end = {place, (pbf_real)pbf_per_time_step(&s->params), has.collide_in_iteration,
                     has.collide_after_solve, s->velocities};
     extras.watch.iteration = k;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
@@ -301,7 +301,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
     if (pbf_status status = confine_vorticity(s, n)) return status;
   if (has.runs[PBF_STAGE_VISCOSITY])
     if (pbf_status status = apply_viscosity(s, n)) return status;
-  return PBF_SLEEP && s->unrest ? settle(s, n) : PBF_OK;
+  return PBF_SLEEP && has.runs[PBF_STAGE_SLEEP] ? settle(s, n) : PBF_OK;
 }
 
 /* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads

@@ -114,7 +114,9 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->most_change = (pbf_real)(stiffness > 0 ? pbf_most_change_of(params) / stiffness : 1e30);
   c->scorr_step = params->scorr_k * (double)c->omega;
   c->scorr_most = stiffness > 0 ? pbf_most_scorr(params) / stiffness : 0;
-  c->pressure = (pbf_real)(c->accelerated ? pressure / (params->time_step * params->time_step) : 0);
+  c->pressure = (pbf_real)(c->accelerated && params->time_step > 0
+                               ? pressure / (params->time_step * params->time_step)
+                               : 0);
   c->slack = (pbf_real)pbf_slack_of(params);
   c->most_undone = (pbf_real)pbf_most_undone_of(pbf_slack_of(params));
   if (c->accelerated) c->omega = 1;

@@ -4,6 +4,7 @@
 
 #include "physics/collide.h"
 #include "physics/constants.h"
+#include "physics/project.h"
 
 /* Forces of one step (Algorithm 1, line 2), in the precision of the particles. */
 typedef struct pbf_forces {
@@ -21,6 +22,7 @@ typedef struct pbf_forces {
  * from the `time` at which a step begins, at a place in it that no change of the time step hits. */
 static inline pbf_real pbf_rounding_of(double time, double time_step) {
   const double golden = 0.61803398874989485;
+  if (!(time_step > 0)) return 0;
   double turns = golden * floor(time / time_step + (1 - golden));
   return (pbf_real)(0.9999 * (turns - floor(turns + 0.5)));
 }
@@ -28,7 +30,7 @@ static inline pbf_real pbf_rounding_of(double time, double time_step) {
 static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   pbf_forces f;
   f.time_step = (pbf_real)params->time_step;
-  f.inv_time_step = (pbf_real)(1 / params->time_step);
+  f.inv_time_step = (pbf_real)pbf_per_time_step(params);
   f.rounding = pbf_rounding_of(time, params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {

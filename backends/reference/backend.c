@@ -130,6 +130,25 @@ static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   return PBF_OK;
 }
 
+/* A step of no time, without what only steps need. */
+static pbf_status project(solver *s, double time, uint32_t iterations) {
+  const solver now = *s;
+  wake_all(s);
+  s->params = pbf_projection_of(&now.params, iterations);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->constants = pbf_constants_of(&s->params);
+  s->slack = NULL;
+  solver_step(s, time);
+  s->params = now.params;
+  s->schedule = now.schedule;
+  s->constants = now.constants;
+  s->slack = now.slack;
+  s->iterations = now.iterations;
+  s->pressure_scale = 0;
+  s->now = time;
+  return PBF_OK;
+}
+
 static pbf_status synchronize(solver *s) {
   (void)s;
   return PBF_OK;
@@ -289,4 +308,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .describe = describe,
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
+    .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
 };

@@ -15,7 +15,7 @@ static inline void collide_all(const solver *s, const pbf_obstacles *o, int carr
 
 /* And once the velocity is that of x*. */
 static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
-  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     pbf_vec x = pbf_resolve(&o->walls, o->count, o->solids, 0, s->predicted[i], s->moved[i]);
@@ -130,7 +130,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
 static inline void move(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const pbf_real *lambda = s->schedule.accelerated ? s->added : s->lambda;
-  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   int features = s->schedule.features;
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec sum = {{0}};
@@ -237,7 +237,7 @@ static inline void solver_step(solver *s, double time) {
     confine_vorticity(s);
   }
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
-  if (sleeps(s)) settle(s);
+  if (has->runs[PBF_STAGE_SLEEP]) settle(s);
   memcpy(s->x, s->moved, s->count * sizeof *s->x);
 }
 

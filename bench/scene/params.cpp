@@ -142,6 +142,7 @@ const std::vector<ParamField> &param_fields() {
       PBF_FIELD(sleep_time, number),
       PBF_FIELD(tolerance, number),
       PBF_FIELD(pressure_grid, number),
+      PBF_FIELD(prestabilization, number),
   };
 #undef PBF_FIELD
   return fields;

@@ -19,6 +19,7 @@ void deep_columns(Record &record) {
 void many_iterations(Record &record) {
   Start start;
   start.params.gravity[1] = 0;
+  start.params.prestabilization = 0;  // the iterations are to find the squeezed block
   const double apart = 0.92 * spacing, side = 7 * apart;
   start.particles = box({0.3, 0.3, 0.3}, {0.3 + side, 0.3 + side, 0.3 + side}, apart);
   jitter(start.particles, 0.05 * spacing, 12);

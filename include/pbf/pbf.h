@@ -222,6 +222,13 @@ typedef struct pbf_params {
                            cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where as many
                            particles as there is room for would settle so deep, H, that
                            g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0. */
+  double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: a start whose mean of max(rho/rho0 -
+                              1, 0) is above this is moved to rest density before its first step,
+                              velocities and time kept (Macklin et al. 2014, section 4.4); a step
+                              would throw it apart. A start is what pbf_add_particles and
+                              pbf_set_positions bring, if it is half of all particles or more, and
+                              what another smoothing_radius, spacing, particle_volume, kernel or
+                              wall_density makes of a fluid. 0: never; 0.02, the default */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -160,6 +160,11 @@ struct pbf_backend_api {
    * by id, and as a view. Not called while params.solver is PBF_SOLVER_JACOBI. */
   pbf_status (*read_pressures)(pbf_backend_solver *solver, const pbf_rows *rows, void *out);
   pbf_status (*map_pressures)(pbf_backend_solver *solver, pbf_view *view);
+
+  /* Optional: moves the particles towards rest density by `iterations` of the density solve,
+   * between walls and colliders as they stand at `time`. Velocities stay; wakes all. Called before
+   * `step`, while params.solver is PBF_SOLVER_CHEBYSHEV. */
+  pbf_status (*project)(pbf_backend_solver *solver, double time, uint32_t iterations);
 };
 
 /* What the plugin answers. */

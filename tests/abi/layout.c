@@ -29,7 +29,7 @@ AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
 
-SIZE(pbf_params, 464);
+SIZE(pbf_params, 472);
 AT(pbf_params, struct_size, 0);
 AT(pbf_params, kernel, 4);
 AT(pbf_params, smoothing_radius, 8);
@@ -63,6 +63,7 @@ AT(pbf_params, sleep_speed, 432);
 AT(pbf_params, sleep_time, 440);
 AT(pbf_params, tolerance, 448);
 AT(pbf_params, pressure_grid, 456);
+AT(pbf_params, prestabilization, 464);
 
 SIZE(pbf_collider, 184);
 AT(pbf_collider, struct_size, 0);
@@ -226,7 +227,7 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_backend_api, 176);
+SIZE(pbf_backend_api, 184);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -250,6 +251,7 @@ AT(pbf_backend_api, get_timings, 144);
 AT(pbf_backend_api, get_extension, 152);
 AT(pbf_backend_api, read_pressures, 160);
 AT(pbf_backend_api, map_pressures, 168);
+AT(pbf_backend_api, project, 176);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

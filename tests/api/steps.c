@@ -16,6 +16,7 @@ static pbf_params tank_params(uint32_t dimension, double spacings, uint32_t iter
   params.smoothing_radius = spacings * spacing;
   params.iterations = iterations;
   params.time_step = sqrt(fall * spacing / gravity);
+  params.prestabilization = 0; /* the steps are to do it */
   for (int k = 0; k < 3; ++k)
     params.domain_max[k] = spacing * (k == 1 ? 2.5 * LAYERS : dimension == 3 ? 6 : COLUMNS);
   return params;

@@ -47,7 +47,8 @@ static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
                                     FIELD(sleep_speed, 1, 0, 1),
                                     FIELD(sleep_time, 1, 0.01, 0.1),
                                     FIELD(tolerance, 1, 0, 0.02),
-                                    FIELD(pressure_grid, 1, 1, 3)};
+                                    FIELD(pressure_grid, 1, 1, 3),
+                                    FIELD(prestabilization, 1, 0, 0.1)};
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 

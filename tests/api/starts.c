@@ -1,0 +1,297 @@
+/* Starts that are too dense: moved to rest density before their first step, so that no step throws
+ * them, and only they. */
+#include "support.h"
+
+#include <math.h>
+
+enum { LAYERS = 10, WIDE = 6 };
+
+static const double spacing = 0.05, gravity = 9.81;
+
+/* A box that is WIDE and three times as high as LAYERS. */
+static pbf_params box_params(uint32_t dimension) {
+  pbf_params params = test_params();
+  params.time_step = 0.0025;
+  for (uint32_t k = 0; k < 3; ++k) params.domain_max[k] = spacing * WIDE;
+  params.domain_max[1] = spacing * 3 * LAYERS;
+  if (dimension == 2) params.domain_max[0] *= 2;
+  return params;
+}
+
+static uint32_t count_in(uint32_t dimension) {
+  return dimension == 3 ? LAYERS * WIDE * WIDE : LAYERS * 2 * WIDE;
+}
+
+/* As many positions as `dense` times as many layers have places, anywhere in LAYERS / dense. */
+static void *anywhere(uint32_t dimension, uint32_t precision, const pbf_params *params,
+                      double dense) {
+  uint32_t count = count_in(dimension), seed = 7;
+  void *x = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  for (uint64_t i = 0; i < (uint64_t)count * dimension; ++i) {
+    seed = seed * 1664525u + 1013904223u;
+    double side = i % dimension == 1 ? spacing * LAYERS / dense : params->domain_max[i % dimension];
+    test_put(x, i, precision, side * (0.001 + 0.998 * seed / 4294967296.0));
+  }
+  return x;
+}
+
+static void *lattice(uint32_t dimension, uint32_t precision) {
+  uint32_t count = count_in(dimension), wide = dimension == 3 ? WIDE : 2 * WIDE;
+  void *x = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t at[3] = {i % wide, i / wide % LAYERS, i / wide / LAYERS};
+    for (uint32_t k = 0; k < dimension; ++k)
+      test_put(x, (uint64_t)i * dimension + k, precision, spacing * (at[k] + 0.5));
+  }
+  return x;
+}
+
+static pbf_solver *solver_with(uint32_t dimension, uint32_t precision, const pbf_params *params,
+                               const void *x, const void *v) {
+  pbf_desc desc = test_desc(dimension, precision, 2 * count_in(dimension));
+  pbf_solver *s = test_create(&desc, params);
+  assert_ok(pbf_add_particles(s, count_in(dimension), x, v, NULL));
+  return s;
+}
+
+static pbf_stats stats_of(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  return stats;
+}
+
+/* Kinetic energy a particle, over g d. */
+static double kinetic(pbf_solver *s) { return stats_of(s).kinetic_energy / (gravity * spacing); }
+
+/* The most of it in the next steps. */
+static double most_kinetic(pbf_solver *s, int steps) {
+  double most = 0;
+  for (int k = 0; k < steps; ++k) {
+    assert_ok(pbf_step(s, 1));
+    most = fmax(most, kinetic(s));
+  }
+  return most;
+}
+
+/* Its particles have next to nowhere to fall: what is not thrown moves by less than two spacings.
+ */
+static void expect_calm(const char *what, uint32_t dimension, pbf_solver *s) {
+  double most = most_kinetic(s, 40);
+  if (!(most < 2)) fail_msg("%s, %uD: thrown at %g g d", what, dimension, most);
+}
+
+static void check_random(uint32_t dimension, uint32_t precision) {
+  const double dense[] = {1, 1.5, 2.5};
+  for (int k = 0; k < 3; ++k) {
+    pbf_params params = box_params(dimension);
+    void *x = anywhere(dimension, precision, &params, dense[k]);
+    pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+    expect_calm("a start at random", dimension, s);
+    free(x);
+    pbf_destroy(s);
+  }
+}
+
+static void random_starts_are_calm(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_random);
+}
+
+static void check_unasked(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = anywhere(dimension, precision, &params, 1.5);
+  for (int jacobi = 0; jacobi < 2; ++jacobi) {
+    params.prestabilization = jacobi ? 0.02 : 0;
+    params.solver = jacobi ? PBF_SOLVER_JACOBI : PBF_SOLVER_CHEBYSHEV;
+    pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+    assert_true(most_kinetic(s, 10) > 10);
+    pbf_destroy(s);
+  }
+  free(x);
+}
+
+static void nothing_is_done_unasked(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_unasked);
+}
+
+/* Thrown along x without gravity, a start keeps its velocity to the rest that its steps undo, its
+ * momentum as steps do, and its centre flies on from where it was. */
+static void check_velocities(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  uint32_t count = count_in(dimension);
+  void *x = anywhere(dimension, precision, &params, 1.5), *v = calloc(count * 3, precision);
+  assert_non_null(v);
+  for (uint32_t i = 0; i < count; ++i) test_put(v, (uint64_t)i * dimension, precision, 4);
+  params.gravity[1] = 0;
+  for (int k = 0; k < 3; ++k) { /* no wall near */
+    params.domain_min[k] = -4;
+    params.domain_max[k] += 4;
+  }
+  pbf_solver *s = solver_with(dimension, precision, &params, x, v);
+  pbf_stats before = stats_of(s);
+  pbf_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_step(s, 1));
+  pbf_stats after = stats_of(s);
+  assert_ok(pbf_get_info(s, &info));
+  assert_int_equal(info.step, 1);
+  assert_true(info.time == params.time_step);
+  assert_true(fabs(after.momentum[0] - 4) < 1e-4 && fabs(after.momentum[1]) < 1e-4);
+  assert_true(fabs(after.kinetic_energy - 8) < 0.1);
+  assert_true(fabs(after.center_of_mass[0] - before.center_of_mass[0] - 4 * params.time_step) <
+              1e-4 * spacing);
+  assert_true(after.density_error_mean < 0.01 && before.density_error_mean > 0.3);
+  pbf_destroy(s);
+  free(x);
+  free(v);
+}
+
+static void velocities_and_time_stay(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_velocities);
+}
+
+static void check_lattice(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = lattice(dimension, precision);
+  pbf_solver *a = solver_with(dimension, precision, &params, x, NULL);
+  params.prestabilization = 0;
+  pbf_solver *b = solver_with(dimension, precision, &params, x, NULL);
+  assert_ok(pbf_step(a, 3));
+  assert_ok(pbf_step(b, 3));
+  assert_int_equal(test_hash(a), test_hash(b));
+  free(x);
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void good_starts_are_left_alone(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_lattice);
+}
+
+static void check_changes(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = lattice(dimension, precision);
+  pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+  assert_ok(pbf_step(s, 40));
+  params.particle_volume = pow(spacing, dimension) * 1.3;
+  assert_ok(pbf_set_params(s, &params));
+  expect_calm("a third more volume", dimension, s);
+  params.particle_volume = 0;
+  params.smoothing_radius = 2.3 * spacing;
+  params.spacing = spacing * 1.1;
+  assert_ok(pbf_set_params(s, &params));
+  expect_calm("another spacing", dimension, s);
+  free(x);
+  x = anywhere(dimension, precision, &params, 1);
+  assert_ok(pbf_set_positions(s, 0, count_in(dimension), x));
+  expect_calm("other places", dimension, s);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void changes_make_starts(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_changes);
+}
+
+/* A few that come in where others are: what flows must not stop for them. */
+static void check_few(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = lattice(dimension, precision);
+  uint64_t hash[2];
+  for (int k = 0; k < 2; ++k) {
+    params.prestabilization = 0.02;
+    pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+    assert_ok(pbf_step(s, 2));
+    params.prestabilization = k ? 0.02 : 0;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_add_particles(s, count_in(dimension) / 2, x, NULL, NULL));
+    assert_ok(pbf_set_positions(s, 0, count_in(dimension) / 2, x));
+    assert_ok(pbf_step(s, 2));
+    hash[k] = test_hash(s);
+    pbf_destroy(s);
+  }
+  assert_int_equal(hash[0], hash[1]);
+  free(x);
+}
+
+static void few_are_no_start(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_few);
+}
+
+static void check_saved(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = anywhere(dimension, precision, &params, 1.5);
+  pbf_solver *a = solver_with(dimension, precision, &params, x, NULL);
+  pbf_solver *b = test_solver(dimension, precision, 2 * count_in(dimension));
+  for (int k = 0; k < 2; ++k) { /* before the first step, and in what follows */
+    uint64_t size;
+    void *saved = test_save(a, &size);
+    assert_ok(pbf_load(b, saved, size));
+    assert_ok(pbf_step(a, 4));
+    assert_ok(pbf_step(b, 4));
+    assert_int_equal(test_hash(a), test_hash(b));
+    free(saved);
+  }
+  free(x);
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void saved_starts_are_starts(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_saved);
+}
+
+/* Fluid that fills the places of a ball, and a wall that moves. */
+static void check_obstacles(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  pbf_collider ball;
+  params.wall_velocity[PBF_WALL_X_MIN] = 0.5;
+  void *x = anywhere(dimension, precision, &params, 1);
+  pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 2 * spacing;
+  for (uint32_t k = 0; k < dimension; ++k) ball.position[k] = 4 * spacing;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_positions(s, 0, count_in(dimension), x));
+  for (uint32_t i = 0; i < count_in(dimension); ++i) {
+    double r2 = 0;
+    for (uint32_t k = 0; k < dimension; ++k)
+      r2 += pow(test_value(x, (uint64_t)i * dimension + k, precision) - ball.position[k], 2);
+    assert_true(sqrt(r2) > ball.radius * (1 - 1e-5));
+    assert_true(test_value(x, (uint64_t)i * dimension, precision) > 0.5 * params.time_step - 1e-6);
+  }
+  expect_calm("a start around a ball", dimension, s);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void starts_keep_out_of_obstacles(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_obstacles);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(random_starts_are_calm),   cmocka_unit_test(nothing_is_done_unasked),
+      cmocka_unit_test(velocities_and_time_stay), cmocka_unit_test(good_starts_are_left_alone),
+      cmocka_unit_test(changes_make_starts),      cmocka_unit_test(few_are_no_start),
+      cmocka_unit_test(saved_starts_are_starts),  cmocka_unit_test(starts_keep_out_of_obstacles),
+  };
+  return TEST_RUN(tests);
+}
