@@ -514,6 +514,8 @@ static void exercise_all(void) {
         exercise(&s, precision);
         if (k % 4 == 0) s.spacing = 1e-3; /* cells overflow */
         if (k % 4 == 0) exercise(&s, precision);
+        if (k == 2 || k == 5) s.spacing *= 0.8; /* a start that is projected */
+        if (k == 2 || k == 5) exercise(&s, precision);
       }
 }
 
