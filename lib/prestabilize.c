@@ -17,14 +17,13 @@ enum { ITERATIONS = 8, MOST_PASSES = 400, PATIENCE = 8 };
 /* Of the error that makes a start wanting: what is left is less than steps leave. */
 static const double remainder_of_error = 0.25;
 
-/* A larger error is no fluid that has been placed badly, but overload: its pairs take minutes. */
-static const double hopeless = 4;
+/* With more than that it is no fluid that has been placed badly, but overload: its pairs would take
+ * minutes. */
+static const double most_neighbors = 1000;
 
-static pbf_status density_error(pbf_solver *solver, double *error) {
-  pbf_stats stats = {.struct_size = sizeof stats};
-  pbf_status status = solver->api.get_stats(solver->backend, &stats);
-  *error = stats.density_error_mean;
-  return pbf_backend_result(solver, status, "get_stats");
+static pbf_status look(pbf_solver *solver, pbf_stats *stats) {
+  *stats = (pbf_stats){.struct_size = sizeof *stats};
+  return pbf_backend_result(solver, solver->api.get_stats(solver->backend, stats), "get_stats");
 }
 
 static void warn(const pbf_solver *solver, double error) {
@@ -38,20 +37,21 @@ static void warn(const pbf_solver *solver, double error) {
 }
 
 static pbf_status project(pbf_solver *solver) {
-  double wanted = solver->params.prestabilization, most = wanted, best = hopeless, error = 0;
+  double wanted = solver->params.prestabilization, most = wanted, best = INFINITY;
+  pbf_stats now;
   for (int pass = 0, stalled = 0; pass < MOST_PASSES; ++pass) {
-    pbf_status status = density_error(solver, &error);
-    if (status != PBF_OK || error <= most) return status;
-    stalled = error < best ? 0 : stalled + 1;
-    best = fmin(best, error);
-    if (error >= hopeless || stalled == PATIENCE) break;
+    pbf_status status = look(solver, &now);
+    if (status != PBF_OK || now.density_error_mean <= most) return status;
+    stalled = now.density_error_mean < best ? 0 : stalled + 1;
+    best = fmin(best, now.density_error_mean);
+    if (now.neighbors_mean > most_neighbors || stalled == PATIENCE) break;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
     if (status != PBF_OK) return status;
     ++solver->generation;
     most = remainder_of_error * wanted;
   }
-  if (error > wanted) warn(solver, error);
+  if (now.density_error_mean > wanted) warn(solver, now.density_error_mean);
   return PBF_OK;
 }
 
