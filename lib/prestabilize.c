@@ -10,9 +10,10 @@
  * an error becomes velocity, error times h / dt, and a start has done nothing to deserve it. */
 
 /* The cells are sorted and the error is looked at anew for each pass. What must rise by tens of
- * layers wants hundreds: a pass carries over a few. PATIENCE passes that gain nothing are the end,
- * as where there is more fluid than room. */
+ * layers wants hundreds: a pass carries over a few. PATIENCE passes that gain next to nothing are
+ * the end, as where there is more fluid than room. */
 enum { ITERATIONS = 8, MOST_PASSES = 400, PATIENCE = 8 };
+static const double least_gain = 0.01;
 
 /* Of the error that makes a start wanting: what is left is less than steps leave. */
 static const double remainder_of_error = 0.25;
@@ -42,8 +43,9 @@ static pbf_status project(pbf_solver *solver) {
   for (int pass = 0, stalled = 0; pass < MOST_PASSES; ++pass) {
     pbf_status status = look(solver, &now);
     if (status != PBF_OK || now.density_error_mean <= most) return status;
-    stalled = now.density_error_mean < best ? 0 : stalled + 1;
-    best = fmin(best, now.density_error_mean);
+    int gains = now.density_error_mean < (1 - least_gain) * best;
+    stalled = gains ? 0 : stalled + 1;
+    if (gains) best = now.density_error_mean;
     if (now.neighbors_mean > most_neighbors || stalled == PATIENCE) break;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
