@@ -275,7 +275,7 @@ static void an_iteration_adds_what_a_lattice_bears(void **state) {
   p.solver = PBF_SOLVER_CHEBYSHEV;
   p.iterations = 6;
   pbf_constants c = pbf_constants_of(&p);
-  double most = 3 / pbf_derive(&p, PBF_DIM).stiffness;
+  double most = (PBF_DIM == 2 ? 1.5 : 3) / pbf_derive(&p, PBF_DIM).stiffness;
   double lambda = 0, change = 0, sum = 0;
   for (uint32_t n = 0; n < p.iterations; ++n) {
     pbf_set_iteration(&c, n);
@@ -296,7 +296,8 @@ static void crowds_and_few_neighbors_add_less(void **state) {
   for (int k = 0; k < 5; ++k) {
     p.spacing = p.smoothing_radius / spacings[k];
     pbf_constants c = pbf_constants_of(&p);
-    double most = parts[k] / pbf_derive(&p, PBF_DIM).stiffness;
+    double part = fmin(parts[k], PBF_DIM == 2 ? 1.5 : 3);
+    double most = part / pbf_derive(&p, PBF_DIM).stiffness;
     for (int j = 0; j < 4; ++j) {
       double lambda = 0, change = 0;
       pbf_set_iteration(&c, 0);
