@@ -9,12 +9,15 @@
 
 typedef struct pbf_walls {
   pbf_vec lower, upper;
-  pbf_real bounce; /* see pbf_clamp */
+  pbf_real bounce, near_bounce, near; /* see pbf_clamp */
 } pbf_walls;
 
 static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   pbf_walls walls;
-  walls.bounce = params->solver == PBF_SOLVER_CHEBYSHEV ? (pbf_real)0.01 : 0;
+  int bounces = params->solver == PBF_SOLVER_CHEBYSHEV;
+  walls.bounce = bounces ? (pbf_real)0.01 : 0;
+  walls.near_bounce = bounces ? (pbf_real)0.5 - walls.bounce : 0;
+  walls.near = (pbf_real)(0.5 * params->smoothing_radius);
   for (int k = 0; k < PBF_DIM; ++k) {
     walls.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     walls.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
@@ -22,15 +25,20 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   return walls;
 }
 
-/* What lands behind a wall comes back to `bounce` of its depth before it, and so keeps apart from
- * what else does: laid onto the wall itself, particles from far behind would share a point in its
- * corners, where a pair has no direction to part in. Walls that have crossed leave particles at the
- * lower one. */
+/* How far before a wall comes back what has landed `depth` behind it: half of that, of more than
+ * half an h a hundredth. It so keeps apart from what else does: laid onto the wall itself, or always
+ * to a small part of the depth, what a crowd presses into a corner ends in one point of it, where a
+ * pair has no direction to part in. And what has fallen from far is not lifted far. */
+PBF_FN pbf_real pbf_bounce(const pbf_walls *walls, pbf_real depth) {
+  return walls->bounce * depth + walls->near_bounce * pbf_real_min(depth, walls->near);
+}
+
+/* Walls that have crossed leave particles at the lower one. */
 PBF_FN pbf_vec pbf_clamp(const pbf_walls *walls, pbf_vec x) {
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_real lower = walls->lower.c[k], upper = walls->upper.c[k];
-    pbf_real at = pbf_real_max(x.c[k], lower + walls->bounce * (lower - x.c[k]));
-    at = pbf_real_min(at, upper + walls->bounce * (upper - at));
+    pbf_real at = pbf_real_max(x.c[k], lower + pbf_bounce(walls, lower - x.c[k]));
+    at = pbf_real_min(at, upper - pbf_bounce(walls, at - upper));
     x.c[k] = pbf_real_max(pbf_real_min(at, upper), lower);
   }
   return x;

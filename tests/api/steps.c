@@ -157,12 +157,50 @@ static void impacts_gain_nothing(void **state) {
   test_for_each_kind(check_impact);
 }
 
+/* Whom an impact presses into a corner it must not press into one point, where nothing could ever
+ * part them: thrown there, all find room again. */
+static void check_corner(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 4, 0.03);
+  const uint32_t side = dimension == 3 ? 10 : 30, count = side * side * (dimension == 3 ? side : 1);
+  const double speed = -5 * sqrt(gravity * side * spacing / dimension);
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = spacing * 1.6 * side;
+  pbf_desc desc = test_desc(dimension, precision, count);
+  pbf_solver *s = test_create(&desc, &params);
+  void *x = calloc((size_t)count * dimension, precision);
+  void *v = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  assert_non_null(v);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t at[3] = {i % side, i / side % side, i / side / side};
+    for (uint32_t k = 0; k < dimension; ++k) {
+      test_put(x, (uint64_t)i * dimension + k, precision, spacing * (at[k] + 0.5));
+      test_put(v, (uint64_t)i * dimension + k, precision, speed);
+    }
+  }
+  assert_ok(pbf_add_particles(s, count, x, v, NULL));
+  assert_ok(pbf_step(s, 100));
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  if (!(stats.density_error_max < 0.3))
+    fail_msg("%uD: %g times the rest density", dimension, 1 + stats.density_error_max);
+  free(x);
+  free(v);
+  pbf_destroy(s);
+}
+
+static void corners_give_back_whom_they_get(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_corner);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(water_stands_in_long_steps),
       cmocka_unit_test(few_neighbors_do_not_boil),
       cmocka_unit_test(what_is_dense_is_not_thrown),
       cmocka_unit_test(impacts_gain_nothing),
+      cmocka_unit_test(corners_give_back_whom_they_get),
   };
   return TEST_RUN(tests);
 }

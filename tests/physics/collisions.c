@@ -52,8 +52,10 @@ static void what_lands_behind_a_corner_stays_apart(void **state) {
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
   p.solver = PBF_SOLVER_CHEBYSHEV;
   pbf_walls w = pbf_walls_at(&p, 0);
-  assert_at(pbf_clamp(&w, point(-3, 12, -1)), 0.03, 9.98, 0.01);
-  assert_at(pbf_clamp(&w, point(-2, 11, -4)), 0.02, 9.99, 0.04);
+  const double far = 0.49 * 0.5 * p.smoothing_radius; /* and a hundredth of the depth */
+  assert_at(pbf_clamp(&w, point(-3, 12, -1)), far + 0.03, 10 - far - 0.02, far + 0.01);
+  assert_at(pbf_clamp(&w, point(-2, 11, -4)), far + 0.02, 10 - far - 0.01, far + 0.04);
+  assert_at(pbf_clamp(&w, point(-0.1, 10.2, -0.3)), 0.05, 9.9, 0.15);
   assert_at(pbf_clamp(&w, point(0, 5, 10)), 0, 5, 10);
   assert_at(pbf_clamp(&w, point(-1e9, 1e9, 5)), 0, 0, 5); /* held, however far it was thrown */
   p.solver = PBF_SOLVER_JACOBI;
