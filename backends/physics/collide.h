@@ -26,9 +26,9 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
 }
 
 /* How far before a wall comes back what has landed `depth` behind it: half of that, of more than
- * half an h a hundredth. It so keeps apart from what else does: laid onto the wall itself, or always
- * to a small part of the depth, what a crowd presses into a corner ends in one point of it, where a
- * pair has no direction to part in. And what has fallen from far is not lifted far. */
+ * half an h a hundredth. It so keeps apart from what else does: laid onto the wall itself, or
+ * always to a small part of the depth, what a crowd presses into a corner ends in one point of it,
+ * where a pair has no direction to part in. And what has fallen from far is not lifted far. */
 PBF_FN pbf_real pbf_bounce(const pbf_walls *walls, pbf_real depth) {
   return walls->bounce * depth + walls->near_bounce * pbf_real_min(depth, walls->near);
 }
@@ -229,7 +229,6 @@ PBF_FN int pbf_meet(const pbf_solid *s, pbf_vec from, pbf_vec x, pbf_real length
 PBF_FN pbf_vec pbf_collide_on_way(const pbf_solid *s, pbf_vec from, pbf_vec x) {
   pbf_vec way = pbf_sub(x, from), at = from, normal;
   pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
-  if (s->bound == (pbf_real)INFINITY) return pbf_collide(s, x);
   if (pbf_solid_beyond(s, from, length)) return x;
   pbf_real distance = pbf_solid_distance(s, from, &normal);
   if (!(distance < length)) return x;
@@ -256,13 +255,24 @@ PBF_FN int pbf_solid_count(const pbf_obstacles *o) {
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o->count : 0;
 }
 
+/* What has no other side holds particles as walls do: planes, too, make corners. */
+PBF_FN pbf_vec pbf_hold(const pbf_walls *walls, const pbf_solid *s, pbf_vec x) {
+  pbf_vec normal;
+  pbf_real distance = pbf_solid_distance(s, x, &normal);
+  if (!(distance < 0)) return x;
+  return pbf_add_scaled(x, pbf_bounce(walls, -distance) - distance, normal);
+}
+
 /* The way of a particle from `from` to x; with `carried` obstacles have moved since it was there,
  * in the prediction, and otherwise not. Walls last: whatever a collider does, the domain holds. */
 PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, int carried,
                            pbf_vec from, pbf_vec x) {
   for (int k = 0; k < count; ++k) {
     const pbf_solid *s = &solids[k];
-    x = pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
+    if (s->bound == (pbf_real)INFINITY)
+      x = pbf_hold(walls, s, x);
+    else
+      x = pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
   }
   return pbf_clamp(walls, x);
 }

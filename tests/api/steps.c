@@ -157,9 +157,21 @@ static void impacts_gain_nothing(void **state) {
   test_for_each_kind(check_impact);
 }
 
+/* Planes in place of the lower walls, which step back. */
+static void set_planes(pbf_solver *s, pbf_params *params, uint32_t dimension) {
+  pbf_collider planes[3];
+  for (uint32_t k = 0; k < dimension; ++k) {
+    assert_ok(pbf_collider_init(&planes[k], sizeof planes[k], PBF_COLLIDER_PLANE));
+    for (uint32_t axis = 0; axis < 3; ++axis) planes[k].axis[axis] = axis == k;
+    params->domain_min[k] = -3 * spacing;
+  }
+  assert_ok(pbf_set_params(s, params));
+  assert_ok(pbf_set_colliders(s, dimension, planes));
+}
+
 /* Whom an impact presses into a corner it must not press into one point, where nothing could ever
  * part them: thrown there, all find room again. */
-static void check_corner(uint32_t dimension, uint32_t precision) {
+static void throw_into_corner(uint32_t dimension, uint32_t precision, int of_planes) {
   pbf_params params = tank_params(dimension, 2, 4, 0.03);
   const uint32_t side = dimension == 3 ? 10 : 30, count = side * side * (dimension == 3 ? side : 1);
   const double speed = -5 * sqrt(gravity * side * spacing / dimension);
@@ -177,6 +189,7 @@ static void check_corner(uint32_t dimension, uint32_t precision) {
       test_put(v, (uint64_t)i * dimension + k, precision, speed);
     }
   }
+  if (of_planes) set_planes(s, &params, dimension);
   assert_ok(pbf_add_particles(s, count, x, v, NULL));
   assert_ok(pbf_step(s, 100));
   pbf_stats stats = {.struct_size = sizeof stats};
@@ -186,6 +199,11 @@ static void check_corner(uint32_t dimension, uint32_t precision) {
   free(x);
   free(v);
   pbf_destroy(s);
+}
+
+static void check_corner(uint32_t dimension, uint32_t precision) {
+  throw_into_corner(dimension, precision, 0);
+  throw_into_corner(dimension, precision, 1);
 }
 
 static void corners_give_back_whom_they_get(void **state) {
