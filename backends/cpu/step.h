@@ -303,7 +303,8 @@ static void run_job(step_job *job) {
     atomic_store(&s->drowsy, 0);
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
-    if (job->reached > job->done) s->unweighed = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+    if (job->reached > job->done)
+      s->unweighed = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
     job->done = job->reached;
     job->sorted = job->last == STEP_LACKS_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
