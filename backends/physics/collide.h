@@ -9,13 +9,12 @@
 
 typedef struct pbf_walls {
   pbf_vec lower, upper;
-  pbf_real bounce, near; /* see pbf_bounce */
+  pbf_real near; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
 } pbf_walls;
 
 static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   pbf_walls walls;
   int bounces = params->solver == PBF_SOLVER_CHEBYSHEV;
-  walls.bounce = bounces ? (pbf_real)0.01 : 0;
   walls.near = bounces ? (pbf_real)(0.5 * params->smoothing_radius) : 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     walls.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
@@ -29,7 +28,8 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
  * always to a small part of the depth, what a crowd presses into a corner ends in one point of it,
  * where a pair has no direction to part in. And what has fallen from far is not lifted far. */
 PBF_FN pbf_real pbf_bounce(const pbf_walls *walls, pbf_real depth) {
-  return walls->bounce * depth + (pbf_real)0.49 * pbf_real_min(depth, walls->near);
+  pbf_real near = pbf_real_min(depth, walls->near);
+  return walls->near > 0 ? (pbf_real)0.01 * depth + (pbf_real)0.49 * near : 0;
 }
 
 /* Walls that have crossed leave particles at the lower one. */

@@ -41,6 +41,9 @@ static void walls_move_as_said(void **state) {
   assert_at(w.upper, 12, 10, 10);
   assert_at(pbf_clamp(&w, point(-3, 0.2, 4)), 0, 1, 4);
   assert_at(pbf_clamp(&w, point(13, 11, 11)), 12, 10, 10);
+  assert_at(pbf_clamp(&w, point(NAN, 5, 5)), 0, 5, 5); /* at either wall, but at one */
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  w = pbf_walls_at(&p, 2.0);
   assert_at(pbf_clamp(&w, point(NAN, 5, 5)), 12, 5, 5);
 }
 
