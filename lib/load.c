@@ -58,7 +58,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 || header->has_rest > 1 ||
-      header->is_start > 1 || header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
+      header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
       pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -274,7 +274,7 @@ static void take_over(pbf_solver *solver, incoming *in) {
   solver->step = in->header.step;
   solver->steps_since = in->header.steps_since;
   solver->time_base = in->header.time_base;
-  solver->is_start = in->header.is_start;
+  solver->placed = in->header.placed;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

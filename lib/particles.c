@@ -1,6 +1,7 @@
 /* Reading and overwriting rows of particles. */
 #include "error.h"
 #include "ids.h"
+#include "prestabilize.h"
 #include "values.h"
 
 uint32_t pbf_element_size(const pbf_solver *solver) { return solver->kind.precision; }
@@ -45,7 +46,7 @@ static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *nam
   status = solver->api.write(solver->backend, field, &rows, in);
   if (status == PBF_OK) {
     ++solver->generation;
-    if (field == PBF_FIELD_POSITION && count >= solver->count - count) solver->is_start = 1;
+    if (field == PBF_FIELD_POSITION) pbf_note_placed(solver, count);
   }
   return pbf_backend_result(solver, status, "write");
 }

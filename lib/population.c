@@ -5,6 +5,7 @@
 #include "error.h"
 #include "ids.h"
 #include "memory.h"
+#include "prestabilize.h"
 #include "separate.h"
 #include "values.h"
 
@@ -72,8 +73,8 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   pbf_separated_give(solver, &separated);
   give_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
-  if (count >= solver->count) solver->is_start = 1;
   solver->count += count;
+  pbf_note_placed(solver, count);
   solver->next_id += count;
   ++solver->generation;
   return PBF_OK;

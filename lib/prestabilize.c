@@ -7,7 +7,7 @@
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
  * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step undoes of
- * an error becomes velocity, error times h / dt, and a start has done nothing to deserve it. */
+ * an error becomes velocity, error times h / dt, which is nothing that anybody has asked for. */
 
 /* The cells are sorted and the error is looked at anew for each pass. What must rise by tens of
  * layers wants hundreds: a pass carries over a few. PATIENCE passes that gain next to nothing are
@@ -22,9 +22,16 @@ static const double remainder_of_error = 0.25;
  * minutes. */
 static const double most_neighbors = 1000;
 
-static pbf_status look(pbf_solver *solver, pbf_stats *stats) {
+/* A mean says nothing of a few in a place of their own: the largest error counts, too, as that of
+ * one particle in so many. Flows have larger ones of their own only where they collide. */
+static const double largest_as_of = 25;
+
+static pbf_status look(pbf_solver *solver, pbf_stats *stats, double *error) {
   *stats = (pbf_stats){.struct_size = sizeof *stats};
-  return pbf_backend_result(solver, solver->api.get_stats(solver->backend, stats), "get_stats");
+  pbf_status status =
+      pbf_backend_result(solver, solver->api.get_stats(solver->backend, stats), "get_stats");
+  *error = fmax(stats->density_error_mean, stats->density_error_max / largest_as_of);
+  return status;
 }
 
 static void warn(const pbf_solver *solver, double error) {
@@ -38,14 +45,14 @@ static void warn(const pbf_solver *solver, double error) {
 }
 
 static pbf_status project(pbf_solver *solver) {
-  double wanted = solver->params.prestabilization, most = wanted, best = INFINITY;
+  double wanted = solver->params.prestabilization, most = wanted, best = INFINITY, error;
   pbf_stats now;
   for (int pass = 0, stalled = 0; pass < MOST_PASSES; ++pass) {
-    pbf_status status = look(solver, &now);
-    if (status != PBF_OK || now.density_error_mean <= most) return status;
-    int gains = now.density_error_mean < (1 - least_gain) * best;
+    pbf_status status = look(solver, &now, &error);
+    if (status != PBF_OK || error <= most) return status;
+    int gains = error < (1 - least_gain) * best;
     stalled = gains ? 0 : stalled + 1;
-    if (gains) best = now.density_error_mean;
+    if (gains) best = error;
     if (now.neighbors_mean > most_neighbors || stalled == PATIENCE) break;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
@@ -57,12 +64,23 @@ static pbf_status project(pbf_solver *solver) {
   return PBF_OK;
 }
 
+void pbf_note_placed(pbf_solver *solver, uint32_t count) {
+  solver->placed += count < UINT32_MAX - solver->placed ? count : UINT32_MAX - solver->placed;
+}
+
+/* One that comes in where others are has an error of 1 there, and lends as much to them: fewer than
+ * these don't raise the mean to what is asked for. */
+static int are_enough(const pbf_solver *solver) {
+  return 2.0 * solver->placed >= fmin(solver->params.prestabilization, 1) * solver->count;
+}
+
 pbf_status pbf_prestabilize(pbf_solver *solver) {
-  if (!solver->is_start) return PBF_OK;
+  if (solver->placed == 0) return PBF_OK;
   int wanted = solver->params.prestabilization > 0 &&
-               solver->params.solver == PBF_SOLVER_CHEBYSHEV && solver->api.project;
+               solver->params.solver == PBF_SOLVER_CHEBYSHEV && solver->api.project &&
+               are_enough(solver);
   pbf_status status = wanted ? project(solver) : PBF_OK;
-  if (status == PBF_OK) solver->is_start = 0;
+  if (status == PBF_OK) solver->placed = 0;
   return status;
 }
 

@@ -4,7 +4,12 @@
 
 #include "solver.h"
 
-/* Where the next step is the first since a start, and params.prestabilization asks for it. */
+/* `count` particles have come to where they are by other means than a step, or are of another size
+ * there than they were. */
+void pbf_note_placed(pbf_solver *solver, uint32_t count);
+
+/* Where enough particles have been placed since the last step, and params.prestabilization asks for
+ * it. */
 pbf_status pbf_prestabilize(pbf_solver *solver);
 
 /* 1 where fluid at rest before this change of parameters may be too dense after it. */

@@ -20,7 +20,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .count = solver->count,
       .has_ids = solver->ids != NULL,
       .has_rest = solver->params.sleep_speed > 0,
-      .is_start = solver->is_start,
+      .placed = solver->placed,
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,

@@ -13,7 +13,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 #define PBF_SNAPSHOT_MAGIC "PBFSTATE"
 
-enum { PBF_SNAPSHOT_VERSION = 2 };
+enum { PBF_SNAPSHOT_VERSION = 3 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
@@ -27,7 +27,7 @@ typedef struct pbf_snapshot_header {
   uint32_t count;
   uint32_t has_ids;
   uint32_t has_rest;
-  uint32_t is_start;
+  uint32_t placed;
   uint32_t reserved;
   uint64_t next_id;
   uint64_t step;

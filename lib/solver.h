@@ -42,7 +42,7 @@ struct pbf_solver {
   uint64_t steps_since;
   double time_base;
 
-  uint32_t is_start; /* the next step is the first since a start, see pbf_prestabilize */
+  uint32_t placed; /* particles placed since the last step, see pbf_note_placed */
 
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];

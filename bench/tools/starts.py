@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""What becomes of starts at random, with and without pre-stabilization.
+"""What becomes of particles placed at random, with and without pre-stabilization.
 
     bench/tools/starts.py measure LIBPBF.so COMMIT RESULT.json    runs them through the library, on `serial`
     bench/tools/starts.py table RESULT.json                       writes the table in docs/stability.md
 
-Each is 1,728 particles at random in a box 12 spacings wide, in 12 layers or, where it is denser than at rest, in as
-many fewer; a second is simulated with the defaults and this time step. What is told, as medians over SEEDS: by how
-much the energy of a particle exceeds that of the start at most, in g d, and what the first step costs.
+Starts are 1,728 particles at random in a box 12 spacings wide, in 12 layers or, where it is denser than at rest, in as
+many fewer; newcomers a share of as many as rest there in a lattice, at random among them. A second is simulated with
+the defaults and this time step. What is told, as medians over SEEDS: by how much the energy exceeds that before the
+step at most, in g d for each particle that was placed, and what this step costs.
 """
 import ctypes
 import json
@@ -25,23 +26,28 @@ from ctypes_demo import Desc, Params  # noqa: E402
 SPACING, GRAVITY, WIDE, LAYERS = 0.05, 9.81, 12, 12
 STEPS = (0.0005, 0.0022, 1 / 120, 1 / 60)
 DENSITIES = (1, 1.5, 3)
+SHARES = (0.02, 0.1, 0.4)
 SEEDS = (1, 2, 3)
 
 
 class Fluid:
     def __init__(self, pbf, time_step, prestabilization, positions):
-        self.pbf, self.handle, self.count = pbf, ctypes.c_void_p(), len(positions)
+        self.pbf, self.handle, self.count = pbf, ctypes.c_void_p(), 0
         desc, params = Desc(), Params()
         self.check(pbf.pbf_desc_init(ctypes.byref(desc), ctypes.sizeof(desc)))
         self.check(pbf.pbf_params_init(ctypes.byref(params), ctypes.sizeof(params)))
-        desc.capacity, desc.backend, desc.strict = self.count, b"serial", 1
+        desc.capacity, desc.backend, desc.strict = 2 * len(positions), b"serial", 1
         params.time_step = time_step
         if not prestabilization:
             params.prestabilization = 0
         for axis, spacings in enumerate((WIDE, 3 * LAYERS, WIDE)):
             params.domain_max[axis] = spacings * SPACING
         self.check(pbf.pbf_create(ctypes.byref(desc), ctypes.byref(params), ctypes.byref(self.handle)))
-        self.check(pbf.pbf_add_particles(self.handle, self.count, self.pointer(positions), None, None))
+        self.add(positions)
+
+    def add(self, positions):
+        self.check(self.pbf.pbf_add_particles(self.handle, len(positions), self.pointer(positions), None, None))
+        self.count += len(positions)
 
     def check(self, status):
         if status:
@@ -55,46 +61,63 @@ class Fluid:
         self.check(self.pbf.pbf_step(self.handle, steps))
 
     def energy(self):
-        """A particle's, over g d: potential, kinetic."""
+        """Of all, over g d: potential, kinetic."""
         x, v = np.empty((self.count, 3), np.float32), np.empty((self.count, 3), np.float32)
         self.check(self.pbf.pbf_get_positions(self.handle, 0, self.count, self.pointer(x)))
         self.check(self.pbf.pbf_get_velocities(self.handle, 0, self.count, self.pointer(v)))
-        kinetic = 0.5 * (v.astype(float) ** 2).sum(axis=1).mean()
-        return x[:, 1].mean(dtype=float) / SPACING, kinetic / (GRAVITY * SPACING)
+        return x[:, 1].sum(dtype=float) / SPACING, 0.5 * (v.astype(float) ** 2).sum() / (GRAVITY * SPACING)
 
     def close(self):
         self.pbf.pbf_destroy(self.handle)
 
 
-def start(density, seed):
-    box = np.array([WIDE, LAYERS / density, WIDE]) * SPACING
-    return (np.random.default_rng(seed).uniform(0.001, 0.999, (WIDE * LAYERS * WIDE, 3)) * box).astype(np.float32)
+def anywhere(count, layers, seed):
+    box = np.array([WIDE, layers, WIDE]) * SPACING
+    return (np.random.default_rng(seed).uniform(0.001, 0.999, (count, 3)) * box).astype(np.float32)
 
 
-def run(pbf, density, time_step, prestabilization, seed):
-    fluid = Fluid(pbf, time_step, prestabilization, start(density, seed))
-    before, energies = sum(fluid.energy()), []
+def lattice():
+    axes = [(np.arange(n) + 0.5) * SPACING for n in (WIDE, LAYERS, WIDE)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).astype(np.float32)
+
+
+def place(pbf, row, prestabilization, seed):
+    """A fluid before the step that is asked about, and how many of it have been placed."""
+    everybody = WIDE * LAYERS * WIDE
+    if "density" in row:
+        start = anywhere(everybody, LAYERS / row["density"], seed)
+        return Fluid(pbf, row["time_step"], prestabilization, start), everybody
+    fluid, newcomers = Fluid(pbf, row["time_step"], prestabilization, lattice()), round(row["share"] * everybody)
+    fluid.step(max(1, round(0.1 / row["time_step"])))
+    fluid.add(anywhere(newcomers, LAYERS, seed))
+    return fluid, newcomers
+
+
+def run(pbf, row, prestabilization, seed):
+    fluid, placed = place(pbf, row, prestabilization, seed)
+    before, energies = fluid.energy(), []
     begin = time.perf_counter()
     fluid.step(1)
     first, later = time.perf_counter() - begin, []
-    for _ in range(max(1, round(1 / time_step))):
+    for _ in range(max(1, round(1 / row["time_step"]))):
         energies.append(sum(fluid.energy()))
         begin = time.perf_counter()
         fluid.step(1)
         later.append(time.perf_counter() - begin)
     end = fluid.energy()
     fluid.close()
-    return {"gained": max(energies) - before, "rest": end[0] - before, "first": first / statistics.median(later)}
+    return {"gained": (max(energies) - sum(before)) / placed, "rest": (end[0] - before[0]) / placed,
+            "first": first / statistics.median(later)}
 
 
 def measure(library, commit, path):
     pbf, rows = ctypes.CDLL(library), []
     pbf.pbf_last_error.restype = ctypes.c_char_p
-    for density in DENSITIES:
+    for kind in [{"density": density} for density in DENSITIES] + [{"share": share} for share in SHARES]:
         for time_step in STEPS:
-            row = {"density": density, "time_step": time_step}
+            row = {**kind, "time_step": time_step}
             for name, on in (("thrown", 0), ("projected", 1)):
-                runs = [run(pbf, density, time_step, on, seed) for seed in SEEDS]
+                runs = [run(pbf, row, on, seed) for seed in SEEDS]
                 row[name] = {key: statistics.median(r[key] for r in runs) for key in runs[0]}
             rows.append(row)
             print(json.dumps(row), flush=True)
@@ -103,13 +126,14 @@ def measure(library, commit, path):
 
 
 def table(result):
-    lines = ["| density of the start | time step, ms | energy gained without, g d | with | of which it keeps as height "
-             "| the first step takes as long as |", "| --: | --: | --: | --: | --: | --: |"]
+    lines = ["| placed | time step, ms | energy gained without, g d | with | of which it keeps as height "
+             "| that step takes as long as |", "| --- | --: | --: | --: | --: | --: |"]
     for row in result["rows"]:
         off, on = row["thrown"], row["projected"]
-        lines.append(f"| {row['density']:g} | {1e3 * row['time_step']:.2g} | {off['gained']:.3g} | {on['gained']:.2g} "
+        what = f"all, at density {row['density']:g}" if "density" in row else f"{100 * row['share']:g} % more"
+        lines.append(f"| {what} | {1e3 * row['time_step']:.2g} | {off['gained']:.3g} | {on['gained']:.2g} "
                      f"| {on['rest']:.2g} | {on['first']:.0f} others |")
-    lines += ["", f"`serial`, {result['particles']:,} particles, one second, medians of {result['seeds']} starts; "
+    lines += ["", f"`serial`, {result['particles']:,} particles, one second, medians of {result['seeds']} each; "
               f"commit {result['commit'][:12]}."]
     return "\n".join(lines)
 

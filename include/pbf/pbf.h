@@ -222,13 +222,15 @@ typedef struct pbf_params {
                            cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where as many
                            particles as there is room for would settle so deep, H, that
                            g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0. */
-  double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: a start whose mean of max(rho/rho0 -
-                              1, 0) is above this is moved to rest density before its first step,
+  double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: where the mean of max(rho/rho0 - 1,
+                              0) is above this, or the largest above 25 times this, a fluid that
+                              has been placed is moved to rest density before its next step,
                               velocities and time kept (Macklin et al. 2014, section 4.4); a step
-                              would throw it apart. A start is what pbf_add_particles and
-                              pbf_set_positions bring, if it is half of all particles or more, and
-                              what another smoothing_radius, spacing, particle_volume, kernel or
-                              wall_density makes of a fluid. 0: never; 0.02, the default */
+                              would throw it apart. Placed is what pbf_add_particles and
+                              pbf_set_positions have brought since the last step, if it is this / 2
+                              of all particles or more, or half: fewer don't raise the mean so far.
+                              Another smoothing_radius, spacing, particle_volume, kernel or
+                              wall_density places all. 0: never; 0.02, the default */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

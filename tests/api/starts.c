@@ -205,7 +205,78 @@ static void changes_make_starts(void **state) {
   test_for_each_kind(check_changes);
 }
 
-/* A few that come in where others are: what flows must not stop for them. */
+/* A tank at rest, and into it a quarter of its particles where others are: at once, one by one, and
+ * a state saved between. */
+static pbf_solver *tank_with_newcomers(uint32_t dimension, uint32_t precision, const void *x,
+                                       uint32_t at_once) {
+  pbf_params params = box_params(dimension);
+  void *start = lattice(dimension, precision);
+  pbf_solver *s = solver_with(dimension, precision, &params, start, NULL);
+  assert_ok(pbf_step(s, 20));
+  for (uint32_t i = 0; i < count_in(dimension) / 4; i += at_once) {
+    const char *from = (const char *)x + (size_t)i * dimension * precision;
+    assert_ok(pbf_add_particles(s, at_once, from, NULL, NULL));
+  }
+  free(start);
+  return s;
+}
+
+static void check_newcomers(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = anywhere(dimension, precision, &params, 1);
+  pbf_solver *s = tank_with_newcomers(dimension, precision, x, count_in(dimension) / 4);
+  pbf_solver *one_by_one = tank_with_newcomers(dimension, precision, x, 1);
+  pbf_solver *saved = test_solver(dimension, precision, 2 * count_in(dimension));
+  uint64_t size;
+  void *state = test_save(one_by_one, &size);
+  assert_ok(pbf_load(saved, state, size));
+  expect_calm("newcomers", dimension, s);
+  expect_calm("newcomers, one by one", dimension, one_by_one);
+  expect_calm("newcomers, saved", dimension, saved);
+  assert_int_equal(test_hash(s), test_hash(one_by_one));
+  assert_int_equal(test_hash(s), test_hash(saved));
+  free(state);
+  free(x);
+  pbf_destroy(s);
+  pbf_destroy(one_by_one);
+  pbf_destroy(saved);
+}
+
+static void newcomers_are_calm(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_newcomers);
+}
+
+/* Some in one place of a tank, which its mean error does not tell. */
+static void check_some(uint32_t dimension, uint32_t precision) {
+  enum { SOME = 6 };
+  pbf_params params = box_params(dimension);
+  params.prestabilization = 0.07;
+  void *x = lattice(dimension, precision), *v = calloc(SOME * 3, precision);
+  assert_non_null(v);
+  pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+  for (uint32_t i = 0; i < SOME * dimension; ++i)
+    test_put(v, i, precision, spacing * (3.5 + 0.01 * i));
+  assert_ok(pbf_add_particles(s, SOME, v, NULL, NULL));
+  pbf_stats before = stats_of(s);
+  assert_true(before.density_error_mean < params.prestabilization);
+  assert_true(before.density_error_max > 25 * params.prestabilization);
+  double most = most_kinetic(s, 10);
+  if (!(most < 2)) fail_msg("some in one place, %uD: thrown at %g g d", dimension, most);
+  free(x);
+  free(v);
+  pbf_destroy(s);
+}
+
+static void some_in_one_place_are_calm(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  check_some(3, PBF_FLOAT32);
+  check_some(3, PBF_FLOAT64);
+}
+
+/* Fewer than a hundredth, step by step: what flows must not stop for them. */
 static void check_few(uint32_t dimension, uint32_t precision) {
   pbf_params params = box_params(dimension);
   void *x = lattice(dimension, precision);
@@ -216,9 +287,12 @@ static void check_few(uint32_t dimension, uint32_t precision) {
     assert_ok(pbf_step(s, 2));
     params.prestabilization = k ? 0.02 : 0;
     assert_ok(pbf_set_params(s, &params));
-    assert_ok(pbf_add_particles(s, count_in(dimension) / 2, x, NULL, NULL));
-    assert_ok(pbf_set_positions(s, 0, count_in(dimension) / 2, x));
-    assert_ok(pbf_step(s, 2));
+    for (int step = 0; step < 4; ++step) {
+      assert_ok(pbf_add_particles(s, 1, x, NULL, NULL));
+      assert_ok(pbf_step(s, 1));
+      assert_ok(pbf_set_positions(s, 1, 1, x));
+      assert_ok(pbf_step(s, 1));
+    }
     hash[k] = test_hash(s);
     pbf_destroy(s);
   }
@@ -329,10 +403,11 @@ static void too_much_fluid_is_said(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(random_starts_are_calm),   cmocka_unit_test(nothing_is_done_unasked),
-      cmocka_unit_test(velocities_and_time_stay), cmocka_unit_test(good_starts_are_left_alone),
-      cmocka_unit_test(changes_make_starts),      cmocka_unit_test(few_are_no_start),
-      cmocka_unit_test(saved_starts_are_starts),  cmocka_unit_test(starts_keep_out_of_obstacles),
+      cmocka_unit_test(random_starts_are_calm),     cmocka_unit_test(nothing_is_done_unasked),
+      cmocka_unit_test(velocities_and_time_stay),   cmocka_unit_test(good_starts_are_left_alone),
+      cmocka_unit_test(changes_make_starts),        cmocka_unit_test(newcomers_are_calm),
+      cmocka_unit_test(some_in_one_place_are_calm), cmocka_unit_test(few_are_no_start),
+      cmocka_unit_test(saved_starts_are_starts),    cmocka_unit_test(starts_keep_out_of_obstacles),
       cmocka_unit_test(too_much_fluid_is_said),
   };
   return TEST_RUN(tests);
