@@ -104,8 +104,8 @@ typedef struct kernels {
   void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                uint32_t first, uint32_t last);
-  void (*confine)(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
-                  const pbf_real *size, field v, uint32_t first, uint32_t last);
+  void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
+                  field v, uint32_t first, uint32_t last);
   /* Those who have somebody `loud` within h, above 0, are STIRRED. */
   void (*stir)(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
                uint32_t first, uint32_t last);

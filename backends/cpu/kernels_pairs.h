@@ -504,7 +504,7 @@ static void curl(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM]
     curl_groups(0, p, v, curl, size, first, last);
 }
 
-PBF_FN void confine_groups(const int features, const pair_pass *p, pbf_real strength,
+PBF_FN void confine_groups(const int features, const pair_pass *p,
                            pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size, field v,
                            uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
@@ -530,18 +530,18 @@ PBF_FN void confine_groups(const int features, const pair_pass *p, pbf_real stre
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i) {
       pbf_curl curl_i;
       for (int k = 0; k < PBF_CURL_DIM; ++k) curl_i.c[k] = curl[k][i];
-      pbf_vec change = pbf_confine(strength, lane_value(&etas, l), curl_i);
+      pbf_vec change = pbf_confine(c.confinement, lane_value(&etas, l), curl_i);
       field_set(&v, i, pbf_add_scaled(field_at(&v, i), 1, change));
     }
   }
 }
 
-static void confine(const pair_pass *p, pbf_real strength, pbf_real *const curl[PBF_CURL_DIM],
-                    const pbf_real *size, field v, uint32_t first, uint32_t last) {
+static void confine(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
+                    field v, uint32_t first, uint32_t last) {
   if (hot_features(p) & PBF_FEATURE_POLY6)
-    confine_groups(PBF_FEATURE_POLY6, p, strength, curl, size, v, first, last);
+    confine_groups(PBF_FEATURE_POLY6, p, curl, size, v, first, last);
   else
-    confine_groups(0, p, strength, curl, size, v, first, last);
+    confine_groups(0, p, curl, size, v, first, last);
 }
 
 PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, field smoothed,
@@ -552,6 +552,7 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
     lane_vec sum = lane_vec_zero();
+    lane weight = lane_set(0);
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
       const table_vec x_of = table_vec_of(&p->x, b, n.far);
@@ -561,12 +562,16 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
         place j = place_of(b->first, slots_of_bytes(list));
         lane_vec x_ij = lane_vec_minus(&x, &x_of, j), v_ij = lane_vec_minus(&v_i, &v_of, j);
         lane value = lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
+        weight += value;
         lane_vec_add_scaled(&sum, -value, &v_ij);
       }
     }
     lane_values sums = lane_vec_values(&sum);
+    pbf_real weights[WIDTH];
+    memcpy(weights, &weight, sizeof weights);
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i)
-      field_set(&smoothed, i, pbf_add_scaled(field_at(&v, i), c.viscosity, lane_value(&sums, l)));
+      field_set(&smoothed, i,
+                pbf_smooth(c.viscosity, field_at(&v, i), lane_value(&sums, l), weights[l]));
   }
 }
 

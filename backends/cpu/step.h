@@ -213,8 +213,7 @@ static void confine_piece(void *context, uint32_t piece) {
   pair_pass pairs = pairs_at(w, w->b.x);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->confine(&pairs, (pbf_real)(s->params.time_step * s->params.vorticity),
-                        w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
+    s->kernels->confine(&pairs, w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 

@@ -205,7 +205,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    confine_kernel(neighborhood n, const pbf_curl *curls, pbf_real strength, pbf_vec *velocities) {
+    confine_kernel(neighborhood n, const pbf_curl *curls, pbf_vec *velocities) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
@@ -218,24 +218,27 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     eta = pbf_add_scaled(eta, pbf_curl_size(curls[j]) * slope, x_ij);
   });
   if (i < n.particles.count)
-    velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(strength, eta, curls[i]));
+    velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(c->confinement, eta, curls[i]));
 }
 
-/* Eq. 17 with weight 1: sum over the others of V W (v_j - v_i). All threads of a warp call it. */
+/* v_i and what eq. 17 adds to it. All threads of a warp call it. */
 template <int FEATURES>
-static __device__ __forceinline__ pbf_vec velocity_around(const neighborhood &n,
-                                                          const pbf_vec *velocities, uint32_t i) {
+static __device__ __forceinline__ pbf_vec smoothed_velocity(const neighborhood &n,
+                                                            const pbf_vec *velocities,
+                                                            pbf_real viscosity, uint32_t i) {
   uint32_t own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
+  pbf_real weight = 0;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     if (j == n.lists.nowhere) return;
     pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    sum = pbf_add_scaled(sum, pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij)),
-                         pbf_sub(velocities[j], v));
+    pbf_real value = pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
+    weight += value;
+    sum = pbf_add_scaled(sum, value, pbf_sub(velocities[j], v));
   });
-  return sum;
+  return pbf_smooth(viscosity, v, sum, weight);
 }
 
 /* From `velocities` to `smoothed`. */
@@ -243,9 +246,8 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscosity_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *smoothed) {
   uint32_t i = thread_index();
-  pbf_vec sum = velocity_around<FEATURES>(n, velocities, i);
-  if (i < n.particles.count)
-    smoothed[i] = pbf_add_scaled(velocities[i], n.constants.viscosity, sum);
+  pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, n.constants.viscosity, i);
+  if (i < n.particles.count) smoothed[i] = v;
 }
 
 /* rho/rho0 without the walls' part, and the number of neighbours nearer than h; without lists. */

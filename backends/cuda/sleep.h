@@ -45,12 +45,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                   sleep_tally *tally, sleep_marks marks) {
   uint32_t i = thread_index();
   if (tally->all) return;
-  pbf_vec sum = velocity_around<FEATURES>(n, velocities, i);
+  pbf_vec around = smoothed_velocity<FEATURES>(n, velocities, 1, i);
   if (i >= n.particles.count) return;
   pbf_real rest = unrest[i];
   bool stirs = false;
   if (!pbf_is_asleep(rest)) {
-    pbf_vec around = pbf_add_scaled(velocities[i], 1, sum);
     unrest[i] = rest = pbf_unrest(&sleep, rest, around);
     stirs = pbf_stirs(&sleep, rest, around);
   }

@@ -218,11 +218,10 @@ static inline pbf_status confine_vorticity(solver *s, const neighborhood &n) {
         return PBF_OK;
       }))
     return status;
-  pbf_real strength = (pbf_real)(s->params.time_step * s->params.vorticity);
   return run_stage(&s->clock, s->stream, PBF_STAGE_CONFINE, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
       confine_kernel<decltype(features)::value>
-          <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->curls, strength, s->velocities);
+          <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->curls, s->velocities);
     });
     return PBF_OK;
   });

@@ -19,7 +19,8 @@ typedef struct pbf_constants {
   pbf_real tension;      /* weight of densities below rest */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
-  pbf_real vorticity, viscosity;
+  pbf_real confinement; /* dt times the strength of eq. 16, see pbf_most_confinement */
+  pbf_real viscosity;
   int scorr_n;
   int accelerated;               /* lambda adds up over the iterations, with … */
   int one_sided;                 /* … its sign kept */
@@ -86,6 +87,16 @@ static inline double pbf_most_scorr(const pbf_params *params) {
   double rest = pbf_shape_value(params->kernel, q);
   double share = params->scorr_k > 0 ? rest / pbf_shape_value(params->kernel, params->scorr_dq) : 0;
   return fmin(1, 0.02 / fmax(pow(share, params->scorr_n), 1e-6));
+}
+
+/* The most of dt e, a length (eq. 16): each step multiplies eddies by 1 + dt e / their width, and
+ * what the density solve takes from them does not grow with e. Measured on tanks and dam breaks at
+ * steps of 1.3 to 20 ms: at 0.01 h they gain next to nothing (in the shortest steps up to twice
+ * their energy), at 0.02 h up to ten times, from 0.1 h on a hundred times and more. The paper's own
+ * iteration has the paper's confinement. */
+static inline double pbf_most_confinement(const pbf_params *params) {
+  int accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
+  return accelerated ? 0.01 * params->smoothing_radius : INFINITY;
 }
 
 /* What an iteration may add to lambda, times the stiffness: where neighbours are few a disordered
@@ -182,7 +193,8 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.min_diagonal = (pbf_real)(fmax(params->min_diagonal, 1e-12) * d.diagonal);
   c.scorr_k = (pbf_real)d.scorr_k;
   c.scorr_inv_w = (pbf_real)d.scorr_inv_w;
-  c.vorticity = (pbf_real)params->vorticity;
+  c.confinement =
+      (pbf_real)fmin(params->time_step * params->vorticity, pbf_most_confinement(params));
   c.viscosity = (pbf_real)params->viscosity;
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);

@@ -43,15 +43,18 @@ static inline void find_shore(solver *s) {
   }
 }
 
-/* v_i and `viscosity` times what eq. 17 adds to it. */
+/* v_i and what eq. 17 adds to it. */
 static inline pbf_vec smoothed_velocity(const solver *s, pbf_real viscosity, uint32_t i) {
   const pbf_constants *c = &s->constants;
   pbf_vec sum = {{0}};
+  pbf_real weight = 0;
   neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->moved, c->h2, &n))
-    sum = pbf_add_scaled(sum, pbf_pair_density(s->schedule.features, c, n.r2),
-                         pbf_sub(s->v[n.j], s->v[i]));
-  return pbf_add_scaled(s->v[i], viscosity, sum);
+  while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
+    pbf_real value = pbf_pair_density(s->schedule.features, c, n.r2);
+    weight += value;
+    sum = pbf_add_scaled(sum, value, pbf_sub(s->v[n.j], s->v[i]));
+  }
+  return pbf_smooth(viscosity, s->v[i], sum, weight);
 }
 
 static inline void stir_around(solver *s, uint32_t i) {

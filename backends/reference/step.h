@@ -182,7 +182,6 @@ static inline void compute_curl(solver *s) {
 
 static inline void confine_vorticity(solver *s) {
   const pbf_constants *c = &s->constants;
-  pbf_real strength = (pbf_real)(s->params.time_step * s->params.vorticity);
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_vec eta = {{0}};
     if (asleep(s, i)) continue;
@@ -192,7 +191,7 @@ static inline void confine_vorticity(solver *s) {
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       eta = pbf_add_scaled(eta, pbf_curl_size(s->curl[n.j]) * slope, n.x_ij);
     }
-    s->v[i] = pbf_add_scaled(s->v[i], 1, pbf_confine(strength, eta, s->curl[i]));
+    s->v[i] = pbf_add_scaled(s->v[i], 1, pbf_confine(c->confinement, eta, s->curl[i]));
   }
 }
 

@@ -131,7 +131,7 @@ def table(result):
     for row in result["rows"]:
         off, on = row["thrown"], row["projected"]
         what = f"all, at density {row['density']:g}" if "density" in row else f"{100 * row['share']:g} % more"
-        lines.append(f"| {what} | {1e3 * row['time_step']:.2g} | {off['gained']:.3g} | {on['gained']:.2g} "
+        lines.append(f"| {what} | {1e3 * row['time_step']:.2g} | {off['gained']:{',.0f' if off['gained'] >= 100 else '.3g'}} | {on['gained']:.2g} "
                      f"| {on['rest']:.2g} | {on['first']:.0f} others |")
     lines += ["", f"`serial`, {result['particles']:,} particles, one second, medians of {result['seeds']} each; "
               f"commit {result['commit'][:12]}."]

@@ -185,8 +185,10 @@ typedef struct pbf_params {
   uint32_t scorr_n; /* exponent, 1 … 8 */
   uint32_t solver;  /* PBF_SOLVER_… */
 
-  double vorticity; /* vorticity confinement, eq. 16; 0: none */
-  double viscosity; /* XSPH, eq. 17, without a unit; 0: none */
+  double vorticity; /* vorticity confinement, eq. 16, a speed; 0: none. With CHEBYSHEV no more of it
+                       acts than 0.01 h / time_step, beyond which eddies feed themselves */
+  double viscosity; /* XSPH, eq. 17, without a unit; 0: none. 1 is the most that acts, and in crowds
+                       what makes a velocity the mean of those around it */
 
   /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
    * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit.

@@ -170,16 +170,11 @@ static void tiny_distances(void **state) {
   test_for_each_kind(tiny_in_particles);
 }
 
-/* However strong an artificial pressure is asked for, a dam that breaks gains no energy. */
-static void artificial_pressure(void **state) {
-  (void)state;
+/* A dam that breaks gains no energy, whatever the parameters. */
+static void expect_no_gain(pbf_params params) {
   enum { ACROSS = 8, HIGH = 16, COUNT = ACROSS * HIGH };
   float positions[2 * COUNT];
-  pbf_params params = test_params();
   pbf_stats stats = {.struct_size = sizeof stats};
-  params.scorr_k = 10;
-  params.scorr_dq = 0.3;
-  params.scorr_n = 4;
   pbf_solver *s = test_solver(2, PBF_FLOAT32, COUNT);
   double d = params.smoothing_radius / 2;
   params.domain_max[0] = params.domain_max[1] = 2 * HIGH * d;
@@ -199,12 +194,70 @@ static void artificial_pressure(void **state) {
   pbf_destroy(s);
 }
 
+static void artificial_pressure(void **state) {
+  (void)state;
+  pbf_params params = test_params();
+  params.scorr_k = 10;
+  params.scorr_dq = 0.3;
+  params.scorr_n = 4;
+  expect_no_gain(params);
+}
+
+static void viscosity(void **state) {
+  (void)state;
+  pbf_params params = test_params();
+  params.viscosity = 5;
+  expect_no_gain(params);
+}
+
+static void vorticity(void **state) {
+  (void)state;
+  pbf_params params = test_params();
+  params.vorticity = 1000;
+  expect_no_gain(params);
+}
+
+/* Three times the fluid that a box has room for, at the largest viscosity. */
+static void check_viscous_crowd(uint32_t dimension, uint32_t precision) {
+  enum { WIDE = 8 };
+  uint32_t count = dimension == 2 ? 2 * WIDE * WIDE : WIDE * WIDE * WIDE;
+  pbf_stats stats = {.struct_size = sizeof stats};
+  pbf_params params = test_params();
+  pbf_solver *s = test_solver(dimension, precision, count);
+  double d = params.smoothing_radius / 2 * (dimension == 2 ? 0.58 : 0.5);
+  void *x = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0, at = i; k < dimension; ++k, at /= WIDE)
+      test_put(x, (uint64_t)i * dimension + k, precision,
+               d * ((k + 1 < dimension ? at % WIDE : at) + 0.5));
+  for (uint32_t k = 0; k < dimension; ++k) params.domain_max[k] = WIDE * d;
+  if (dimension == 2) params.domain_max[1] *= 2;
+  params.viscosity = 1;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  for (int frame = 0; frame < 20; ++frame) {
+    assert_ok(pbf_step(s, 5));
+    assert_ok(pbf_get_stats(s, &stats));
+    double most = 5 * -params.gravity[1] * WIDE * d;
+    if (!test_is_stub() && !(stats.kinetic_energy < most))
+      fail_msg("a viscous crowd, %uD: %g of %g", dimension, stats.kinetic_energy, most);
+  }
+  free(x);
+  pbf_destroy(s);
+}
+
+static void viscous_crowds(void **state) {
+  (void)state;
+  for_two_kinds(check_viscous_crowd);
+}
+
 int main(void) {
   const struct CMUnitTest extremes[] = {
-      cmocka_unit_test(tiny_parameters),
-      cmocka_unit_test(tiny_colliders),
-      cmocka_unit_test(tiny_distances),
-      cmocka_unit_test(artificial_pressure),
+      cmocka_unit_test(tiny_parameters), cmocka_unit_test(tiny_colliders),
+      cmocka_unit_test(tiny_distances),  cmocka_unit_test(artificial_pressure),
+      cmocka_unit_test(viscosity),       cmocka_unit_test(vorticity),
+      cmocka_unit_test(viscous_crowds),
   };
   return TEST_RUN(extremes);
 }

@@ -100,6 +100,22 @@ static void confinement_spins_a_vortex_up(void **state) {
   assert_near(dv.c[1], 0.5 * 2, 1e-15); /* N x curl = (-1,0,0) x (0,0,2) = (0,2,0) */
 }
 
+/* A share of the way to the others' mean, and never beyond it. */
+static void viscosity_ends_at_the_mean(void **state) {
+  (void)state;
+  const struct {
+    pbf_real viscosity, weight, share;
+  } rows[] = {{0, 0.8, 0},  {0.1, 0.8, 0.1}, {1, 0.8, 1}, {5, 0.8, 1},
+              {1, 4, 0.25}, {0.1, 4, 0.1},   {5, 0, 1},   {0.5, 100, 0.01}};
+  for (size_t k = 0; k < sizeof rows / sizeof rows[0]; ++k) {
+    pbf_vec v, sum;
+    for (int a = 0; a < PBF_DIM; ++a) v.c[a] = 3 - a, sum.c[a] = 4 + 4 * a;
+    v = pbf_smooth(rows[k].viscosity, v, sum, rows[k].weight);
+    for (int a = 0; a < PBF_DIM; ++a)
+      assert_near(v.c[a], 3 - a + (4 + 4 * a) * rows[k].share, 1e-12);
+  }
+}
+
 static void confinement_without_a_gradient_is_none(void **state) {
   (void)state;
   pbf_vec eta = {{0}};
@@ -116,6 +132,7 @@ int main(void) {
     cmocka_unit_test(curl_of_a_tilted_rotation),
     cmocka_unit_test(confinement_along_no_axis),
 #endif
+    cmocka_unit_test(viscosity_ends_at_the_mean),
     cmocka_unit_test(curl_of_a_uniform_flow_is_zero),
     cmocka_unit_test(confinement_spins_a_vortex_up),
     cmocka_unit_test(confinement_without_a_gradient_is_none),
