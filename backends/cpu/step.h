@@ -5,6 +5,7 @@
 #include "cpu/deep.h"
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
+#include "physics/overfull.h"
 
 /* What became of a step. */
 typedef enum outcome {
@@ -252,7 +253,10 @@ static outcome step_once(worker *w, double time, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   w->forces = pbf_forces_of(&s->params, time);
-  place_obstacles(s, time + s->params.time_step, &w->obstacles);
+  const double end = time + s->params.time_step;
+  place_obstacles(s, end, &w->obstacles);
+  w->constants.most_change =
+      s->constants.most_change * pbf_part_of_change(&s->params, s->count, end);
   w->key = &w->b.spare[0];
   w->sorted_key = &w->b.spare[2];
   w->other = &w->b.spare[1];

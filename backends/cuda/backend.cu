@@ -268,6 +268,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
     if (small_serves(s)) {
+      ahead = pbf_steps_alike(&s->params, s->count, time + (*done + 1) * dt, ahead);
       if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
       *done += ahead;
       s->pressure_scale = s->constants.pressure;

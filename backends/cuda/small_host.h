@@ -208,7 +208,7 @@ static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t st
   return pbf_cuda_check_launch("place_owned_kernel");
 }
 
-static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
+static inline small_scene small_scene_of(const solver *s, double time, uint32_t steps) {
   const pbf_schedule &has = s->schedule;
   small_scene scene = {};
   scene.points = s->points;
@@ -222,6 +222,7 @@ static inline small_scene small_scene_of(const solver *s, uint32_t steps) {
   scene.lanes = small_lanes(s);
   scene.layout = small_layout_of(s);
   scene.constants = s->constants;
+  scene.constants.most_change *= pbf_part_of_change(&s->params, s->count, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
   scene.wall_density = has.wall_density;
@@ -274,7 +275,7 @@ static pbf_status small_allow_shared(const solver *s) {
   return status;
 }
 
-/* The steps that end at `time`, `time` + time_step, …; at most SMALL_STEPS of them. */
+/* The steps that end at `time`, `time` + time_step, …; at most SMALL_STEPS of them, all alike. */
 static inline pbf_status small_steps(solver *s, double time, uint32_t steps) {
   if (pbf_status status = small_order(s)) return status;
   if (pbf_status status = small_own_neighbors(s, time, steps)) return status;
@@ -283,7 +284,7 @@ static inline pbf_status small_steps(solver *s, double time, uint32_t steps) {
           pbf_cuda_check(cudaMemsetAsync(s->small_control, 0, sizeof(small_control), s->stream),
                          "cudaMemsetAsync"))
     return status;
-  if (pbf_status status = small_launch<pbf_real>(s, small_scene_of(s, steps))) return status;
+  if (pbf_status status = small_launch<pbf_real>(s, small_scene_of(s, time, steps))) return status;
   s->time = time + (steps - 1) * s->params.time_step;
   return PBF_OK;
 }

@@ -3,6 +3,7 @@
 #include "common/rows.h"
 #include "common/without.h"
 #include "common/views.h"
+#include "physics/overfull.h"
 #include "reference/plugin.h"
 #include "reference/step.h"
 
@@ -120,10 +121,17 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   return status;
 }
 
+static void bounded_step(solver *s, double time) {
+  const pbf_real most = s->constants.most_change;
+  s->constants.most_change *= pbf_part_of_change(&s->params, s->count, time + s->params.time_step);
+  solver_step(s, time);
+  s->constants.most_change = most;
+}
+
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   s->now = time;
   for (*done = 0; *done < steps; ++*done) {
-    if (s->count) solver_step(s, time + *done * s->params.time_step);
+    if (s->count) bounded_step(s, time + *done * s->params.time_step);
     s->pressure_scale = s->constants.pressure;
     s->now = time + (*done + 1) * s->params.time_step;
   }
@@ -138,7 +146,7 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
   s->constants = pbf_constants_of(&s->params);
   s->slack = NULL;
-  solver_step(s, time);
+  bounded_step(s, time);
   s->params = now.params;
   s->schedule = now.schedule;
   s->constants = now.constants;

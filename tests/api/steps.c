@@ -1,5 +1,5 @@
-/* Steps far longer and far shorter than the defaults', and an h of few neighbours: water stands,
- * and what starts dense is not thrown. */
+/* Steps far longer and far shorter than the defaults', an h of few neighbours, impacts, and boxes
+ * with too little room: water stands, and nothing is thrown. */
 #include "support.h"
 
 #include <math.h>
@@ -206,6 +206,42 @@ static void corners_give_back_whom_they_get(void **state) {
   test_for_each_kind(check_corner);
 }
 
+/* Half more fluid than its box has room for. Where no place is right there is no reason to fly. */
+static void check_overfull(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 16, 0.003);
+  params.domain_max[1] = spacing * LAYERS / 1.5;
+  pbf_solver *s = tank(dimension, precision, &params, 0.1, 1 / 1.5);
+  assert_ok(pbf_step(s, 100));
+  double speed = state_of(s).speed;
+  if (!(speed < 2)) fail_msg("%uD: an overfull box flies at %g sqrt(g d)", dimension, speed);
+  pbf_destroy(s);
+}
+
+static void overfull_boxes_are_calm(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_overfull);
+}
+
+/* A lid that makes the box overfull between two steps: in one call as in many. */
+static void check_lid(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 4, 0.01);
+  params.domain_max[1] = spacing * 1.1 * LAYERS;
+  params.wall_velocity[PBF_WALL_Y_MAX] = -0.2 * spacing / params.time_step;
+  pbf_solver *a = tank(dimension, precision, &params, 0.1, 1);
+  pbf_solver *b = tank(dimension, precision, &params, 0.1, 1);
+  assert_ok(pbf_step(a, 20));
+  for (int k = 0; k < 20; ++k) assert_ok(pbf_step(b, 1));
+  assert_int_equal(test_hash(a), test_hash(b));
+  pbf_destroy(a);
+  pbf_destroy(b);
+}
+
+static void lids_close_in_any_number_of_calls(void **state) {
+  (void)state;
+  test_for_each_kind(check_lid);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(water_stands_in_long_steps),
@@ -213,6 +249,8 @@ int main(void) {
       cmocka_unit_test(what_is_dense_is_not_thrown),
       cmocka_unit_test(impacts_gain_nothing),
       cmocka_unit_test(corners_give_back_whom_they_get),
+      cmocka_unit_test(overfull_boxes_are_calm),
+      cmocka_unit_test(lids_close_in_any_number_of_calls),
   };
   return TEST_RUN(tests);
 }
