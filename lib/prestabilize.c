@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "error.h"
+#include "physics/motion.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
  * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step undoes of
@@ -25,6 +26,10 @@ static const double most_neighbors = 1000;
 /* A mean says nothing of a few in a place of their own: the largest error counts, too, as that of
  * one particle in so many. Flows have larger ones of their own only where they collide. */
 static const double largest_as_of = 25;
+
+/* In solver->placed: walls have jumped over fluid. Whatever its density is, it is to come back
+ * without the velocity that a step would give it. */
+static const uint32_t behind_walls = UINT32_MAX;
 
 static pbf_status look(pbf_solver *solver, pbf_stats *stats, double *error) {
   *stats = (pbf_stats){.struct_size = sizeof *stats};
@@ -49,7 +54,8 @@ static pbf_status project(pbf_solver *solver) {
   pbf_stats now;
   for (int pass = 0, stalled = 0; pass < MOST_PASSES; ++pass) {
     pbf_status status = look(solver, &now, &error);
-    if (status != PBF_OK || error <= most) return status;
+    int is_due = pass == 0 && solver->placed == behind_walls;
+    if (status != PBF_OK || (error <= most && !is_due)) return status;
     int gains = error < (1 - least_gain) * best;
     stalled = gains ? 0 : stalled + 1;
     if (gains) best = error;
@@ -65,7 +71,9 @@ static pbf_status project(pbf_solver *solver) {
 }
 
 void pbf_note_placed(pbf_solver *solver, uint32_t count) {
-  solver->placed += count < UINT32_MAX - solver->placed ? count : UINT32_MAX - solver->placed;
+  if (solver->placed == behind_walls) return;
+  uint32_t left = behind_walls - 1 - solver->placed;
+  solver->placed += count < left ? count : left;
 }
 
 /* One that comes in where others are has an error of 1 there, and lends as much to them: fewer than
@@ -84,8 +92,23 @@ pbf_status pbf_prestabilize(pbf_solver *solver) {
   return status;
 }
 
-int pbf_params_make_start(const pbf_params *before, const pbf_params *after) {
+static int sizes_differ(const pbf_params *before, const pbf_params *after) {
   return before->kernel != after->kernel || before->smoothing_radius != after->smoothing_radius ||
          before->spacing != after->spacing || before->particle_volume != after->particle_volume ||
          before->wall_density != after->wall_density;
+}
+
+/* By more than a wall that moves goes in a step. */
+static int walls_jump(const pbf_params *before, const pbf_params *after, double time) {
+  double most = 0;
+  for (int wall = 0; wall < 6; ++wall) {
+    double way = pbf_motion_wall(after, wall, time) - pbf_motion_wall(before, wall, time);
+    most = fmax(most, wall % 2 ? -way : way);
+  }
+  return most > 0.5 * after->smoothing_radius;
+}
+
+void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
+  if (sizes_differ(&solver->params, params)) pbf_note_placed(solver, solver->count);
+  if (walls_jump(&solver->params, params, pbf_solver_time(solver))) solver->placed = behind_walls;
 }

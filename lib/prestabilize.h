@@ -4,15 +4,15 @@
 
 #include "solver.h"
 
-/* `count` particles have come to where they are by other means than a step, or are of another size
- * there than they were. */
+/* `count` particles have come to where they are by other means than a step. */
 void pbf_note_placed(pbf_solver *solver, uint32_t count);
+
+/* The parameters change to these: particles may be of another size where they are, or behind walls
+ * that have jumped. */
+void pbf_note_params(pbf_solver *solver, const pbf_params *params);
 
 /* Where enough particles have been placed since the last step, and params.prestabilization asks for
  * it. */
 pbf_status pbf_prestabilize(pbf_solver *solver);
-
-/* 1 where fluid at rest before this change of parameters may be too dense after it. */
-int pbf_params_make_start(const pbf_params *before, const pbf_params *after);
 
 #endif

@@ -14,7 +14,7 @@ static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
       pbf_backend_result(solver, solver->api.set_params(solver->backend, &clean), "set_params");
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
-  if (pbf_params_make_start(&solver->params, &params)) pbf_note_placed(solver, solver->count);
+  pbf_note_params(solver, &params);
   solver->params = params;
   return PBF_OK;
 }

@@ -232,7 +232,9 @@ typedef struct pbf_params {
                               pbf_set_positions have brought since the last step, if it is this / 2
                               of all particles or more, or half: fewer don't raise the mean so far.
                               Another smoothing_radius, spacing, particle_volume, kernel or
-                              wall_density places all. 0: never; 0.02, the default */
+                              wall_density places all; so does a wall that is set more than h/2
+                              farther in, and moves back whom it has passed. 0: never; 0.02, the
+                              default */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
