@@ -99,9 +99,10 @@ static int sizes_differ(const pbf_params *before, const pbf_params *after) {
 }
 
 /* By more than a wall that moves goes in a step. */
-static int walls_jump(const pbf_params *before, const pbf_params *after, double time) {
+static int walls_jump(const pbf_params *before, const pbf_params *after, uint32_t dimension,
+                      double time) {
   double most = 0;
-  for (int wall = 0; wall < 6; ++wall) {
+  for (int wall = 0; wall < 2 * (int)dimension; ++wall) {
     double way = pbf_motion_wall(after, wall, time) - pbf_motion_wall(before, wall, time);
     most = fmax(most, wall % 2 ? -way : way);
   }
@@ -110,5 +111,6 @@ static int walls_jump(const pbf_params *before, const pbf_params *after, double 
 
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
   if (sizes_differ(&solver->params, params)) pbf_note_placed(solver, solver->count);
-  if (walls_jump(&solver->params, params, pbf_solver_time(solver))) solver->placed = behind_walls;
+  if (walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver)))
+    solver->placed = behind_walls;
 }
