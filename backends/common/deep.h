@@ -45,9 +45,11 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
 /* Before particles add to the sums. */
 static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params,
                                   const pbf_constants *constants, uint32_t capacity,
-                                  const pbf_walls *walls) {
+                                  const pbf_obstacles *o) {
+  pbf_walls walls = o->walls;
+  for (int k = 0; k < pbf_solid_count(o); ++k) walls = pbf_walls_within(walls, &o->solids[k]);
   deep->grid =
-      pbf_coarse_between(params, constants->value_scale, walls, pbf_coarse_limit(capacity));
+      pbf_coarse_between(params, constants->value_scale, &walls, pbf_coarse_limit(capacity));
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
 }
 

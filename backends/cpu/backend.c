@@ -50,15 +50,22 @@ static void allow_sleep(solver *s, int changes, int before) {
   if (changes) wake_all(s);
 }
 
-static pbf_status set_params(solver *s, const pbf_params *params) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->capacity);
+/* Takes what a schedule needs before anything else changes: it may fail. */
+static pbf_status take_schedule(solver *s, const pbf_schedule *schedule) {
   add_weight(s);
-  if (!keep_arrays(s, &schedule)) {
+  if (!keep_arrays(s, schedule)) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");
   }
+  return PBF_OK;
+}
+
+static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  if (status != PBF_OK) return status;
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
+  status = take_schedule(s, &schedule);
+  if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
@@ -116,13 +123,16 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
+  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
+  status = take_schedule(s, &schedule);
+  if (status != PBF_OK) return status;
   pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
   changed.solids |= s->movers.solids;
   wake_near(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
-  s->schedule = pbf_schedule_of(&s->params, count, s->capacity);
+  s->schedule = schedule;
   s->movers = pbf_movers_of(&s->params, count, s->colliders);
   wake_near(s, changed, time);
   return PBF_OK;
@@ -149,7 +159,7 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   add_weight(s);
   wake_all(s);
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
   s->slack = NULL;
   run_job(&job);

@@ -89,13 +89,16 @@ static pbf_status allow_sleep(solver *s, bool changes, bool before) {
   return changes ? wake_all(s) : PBF_OK;
 }
 
-static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t colliders) {
-  if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, colliders)))
+static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t count,
+                               const pbf_collider *colliders) {
+  if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
     return status;
-  pbf_schedule schedule = pbf_schedule_of(params, colliders, s->capacity);
+  pbf_schedule schedule = pbf_schedule_of(params, count, colliders, s->capacity);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
+  if (!schedule.runs[PBF_STAGE_GRID])
+    if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
   if (pbf_status status = take_for_schedule(s, schedule, small, s->capacity)) {
     take_for_schedule(s, s->schedule, was_small, s->capacity);
@@ -114,7 +117,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t col
 
 static pbf_status set_params(pbf_backend_solver *handle, const pbf_params *params) {
   pbf_cuda_scope scope(of(handle)->context);
-  return apply_params(of(handle), params, of(handle)->collider_count);
+  return apply_params(of(handle), params, of(handle)->collider_count, of(handle)->colliders);
 }
 
 static pbf_status take_arrays(solver *s) {
@@ -203,7 +206,7 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
     if (pbf_status status = allow_deep(s)) return status;
   if (small_possible(s))
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
-  if (pbf_status status = apply_params(s, params, 0)) return status;
+  if (pbf_status status = apply_params(s, params, 0, nullptr)) return status;
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
 
@@ -239,15 +242,16 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   pbf_cuda_scope scope(s->context);
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
+  const pbf_collider *first = count ? colliders : s->colliders;
   pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
   changed.solids |= s->movers.solids;
-  if (pbf_status status = apply_params(s, &s->params, room)) return status;
+  if (pbf_status status = apply_params(s, &s->params, room, first)) return status;
   if (pbf_status status = wake_near_colliders(s, changed, s->time)) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->time = time;
   if (room != count)
-    if (pbf_status status = apply_params(s, &s->params, count)) return status;
+    if (pbf_status status = apply_params(s, &s->params, count, s->colliders)) return status;
   s->movers = pbf_movers_of(&s->params, count, s->colliders);
   return wake_near_colliders(s, changed, time);
 }
@@ -268,7 +272,8 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
     if (small_serves(s)) {
-      ahead = pbf_steps_alike(&s->params, s->count, time + (*done + 1) * dt, ahead);
+      ahead = pbf_steps_alike(&s->params, s->count, s->schedule.least_room, time + (*done + 1) * dt,
+                              ahead);
       if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
       *done += ahead;
       s->pressure_scale = s->constants.pressure;
@@ -295,7 +300,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   pbf_real *slack = s->slack;
   void *deep_room = s->deep_room;
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
   s->slack = nullptr;
   s->deep_room = nullptr;

@@ -47,6 +47,25 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_movers movers, doubl
   return wake_near(s, movers, {pbf_walls_at(&s->params, time), (int)s->collider_count, s->solids});
 }
 
+/* ---- Pressure of the last step --------------------------------------------------------------- */
+
+static inline pressure_source pressures_of(const solver *s) {
+  pressure_source source = {s->pressure_scale, {}};
+  if (!PBF_DEEP || !s->deep_room || !(s->pressure_scale > 0) || !s->deep_grid.nodes) return source;
+  source.deep = {s->deep_grid, deep_of(s), s->deep_scale};
+  return source;
+}
+
+/* Before the grid of the last step goes, or particles elsewhere: their lambda takes over what it
+ * adds to their pressure. */
+static inline pbf_status add_weight(solver *s) {
+  pressure_source source = pressures_of(s);
+  s->deep_grid.nodes = 0;
+  if (!source.deep.arrays.control || !s->count) return PBF_OK;
+  add_weight_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, source);
+  return pbf_cuda_check_launch("add_weight_kernel");
+}
+
 /* ---- In and out ---------------------------------------------------------------------------- */
 
 static inline pbf_status population_add(solver *s, const pbf_particles *p) {
@@ -54,6 +73,9 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);
   if (!p->count) return PBF_OK;
   s->owned = 0;
+  /* Those asleep keep lambda from step to step, and would take it over again and again. */
+  if (!s->unrest)
+    if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = copy_in(s, staged, p->positions, bytes)) return status;
   append_points_kernel<<<blocks_for(p->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->count,
                                                                           p->count, staged);
@@ -176,13 +198,6 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
   return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
 }
 
-static inline pressure_source pressures_of(const solver *s) {
-  pressure_source source = {s->pressure_scale, {}};
-  if (!PBF_DEEP || !s->deep_room || !(s->pressure_scale > 0) || !s->deep_grid.nodes) return source;
-  source.deep = {s->deep_grid, deep_of(s), s->deep_scale};
-  return source;
-}
-
 static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
   if (!rows->count) return PBF_OK;
   row_range range;
@@ -211,7 +226,10 @@ static inline pbf_status population_write(solver *s, uint32_t field, const pbf_r
                                           const void *in) {
   if (field == PBF_BACKEND_FIELD_REST) return population_write_rest(s, rows, in);
   if (!rows->count) return PBF_OK;
-  if (field == PBF_FIELD_POSITION) s->owned = 0;
+  if (field == PBF_FIELD_POSITION) {
+    s->owned = 0;
+    if (pbf_status status = add_weight(s)) return status;
+  }
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_vec *staged = reinterpret_cast<pbf_vec *>(s->other);

@@ -93,6 +93,14 @@ static __global__ void pressures_kernel(const point *points, uint32_t count, pre
   if (i < count) out[i] = pressure_of(source, load(points, i));
 }
 
+static __global__ void add_weight_kernel(point *points, uint32_t count, pressure_source source) {
+  uint32_t i = thread_index();
+  if (i >= count) return;
+  point p = load(points, i);
+  p.lambda -= deep_pressure_at(source.deep, position_of(p)) / source.scale;
+  store(points, i, p);
+}
+
 /* Unrest and lambda of each, for saved states. */
 static __global__ void read_rest_kernel(const point *points, const pbf_real *unrest,
                                         const uint32_t *ids, uint32_t count, row_range rows,

@@ -140,13 +140,22 @@ static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) 
   return launch_deep_solve(s, grid, arrays);
 }
 
+/* Of the step that ends at `time`, between these walls and in the containers. */
+static inline pbf_coarse deep_grid_at(const solver *s, pbf_walls walls, double time) {
+  for (uint32_t k = 0; k < s->collider_count; ++k) {
+    pbf_solid solid = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+    walls = pbf_walls_within(walls, &solid);
+  }
+  return pbf_coarse_between(&s->params, s->constants.value_scale, &walls,
+                            pbf_coarse_limit(s->capacity));
+}
+
 static inline pbf_status carry_weight(solver *s, const neighborhood &n,
-                                      const iteration_extras &extras) {
+                                      const iteration_extras &extras, double time) {
   if (!PBF_DEEP || !s->deep_room) return PBF_OK;
   deep_arrays arrays = deep_of(s);
   s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
-  s->deep_grid = pbf_coarse_between(&s->params, s->constants.value_scale, &extras.obstacles.walls,
-                                    pbf_coarse_limit(s->capacity));
+  s->deep_grid = deep_grid_at(s, extras.obstacles.walls, time);
   return run_stage(&s->clock, s->stream, PBF_STAGE_GRID, [&] {
     if (pbf_status status = pbf_cuda_check(
             cudaMemsetAsync(arrays.control, 0,
@@ -177,8 +186,8 @@ static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
                         "cudaMemsetAsync");
 }
 
-static inline pbf_status solve_density(solver *s, neighborhood *n,
-                                       const step_obstacles &obstacles) {
+static inline pbf_status solve_density(solver *s, neighborhood *n, const step_obstacles &obstacles,
+                                       double time) {
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
@@ -187,7 +196,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n,
     extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
   if (pbf_status status = find_slack(s, *n, extras)) return status;
-  if (pbf_status status = carry_weight(s, *n, extras)) return status;
+  if (pbf_status status = carry_weight(s, *n, extras, time)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k == 1, k + 1 == iterations};
     pbf_set_iteration(&n->constants, k);
@@ -281,7 +290,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   cell_grid grid = grid_over(&obstacles.walls, s->params.smoothing_radius,
                              grid_cell_limit(s->capacity), PBF_FINEST);
   neighborhood n = neighborhood_of(s, grid);
-  n.constants.most_change *= pbf_part_of_change(&s->params, s->count, time);
+  n.constants.most_change *= pbf_part_of_change(&s->params, s->count, s->schedule.least_room, time);
   if (pbf_status status = wake_near(s, s->movers, obstacles)) return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_PREDICT,
                                     [&] { return launch_predict(s, state_of(s), grid, p); }))
@@ -292,7 +301,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
         return sorted;
       }))
     return status;
-  if (pbf_status status = solve_density(s, &n, obstacles)) return status;
+  if (pbf_status status = solve_density(s, &n, obstacles, time)) return status;
   if (n.particles.points == s->other) exchange(&s->points, &s->other);
   exchange(&s->ids, &s->other_ids);
   exchange(&s->unrest, &s->other_unrest);

@@ -5,6 +5,7 @@
 #ifndef PBF_PHYSICS_DEPTH_H
 #define PBF_PHYSICS_DEPTH_H
 
+#include "physics/containers.h"
 #include "physics/derive.h"
 
 /* The largest error of this kind that is left to the iterations, where a grid carries the rest.
@@ -24,24 +25,30 @@ static inline double pbf_depth_error(const pbf_params *params, double head) {
   return head / (4 * fmax(iterations, 1) * d * d);
 }
 
-/* g H dt² once all particles that there is room for have settled, along the axis of the gravity's
- * largest component. */
-static inline double pbf_depth_settled(const pbf_params *params, int dimension, uint32_t capacity) {
-  double fluid = capacity, height = 0, most = 0;
-  for (int k = 0; k < dimension; ++k) {
+/* g H dt² once all particles that there is room for have settled in the domain, or in a container
+ * within it, along the axis of the gravity's largest component. */
+static inline double pbf_depth_settled(const pbf_params *params, uint32_t colliders,
+                                       const pbf_collider *list, uint32_t capacity) {
+  double part = capacity, fluid = capacity, height = 0, most = 0;
+  int axis = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
     double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
-    fluid *= pbf_derive_spacing(params) / length;
+    part *= pbf_derive_spacing(params) / length;
+    fluid *= pbf_derive_spacing(params);
     if (!(g > most)) continue;
     most = g;
     height = length;
+    axis = k;
   }
-  return most * height * fmin(fluid, 1) * params->time_step * params->time_step;
+  double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
+  return most * depth * params->time_step * params->time_step;
 }
 
 /* The cells' width of the grid that a solver has, in units of h; 0: none. */
-static inline double pbf_depth_grid(const pbf_params *params, int dimension, uint32_t capacity) {
+static inline double pbf_depth_grid(const pbf_params *params, uint32_t colliders,
+                                    const pbf_collider *list, uint32_t capacity) {
   if (params->pressure_grid >= 0) return params->pressure_grid;
-  double error = pbf_depth_error(params, pbf_depth_settled(params, dimension, capacity));
+  double error = pbf_depth_error(params, pbf_depth_settled(params, colliders, list, capacity));
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV && error > PBF_DEPTH_DEEP;
   return deep ? PBF_DEPTH_WIDTH : 0;
 }

@@ -1,13 +1,17 @@
-/* A domain with less room than its fluid takes at rest: no place of the particles has rest density,
- * and a solve that goes on as if there were one shakes them, each step by half a spacing. */
+/* A domain, or a container in it, with less room than its fluid takes at rest: no place of the
+ * particles has rest density, and a solve that goes on as if there were one shakes them, each step
+ * by half a spacing. */
 #ifndef PBF_PHYSICS_OVERFULL_H
 #define PBF_PHYSICS_OVERFULL_H
 
 #include "physics/constants.h"
+#include "physics/containers.h"
 #include "physics/motion.h"
 
-/* Room between the walls, by more than a rounding and the gaps of a lattice too little. */
-static inline int pbf_is_overfull(const pbf_params *params, uint32_t count, double time) {
+/* Room between the walls, or `least_room`, that of the smallest container: too little by more than
+ * a rounding and the gaps of a lattice. */
+static inline int pbf_is_overfull(const pbf_params *params, uint32_t count, double least_room,
+                                  double time) {
   const double tolerance = 1.001, spacing = pbf_derive_spacing(params);
   double between = 1, volume = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -16,23 +20,25 @@ static inline int pbf_is_overfull(const pbf_params *params, uint32_t count, doub
     volume *= spacing;
   }
   if (params->particle_volume > 0) volume = params->particle_volume;
-  return count * volume > tolerance * between;
+  return count * volume > tolerance * fmin(between, least_room);
 }
 
 /* What of pbf_constants.most_change serves in the step that ends at `time`: all of it, or in an
  * overfull domain no more than 1 / stiffness. From 1.5 on some boil, at 3 every other one; where
  * there is a solution the iterations find it sooner with 3. */
-static inline pbf_real pbf_part_of_change(const pbf_params *params, uint32_t count, double time) {
+static inline pbf_real pbf_part_of_change(const pbf_params *params, uint32_t count,
+                                          double least_room, double time) {
   double most = pbf_most_change_of(params);
-  return most > 1 && pbf_is_overfull(params, count, time) ? (pbf_real)(1 / most) : 1;
+  return most > 1 && pbf_is_overfull(params, count, least_room, time) ? (pbf_real)(1 / most) : 1;
 }
 
 /* How many of these steps, of which the first ends at `time`, are like it in this. */
-static inline uint32_t pbf_steps_alike(const pbf_params *params, uint32_t count, double time,
-                                       uint32_t steps) {
-  int is_overfull = pbf_is_overfull(params, count, time);
+static inline uint32_t pbf_steps_alike(const pbf_params *params, uint32_t count, double least_room,
+                                       double time, uint32_t steps) {
+  int is_overfull = pbf_is_overfull(params, count, least_room, time);
   uint32_t k = 1;
-  while (k < steps && pbf_is_overfull(params, count, time + k * params->time_step) == is_overfull)
+  while (k < steps &&
+         pbf_is_overfull(params, count, least_room, time + k * params->time_step) == is_overfull)
     ++k;
   return k;
 }

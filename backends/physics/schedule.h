@@ -29,18 +29,20 @@ typedef struct pbf_schedule {
   uint32_t runs[PBF_STAGE_COUNT]; /* a step, at most */
   int features;
   int colliders;
-  int accelerated;  /* lambda adds up over the iterations */
-  int wall_density; /* walls and colliders lend density */
-  int watched;      /* the solve ends when its density error is small enough */
+  double least_room; /* of the smallest container, see physics/containers.h */
+  int accelerated;   /* lambda adds up over the iterations */
+  int wall_density;  /* walls and colliders lend density */
+  int watched;       /* the solve ends when its density error is small enough */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders,
-                                           uint32_t capacity) {
+                                           const pbf_collider *list, uint32_t capacity) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
   s.colliders = (int)colliders;
+  s.least_room = pbf_containers_volume(colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
   s.watched = params->tolerance > 0;
@@ -49,8 +51,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
   s.runs[PBF_STAGE_PREDICT] = s.runs[PBF_STAGE_NEIGHBORS] = s.runs[PBF_STAGE_VELOCITY] = 1;
   s.runs[PBF_STAGE_SLACK] = pbf_slack_of(params) > 0;
-  s.runs[PBF_STAGE_GRID] =
-      (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && pbf_depth_grid(params, PBF_DIM, capacity) > 0;
+  s.runs[PBF_STAGE_GRID] = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
+                           pbf_depth_grid(params, colliders, list, capacity) > 0;
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;

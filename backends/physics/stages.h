@@ -191,7 +191,22 @@ PBF_FN void pbf_join_wall(const pbf_constants *c, pbf_real value, pbf_real slope
   lent->own += value - share;
 }
 
-/* Adds what all walls of the domain and all colliders lend, each by its nearest plane. */
+/* The inside of a box lends by all of its faces, as the domain does, everything else by its nearest
+ * plane. */
+PBF_FN int pbf_lending_planes(const pbf_solid *s) {
+  return s->shape == PBF_COLLIDER_BOX && s->sign < 0 ? 2 * PBF_DIM : 1;
+}
+
+PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pbf_vec x,
+                                   pbf_vec *normal) {
+  if (planes == 1) return pbf_solid_distance(s, x, normal);
+  int row = plane / 2;
+  pbf_real sign = plane % 2 ? (pbf_real)-1 : (pbf_real)1;
+  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = sign * s->frame[row].c[k];
+  return s->half_extents.c[row] + pbf_dot(pbf_sub(x, s->center), *normal);
+}
+
+/* Adds what all walls of the domain and all colliders lend. */
 PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
                           const pbf_solid *solids, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {
@@ -205,10 +220,13 @@ PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int co
   }
   for (int k = 0; k < count; ++k) {
     if (pbf_solid_beyond(&solids[k], x, c->h - c->wall_offset)) continue;
-    pbf_vec normal;
-    pbf_real slope, distance = pbf_solid_distance(&solids[k], x, &normal);
-    pbf_real value = pbf_wall(c, distance, &slope);
-    pbf_join_wall(c, value, slope, normal, &lent);
+    int planes = pbf_lending_planes(&solids[k]);
+    for (int plane = 0; plane < planes; ++plane) {
+      pbf_vec normal;
+      pbf_real slope, distance = pbf_plane_distance(&solids[k], plane, planes, x, &normal);
+      pbf_real value = pbf_wall(c, distance, &slope);
+      pbf_join_wall(c, value, slope, normal, &lent);
+    }
   }
   *density += lent.shared + lent.own;
   *gradient = pbf_add_scaled(*gradient, 1, lent.shared_gradient);

@@ -45,14 +45,21 @@ static void allow_sleep(solver *s, int changes, int before) {
   if (changes) wake_all(s);
 }
 
-static pbf_status set_params(solver *s, const pbf_params *params) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->capacity);
-  if (!keep_arrays(s, &schedule)) {
+/* Takes what a schedule needs before anything else changes: it may fail. */
+static pbf_status take_schedule(solver *s, const pbf_schedule *schedule) {
+  if (!keep_arrays(s, schedule)) {
     keep_arrays(s, &s->schedule);
     return out_of_memory(s, "the arrays of an optional stage");
   }
+  return PBF_OK;
+}
+
+static pbf_status set_params(solver *s, const pbf_params *params) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  if (status != PBF_OK) return status;
+  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
+  status = take_schedule(s, &schedule);
+  if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = memcmp(&s->params, params, sizeof *params) != 0;
   s->params = *params;
@@ -110,20 +117,25 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
+  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
+  status = take_schedule(s, &schedule);
+  if (status != PBF_OK) return status;
   pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
   changed.solids |= s->movers.solids;
   wake_near(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
-  status = set_params(s, &s->params);
+  s->schedule = schedule;
+  s->movers = pbf_movers_of(&s->params, count, s->colliders);
   wake_near(s, changed, time);
-  return status;
+  return PBF_OK;
 }
 
 static void bounded_step(solver *s, double time) {
   const pbf_real most = s->constants.most_change;
-  s->constants.most_change *= pbf_part_of_change(&s->params, s->count, time + s->params.time_step);
+  s->constants.most_change *=
+      pbf_part_of_change(&s->params, s->count, s->schedule.least_room, time + s->params.time_step);
   solver_step(s, time);
   s->constants.most_change = most;
 }
@@ -143,7 +155,7 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   const solver now = *s;
   wake_all(s);
   s->params = pbf_projection_of(&now.params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->capacity);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
   s->slack = NULL;
   bounded_step(s, time);

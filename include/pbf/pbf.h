@@ -222,7 +222,8 @@ typedef struct pbf_params {
                            it is more than these carry, by about a layer each: 1 … 1000; 0: none.
                            Linear momentum is then kept only about as well as particles fill the
                            cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where as many
-                           particles as there is room for would settle so deep, H, that
+                           particles as there is room for would settle so deep, H, in the domain
+                           or in an inverted sphere, capsule or box, that
                            g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0. */
   double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: where the mean of max(rho/rho0 - 1,
                               0) is above this, or the largest above 25 times this, a fluid that

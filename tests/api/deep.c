@@ -48,6 +48,20 @@ static pbf_stats stats_of(pbf_solver *s) {
   return stats;
 }
 
+/* The column's room as the inside of a box in a domain a hundred times as wide. */
+static pbf_collider bottle(const pbf_params *column, pbf_params *params) {
+  pbf_collider box;
+  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
+  box.inverted = 1;
+  *params = *column;
+  for (int k = 0; k < 3; ++k) {
+    box.position[k] = box.half_extents[k] = 0.5 * column->domain_max[k];
+    params->domain_min[k] = -50 * spacing * COLUMNS;
+    params->domain_max[k] = 50 * spacing * COLUMNS;
+  }
+  return box;
+}
+
 /* Of the mean height, at first half the column's. */
 static double lost_height(pbf_solver *s) {
   return 1 - stats_of(s).center_of_mass[1] / (0.5 * spacing * LAYERS);
@@ -189,14 +203,19 @@ static void switched_on_and_off(void **state) {
   pbf_destroy(plain);
 }
 
-static int has_grid(uint32_t capacity, const pbf_params *params) {
+static int keeps_grid(pbf_solver *s) {
   int found = 0;
-  pbf_desc desc = test_desc(3, PBF_FLOAT32, capacity);
-  pbf_solver *s = test_create(&desc, params);
   pbf_plan plan = {.struct_size = sizeof plan};
   assert_ok(pbf_get_plan(s, &plan));
   for (uint32_t k = 0; k < plan.array_count; ++k)
     found |= strcmp(plan.arrays[k].name, "pressure grid") == 0;
+  return found;
+}
+
+static int has_grid(uint32_t capacity, const pbf_params *params) {
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, capacity);
+  pbf_solver *s = test_create(&desc, params);
+  int found = keeps_grid(s);
   pbf_destroy(s);
   return found;
 }
@@ -227,6 +246,101 @@ static void where_water_could_be_deep(void **state) {
   params = column_params(-1);
   params.solver = PBF_SOLVER_JACOBI;
   assert_false(has_grid(layer * LAYERS, &params));
+}
+
+/* What holds the water may be a collider, in a domain in which it would be a puddle. */
+static void check_bottle(uint32_t dimension, uint32_t precision) {
+  const pbf_params column = column_params(-1);
+  pbf_params params;
+  pbf_collider box = bottle(&column, &params), ball;
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
+  assert_false(keeps_grid(s));
+  assert_ok(pbf_set_colliders(s, 1, &box));
+  assert_true(keeps_grid(s));
+  assert_ok(pbf_step(s, 200));
+  double speed = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+  if (!(fabs(lost_height(s)) < 0.01))
+    fail_msg("%uD: %g of the height lost", dimension, lost_height(s));
+  if (!(speed < 0.1)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, speed);
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  for (int wide = 0; wide < 2; ++wide) {
+    ball.inverted = wide;
+    ball.radius = wide ? 1000 * spacing : 0.1 * spacing;
+    assert_ok(pbf_set_colliders(s, 1, &ball));
+    assert_false(keeps_grid(s));
+  }
+  ball.radius = 12 * spacing; /* half full */
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_int_equal(keeps_grid(s), dimension == 2);
+  assert_ok(pbf_set_colliders(s, 0, NULL));
+  assert_false(keeps_grid(s));
+  pbf_destroy(s);
+}
+
+static void bottles_are_deep(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_bottle);
+}
+
+/* A pressure is that of the last step, whatever becomes of the grid since. */
+static double *pressures_of(pbf_solver *s, uint32_t precision) {
+  uint32_t count = 0;
+  assert_ok(pbf_get_count(s, &count));
+  void *raw = calloc(count, precision);
+  double *p = calloc(count, sizeof *p);
+  assert_true(raw && p);
+  assert_ok(pbf_get_pressures(s, 0, count, raw));
+  for (uint32_t i = 0; i < count; ++i) p[i] = test_value(raw, i, precision);
+  free(raw);
+  return p;
+}
+
+static void expect_pressures(pbf_solver *s, uint32_t precision, const double *p, uint32_t count,
+                             const char *when) {
+  double *now = pressures_of(s, precision);
+  for (uint32_t i = 0; i < count; ++i)
+    if (!(fabs(now[i] - p[i]) < 1e-5 * gravity * spacing * LAYERS))
+      fail_msg("%s pressure %u is %g, it was %g", when, i, now[i], p[i]);
+  free(now);
+}
+
+static void check_outlived(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = column(dimension, precision, 2, 1), *unread = column(dimension, precision, 2, 1);
+  const pbf_params on = column_params(2), off = column_params(0);
+  uint32_t count = 0, last[1];
+  assert_ok(pbf_get_count(s, &count));
+  void *x = calloc(1, (size_t)dimension * precision);
+  assert_ok(pbf_step(s, 10));
+  assert_ok(pbf_get_ids(s, count - 1, 1, last));
+  assert_ok(pbf_remove_particles(s, 1, last));
+  double *p = pressures_of(s, precision);
+  assert_true(p[0] > 0.5 * gravity * spacing * LAYERS);
+  assert_ok(pbf_step(unread, 10));
+  assert_ok(pbf_set_params(unread, &off));
+  expect_pressures(unread, precision, p, count - 1, "read late");
+  for (uint32_t k = 0; k < dimension; ++k) test_put(x, k, precision, 0.1);
+  assert_ok(pbf_add_particles(s, 1, x, NULL, NULL));
+  expect_pressures(s, precision, p, count - 1, "after adding");
+  double *after = pressures_of(s, precision);
+  if (!(after[count - 1] == 0)) fail_msg("before its first step it has %g", after[count - 1]);
+  test_put(x, 1, precision, 3);
+  assert_ok(pbf_set_positions(s, 0, 1, x));
+  expect_pressures(s, precision, p, count - 1, "after a move by hand");
+  assert_ok(pbf_set_params(s, &off));
+  expect_pressures(s, precision, p, count - 1, "without a grid");
+  assert_ok(pbf_set_params(s, &on));
+  expect_pressures(s, precision, p, count - 1, "with the next grid");
+  free(x), free(p), free(after);
+  pbf_destroy(s);
+  pbf_destroy(unread);
+}
+
+static void pressures_outlive_the_grid(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_outlived);
 }
 
 /* However a deep column starts: as it would fall at random, and not on a lattice. */
@@ -416,6 +530,8 @@ int main(void) {
       cmocka_unit_test(as_the_reference),
       cmocka_unit_test(where_water_could_be_deep),
       cmocka_unit_test(disorder_settles),
+      cmocka_unit_test(bottles_are_deep),
+      cmocka_unit_test(pressures_outlive_the_grid),
   };
   return TEST_RUN(deep);
 }

@@ -216,15 +216,35 @@ static void corners_give_back_whom_they_get(void **state) {
   for_kinds(check_corner);
 }
 
+/* The domain as the inside of a box, in a larger one. */
+static void box_in(pbf_solver *s, pbf_params *params) {
+  pbf_collider box;
+  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
+  box.inverted = 1;
+  for (int k = 0; k < 3; ++k) {
+    box.position[k] = box.half_extents[k] = 0.5 * params->domain_max[k];
+    params->domain_min[k] -= 1;
+    params->domain_max[k] += 1;
+  }
+  assert_ok(pbf_set_params(s, params));
+  assert_ok(pbf_set_colliders(s, 1, &box));
+}
+
 /* Half more fluid than its box has room for. Where no place is right there is no reason to fly. */
-static void check_overfull(uint32_t dimension, uint32_t precision) {
+static void overfill(uint32_t dimension, uint32_t precision, int of_a_collider) {
   pbf_params params = tank_params(dimension, 2, 16, 0.003);
   params.domain_max[1] = spacing * LAYERS / 1.5;
   pbf_solver *s = tank(dimension, precision, &params, 0.1, 1 / 1.5);
+  if (of_a_collider) box_in(s, &params);
   assert_ok(pbf_step(s, 40));
   double speed = state_of(s).speed;
   if (!(speed < 2)) fail_msg("%uD: an overfull box flies at %g sqrt(g d)", dimension, speed);
   pbf_destroy(s);
+}
+
+static void check_overfull(uint32_t dimension, uint32_t precision) {
+  overfill(dimension, precision, 0);
+  overfill(dimension, precision, 1);
 }
 
 static void overfull_boxes_are_calm(void **state) {

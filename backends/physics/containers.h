@@ -1,0 +1,74 @@
+/* What inverted colliders leave to the fluid, which is inside each of them. Host only, float64 but
+ * for poses. */
+#ifndef PBF_PHYSICS_CONTAINERS_H
+#define PBF_PHYSICS_CONTAINERS_H
+
+#include "physics/collide.h"
+#include "physics/derive.h"
+
+static inline int pbf_is_container(const pbf_collider *collider) {
+  return collider->inverted && collider->shape != PBF_COLLIDER_PLANE;
+}
+
+/* Of its room, in 2D an area. */
+static inline double pbf_container_volume(const pbf_collider *collider) {
+  const double r = collider->radius, disc = PBF_PI * r * r;
+  double volume = 1;
+  if (collider->shape == PBF_COLLIDER_BOX) {
+    for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * collider->half_extents[k];
+    return volume;
+  }
+  volume = PBF_DIM == 3 ? 4.0 / 3 * disc * r : disc;
+  if (collider->shape == PBF_COLLIDER_CAPSULE)
+    volume += 2 * collider->half_length * (PBF_DIM == 3 ? disc : 2 * r);
+  return volume;
+}
+
+/* Of the smallest; infinite where there is none. */
+static inline double pbf_containers_volume(uint32_t count, const pbf_collider *colliders) {
+  double least = HUGE_VAL;
+  for (uint32_t k = 0; k < count; ++k)
+    if (pbf_is_container(&colliders[k])) least = fmin(least, pbf_container_volume(&colliders[k]));
+  return least;
+}
+
+/* How far a shape reaches from its centre along an axis. */
+static inline double pbf_solid_reach(const pbf_solid *s, int axis) {
+  double reach = 0;
+  if (s->shape == PBF_COLLIDER_SPHERE) return (double)s->radius;
+  if (s->shape == PBF_COLLIDER_CAPSULE)
+    return (double)s->radius + (double)s->half_length * fabs((double)s->frame[0].c[axis]);
+  for (int row = 0; row < PBF_DIM; ++row)
+    reach += (double)s->half_extents.c[row] * fabs((double)s->frame[row].c[axis]);
+  return reach;
+}
+
+/* The walls, moved farther in to where a container ends, unless it has left the domain. */
+static inline pbf_walls pbf_walls_within(pbf_walls walls, const pbf_solid *s) {
+  if (s->shape == PBF_COLLIDER_PLANE || s->sign > 0) return walls;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    pbf_real reach = (pbf_real)pbf_solid_reach(s, k);
+    pbf_real lower = pbf_real_max(walls.lower.c[k], s->center.c[k] - reach);
+    pbf_real upper = pbf_real_min(walls.upper.c[k], s->center.c[k] + reach);
+    if (!(lower < upper)) continue;
+    walls.lower.c[k] = lower;
+    walls.upper.c[k] = upper;
+  }
+  return walls;
+}
+
+/* The largest depth along an axis of so much fluid at rest in one of the containers, as deep as a
+ * prism of the same height and room would have it. */
+static inline double pbf_containers_depth(uint32_t count, const pbf_collider *colliders, int axis,
+                                          double fluid) {
+  double depth = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    if (!pbf_is_container(&colliders[k])) continue;
+    pbf_solid s = pbf_solid_at(&colliders[k], 0, 0);
+    double part = fmin(fluid / pbf_container_volume(&colliders[k]), 1);
+    depth = fmax(depth, 2 * pbf_solid_reach(&s, axis) * part);
+  }
+  return depth;
+}
+
+#endif
