@@ -193,6 +193,23 @@ static void add_colliders(scene *s) {
   s->collider_count = 4;
 }
 
+/* Round the whole fluid, which it holds. */
+static void add_container(scene *s, uint32_t shape) {
+  pbf_collider *c = &s->colliders[0];
+  must(pbf_collider_init(c, sizeof *c, shape), "pbf_collider_init");
+  c->inverted = 1;
+  c->radius = 0;
+  for (uint32_t k = 0; k < s->dimension; ++k) {
+    c->half_extents[k] = 0.5 * s->counts[k] * s->spacing;
+    c->position[k] = s->first[k] - 0.5 * s->spacing + c->half_extents[k];
+    c->radius += c->half_extents[k] * c->half_extents[k];
+  }
+  c->radius = sqrt(c->radius);
+  c->angular_velocity[2] = 0.5;
+  s->collider_count = 1;
+  for (int k = 0; k < 3; ++k) s->params.domain_min[k] -= 2, s->params.domain_max[k] += 2;
+}
+
 /* ---- verify -------------------------------------------------------------------------------- */
 
 typedef struct distance {
@@ -356,6 +373,18 @@ static void verify_all(void) {
       s.params.separation = 1;
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
       verify("wall-density-chebyshev-colliders", &s, precision, 50);
+      for (uint32_t shape = PBF_COLLIDER_SPHERE; shape <= PBF_COLLIDER_BOX; ++shape) {
+        s = small_scene(dim);
+        add_container(&s, shape);
+        s.params.solver = PBF_SOLVER_CHEBYSHEV;
+        s.params.wall_density = s.params.separation = 1;
+        s.params.collide |= PBF_COLLIDE_AFTER_PREDICTION;
+        snprintf(name, sizeof name, "in-a-turning-%s",
+                 shape == PBF_COLLIDER_BOX      ? "box"
+                 : shape == PBF_COLLIDER_SPHERE ? "sphere"
+                                                : "capsule");
+        verify(name, &s, precision, 50);
+      }
       s = small_scene(dim);
       s.params.smoothing_radius = 0.2; /* many more neighbours than lists have room for */
       s.params.spacing = 0.15;
