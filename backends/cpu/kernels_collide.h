@@ -3,6 +3,7 @@
 #define PBF_CPU_KERNELS_COLLIDE_H
 
 #include "cpu/kernels.h"
+#include "cpu/near_solids.h"
 
 /* Large, and in the stage and in the iterations: here once. */
 static __attribute__((noinline)) pbf_vec resolve(const pbf_obstacles *o, int carried, pbf_vec from,

@@ -94,8 +94,8 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 
 /* ---- Density constraint -------------------------------------------------------------------- */
 
-/* Distance of each particle from the nearest wall, or 0 where there are colliders; the smallest of
- * them. Most groups are far from all. */
+/* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
+ * all. */
 PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
                                pbf_real distances[WIDTH]) {
   pbf_real least = 0;
@@ -106,7 +106,7 @@ PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
       nearest = pbf_real_min(nearest, x->c[k][l] - o->walls.lower.c[k]);
       nearest = pbf_real_min(nearest, o->walls.upper.c[k] - x->c[k][l]);
     }
-    distances[l] = pbf_solid_count(o) ? 0 : nearest;
+    distances[l] = nearest;
   }
   for (uint32_t l = 0; l < WIDTH; ++l)
     least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
@@ -116,6 +116,12 @@ PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
 /* Beyond this distance no wall lends density; with room for rounding. */
 PBF_FN pbf_real wall_reach(const pbf_constants *c) {
   return (pbf_real)1.001 * (c->h - c->wall_offset);
+}
+
+/* Somebody may be; of colliders nothing is known. */
+PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
+                          pbf_real distances[WIDTH]) {
+  return pbf_solid_count(o) || wall_distances(o, x, distances) < wall_reach(c);
 }
 
 /* What walls lend, in all lanes. */
@@ -193,18 +199,49 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
     for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += slopes.c[k][l];
 }
 
+/* Of a group's particles, on their way from `from`. */
+PBF_FN swarm swarm_of_group(const lane_values *from, const lane_values *x) {
+  pbf_vec lower = lane_value(x, 0), upper = lower;
+  pbf_real way2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(x->c[k][l], from->c[k][l]));
+      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(x->c[k][l], from->c[k][l]));
+    }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec way = pbf_sub(lane_value(x, l), lane_value(from, l));
+    way2 = pbf_real_max(way2, pbf_dot(way, way));
+  }
+  return swarm_between(lower, upper, pbf_real_sqrt(way2));
+}
+
+PBF_FN int solids_lend(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x) {
+  pbf_vec normal;
+  for (int k = 0; k < o->count; ++k)
+    if (!(pbf_solid_distance(&o->solids[k], x, &normal) > wall_reach(c))) return 1;
+  return 0;
+}
+
 static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
-                                                const lane_values *x,
-                                                const pbf_real distances[WIDTH],
-                                                pbf_real densities[WIDTH], lane_values *gradients) {
+                                                const lane_values *x, pbf_real densities[WIDTH],
+                                                lane_values *gradients) {
   if (!pbf_solid_count(o)) {
     add_plain_walls(c, &o->walls, x, densities, gradients);
     return;
   }
+  pbf_obstacles near;
+  const swarm these = swarm_of_group(x, x);
+  pbf_real distances[WIDTH];
+  if (!obstacles_within(o, &these, wall_reach(c), &near)) {
+    if (wall_distances(&near, x, distances) < wall_reach(c))
+      add_plain_walls(c, &o->walls, x, densities, gradients);
+    return;
+  }
+  wall_distances(&near, x, distances);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    if (!(distances[l] < wall_reach(c))) continue;
+    if (!(distances[l] < wall_reach(c)) && !solids_lend(c, &near, lane_value(x, l))) continue;
     pbf_vec gradient = lane_value(gradients, l);
-    pbf_add_walls(c, &o->walls, pbf_solid_count(o), o->solids, lane_value(x, l), &densities[l],
+    pbf_add_walls(c, &near.walls, near.count, near.solids, lane_value(x, l), &densities[l],
                   &gradient);
     for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
   }
@@ -289,9 +326,9 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH];
-      if (wall_distances(p->walls, &xs, distances) < wall_reach(&c)) {
+      if (near_obstacles(&c, p->walls, &xs, distances)) {
         lane_store(densities, sums.density);
-        add_walls(p->constants, p->walls, &xs, distances, densities, &gradients);
+        add_walls(p->constants, p->walls, &xs, densities, &gradients);
         sums.density = lane_load(densities);
       }
     }
@@ -348,8 +385,8 @@ static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
   const lane_values xs = lane_vec_values(&x);
   lane_values gradients = lane_vec_values(&zero);
   pbf_real densities[WIDTH] = {0}, distances[WIDTH];
-  if (!(wall_distances(p->walls, &xs, distances) < wall_reach(p->constants))) return;
-  add_walls(p->constants, p->walls, &xs, distances, densities, &gradients);
+  if (!near_obstacles(p->constants, p->walls, &xs, distances)) return;
+  add_walls(p->constants, p->walls, &xs, densities, &gradients);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec sum =
         pbf_add_scaled(lane_value(sums, l), lambda[g * WIDTH + l], lane_value(&gradients, l));
@@ -378,8 +415,14 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
 static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
+  pbf_obstacles met;
+  const swarm these = swarm_of_group(from, x);
+  if (!obstacles_on_way(obstacles, &these, NULL, &met)) {
+    clamp_group(obstacles, x);
+    return;
+  }
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved = resolve(obstacles, 0, lane_value(from, l), lane_value(x, l));
+    pbf_vec resolved = resolve(&met, 0, lane_value(from, l), lane_value(x, l));
     for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
   }
 }
@@ -655,8 +698,8 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
       pbf_real distances[WIDTH];
-      if (wall_distances(p->walls, &xs, distances) < wall_reach(&c))
-        add_walls(p->constants, p->walls, &xs, distances, densities + g * WIDTH, &gradients);
+      if (near_obstacles(&c, p->walls, &xs, distances))
+        add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients);
     }
   }
 }

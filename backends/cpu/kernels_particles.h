@@ -4,18 +4,49 @@
 
 #include "cpu/kernels_collide.h"
 
+static void clamp_range(const pbf_walls *between, field x, uint32_t first, uint32_t last) {
+  const pbf_walls walls = *between;
+  for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
+}
+
+/* Where they are and where they come from. */
+static swarm swarm_of_range(const field *from, const field *x, uint32_t first, uint32_t last) {
+  pbf_vec lower = field_at(x, first), upper = lower;
+  pbf_real way2 = 0;
+  for (uint32_t i = first; i < last; ++i) {
+    pbf_vec to = field_at(x, i), start = field_at(from, i), way = pbf_sub(to, start);
+    for (int k = 0; k < PBF_DIM; ++k) {
+      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(to.c[k], start.c[k]));
+      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(to.c[k], start.c[k]));
+    }
+    way2 = pbf_real_max(way2, pbf_dot(way, way));
+  }
+  return swarm_between(lower, upper, pbf_real_sqrt(way2));
+}
+
 /* Particles on their way from `from` to x; from before the obstacles moved where these `carried`
  * it.
  */
 static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int carried, field from,
                                                     field x, uint32_t first, uint32_t last) {
-  const pbf_walls walls = o->walls;
+  enum { AT_ONCE = 32 };
   if (pbf_solid_count(o) == 0) {
-    for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
+    clamp_range(&o->walls, x, first, last);
     return;
   }
-  for (uint32_t i = first; i < last; ++i)
-    field_set(&x, i, resolve(o, carried, field_at(&from, i), field_at(&x, i)));
+  solid_motion motions[PBF_MAX_COLLIDERS];
+  if (carried) solid_motions(o, motions);
+  for (uint32_t begin = first, end; begin < last; begin = end) {
+    pbf_obstacles met;
+    end = last - begin < AT_ONCE ? last : begin + AT_ONCE;
+    const swarm these = swarm_of_range(&from, &x, begin, end);
+    if (!obstacles_on_way(o, &these, carried ? motions : NULL, &met)) {
+      clamp_range(&o->walls, x, begin, end);
+      continue;
+    }
+    for (uint32_t i = begin; i < end; ++i)
+      field_set(&x, i, resolve(&met, carried, field_at(&from, i), field_at(&x, i)));
+  }
 }
 
 static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,

@@ -1,0 +1,130 @@
+/* Colliders that a group of particles is said not to meet leave each of them as it is, to the bit,
+ * and lend it nothing. */
+#include "support.h"
+
+#include "cpu/near_solids.h"
+
+enum { SCENES = 20000, PARTICLES = 6 };
+
+static double random_in(uint64_t *state, double low, double high) {
+  *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+  return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
+}
+
+static pbf_vec random_vec(uint64_t *state, double size) {
+  pbf_vec a;
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = (pbf_real)random_in(state, -size, size);
+  return a;
+}
+
+/* Of the size of the group's way and distance, so that every other one is met. */
+static pbf_solid random_solid(uint64_t *state) {
+  pbf_collider c;
+  double norm2 = 0;
+  memset(&c, 0, sizeof c);
+  c.shape = (uint32_t)random_in(state, 0, 4);
+  c.inverted = random_in(state, 0, 1) < 0.3;
+  c.radius = random_in(state, 0.05, 1.5);
+  c.half_length = random_in(state, 0.05, 1);
+  c.axis[1] = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    c.half_extents[k] = random_in(state, 0.01, 1.5);
+    c.position[k] = random_in(state, -2, 2);
+    c.velocity[k] = random_in(state, 0, 1) < 0.5 ? random_in(state, -2, 2) : 0;
+  }
+  for (int k = PBF_DIM == 3 ? 0 : 2; k < 4; ++k) {
+    c.orientation[k] = random_in(state, -1, 1);
+    norm2 += c.orientation[k] * c.orientation[k];
+  }
+  for (int k = 0; k < 4; ++k) c.orientation[k] /= sqrt(norm2);
+  if (random_in(state, 0, 1) < 0.5) c.angular_velocity[2] = random_in(state, -3, 3);
+  return pbf_solid_at(&c, 0, 1);
+}
+
+typedef struct group {
+  pbf_vec from[PARTICLES], x[PARTICLES];
+  swarm swarm;
+} group;
+
+static group random_group(uint64_t *state) {
+  group g;
+  double spread = random_in(state, 0, 0.5), speed = random_in(state, 0, 1);
+  pbf_vec way = random_vec(state, speed), lower, upper;
+  pbf_real longest2 = 0;
+  for (int i = 0; i < PARTICLES; ++i) {
+    g.from[i] = random_vec(state, spread);
+    g.x[i] = pbf_add_scaled(pbf_add_scaled(g.from[i], 1, way), 1, random_vec(state, 0.1 * speed));
+    pbf_vec move = pbf_sub(g.x[i], g.from[i]);
+    longest2 = pbf_real_max(longest2, pbf_dot(move, move));
+    for (int k = 0; k < PBF_DIM; ++k) {
+      if (i == 0) lower.c[k] = upper.c[k] = g.x[0].c[k];
+      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(g.x[i].c[k], g.from[i].c[k]));
+      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(g.x[i].c[k], g.from[i].c[k]));
+    }
+  }
+  g.swarm = swarm_between(lower, upper, pbf_real_sqrt(longest2));
+  return g;
+}
+
+static void who_is_not_met_does_nothing(void **state) {
+  (void)state;
+  uint64_t random = 1;
+  pbf_walls walls;
+  int met[2] = {0, 0}, all[2] = {0, 0};
+  for (int k = 0; k < PBF_DIM; ++k) walls.lower.c[k] = -100, walls.upper.c[k] = 100;
+  walls.near = (pbf_real)0.1;
+  for (int scene = 0; scene < SCENES; ++scene) {
+    static pbf_obstacles o;
+    solid_motion motions[PBF_MAX_COLLIDERS];
+    o.walls = walls;
+    o.count = 1;
+    o.solids[0] = random_solid(&random);
+    group g = random_group(&random);
+    solid_motions(&o, motions);
+    for (int carried = 0; carried < 2; ++carried) {
+      static pbf_obstacles near;
+      ++all[carried];
+      if (obstacles_on_way(&o, &g.swarm, carried ? motions : NULL, &near)) {
+        ++met[carried];
+        continue;
+      }
+      for (int i = 0; i < PARTICLES; ++i) {
+        pbf_vec after = pbf_resolve(&walls, 1, o.solids, carried, g.from[i], g.x[i]);
+        if (memcmp(&after, &g.x[i], sizeof after) != 0)
+          fail_msg("scene %d: a shape %d that is not met moves a particle", scene,
+                   o.solids[0].shape);
+      }
+    }
+  }
+  for (int carried = 0; carried < 2; ++carried)
+    if (!(met[carried] > all[carried] / 20 && met[carried] < all[carried] * 19 / 20))
+      fail_msg("%d of %d are met", met[carried], all[carried]);
+}
+
+static void who_is_not_near_lends_nothing(void **state) {
+  (void)state;
+  uint64_t random = 2;
+  const pbf_real reach = (pbf_real)0.3;
+  int found = 0;
+  for (int scene = 0; scene < SCENES; ++scene) {
+    static pbf_obstacles o, near;
+    pbf_vec normal;
+    o.count = 1;
+    o.solids[0] = random_solid(&random);
+    group g = random_group(&random);
+    found += obstacles_within(&o, &g.swarm, reach, &near);
+    if (near.count) continue;
+    for (int i = 0; i < PARTICLES; ++i)
+      if (!(pbf_solid_distance(&o.solids[0], g.x[i], &normal) >= reach))
+        fail_msg("scene %d: a shape %d is nearer than that", scene, o.solids[0].shape);
+  }
+  if (!(found > SCENES / 20 && found < SCENES * 19 / 20)) fail_msg("%d are near", found);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(who_is_not_met_does_nothing),
+      cmocka_unit_test(who_is_not_near_lends_nothing),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
