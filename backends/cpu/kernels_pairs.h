@@ -200,7 +200,8 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
 }
 
 /* Of a group's particles, on their way from `from`. */
-PBF_FN swarm swarm_of_group(const lane_values *from, const lane_values *x) {
+static __attribute__((noinline)) swarm swarm_of_group(const lane_values *from,
+                                                      const lane_values *x) {
   pbf_vec lower = lane_value(x, 0), upper = lower;
   pbf_real way2 = 0;
   for (int k = 0; k < PBF_DIM; ++k)

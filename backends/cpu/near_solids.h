@@ -30,7 +30,8 @@ PBF_FN swarm swarm_between(pbf_vec lower, pbf_vec upper, pbf_real way) {
 }
 
 /* A distance changes by no more than the way between two places, whatever the shape. */
-PBF_FN int swarm_is_within(const swarm *of, const pbf_solid *s, pbf_real reach) {
+static __attribute__((noinline)) int swarm_is_within(const swarm *of, const pbf_solid *s,
+                                                     pbf_real reach) {
   const pbf_vec arm = pbf_sub(of->center, s->center);
   const pbf_real arm2 = pbf_dot(arm, arm), far = s->bound + of->radius + reach;
   pbf_vec normal;

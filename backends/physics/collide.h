@@ -154,7 +154,7 @@ PBF_FN pbf_real pbf_box_distance(pbf_vec p, pbf_vec half, pbf_vec *normal) {
 
 /* Distance of x from the solid, negative where the fluid must not be; *normal points to the fluid.
  */
-PBF_FN pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *normal) {
+PBF_FN_APART pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *normal) {
   pbf_vec p = pbf_sub(x, s->center), n = s->frame[0];
   pbf_real distance;
   if (s->shape == PBF_COLLIDER_PLANE) {

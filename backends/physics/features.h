@@ -34,11 +34,14 @@ static inline int pbf_features_of(const pbf_params *params) {
          (params->scorr_k > 0 ? PBF_FEATURE_SCORR : 0);
 }
 
-/* A function of the physics: inlined on every processor. */
+/* A function of the physics: inlined on every processor; `APART`, large and asked for from many
+ * places, on a device only. */
 #ifdef __CUDACC__
 #define PBF_FN static __host__ __device__ __forceinline__
+#define PBF_FN_APART PBF_FN
 #else
 #define PBF_FN static inline __attribute__((always_inline, unused))
+#define PBF_FN_APART static __attribute__((noinline, unused))
 #endif
 
 #endif
