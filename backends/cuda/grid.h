@@ -3,8 +3,13 @@
  * Cells are h wide across the rows (y, z) and finer along them (x), numbered along x first, so that
  * the cells of one row around a particle are one contiguous run of sorted particles. The grid
  * covers the domain; what lies outside counts to the border cells, which keeps every pair of
- * neighbours in neighbouring cells. A domain with too many cells is folded across the rows, far
- * rows sharing cells, and gets longer cells along them. */
+ * neighbours in neighbouring cells.
+ *
+ * A domain with too many cells is folded, and parts of it share cells, which costs distance tests
+ * and loses no pair. Rows are counted modulo a power of two, in an order that keeps the rows around
+ * any place apart: one after the other along z, and 0.618 of all on along y (Fibonacci hashing;
+ * Knuth, The Art of Computer Programming 3, 6.4). Along x the numbering turns back at either end,
+ * as a carpenter's rule does: then neighbours still are in one contiguous run. */
 #ifndef PBF_CUDA_GRID_H
 #define PBF_CUDA_GRID_H
 
@@ -20,10 +25,12 @@ enum { PBF_ROWS = PBF_DIM == 3 ? 9 : 3 };
 struct cell_grid {
   pbf_vec origin, scale; /* cell coordinate = (x - origin) * scale, kept in 0 … last */
   pbf_vec last;
-  pbf_real reach, reach2;    /* h and a margin for rounding */
-  pbf_real row_width;        /* of cells across the rows, at least `reach` */
-  uint32_t cells[PBF_DIM];   /* stored; across the rows maybe fewer than last + 1: folded */
-  bool folded[PBF_DIM];      /* fewer */
+  pbf_real reach, reach2;   /* h and a margin for rounding */
+  pbf_real row_width;       /* of cells across the rows, at least `reach` */
+  pbf_real turn;            /* where the numbering along x turns back first; 0: never */
+  uint32_t cells[PBF_DIM];  /* along x those stored, else those that the domain has */
+  uint32_t stride[PBF_DIM]; /* row = (stride[1] * y + stride[2] * z) & row_mask */
+  uint32_t row_mask;
   uint32_t columns_in_reach; /* cells along a row that `reach` spans */
   uint32_t count;
 };
@@ -39,27 +46,51 @@ static inline double grid_margin(double cells) {
   return 1 + 1e-4 + 8 * epsilon * cells;
 }
 
-/* Stored cells of each axis, given those of width `reach` that cover the domain. */
-static inline void grid_fold(double limit, double finest, const double full[PBF_DIM],
-                             double stored[PBF_DIM]) {
-  double along = fmin(full[0], 2 * pow(limit, 1.0 / PBF_DIM)), rows = 1;
-  for (int k = 1; k < PBF_DIM; ++k) rows *= stored[k] = full[k];
-  while (rows > limit / along) {
-    int longest = 1;
-    for (int k = 2; k < PBF_DIM; ++k)
-      if (stored[k] > stored[longest]) longest = k;
-    if (stored[longest] <= 3) break;
-    rows /= stored[longest];
-    rows *= stored[longest] = fmax(3, floor(stored[longest] / 2));
-  }
-  stored[0] = fmax(1, fmin(finest * full[0], floor(limit / rows)));
+/* Largest power of two up to `limit`. */
+static inline double grid_power_below(double limit) { return exp2(floor(log2(limit))); }
+
+/* Steps in y count as so many rows, modulo that power of two. Rows that share a number are y and z
+ * apart: among all strides, and from 2,048 rows on those near 0.618 of the rows, these keep the
+ * least y * z largest, a quarter to a third of the rows. So blocks, columns and puddles all spread.
+ */
+static inline uint32_t grid_fold_stride(double rows) {
+  static const uint32_t strides[] = {19,     47,      75,      149,     275,     1191,   2539,
+                                     4991,   10155,   20223,   40521,   80929,   161991, 323982,
+                                     648053, 1296106, 2592211, 5184422, 10368903};
+  return strides[(int)log2(rows) - 6];
 }
 
-/* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
+enum { GRID_MOST_ROWS = 1 << 24 }; /* if folded; no fewer than 64, as there are 1,024 cells of h */
+
+/* What is stored of a domain. */
+struct grid_storage {
+  double columns, rows;
+  bool turns, rows_fold; /* fewer columns, fewer rows than the domain has */
+};
+
+/* Given the domain's cells of one width. What is folded gets about a cube's sides, in 3D up to four
+ * times as many columns: fluid falls, and then spreads. A side that the domain has less of leaves
+ * its room to the other. */
+static inline grid_storage grid_store(double limit, double finest, const double full[PBF_DIM]) {
+  double rows = 1;
+  for (int k = 1; k < PBF_DIM; ++k) rows *= full[k];
+  if (rows * full[0] <= limit)
+    return {fmin(finest * full[0], floor(limit / rows)), rows, false, false};
+  double face = pow(limit / finest, 1 - 1.0 / PBF_DIM);
+  double few = grid_power_below(PBF_DIM == 3 ? face : 1.42 * face);
+  double columns = fmin(finest * full[0], floor(limit / fmin(rows, few)));
+  bool turns = columns < finest * full[0];
+  if (rows <= few) return {columns, rows, turns, false};
+  double kept = grid_power_below(fmin(limit / columns, GRID_MOST_ROWS));
+  return {columns, kept, turns, true};
+}
+
+/* Of up to `limit` cells, `finest` times 1,024 or more, and up to `finest` of them in h along the
+ * rows. */
 static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit, double finest) {
-  enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float */
+  enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
-  double extent[PBF_DIM], full[PBF_DIM], stored[PBF_DIM], most = 1;
+  double extent[PBF_DIM], full[PBF_DIM], most = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     extent[k] = fmax(0, (double)walls->upper.c[k] - (double)walls->lower.c[k]);
     most = fmax(most, extent[k] / h);
@@ -70,21 +101,33 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
   double row_width = fmax(reach * grid_margin(0), most * h / MOST_CELLS);
   g.row_width = (pbf_real)row_width;
   for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
-  grid_fold(limit, finest, full, stored);
-  g.count = 1;
+  grid_storage stored = grid_store(limit, finest, full);
+  double width = stored.turns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
   for (int k = 0; k < PBF_DIM; ++k) {
-    double width = k == 0 ? fmax(extent[0], row_width) / stored[0] : row_width;
     g.origin.c[k] = walls->lower.c[k];
-    g.scale.c[k] = (pbf_real)(1 / width);
-    g.last.c[k] = (pbf_real)(k == 0 ? stored[0] - 1 : full[k] - 1);
-    g.cells[k] = (uint32_t)stored[k];
-    g.folded[k] = k > 0 && stored[k] < full[k];
-    g.count *= g.cells[k];
-    if (k == 0) g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
+    g.scale.c[k] = (pbf_real)(1 / (k ? row_width : width));
+    g.cells[k] = (uint32_t)(k ? full[k] : stored.columns);
+    g.last.c[k] = (pbf_real)(g.cells[k] - 1);
   }
+  g.turn = stored.turns ? (pbf_real)(stored.columns * width) : 0;
+  g.stride[0] = 0;
+  g.stride[1] = PBF_DIM == 3 && stored.rows_fold ? grid_fold_stride(stored.rows) : 1;
+  if (PBF_DIM == 3) g.stride[PBF_DIM - 1] = stored.rows_fold ? 1 : g.cells[1];
+  g.row_mask = stored.rows_fold ? (uint32_t)stored.rows - 1 : ~0u;
+  g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
+  g.count = (uint32_t)(stored.columns * stored.rows);
   return g;
 }
 
+/* Along x from the grid's origin, as the cells are numbered. */
+PBF_FN pbf_real grid_along(const cell_grid &g, pbf_real x) {
+  pbf_real from = x - g.origin.c[0], turn = g.turn;
+  if (!(turn > 0)) return from;
+  from -= 2 * turn * floor(from / (2 * turn));
+  return turn - fabs(turn - from);
+}
+
+/* Across the rows, from the grid's origin, in cells. */
 PBF_FN pbf_real grid_coordinate(const cell_grid &g, int axis, pbf_real x) {
   return (x - g.origin.c[axis]) * g.scale.c[axis];
 }
@@ -95,30 +138,33 @@ PBF_FN uint32_t grid_index(const cell_grid &g, int axis, pbf_real coordinate) {
   return (uint32_t)kept;
 }
 
+PBF_FN uint32_t grid_column(const cell_grid &g, pbf_real along) {
+  return grid_index(g, 0, along * g.scale.c[0]);
+}
+
 /* First cell of the row with the indices `at` across the rows. */
 PBF_FN uint32_t grid_row(const cell_grid &g, const uint32_t at[PBF_DIM]) {
   uint32_t row = 0;
-  for (int k = PBF_DIM - 1; k > 0; --k)
-    row = row * g.cells[k] + (g.folded[k] ? at[k] % g.cells[k] : at[k]);
-  return row * g.cells[0];
+  for (int k = 1; k < PBF_DIM; ++k) row += g.stride[k] * at[k];
+  return (row & g.row_mask) * g.cells[0];
 }
 
 PBF_FN uint32_t grid_cell(const cell_grid &g, pbf_vec x) {
   uint32_t at[PBF_DIM];
-  for (int k = 0; k < PBF_DIM; ++k) at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
-  return grid_row(g, at) + at[0];
+  for (int k = 1; k < PBF_DIM; ++k) at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
+  return grid_row(g, at) + grid_column(g, grid_along(g, x.c[0]));
 }
 
 /* Where a particle looks for neighbours: what its rows have in common. */
 struct grid_view {
-  pbf_real x;                                /* along the rows */
+  pbf_real along;                            /* the rows */
   uint32_t own[PBF_DIM];                     /* its cell's indices, across the rows */
   pbf_real below2[PBF_DIM], above2[PBF_DIM]; /* squared distances to the cells beside its own */
 };
 
 PBF_FN grid_view grid_look(const cell_grid &g, pbf_vec x) {
   grid_view view;
-  view.x = x.c[0];
+  view.along = grid_along(g, x.c[0]);
   for (int k = 1; k < PBF_DIM; ++k) {
     pbf_real t = grid_coordinate(g, k, x.c[k]);
     view.own[k] = grid_index(g, k, t);
@@ -131,6 +177,11 @@ PBF_FN grid_view grid_look(const cell_grid &g, pbf_vec x) {
   return view;
 }
 
+/* Steps across the rows from a particle's to row 0 … PBF_ROWS - 1. */
+PBF_FN uint32_t grid_step(int row, int axis) {
+  return (uint32_t)((axis == 1 ? row % 3 : row / 3) - 1);
+}
+
 /* Cells first … last of row 0 … PBF_ROWS - 1 that can hold neighbours; false when there are none.
  */
 PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint32_t *first,
@@ -138,30 +189,34 @@ PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint3
   uint32_t at[PBF_DIM];
   pbf_real left2 = g.reach2;
   for (int k = 1; k < PBF_DIM; ++k) {
-    int step = (k == 1 ? row % 3 : row / 3) - 1;
+    int step = (int)grid_step(row, k);
     left2 -= step == 0 ? 0 : step < 0 ? view.below2[k] : view.above2[k];
     at[k] = view.own[k] + (uint32_t)step;
   }
   if (!(left2 > 0)) return false;
   pbf_real left = left2 * pbf_scalar_rsqrt(left2); /* `reach` has room for its rounding */
   uint32_t start = grid_row(g, at);
-  *first = start + grid_index(g, 0, grid_coordinate(g, 0, view.x - left));
-  *last = start + grid_index(g, 0, grid_coordinate(g, 0, view.x + left));
+  *first = start + grid_column(g, view.along - left);
+  *last = start + grid_column(g, view.along + left);
   return true;
 }
 
 /* The same from a cell alone, for all particles that may be in it: a superset. */
 PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint32_t *first,
                                uint32_t *last) {
-  uint32_t at[PBF_DIM], column = cell % g.cells[0];
+  uint32_t at[PBF_DIM], column = cell % g.cells[0], span = g.columns_in_reach;
   cell /= g.cells[0];
-  for (int k = 1; k < PBF_DIM; ++k) {
-    uint32_t own = cell % g.cells[k], step = (uint32_t)((k == 1 ? row % 3 : row / 3) - 1);
-    cell /= g.cells[k];
-    at[k] = g.folded[k] ? (own + g.cells[k] + step) % g.cells[k] : own + step;
-    if (at[k] >= g.cells[k]) return false;
+  if (g.row_mask != ~0u) {
+    for (int k = 1; k < PBF_DIM; ++k) at[k] = grid_step(row, k);
+    at[PBF_DIM - 1] += cell; /* whose stride is 1 */
+  } else {
+    for (int k = 1; k < PBF_DIM; ++k) {
+      at[k] = cell % g.cells[k] + grid_step(row, k);
+      cell /= g.cells[k];
+      if (at[k] >= g.cells[k]) return false;
+    }
   }
-  uint32_t start = grid_row(g, at), span = g.columns_in_reach;
+  uint32_t start = grid_row(g, at);
   *first = start + (column > span ? column - span : 0);
   *last = start + (column + span < g.cells[0] ? column + span : g.cells[0] - 1);
   return true;

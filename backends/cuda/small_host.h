@@ -247,8 +247,10 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
     general_room general = general_room_of(s);
     with_features(s->schedule.features, [&](auto features) {
       constexpr int FEATURES = decltype(features)::value;
-      bool extras = scene.accelerated || scene.wall_density || scene.solid_count;
-      auto kernel = extras ? small_kernel<FEATURES, true> : small_kernel<FEATURES, false>;
+      auto kernel = scene.solid_count ? small_kernel<FEATURES, true, true>
+                    : scene.accelerated || scene.wall_density
+                        ? small_kernel<FEATURES, true, false>
+                        : small_kernel<FEATURES, false, false>;
       status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
                                "small_kernel", scene, room, general);
     });
@@ -264,7 +266,9 @@ static pbf_status small_allow_shared(const solver *s) {
     for (int k = 0; k < PBF_FEATURE_COUNT && status == PBF_OK; ++k)
       with_features(k, [&](auto features) {
         constexpr int FEATURES = decltype(features)::value;
-        for (auto kernel : {small_kernel<FEATURES, false>, small_kernel<FEATURES, true>})
+        for (auto kernel :
+             {small_kernel<FEATURES, false, false>, small_kernel<FEATURES, true, false>,
+              small_kernel<FEATURES, true, true>})
           if (status == PBF_OK)
             status = pbf_cuda_check(
                 cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,

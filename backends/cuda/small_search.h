@@ -69,9 +69,9 @@ static __device__ __forceinline__ void search_tile(const small_tile &t, const ce
   uint32_t seen = 0;
   uint16_t *next = list->entries, *full = &list->at(list->most);
 #pragma unroll 1
-  for (uint32_t row = 0; row < PBF_ROWS; ++row) {
+  for (uint32_t run = 0, runs = runs_around(grid, s.place); run < runs; ++run) {
     uint32_t cell, cells;
-    if (!row_around(grid, s.place, row, &cell, &cells)) continue;
+    if (!run_around(grid, s.place, run, &cell, &cells)) continue;
     uint32_t index = t.index_of(cell), start = t.starts[index], end = t.starts[index + cells];
     for (uint32_t slot = start + ((s.lane - seen) & (s.lanes - 1)); slot < end && next <= full;
          slot += 4 * s.lanes) {
@@ -100,9 +100,9 @@ static __device__ __noinline__ uint32_t search_memory(const small_room &room, ui
                                                       small_list list) {
   uint16_t sorted[SMALL_CELL_ROOM];
   uint32_t seen = 0;
-  for (uint32_t row = 0; row < PBF_ROWS; ++row) {
+  for (uint32_t run = 0, runs = runs_around(grid, s.place); run < runs; ++run) {
     uint32_t cell, cells;
-    if (!row_around(grid, s.place, row, &cell, &cells)) continue;
+    if (!run_around(grid, s.place, run, &cell, &cells)) continue;
     for (uint32_t end = cell + cells; cell < end; ++cell) {
       const uint16_t *particles = room.cell_list + (size_t)cell * SMALL_CELL_ROOM;
       uint32_t count = listed_in(room, cell, shift);

@@ -56,43 +56,49 @@ static __device__ __forceinline__ void set_position(const small_tile &t, uint32_
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
-/* A particle's cell by its indices, those across the rows folded. */
+/* A particle's cell: its column, and its indices across the rows. Where the domain has more columns
+ * than the grid, they begin anew, and the run around a column at an end is in two pieces: turning
+ * back, as in grid.h, would crowd the cells where it does, and tiles have little room. */
 struct cell_place {
   uint32_t at[PBF_DIM];
 };
 
-static __device__ __forceinline__ bool is_folded(const cell_grid &g, int k) {
-  return k > 0 && g.cells[k] <= (uint32_t)g.last.c[k];
+static __device__ __forceinline__ pbf_real wrap_along(const cell_grid &g, pbf_real x) {
+  pbf_real from = x - g.origin.c[0];
+  return g.turn > 0 ? from - g.turn * floor(from / g.turn) : from;
 }
 
 static __device__ __forceinline__ cell_place place_in(const cell_grid &g, pbf_vec x) {
   cell_place own;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    own.at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
-    if (is_folded(g, k)) own.at[k] %= g.cells[k];
-  }
+  own.at[0] = grid_column(g, wrap_along(g, x.c[0]));
+  for (int k = 1; k < PBF_DIM; ++k) own.at[k] = grid_index(g, k, grid_coordinate(g, k, x.c[k]));
   return own;
 }
 
 static __device__ __forceinline__ uint32_t cell_number(const cell_grid &g, const uint32_t *at) {
-  uint32_t number = 0;
-  for (int k = PBF_DIM - 1; k >= 0; --k) number = number * g.cells[k] + at[k];
-  return number;
+  return grid_row(g, at) + at[0];
 }
 
-/* The cells of row 0 … PBF_ROWS - 1 around `own`, one after the other; false when there are none.
- */
-static __device__ __forceinline__ bool row_around(const cell_grid &g, const cell_place &own,
-                                                  uint32_t row, uint32_t *first, uint32_t *cells) {
-  uint32_t at[PBF_DIM];
+static __device__ __forceinline__ uint32_t runs_around(const cell_grid &g, const cell_place &own) {
+  bool ends = own.at[0] == 0 || own.at[0] + 1 == g.cells[0];
+  return g.turn > 0 && ends ? 2 * PBF_ROWS : PBF_ROWS;
+}
+
+/* The cells of run 0 … runs_around - 1 around `own`, one after the other; false when there are
+ * none. The second pieces come after all rows. */
+static __device__ __forceinline__ bool run_around(const cell_grid &g, const cell_place &own,
+                                                  uint32_t run, uint32_t *first, uint32_t *cells) {
+  uint32_t at[PBF_DIM], row = run % PBF_ROWS;
   at[0] = max(own.at[0], 1u) - 1;
   *cells = min(own.at[0] + 2, g.cells[0]) - at[0];
+  if (run >= PBF_ROWS) {
+    at[0] = own.at[0] == 0 ? g.cells[0] - 1 : 0;
+    *cells = 1;
+  }
   for (int k = 1; k < PBF_DIM; ++k) {
     at[k] = own.at[k] + row % 3 - 1;
     row /= 3;
-    if (at[k] < g.cells[k]) continue;
-    if (!is_folded(g, k)) return false;
-    at[k] = at[k] == g.cells[k] ? 0 : g.cells[k] - 1;
+    if (at[k] >= g.cells[k]) return false;
   }
   *first = cell_number(g, at);
   return true;
@@ -133,15 +139,15 @@ static __device__ __forceinline__ void mark(uint32_t *word, uint32_t bits) {
   if ((*word & bits) != bits) atomicOr(word, bits);
 }
 
-/* Marks the cells around a particle, a row each of its threads at a time. */
+/* Marks the cells around a particle, a run each of its threads at a time. */
 static __device__ __forceinline__ marked_words mark_around(const small_tile &t,
                                                            const cell_grid &grid,
                                                            const cell_place &place, uint32_t lane,
                                                            uint32_t lanes) {
   marked_words words = {~0u, 0};
-  for (uint32_t row = lane; row < PBF_ROWS; row += lanes) {
+  for (uint32_t run = lane, runs = runs_around(grid, place); run < runs; run += lanes) {
     uint32_t first, cells;
-    if (!row_around(grid, place, row, &first, &cells)) continue;
+    if (!run_around(grid, place, run, &first, &cells)) continue;
     unsigned long long bits = ((1ull << cells) - 1) << first % 32;
     mark(t.marks + first / 32, (uint32_t)bits);
     if (bits >> 32) mark(t.marks + first / 32 + 1, (uint32_t)(bits >> 32));
