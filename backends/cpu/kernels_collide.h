@@ -11,4 +11,14 @@ static __attribute__((noinline)) pbf_vec resolve(const pbf_obstacles *o, int car
   return pbf_resolve(&o->walls, pbf_solid_count(o), o->solids, carried, from, x);
 }
 
+/* `met` are those of `all` that its group can meet on its way. Whom one of them pushes off it may
+ * meet others. */
+PBF_FN pbf_vec resolve_met(const pbf_obstacles *all, const pbf_obstacles *met, int carried,
+                           pbf_vec from, pbf_vec x) {
+  pbf_vec after = resolve(met, carried, from, x), kept = pbf_clamp(&all->walls, x);
+  int pushed = 0;
+  for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
+  return pushed && met->count < all->count ? resolve(all, carried, from, x) : after;
+}
+
 #endif

@@ -423,7 +423,7 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
     return;
   }
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved = resolve(&met, 0, lane_value(from, l), lane_value(x, l));
+    pbf_vec resolved = resolve_met(obstacles, &met, 0, lane_value(from, l), lane_value(x, l));
     for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
   }
 }

@@ -45,7 +45,7 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int 
       continue;
     }
     for (uint32_t i = begin; i < end; ++i)
-      field_set(&x, i, resolve(&met, carried, field_at(&from, i), field_at(&x, i)));
+      field_set(&x, i, resolve_met(o, &met, carried, field_at(&from, i), field_at(&x, i)));
   }
 }
 
