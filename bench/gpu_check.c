@@ -1,7 +1,7 @@
 /* Checks and times one backend (default "cuda") through the public API alone, for machines that
  * have a GPU and little else:
  *
- *   gpu_check verify              distance to the float64 reference, every kind of scene
+ *   gpu_check verify [SCENE]      distance to the float64 reference, every kind of scene
  *   gpu_check same                the same bits in two runs, and after saving and loading
  *   gpu_check exercise            every call and stage once, small, for compute-sanitizer
  *   gpu_check time SCENE N [H/D]  report-30k or shallow-dam-break: time, error, plan, stages
@@ -38,7 +38,7 @@ typedef struct scene {
   uint32_t counts[3];
   double first[3], spacing;
   uint32_t collider_count;
-  pbf_collider colliders[4];
+  pbf_collider colliders[PBF_MAX_COLLIDERS];
   double jitter; /* of the lattice, in spacings */
   int all_pairs; /* no neighbour comes or goes in a step's iterations, or no lists are there */
 } scene;
@@ -193,6 +193,24 @@ static void add_colliders(scene *s) {
   s->collider_count = 4;
 }
 
+/* As many as there may be, in and around the fluid, most of them under way. */
+static void add_many_colliders(scene *s) {
+  for (uint32_t k = 0; k < PBF_MAX_COLLIDERS; ++k) {
+    pbf_collider *c = &s->colliders[k];
+    must(pbf_collider_init(c, sizeof *c, k == 0 ? PBF_COLLIDER_PLANE : 1 + k % 3),
+         "pbf_collider_init");
+    for (uint32_t a = 0; a < s->dimension && k > 0; ++a) {
+      double size = s->spacing * s->counts[a];
+      c->position[a] = size * (0.5 + 1.2 * noise(11 * k + a));
+      c->velocity[a] = noise(11 * k + a + 4);
+      c->half_extents[a] = s->spacing * (0.6 + noise(11 * k + a + 8));
+    }
+    c->radius = c->half_length = s->spacing * (0.7 + noise(977 * k));
+    if (k % 4 == 3) c->angular_velocity[2] = 3;
+  }
+  s->collider_count = PBF_MAX_COLLIDERS;
+}
+
 /* Round the whole fluid, which it holds. */
 static void add_container(scene *s, uint32_t shape) {
   pbf_collider *c = &s->colliders[0];
@@ -211,6 +229,8 @@ static void add_container(scene *s, uint32_t shape) {
 }
 
 /* ---- verify -------------------------------------------------------------------------------- */
+
+static const char *only; /* the scene to verify; null: all */
 
 typedef struct distance {
   double rms, max; /* in spacings */
@@ -317,6 +337,7 @@ static void verify_way(const char *name, const scene *s, uint32_t precision, uin
 }
 
 static void verify(const char *name, const scene *s, uint32_t precision, uint32_t steps) {
+  if (only && strcmp(only, name) != 0) return;
   verify_way(name, s, precision, steps, 0);
   if (precision == PBF_FLOAT32 && scene_count(s) < 5000) verify_way(name, s, precision, steps, 1);
 }
@@ -373,6 +394,13 @@ static void verify_all(void) {
       s.params.separation = 1;
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
       verify("wall-density-chebyshev-colliders", &s, precision, 50);
+      s = small_scene(dim);
+      add_many_colliders(&s);
+      verify("many-colliders", &s, precision, 50);
+      s.params.collide |= PBF_COLLIDE_AFTER_PREDICTION;
+      s.params.wall_density = s.params.separation = 1;
+      s.params.solver = PBF_SOLVER_CHEBYSHEV;
+      verify("many-colliders-wall-density", &s, precision, 50);
       for (uint32_t shape = PBF_COLLIDER_SPHERE; shape <= PBF_COLLIDER_BOX; ++shape) {
         s = small_scene(dim);
         add_container(&s, shape);
@@ -636,6 +664,7 @@ int main(int argc, char **argv) {
   const char *command = argc > 1 ? argv[1] : "";
   if (getenv("PBF_CHECK_BACKEND")) backend = getenv("PBF_CHECK_BACKEND");
   if (strcmp(command, "verify") == 0) {
+    only = argc > 2 ? argv[2] : NULL;
     verify_all();
   } else if (strcmp(command, "same") == 0) {
     same_all();
@@ -651,7 +680,8 @@ int main(int argc, char **argv) {
       time_scene(shallow_dam_break(particles, support), precision, particles > 5000000 ? 30 : 150,
                  particles > 5000000 ? 20 : 100);
   } else {
-    fprintf(stderr, "usage: gpu_check verify | same | exercise | time SCENE N [H/D] [f64]\n");
+    fprintf(stderr,
+            "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64]\n");
     return 2;
   }
   return failures != 0;

@@ -47,7 +47,7 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
 
 /* Sums the particles up; sleepers out of reach of the awake pass for free of error. */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
     weigh_kernel(neighborhood n, iteration_extras extras, pbf_coarse grid, deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -59,7 +59,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
   if (i >= n.particles.count) return;
-  if (extras.wall_density) add_walls(c, extras.obstacles, x, &density, &gradient);
+  if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = 1;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);

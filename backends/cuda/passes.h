@@ -29,13 +29,13 @@ struct move_end {
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
  * lets several loads of a thread be under way at once. Colliders need more registers. */
-constexpr int blocks_at_once(bool colliders) {
-  return sizeof(pbf_real) == sizeof(float) ? (colliders ? 4 : 5) : (colliders ? 2 : 4);
+constexpr int blocks_at_once(solids_met any) {
+  return sizeof(pbf_real) == sizeof(float) ? (any ? 4 : 5) : (any ? 2 : 4);
 }
 
-/* SLEEP is EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
+/* SOLIDS and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, solids_met SOLIDS, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
     lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -60,7 +60,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(false))
              [&](const point &other) { sums.add(c, pbf_sub(x, position_of(other))); });
   if (i >= n.particles.count) return;
   pbf_real slack = EXTRAS && PBF_CHEBYSHEV && extras.slack ? extras.slack[i] : 0;
-  pbf_real lambda = sums.lambda(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
+  pbf_real lambda =
+      sums.template lambda<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
                idle ? extras.watch.idle : pbf_excess(slack, sums.density));
@@ -110,9 +111,9 @@ static __device__ __forceinline__ void pass_idle(const iteration_extras &extras,
   store(moved, i, to);
 }
 
-/* From n.particles.points to `moved`. COLLIDERS and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, bool COLLIDERS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
+/* From n.particles.points to `moved`. SOLIDS and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, solids_met SOLIDS, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -149,11 +150,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(COLLIDERS))
   });
   if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
-  if (COLLIDERS && !end.place.first && end.inv_time_step > 0)
+  if (SOLIDS != NO_SOLIDS && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
-  x = sum.template moved<COLLIDERS>(c, extras.obstacles, EXTRAS && extras.wall_density,
-                                    end.collide || (last && end.collide_last), end.inv_time_step,
-                                    own.lambda, predicted, x, &v);
+  x = sum.template moved<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density,
+                                 end.collide + (last && end.collide_last), end.inv_time_step,
+                                 own.lambda, predicted, x, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -181,7 +182,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
   if (i >= n.particles.count) return;
-  if (extras.wall_density) add_walls(c, extras.obstacles, x, &density, &gradient);
+  if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
   slack[i] = pbf_slack(c, density);
 }
 

@@ -33,7 +33,7 @@ static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uin
 
 /* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
  * particles and a barrier, and no lists. Returns the number of the last barrier. */
-template <int FEATURES, bool COLLIDERS>
+template <int FEATURES, solids_met SOLIDS>
 static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
                                                      const small_room &small,
                                                      const general_room &room, uint32_t step,
@@ -42,7 +42,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   const cell_grid grid = scene.table[step].grid;
   uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
   const sorted_particles &p = room.sorted;
-  step_obstacles obstacles = {scene.table[step].walls, COLLIDERS ? scene.solid_count : 0,
+  step_obstacles obstacles = {scene.table[step].walls, SOLIDS ? scene.solid_count : 0,
                               scene.solids + step * scene.solid_count};
   prediction predict = {forces_at(scene, scene.table[step]), obstacles,
                         scene.collide_after_prediction};
@@ -52,7 +52,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    count_particle<COLLIDERS, false>(from, predict, grid, p.cell_start, room.scratch, i);
+    count_particle<SOLIDS, false>(from, predict, grid, p.cell_start, room.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   scan_by_first_block(p.cell_start, grid.count + 1);
   grid_barrier(&small.control->general, ++turn);
@@ -60,7 +60,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
     scatter_particle(from, p.cell_start, room.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    place_particle<COLLIDERS, false>(from, predict, room.scratch, p, i);
+    place_particle<SOLIDS, false>(from, predict, room.scratch, p, i);
   grid_barrier(&small.control->general, ++turn);
   point *points = p.points, *moved = room.moved[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
@@ -71,7 +71,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       lambda_sums<FEATURES> sums;
       walk_cells(p, grid, i,
                  [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
-      pbf_real lambda = sums.lambda(c, obstacles, scene.wall_density, 0, x);
+      pbf_real lambda = sums.template lambda<SOLIDS>(c, obstacles, scene.wall_density, 0, x);
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -91,9 +91,9 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       });
       pbf_vec predicted = position_of(load(p.points, i));
       pbf_vec v = p.velocities[i];
-      x = sum.template moved<COLLIDERS>(
+      x = sum.template moved<SOLIDS>(
           c, obstacles, scene.wall_density,
-          scene.collide_in_iteration || (last && scene.collide_after_solve), scene.inv_time_step,
+          scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step,
           own.lambda, predicted, x, &v);
       p.velocities[i] = v;
       point to = point_at(x);

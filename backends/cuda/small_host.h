@@ -247,10 +247,10 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
     general_room general = general_room_of(s);
     with_features(s->schedule.features, [&](auto features) {
       constexpr int FEATURES = decltype(features)::value;
-      auto kernel = scene.solid_count ? small_kernel<FEATURES, true, true>
+      auto kernel = scene.solid_count ? small_kernel<FEATURES, true, FEW_SOLIDS>
                     : scene.accelerated || scene.wall_density
-                        ? small_kernel<FEATURES, true, false>
-                        : small_kernel<FEATURES, false, false>;
+                        ? small_kernel<FEATURES, true, NO_SOLIDS>
+                        : small_kernel<FEATURES, false, NO_SOLIDS>;
       status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
                                "small_kernel", scene, room, general);
     });
@@ -267,8 +267,8 @@ static pbf_status small_allow_shared(const solver *s) {
       with_features(k, [&](auto features) {
         constexpr int FEATURES = decltype(features)::value;
         for (auto kernel :
-             {small_kernel<FEATURES, false, false>, small_kernel<FEATURES, true, false>,
-              small_kernel<FEATURES, true, true>})
+             {small_kernel<FEATURES, false, NO_SOLIDS>, small_kernel<FEATURES, true, NO_SOLIDS>,
+              small_kernel<FEATURES, true, FEW_SOLIDS>})
           if (status == PBF_OK)
             status = pbf_cuda_check(
                 cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,

@@ -178,10 +178,10 @@ static __device__ __forceinline__ void find_neighbors(const small_tile &tile,
   __syncthreads();
 }
 
-/* Without EXTRAS for scenes without acceleration and wall density, without COLLIDERS, which are
+/* Without EXTRAS for scenes without acceleration and wall density, without SOLIDS, which are
  * EXTRAS, too, for those without colliders: these take registers.
  * The numbers of passes begin at 1: 0 is that of no pass. */
-template <int FEATURES, bool EXTRAS, bool COLLIDERS>
+template <int FEATURES, bool EXTRAS, solids_met SOLIDS>
 static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
                  const __grid_constant__ general_room general) {
@@ -216,11 +216,11 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
     const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
-    step_obstacles obstacles = {table[step].walls, COLLIDERS ? scene.solid_count : 0,
+    step_obstacles obstacles = {table[step].walls, SOLIDS ? scene.solid_count : 0,
                                 scene.solids + step * scene.solid_count};
     const pbf_forces forces = forces_at(scene, table[step]);
     pbf_vec y = pbf_predict(&forces, x, v);
-    if (scene.collide_after_prediction) y = resolve<COLLIDERS>(obstacles, 1, x, y);
+    if (scene.collide_after_prediction) y = resolve<SOLIDS>(obstacles, 1, x, y);
     const small_search look = {place_in(grid, y), y, i, me.lane, me.lanes, c->h2};
     const uint32_t cell = cell_number(grid, look.place.at);
     uint32_t cells =
@@ -249,7 +249,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         lambda_sums<FEATURES> sums = pairs.meet(near, y, c, &now, pass);
         __syncwarp();
         sum_lanes(&sums, me.lanes);
-        lambda = sums.lambda(c, obstacles, wall_density, 0, y);
+        lambda = sums.template lambda<SOLIDS>(c, obstacles, wall_density, 0, y);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
@@ -277,9 +277,9 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         pairs.move(near, y, lambda, &now, pass);
         __syncwarp();
         sum_lanes(pairs.sum.sum.c, me.lanes);
-        y = pairs.sum.template moved<COLLIDERS>(
+        y = pairs.sum.template moved<SOLIDS>(
             c, obstacles, wall_density,
-            scene.collide_in_iteration || (last && scene.collide_after_solve), scene.inv_time_step,
+            scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step,
             lambda, x, y, &v);
       }
       if (last) continue;
@@ -295,7 +295,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
       }
-      general_turn = general_step<FEATURES, COLLIDERS>(scene, room, general, step, general_turn);
+      general_turn = general_step<FEATURES, SOLIDS>(scene, room, general, step, general_turn);
       if (me.leads) forget(room.exchange, i);
       if (me.real) {
         point own = load(scene.points, i);

@@ -47,8 +47,8 @@ static __device__ __forceinline__ pbf_real full_density(const neighborhood &n,
   pbf_real density = density_at<FEATURES>(n, i, neighbors);
   pbf_vec gradient = {{0}};
   if (extras.wall_density)
-    add_walls(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)), &density,
-              &gradient);
+    add_walls<FEW_SOLIDS>(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)),
+                          &density, &gradient);
   return density;
 }
 

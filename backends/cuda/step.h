@@ -25,8 +25,8 @@ static inline uint32_t launches_of(pbf_stage stage) {
   }
 }
 
-static inline bool has_colliders(const solver *s) {
-  return (PBF_BUILT & PBF_FEATURE_COLLIDERS) && s->collider_count > 0;
+static inline solids_met solids_of(const solver *s) {
+  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? solids_of(s->collider_count) : NO_SOLIDS;
 }
 
 /* Predicts and counts the particles of each cell. */
@@ -36,9 +36,14 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
           cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
           "cudaMemsetAsync"))
     return status;
-  auto kernel = has_colliders(s) ? predict_kernel<true, false> : predict_kernel<false, false>;
+  solids_met met = solids_of(s);
+  auto kernel = met == MANY_SOLIDS  ? predict_kernel<MANY_SOLIDS, false>
+                : met == FEW_SOLIDS ? predict_kernel<FEW_SOLIDS, false>
+                                    : predict_kernel<NO_SOLIDS, false>;
   if constexpr (PBF_SLEEP)
-    if (from.unrest) kernel = predict_kernel<true, true>;
+    if (from.unrest)
+      kernel =
+          met == MANY_SOLIDS ? predict_kernel<MANY_SOLIDS, true> : predict_kernel<FEW_SOLIDS, true>;
   kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
                                                             scratch_of(s));
   return PBF_OK;
@@ -52,9 +57,13 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
           pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
-  auto place = has_colliders(s) ? place_kernel<true, false> : place_kernel<false, false>;
+  solids_met met = solids_of(s);
+  auto place = met == MANY_SOLIDS  ? place_kernel<MANY_SOLIDS, false>
+               : met == FEW_SOLIDS ? place_kernel<FEW_SOLIDS, false>
+                                   : place_kernel<NO_SOLIDS, false>;
   if constexpr (PBF_SLEEP)
-    if (from.unrest) place = place_kernel<true, true>;
+    if (from.unrest)
+      place = met == MANY_SOLIDS ? place_kernel<MANY_SOLIDS, true> : place_kernel<FEW_SOLIDS, true>;
   place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
 }
@@ -94,9 +103,14 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    auto kernel = has_extras(s) ? lambda_kernel<F, true, false> : lambda_kernel<F, false, false>;
+    bool many = solids_of(s) == MANY_SOLIDS;
+    auto kernel = many            ? lambda_kernel<F, true, MANY_SOLIDS, false>
+                  : has_extras(s) ? lambda_kernel<F, true, FEW_SOLIDS, false>
+                                  : lambda_kernel<F, false, FEW_SOLIDS, false>;
     if constexpr (PBF_SLEEP)
-      if (s->unrest) kernel = lambda_kernel<F, true, true>;
+      if (s->unrest)
+        kernel = many ? lambda_kernel<F, true, MANY_SOLIDS, true>
+                      : lambda_kernel<F, true, FEW_SOLIDS, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
   });
 }
@@ -106,11 +120,15 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   uint32_t blocks = blocks_for(s->count);
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    auto kernel = has_colliders(s) ? move_kernel<F, true, true, false>
-                  : has_extras(s)  ? move_kernel<F, true, false, false>
-                                   : move_kernel<F, false, false, false>;
+    solids_met met = solids_of(s);
+    auto kernel = met == MANY_SOLIDS  ? move_kernel<F, true, MANY_SOLIDS, false>
+                  : met == FEW_SOLIDS ? move_kernel<F, true, FEW_SOLIDS, false>
+                  : has_extras(s)     ? move_kernel<F, true, NO_SOLIDS, false>
+                                      : move_kernel<F, false, NO_SOLIDS, false>;
     if constexpr (PBF_SLEEP)
-      if (s->unrest) kernel = move_kernel<F, true, true, true>;
+      if (s->unrest)
+        kernel = met == MANY_SOLIDS ? move_kernel<F, true, MANY_SOLIDS, true>
+                                    : move_kernel<F, true, FEW_SOLIDS, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }

@@ -76,11 +76,6 @@ struct iteration_extras {
   sleep_pass rest;
 };
 
-static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,
-                                                 pbf_vec x, pbf_real *density, pbf_vec *gradient) {
-  pbf_add_walls(c, &o.walls, o.count, o.solids, x, density, gradient);
-}
-
 /* V W, and V grad W over x_i - x_j in units of pbf_slope_scale. */
 struct pair_terms {
   pbf_real value, slope;
@@ -105,13 +100,14 @@ struct lambda_sums {
   }
 
   /* The particle itself is part of its density. */
+  template <solids_met SOLIDS>
   __device__ __forceinline__ pbf_real lambda(const pbf_constants *c, const step_obstacles &o,
                                              bool wall_density, pbf_real slack, pbf_vec x) {
     pbf_real scale = pbf_slope_scale(FEATURES, c);
     density = density * c->value_scale + c->value_scale;
     slope2 = slope2 * scale * scale;
     for (int k = 0; k < PBF_DIM; ++k) gradient.c[k] *= scale;
-    if (wall_density) add_walls(c, o, x, &density, &gradient);
+    if (wall_density) add_walls<SOLIDS>(c, o, x, &density, &gradient);
     return pbf_lambda(c, slack, density, slope2, gradient);
   }
 };
@@ -129,25 +125,29 @@ struct move_sum {
     sum = pbf_add_scaled(sum, lambdas * pair.slope, x_ij);
   }
 
-  /* From x, and the velocity with it; `predicted` counts where there are colliders. */
-  template <bool COLLIDERS>
+  /* From x, and the velocity with it; `predicted` counts where there are colliders. These are
+   * resolved `collisions` times: what one of them pushes another may push again. */
+  template <solids_met SOLIDS>
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
-                                           bool wall_density, bool collide, pbf_real inv_time_step,
-                                           pbf_real lambda, pbf_vec predicted, pbf_vec x,
-                                           pbf_vec *velocity) {
+                                           bool wall_density, int collisions,
+                                           pbf_real inv_time_step, pbf_real lambda,
+                                           pbf_vec predicted, pbf_vec x, pbf_vec *velocity) {
     for (int k = 0; k < PBF_DIM; ++k) sum.c[k] *= pbf_slope_scale(FEATURES, c);
     if (wall_density) {
       pbf_real density = 0;
       pbf_vec from_walls = {{0}};
-      add_walls(c, o, x, &density, &from_walls);
+      add_walls<SOLIDS>(c, o, x, &density, &from_walls);
       sum = pbf_add_scaled(sum, lambda, from_walls);
     }
     pbf_vec y = pbf_move(c, x, sum);
     *velocity = pbf_push(c, inv_time_step, *velocity, sum);
-    if (!collide) return y;
-    pbf_vec after = resolve<COLLIDERS>(o, 0, predicted, y);
-    *velocity = pbf_velocity(inv_time_step, *velocity, y, after);
-    return after;
+    if (SOLIDS == NO_SOLIDS) collisions = collisions > 0; /* walls push once */
+    for (; collisions > 0; --collisions) {
+      pbf_vec after = resolve<SOLIDS>(o, 0, predicted, y);
+      *velocity = pbf_velocity(inv_time_step, *velocity, y, after);
+      y = after;
+    }
+    return y;
   }
 };
 

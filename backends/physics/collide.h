@@ -262,17 +262,18 @@ PBF_FN pbf_vec pbf_hold(const pbf_walls *walls, const pbf_solid *s, pbf_vec x) {
   return pbf_add_scaled(x, pbf_bounce(walls, -distance) - distance, normal);
 }
 
-/* The way of a particle from `from` to x; with `carried` obstacles have moved since it was there,
- * in the prediction, and otherwise not. Walls last: whatever a collider does, the domain holds. */
+/* The way of a particle from `from` to x past one collider; with `carried` it has moved since the
+ * particle was there, in the prediction, and otherwise not. */
+PBF_FN pbf_vec pbf_resolve_one(const pbf_walls *walls, const pbf_solid *s, int carried,
+                               pbf_vec from, pbf_vec x) {
+  if (s->bound == (pbf_real)INFINITY) return pbf_hold(walls, s, x);
+  return pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
+}
+
+/* The same past all obstacles. Walls last: whatever a collider does, the domain holds. */
 PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, int carried,
                            pbf_vec from, pbf_vec x) {
-  for (int k = 0; k < count; ++k) {
-    const pbf_solid *s = &solids[k];
-    if (s->bound == (pbf_real)INFINITY)
-      x = pbf_hold(walls, s, x);
-    else
-      x = pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
-  }
+  for (int k = 0; k < count; ++k) x = pbf_resolve_one(walls, &solids[k], carried, from, x);
   return pbf_clamp(walls, x);
 }
 

@@ -206,10 +206,7 @@ PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pb
   return s->half_extents.c[row] + pbf_dot(pbf_sub(x, s->center), *normal);
 }
 
-/* Adds what all walls of the domain and all colliders lend. */
-PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
-                          const pbf_solid *solids, pbf_vec x, pbf_real *density,
-                          pbf_vec *gradient) {
+PBF_FN pbf_lent pbf_lent_by_walls(const pbf_constants *c, const pbf_walls *walls, pbf_vec x) {
   pbf_lent lent = {0, 0, {{0}}, {{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_vec axis = {{0}};
@@ -218,19 +215,36 @@ PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int co
     value += pbf_wall(c, walls->upper.c[k] - x.c[k], &fall);
     pbf_join_wall(c, value, rise - fall, axis, &lent);
   }
-  for (int k = 0; k < count; ++k) {
-    if (pbf_solid_beyond(&solids[k], x, c->h - c->wall_offset)) continue;
-    int planes = pbf_lending_planes(&solids[k]);
-    for (int plane = 0; plane < planes; ++plane) {
-      pbf_vec normal;
-      pbf_real slope, distance = pbf_plane_distance(&solids[k], plane, planes, x, &normal);
-      pbf_real value = pbf_wall(c, distance, &slope);
-      pbf_join_wall(c, value, slope, normal, &lent);
-    }
+  return lent;
+}
+
+/* From where on obstacles lend nothing. */
+PBF_FN pbf_real pbf_lending_reach(const pbf_constants *c) { return c->h - c->wall_offset; }
+
+PBF_FN void pbf_join_solid(const pbf_constants *c, const pbf_solid *s, pbf_vec x, pbf_lent *lent) {
+  if (pbf_solid_beyond(s, x, pbf_lending_reach(c))) return;
+  int planes = pbf_lending_planes(s);
+  for (int plane = 0; plane < planes; ++plane) {
+    pbf_vec normal;
+    pbf_real slope, distance = pbf_plane_distance(s, plane, planes, x, &normal);
+    pbf_real value = pbf_wall(c, distance, &slope);
+    pbf_join_wall(c, value, slope, normal, lent);
   }
-  *density += lent.shared + lent.own;
-  *gradient = pbf_add_scaled(*gradient, 1, lent.shared_gradient);
-  *gradient = pbf_add_scaled(*gradient, 1, lent.own_gradient);
+}
+
+PBF_FN void pbf_add_lent(const pbf_lent *lent, pbf_real *density, pbf_vec *gradient) {
+  *density += lent->shared + lent->own;
+  *gradient = pbf_add_scaled(*gradient, 1, lent->shared_gradient);
+  *gradient = pbf_add_scaled(*gradient, 1, lent->own_gradient);
+}
+
+/* Adds what all walls of the domain and all colliders lend. */
+PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
+                          const pbf_solid *solids, pbf_vec x, pbf_real *density,
+                          pbf_vec *gradient) {
+  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
+  for (int k = 0; k < count; ++k) pbf_join_solid(c, &solids[k], x, &lent);
+  pbf_add_lent(&lent, density, gradient);
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is
