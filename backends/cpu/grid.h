@@ -7,16 +7,18 @@
 #include <math.h>
 
 #include "cpu/field.h"
+#include "physics/fold.h"
 
 /* Everything along axes is in the grid's own order of them: along rows first. */
 typedef struct grid {
   int axis[PBF_DIM]; /* which of the particles' axes */
   pbf_real lower[PBF_DIM];
   pbf_real inv_width[PBF_DIM];
-  pbf_real last[PBF_DIM]; /* index of the last cell along each axis */
-  uint32_t cells[PBF_DIM];
-  uint32_t rows[PBF_DIM]; /* across rows: cells after folding; one further on shares that before */
-  uint32_t reach;         /* cells along a row that h can span */
+  pbf_real last[PBF_DIM];   /* index of the last cell along each axis */
+  uint32_t cells[PBF_DIM];  /* along rows those stored, else those that there are */
+  uint32_t stride[PBF_DIM]; /* row = (stride[1] * index + stride[2] * index) & row_mask */
+  uint32_t row_mask;
+  uint32_t reach; /* cells along a row that h can span */
   uint32_t total;
   pbf_real far; /* an x out of everybody's reach */
 } grid;
@@ -29,21 +31,6 @@ enum { GRID_CELLS_PER_H = 2 };
 PBF_FN double grid_width(double h, double extent, int parts) {
   double epsilon = sizeof(pbf_real) == sizeof(float) ? FLT_EPSILON : DBL_EPSILON;
   return (h + 4 * epsilon * extent) / parts;
-}
-
-static inline void grid_fold(grid *g, double cells[PBF_DIM], uint64_t limit) {
-  double total = 1;
-  for (int k = 0; k < PBF_DIM; ++k) total *= cells[k];
-  for (;;) {
-    int longest = PBF_DIM - 1;
-    for (int k = 1; k < PBF_DIM; ++k)
-      if (cells[k] > cells[longest]) longest = k;
-    if (total <= (double)limit || cells[longest] <= 3) break;
-    total /= cells[longest];
-    cells[longest] = fmax(3, ceil(cells[longest] / 2));
-    total *= cells[longest];
-  }
-  for (int k = 1; k < PBF_DIM; ++k) g->rows[k] = (uint32_t)cells[k];
 }
 
 /* The last axis is the longest: what lies between two cuts through the numbering then has the least
@@ -76,18 +63,30 @@ PBF_FN field grid_field(const int axis[PBF_DIM], field a) {
   return b;
 }
 
-/* A grid of at most `limit` cells (100 or more) around the box low … high. In a box too large for
- * that, rows far apart share their cells, and then cells get longer: both cost distance tests and
- * lose no pair. */
+/* Rows one after the other along axis 1, then along axis 2; folded along axis 2, then along 1. */
+static inline void grid_number_rows(grid *g, const pbf_fold *stored) {
+  g->stride[0] = 0;
+  g->stride[1] = 1;
+  if (PBF_DIM == 3) g->stride[PBF_DIM - 1] = g->cells[1];
+  g->row_mask = UINT32_MAX;
+  if (!stored->rows_fold) return;
+  g->row_mask = (uint32_t)stored->rows - 1;
+  if (PBF_DIM == 3) g->stride[1] = pbf_fold_stride(stored->rows);
+  g->stride[PBF_DIM - 1] = 1;
+}
+
+/* A grid of at most `limit` cells (100 or more) around the box low … high. Where that has more,
+ * cells get longer along rows, up to h, or it is folded (physics/fold.h). */
 static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
                                uint64_t limit) {
   const pbf_vec lower = grid_vec(axis, low), upper = grid_vec(axis, high);
   grid g = {0};
-  double cells[PBF_DIM], row = 1;
+  double cells[PBF_DIM], widths[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
     double extent = fmax((double)upper.c[k] - (double)lower.c[k], 0);
     double width = grid_width(h, extent, k ? 1 : GRID_CELLS_PER_H);
     cells[k] = fmin(floor(extent / width) + 1, 1 << 30);
+    widths[k] = k ? cells[k] : ceil(cells[k] / GRID_CELLS_PER_H);
     g.axis[k] = axis[k];
     g.lower[k] = lower.c[k];
     g.inv_width[k] = (pbf_real)(1 / width);
@@ -96,15 +95,16 @@ static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec hig
   }
   g.far = (pbf_real)((double)high.c[0] + 4 * ((double)high.c[0] - (double)low.c[0] + h));
   g.reach = GRID_CELLS_PER_H;
-  grid_fold(&g, cells, limit);
-  for (int k = 1; k < PBF_DIM; ++k) row *= g.rows[k];
-  if (cells[0] * row > (double)limit) {
-    double most = floor((double)limit / row);
-    g.inv_width[0] *= (pbf_real)(most / (cells[0] + 1));
-    g.cells[0] = (uint32_t)most;
-    g.last[0] = (pbf_real)(most - 1);
+  const pbf_fold stored = pbf_fold_of((double)limit, GRID_CELLS_PER_H, widths);
+  if (stored.columns < cells[0]) {
+    g.cells[0] = (uint32_t)stored.columns;
+    if (!stored.turns) {
+      g.inv_width[0] *= (pbf_real)(stored.columns / (cells[0] + 1));
+      g.last[0] = (pbf_real)(stored.columns - 1);
+    }
   }
-  g.total = (uint32_t)(g.cells[0] * row);
+  grid_number_rows(&g, &stored);
+  g.total = g.cells[0] * (uint32_t)stored.rows;
   return g;
 }
 
@@ -116,19 +116,25 @@ PBF_FN uint32_t grid_index(const grid *g, int axis, pbf_real x) {
 }
 
 PBF_FN int grid_is_folded(const grid *g) {
-  int folded = 0;
-  for (int k = 1; k < PBF_DIM; ++k) folded |= g->rows[k] < g->cells[k];
-  return folded;
+  return g->row_mask != UINT32_MAX || (pbf_real)g->cells[0] <= g->last[0];
+}
+
+/* Row of the indices across rows. */
+PBF_FN uint32_t grid_row(const grid *g, const uint32_t at[PBF_DIM]) {
+  uint32_t row = 0;
+  for (int k = 1; k < PBF_DIM; ++k) row += g->stride[k] * at[k];
+  return row & g->row_mask;
 }
 
 /* Cell of a position in the grid's order. */
 PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int folded) {
-  uint32_t row = 0;
-  for (int k = PBF_DIM - 1; k > 0; --k) {
-    uint32_t index = grid_index(g, k, x.c[k]);
-    row = row * g->rows[k] + (folded ? index % g->rows[k] : index);
+  uint32_t at[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) at[k] = grid_index(g, k, x.c[k]);
+  if (folded) {
+    at[0] %= 2 * g->cells[0];
+    if (at[0] >= g->cells[0]) at[0] = 2 * g->cells[0] - 1 - at[0];
   }
-  return row * g->cells[0] + grid_index(g, 0, x.c[0]);
+  return grid_row(g, at) * g->cells[0] + at[0];
 }
 
 /* The rows around a row, itself in the middle, each once; opposite ones are equally far from the
@@ -139,15 +145,14 @@ enum { GRID_ROWS_AROUND = PBF_DIM == 3 ? 9 : 3 };
 
 static inline uint32_t grid_row_around(const grid *g, uint32_t row, int number) {
   const int step[3] = {0, number % 3 - 1, PBF_DIM == 3 ? number / 3 - 1 : 0};
-  const uint32_t at[3] = {0, row % g->rows[1], row / g->rows[1]};
-  uint32_t found = 0;
-  for (int k = PBF_DIM - 1; k > 0; --k) {
-    int64_t n = g->rows[k], c = (int64_t)at[k] + step[k];
-    if (g->rows[k] < g->cells[k]) c = (c + n) % n;
-    if (c < 0 || c >= n) return GRID_NO_ROW;
-    found = found * g->rows[k] + (uint32_t)c;
+  uint32_t at[PBF_DIM], folded = g->row_mask != UINT32_MAX;
+  for (int k = 1; k < PBF_DIM; ++k) {
+    at[k] = (folded ? 0 : row % g->cells[k]) + (uint32_t)step[k];
+    row /= folded ? 1 : g->cells[k];
+    if (!folded && at[k] >= g->cells[k]) return GRID_NO_ROW;
   }
-  return found;
+  if (folded) at[PBF_DIM - 1] += row; /* whose stride is 1 */
+  return grid_row(g, at);
 }
 
 #endif

@@ -3,13 +3,7 @@
  * Cells are h wide across the rows (y, z) and finer along them (x), numbered along x first, so that
  * the cells of one row around a particle are one contiguous run of sorted particles. The grid
  * covers the domain; what lies outside counts to the border cells, which keeps every pair of
- * neighbours in neighbouring cells.
- *
- * A domain with too many cells is folded, and parts of it share cells, which costs distance tests
- * and loses no pair. Rows are counted modulo a power of two, in an order that keeps the rows around
- * any place apart: one after the other along z, and 0.618 of all on along y (Fibonacci hashing;
- * Knuth, The Art of Computer Programming 3, 6.4). Along x the numbering turns back at either end,
- * as a carpenter's rule does: then neighbours still are in one contiguous run. */
+ * neighbours in neighbouring cells. A domain with too many cells is folded (physics/fold.h). */
 #ifndef PBF_CUDA_GRID_H
 #define PBF_CUDA_GRID_H
 
@@ -17,6 +11,7 @@
 #include <stdint.h>
 
 #include "physics/collide.h"
+#include "physics/fold.h"
 #include "physics/scalar.h"
 
 /* Rows around a particle's own, itself included. */
@@ -46,47 +41,7 @@ static inline double grid_margin(double cells) {
   return 1 + 1e-4 + 8 * epsilon * cells;
 }
 
-/* Largest power of two up to `limit`. */
-static inline double grid_power_below(double limit) { return exp2(floor(log2(limit))); }
-
-/* Steps in y count as so many rows, modulo that power of two. Rows that share a number are y and z
- * apart: among all strides, and from 2,048 rows on those near 0.618 of the rows, these keep the
- * least y * z largest, a quarter to a third of the rows. So blocks, columns and puddles all spread.
- */
-static inline uint32_t grid_fold_stride(double rows) {
-  static const uint32_t strides[] = {19,     47,      75,      149,     275,     1191,   2539,
-                                     4991,   10155,   20223,   40521,   80929,   161991, 323982,
-                                     648053, 1296106, 2592211, 5184422, 10368903};
-  return strides[(int)log2(rows) - 6];
-}
-
-enum { GRID_MOST_ROWS = 1 << 24 }; /* if folded; no fewer than 64, as there are 1,024 cells of h */
-
-/* What is stored of a domain. */
-struct grid_storage {
-  double columns, rows;
-  bool turns, rows_fold; /* fewer columns, fewer rows than the domain has */
-};
-
-/* Given the domain's cells of one width. What is folded gets about a cube's sides, in 3D up to four
- * times as many columns: fluid falls, and then spreads. A side that the domain has less of leaves
- * its room to the other. */
-static inline grid_storage grid_store(double limit, double finest, const double full[PBF_DIM]) {
-  double rows = 1;
-  for (int k = 1; k < PBF_DIM; ++k) rows *= full[k];
-  if (rows * full[0] <= limit)
-    return {fmin(finest * full[0], floor(limit / rows)), rows, false, false};
-  double face = pow(limit / finest, 1 - 1.0 / PBF_DIM);
-  double few = grid_power_below(PBF_DIM == 3 ? face : 1.42 * face);
-  double columns = fmin(finest * full[0], floor(limit / fmin(rows, few)));
-  bool turns = columns < finest * full[0];
-  if (rows <= few) return {columns, rows, turns, false};
-  double kept = grid_power_below(fmin(limit / columns, GRID_MOST_ROWS));
-  return {columns, kept, turns, true};
-}
-
-/* Of up to `limit` cells, `finest` times 1,024 or more, and up to `finest` of them in h along the
- * rows. */
+/* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
 static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit, double finest) {
   enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
@@ -101,7 +56,7 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
   double row_width = fmax(reach * grid_margin(0), most * h / MOST_CELLS);
   g.row_width = (pbf_real)row_width;
   for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
-  grid_storage stored = grid_store(limit, finest, full);
+  const pbf_fold stored = pbf_fold_of(limit, finest, full);
   double width = stored.turns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
   for (int k = 0; k < PBF_DIM; ++k) {
     g.origin.c[k] = walls->lower.c[k];
@@ -111,7 +66,7 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
   }
   g.turn = stored.turns ? (pbf_real)(stored.columns * width) : 0;
   g.stride[0] = 0;
-  g.stride[1] = PBF_DIM == 3 && stored.rows_fold ? grid_fold_stride(stored.rows) : 1;
+  g.stride[1] = PBF_DIM == 3 && stored.rows_fold ? pbf_fold_stride(stored.rows) : 1;
   if (PBF_DIM == 3) g.stride[PBF_DIM - 1] = stored.rows_fold ? 1 : g.cells[1];
   g.row_mask = stored.rows_fold ? (uint32_t)stored.rows - 1 : ~0u;
   g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
