@@ -255,8 +255,8 @@ static outcome step_once(worker *w, double time, int sorted) {
   w->forces = pbf_forces_of(&s->params, time);
   const double end = time + s->params.time_step;
   place_obstacles(s, end, &w->obstacles);
-  w->constants.most_change = s->constants.most_change *
-                             pbf_part_of_change(&s->params, s->count, s->schedule.least_room, end);
+  w->constants.most_change =
+      s->constants.most_change * pbf_part_of_change(&s->params, s->count, &s->schedule, end);
   w->key = &w->b.spare[0];
   w->sorted_key = &w->b.spare[2];
   w->other = &w->b.spare[1];

@@ -135,7 +135,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
 static void bounded_step(solver *s, double time) {
   const pbf_real most = s->constants.most_change;
   s->constants.most_change *=
-      pbf_part_of_change(&s->params, s->count, s->schedule.least_room, time + s->params.time_step);
+      pbf_part_of_change(&s->params, s->count, &s->schedule, time + s->params.time_step);
   solver_step(s, time);
   s->constants.most_change = most;
 }
