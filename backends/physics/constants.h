@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "physics/depth.h"
 #include "physics/derive.h"
 #include "physics/real.h"
 
@@ -63,11 +64,10 @@ static inline double pbf_slack_of(const pbf_params *params) {
  * n iterations leave g H dt² / (4 n d²) under a depth H (depth.h), which is at most the domain's,
  * and twice that where the fluid moves. Under 144 layers it would be squeezed ever more. */
 static inline double pbf_most_undone_of(const pbf_params *params, double slack) {
-  double head = 0, d = pbf_derive_spacing(params);
+  double head = 0, dt = params->time_step;
   for (int k = 0; k < PBF_DIM; ++k)
     head += fabs(params->gravity[k]) * (params->domain_max[k] - params->domain_min[k]);
-  double left =
-      head * params->time_step * params->time_step / (4 * fmax(params->iterations, 1) * d * d);
+  double left = pbf_depth_error(params, head * dt * dt);
   return slack > 0 ? fmax(0.002 * (1 - slack) / slack, 2 * left) : 1e30;
 }
 
