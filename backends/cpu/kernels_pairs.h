@@ -2,41 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
-#include "cpu/blocks.h"
-#include "cpu/kernels_collide.h"
-
-typedef struct lane_vec {
-  lane c[PBF_DIM];
-} lane_vec;
-
-typedef struct table_vec {
-  table c[PBF_DIM];
-} table_vec;
-
-PBF_FN lane_vec lane_vec_zero(void) {
-  lane_vec a;
-  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_set(0);
-  return a;
-}
-
-PBF_FN lane_vec lane_vec_load(const field *f, uint32_t i) {
-  lane_vec a;
-  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_load(f->c[k] + i);
-  return a;
-}
-
-PBF_FN table_vec table_vec_of(const field *f, const block *b, pbf_real nobody) {
-  table_vec t;
-  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : nobody);
-  return t;
-}
-
-/* a - table[p] */
-PBF_FN lane_vec lane_vec_minus(const lane_vec *a, const table_vec *t, place p) {
-  lane_vec d;
-  for (int k = 0; k < PBF_DIM; ++k) d.c[k] = a->c[k] - table_at(&t->c[k], p);
-  return d;
-}
+#include "cpu/kernels_walls.h"
 
 /* A pair in each lane: particle i, and the one at a place in the block's windows. */
 typedef struct pair_lanes {
@@ -45,12 +11,6 @@ typedef struct pair_lanes {
   lane r2;
 } pair_lanes;
 
-PBF_FN lane lane_vec_dot(const lane_vec *a, const lane_vec *b) {
-  lane sum = a->c[0] * b->c[0];
-  for (int k = 1; k < PBF_DIM; ++k) sum = lane_fma(a->c[k], b->c[k], sum);
-  return sum;
-}
-
 PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
                                const table_vec *x_of) {
   pair_lanes p;
@@ -58,27 +18,6 @@ PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_v
   p.x_ij = lane_vec_minus(x, x_of, p.j);
   p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
   return p;
-}
-
-PBF_FN void lane_vec_add_scaled(lane_vec *a, lane s, const lane_vec *b) {
-  for (int k = 0; k < PBF_DIM; ++k) a->c[k] = lane_fma(s, b->c[k], a->c[k]);
-}
-
-/* The lanes' values, one after another. */
-typedef struct lane_values {
-  _Alignas(64) pbf_real c[PBF_DIM][WIDTH];
-} lane_values;
-
-PBF_FN lane_values lane_vec_values(const lane_vec *a) {
-  lane_values v;
-  for (int k = 0; k < PBF_DIM; ++k) lane_store(v.c[k], a->c[k]);
-  return v;
-}
-
-PBF_FN pbf_vec lane_value(const lane_values *v, uint32_t l) {
-  pbf_vec a;
-  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = v->c[k][l];
-  return a;
 }
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
@@ -93,160 +32,6 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 }
 
 /* ---- Density constraint -------------------------------------------------------------------- */
-
-/* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
- * all. */
-PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
-                               pbf_real distances[WIDTH]) {
-  pbf_real least = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real nearest =
-        pbf_real_min(x->c[0][l] - o->walls.lower.c[0], o->walls.upper.c[0] - x->c[0][l]);
-    for (int k = 1; k < PBF_DIM; ++k) {
-      nearest = pbf_real_min(nearest, x->c[k][l] - o->walls.lower.c[k]);
-      nearest = pbf_real_min(nearest, o->walls.upper.c[k] - x->c[k][l]);
-    }
-    distances[l] = nearest;
-  }
-  for (uint32_t l = 0; l < WIDTH; ++l)
-    least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
-  return least;
-}
-
-/* Beyond this distance no wall lends density; with room for rounding. */
-PBF_FN pbf_real wall_reach(const pbf_constants *c) {
-  return (pbf_real)1.001 * (c->h - c->wall_offset);
-}
-
-/* Somebody may be; of colliders nothing is known. */
-PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
-                          pbf_real distances[WIDTH]) {
-  return pbf_solid_count(o) || wall_distances(o, x, distances) < wall_reach(c);
-}
-
-/* What walls lend, in all lanes. */
-typedef struct lane_walls {
-  _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
-} lane_walls;
-
-/* Adds what the wall at these distances lends, whose normal has this sign; 0: nobody is near. */
-static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH], pbf_real sign,
-                          lane_walls *walls) {
-  _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH], g1[WIDTH];
-  _Alignas(64) int nodes[WIDTH];
-  const pbf_real reach = wall_reach(c), last = PBF_WALL_LAST;
-  int near = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) near |= distances[l] < reach;
-  if (!near) return 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real t = pbf_wall_place(c, distances[l]), within = pbf_real_max(t, 0);
-    lends[l] = t < last ? 1 : 0;
-    s[l] = pbf_real_min(within, last);
-  }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    nodes[l] = (int)pbf_real_min(s[l], last - 1);
-    s[l] -= nodes[l];
-  }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    v0[l] = c->wall_value[nodes[l]];
-    v1[l] = c->wall_value[nodes[l] + 1];
-    g0[l] = c->wall_slope[nodes[l]];
-    g1[l] = c->wall_slope[nodes[l] + 1];
-  }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real slope, value = pbf_wall_between(c, s[l], v0[l], v1[l], g0[l], g1[l], &slope);
-    walls->value[l] += lends[l] * value;
-    walls->slope[l] += sign * lends[l] * slope;
-  }
-  return 1;
-}
-
-/* Adds what the walls of an axis lend for themselves, and leaves what they share. */
-PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real densities[WIDTH],
-                          pbf_real slopes[WIDTH]) {
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real rate, share = pbf_wall_share(c, walls->value[l], &rate);
-    densities[l] += walls->value[l] - share;
-    slopes[l] += (1 - rate) * walls->slope[l];
-    walls->value[l] = share;
-    walls->slope[l] *= rate;
-  }
-}
-
-/* pbf_add_walls where there are no colliders, in all lanes. */
-static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
-                                                      const pbf_walls *walls, const lane_values *x,
-                                                      pbf_real densities[WIDTH],
-                                                      lane_values *gradients) {
-  _Alignas(64) pbf_real lent[WIDTH] = {0};
-  lane_values slopes = {{{0}}};
-  for (int k = 0; k < PBF_DIM; ++k) {
-    _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
-    lane_walls along = {{0}, {0}};
-    for (uint32_t l = 0; l < WIDTH; ++l) below[l] = x->c[k][l] - walls->lower.c[k];
-    for (uint32_t l = 0; l < WIDTH; ++l) above[l] = walls->upper.c[k] - x->c[k][l];
-    int near = add_wall_lanes(c, below, 1, &along);
-    near |= add_wall_lanes(c, above, -1, &along);
-    if (near) keep_own_part(c, &along, densities, gradients->c[k]);
-    for (int j = 0; j < PBF_DIM && near; ++j)
-      for (uint32_t l = 0; l < WIDTH; ++l)
-        slopes.c[j][l] =
-            pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, lent[l], slopes.c[j][l]);
-    for (uint32_t l = 0; l < WIDTH && near; ++l) lent[l] = pbf_join_value(along.value[l], lent[l]);
-  }
-  for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l];
-  for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += slopes.c[k][l];
-}
-
-/* Of a group's particles, on their way from `from`. */
-static __attribute__((noinline)) swarm swarm_of_group(const lane_values *from,
-                                                      const lane_values *x) {
-  pbf_vec lower = lane_value(x, 0), upper = lower;
-  pbf_real way2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t l = 0; l < WIDTH; ++l) {
-      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(x->c[k][l], from->c[k][l]));
-      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(x->c[k][l], from->c[k][l]));
-    }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec way = pbf_sub(lane_value(x, l), lane_value(from, l));
-    way2 = pbf_real_max(way2, pbf_dot(way, way));
-  }
-  return swarm_between(lower, upper, pbf_real_sqrt(way2));
-}
-
-PBF_FN int solids_lend(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x) {
-  pbf_vec normal;
-  for (int k = 0; k < o->count; ++k)
-    if (!(pbf_solid_distance(&o->solids[k], x, &normal) > wall_reach(c))) return 1;
-  return 0;
-}
-
-static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
-                                                const lane_values *x, pbf_real densities[WIDTH],
-                                                lane_values *gradients) {
-  if (!pbf_solid_count(o)) {
-    add_plain_walls(c, &o->walls, x, densities, gradients);
-    return;
-  }
-  pbf_obstacles near;
-  const swarm these = swarm_of_group(x, x);
-  pbf_real distances[WIDTH];
-  if (!obstacles_within(o, &these, wall_reach(c), &near)) {
-    if (wall_distances(&near, x, distances) < wall_reach(c))
-      add_plain_walls(c, &o->walls, x, densities, gradients);
-    return;
-  }
-  wall_distances(&near, x, distances);
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    if (!(distances[l] < wall_reach(c)) && !solids_lend(c, &near, lane_value(x, l))) continue;
-    pbf_vec gradient = lane_value(gradients, l);
-    pbf_add_walls(c, &near.walls, near.count, near.solids, lane_value(x, l), &densities[l],
-                  &gradient);
-    for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
-  }
-}
 
 /* Lambda of one group from its sums. */
 PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
