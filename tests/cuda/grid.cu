@@ -12,34 +12,16 @@ extern "C" {
 #include <vector>
 
 #include "cuda/grid.h"
+#include "support/domains.h"
+#include "support/random.h"
 
 namespace {
 
 enum { PAIRS = 20000 };
 
-struct domain {
-  double lower[3], size[3];
-};
-
-/* With h = 1: within the limits, thin along each axis, folded along each, along all, and far from
- * the origin. */
-const domain DOMAINS[] = {
-    {{0, 0, 0}, {0, 0, 0}},           {{-3, 2, 1}, {7.3, 5.9, 4.1}},
-    {{0, 0, 0}, {3000, 4, 3}},        {{0, 0, 0}, {3, 4000, 4}},
-    {{0, 0, 0}, {3, 4, 3000}},        {{0, 0, 0}, {60, 60, 60}},
-    {{-50, 0, -50}, {100, 100, 100}}, {{0, 0, 0}, {100, 3, 100}},
-    {{0, 0, 0}, {1, 3000, 3000}},     {{-1e4, 0, -1e4}, {2e4, 1e3, 2e4}},
-    {{5e5, -5e5, 5e5}, {80, 90, 70}}, {{0, 0, 0}, {1e5, 1e5, 1e5}},
-};
-
 const uint32_t CELLS_OF_H[] = {1024, 1500, 16024, 31024, 70000, 1000000};
 
-double random_in(uint64_t *state, double low, double high) {
-  *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-  return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
-cell_grid grid_of(const domain &d, uint32_t limit, double finest) {
+cell_grid grid_of(const test_domain &d, uint32_t limit, double finest) {
   pbf_walls walls = {};
   for (int k = 0; k < PBF_DIM; ++k) {
     walls.lower.c[k] = (pbf_real)d.lower[k];
@@ -50,14 +32,14 @@ cell_grid grid_of(const domain &d, uint32_t limit, double finest) {
 
 template <class Visit>
 void each_grid(Visit visit) {
-  for (const domain &d : DOMAINS)
+  for (const test_domain &d : TEST_DOMAINS)
     for (uint32_t cells : CELLS_OF_H)
       for (uint32_t finest : {1, (int)PBF_FINEST})
         visit(d, grid_of(d, cells * finest, finest), cells * finest);
 }
 
 /* Somewhere in the domain; often near its ends, beyond them, or where the numbering turns back. */
-pbf_vec random_place(uint64_t *state, const domain &d, const cell_grid &g) {
+pbf_vec random_place(uint64_t *state, const test_domain &d, const cell_grid &g) {
   pbf_vec x;
   for (int k = 0; k < PBF_DIM; ++k) {
     double kind = random_in(state, 0, 1), at = random_in(state, 0, d.size[k]);
@@ -93,7 +75,7 @@ int rows_with(uint32_t cell, Reach reach) {
 
 void neighbors_are_in_one_row_around(void **) {
   uint64_t state = 1;
-  each_grid([&](const domain &d, const cell_grid &g, uint32_t) {
+  each_grid([&](const test_domain &d, const cell_grid &g, uint32_t) {
     for (int k = 0; k < PAIRS / 20; ++k) {
       pbf_vec x = random_place(&state, d, g), y = random_neighbor(&state, x);
       uint32_t own = grid_cell(g, x), other = grid_cell(g, y);
@@ -111,7 +93,7 @@ void neighbors_are_in_one_row_around(void **) {
 /* No candidate is met twice. */
 void rows_are_apart(void **) {
   uint64_t state = 2;
-  each_grid([&](const domain &d, const cell_grid &g, uint32_t) {
+  each_grid([&](const test_domain &d, const cell_grid &g, uint32_t) {
     for (int k = 0; k < PAIRS / 100; ++k) {
       uint32_t own = grid_cell(g, random_place(&state, d, g)), first[PBF_ROWS], last[PBF_ROWS];
       int rows = 0;
@@ -125,7 +107,7 @@ void rows_are_apart(void **) {
 
 void cells_are_within_the_limit(void **) {
   uint64_t state = 3;
-  each_grid([&](const domain &d, const cell_grid &g, uint32_t limit) {
+  each_grid([&](const test_domain &d, const cell_grid &g, uint32_t limit) {
     assert_in_range(g.count, 1, limit);
     for (int k = 0; k < PAIRS / 100; ++k) {
       pbf_vec x = random_place(&state, d, g);

@@ -4,37 +4,20 @@
 #include "support.h"
 
 #include "cpu/grid.h"
+#include "support/domains.h"
+#include "support/random.h"
 
 enum { PAIRS = 500 };
 
-typedef struct sizes {
-  double low[3], size[3];
-} sizes;
-
-/* With h = 1: within the limits, thin along each axis, folded along each, along all, and far from
- * the origin. */
-static const sizes boxes[] = {
-    {{0, 0, 0}, {0, 0, 0}},           {{-3, 2, 1}, {7.3, 5.9, 4.1}},
-    {{0, 0, 0}, {3000, 4, 3}},        {{0, 0, 0}, {3, 4000, 4}},
-    {{0, 0, 0}, {3, 4, 3000}},        {{0, 0, 0}, {60, 60, 60}},
-    {{-50, 0, -50}, {100, 100, 100}}, {{0, 0, 0}, {100, 3, 100}},
-    {{0, 0, 0}, {1, 3000, 3000}},     {{-1e4, 0, -1e4}, {2e4, 1e3, 2e4}},
-    {{5e5, -5e5, 5e5}, {80, 90, 70}}, {{0, 0, 0}, {1e5, 1e5, 1e5}},
-};
 static const uint64_t limits[] = {100, 1026, 2048, 60000, 1000000};
 
-static double random_in(uint64_t *state, double low, double high) {
-  *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-  return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
-static grid grid_of(const sizes *b, uint64_t limit) {
+static grid grid_of(const test_domain *b, uint64_t limit) {
   int axis[PBF_DIM];
   pbf_vec low, high;
   grid_axes(b->size, axis);
   for (int k = 0; k < PBF_DIM; ++k) {
-    low.c[k] = b->low[k];
-    high.c[k] = b->low[k] + b->size[k];
+    low.c[k] = b->lower[k];
+    high.c[k] = b->lower[k] + b->size[k];
   }
   return grid_around(axis, low, high, 1, limit);
 }
@@ -44,7 +27,7 @@ static uint32_t cell_of(const grid *g, pbf_vec x) {
 }
 
 /* In the box or, often, at an end of it or where the numbering of columns turns back. */
-static pbf_vec random_place(uint64_t *state, const sizes *b, const grid *g) {
+static pbf_vec random_place(uint64_t *state, const test_domain *b, const grid *g) {
   double turn = (double)g->cells[0] / g->inv_width[0];
   pbf_vec x;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -52,7 +35,7 @@ static pbf_vec random_place(uint64_t *state, const sizes *b, const grid *g) {
     if (kind < 0.2) at = kind < 0.1 ? 0 : b->size[k];
     if (kind < 0.4 && k == g->axis[0]) at = turn * floor(at / turn + 0.5);
     if (kind < 0.4) at += random_in(state, -1.5, 1.5);
-    x.c[k] = b->low[k] + at;
+    x.c[k] = b->lower[k] + at;
   }
   return x;
 }
@@ -80,12 +63,12 @@ static int rows_with(const grid *g, uint32_t from, uint32_t cell) {
 static void neighbors_are_in_one_row_around(void **unused) {
   uint64_t state = 1;
   (void)unused;
-  for (size_t b = 0; b < sizeof boxes / sizeof *boxes; ++b)
+  for (size_t b = 0; b < sizeof TEST_DOMAINS / sizeof *TEST_DOMAINS; ++b)
     for (size_t l = 0; l < sizeof limits / sizeof *limits; ++l) {
-      grid g = grid_of(&boxes[b], limits[l]);
+      grid g = grid_of(&TEST_DOMAINS[b], limits[l]);
       assert_in_range(g.total, 1, limits[l]);
       for (int k = 0; k < PAIRS; ++k) {
-        pbf_vec x = random_place(&state, &boxes[b], &g), y = random_neighbor(&state, x);
+        pbf_vec x = random_place(&state, &TEST_DOMAINS[b], &g), y = random_neighbor(&state, x);
         uint32_t own = cell_of(&g, x), other = cell_of(&g, y);
         assert_true(own < g.total && other < g.total);
         assert_int_equal(rows_with(&g, own, other), 1);
@@ -96,11 +79,11 @@ static void neighbors_are_in_one_row_around(void **unused) {
 static void rows_around_are_different_ones(void **unused) {
   uint64_t state = 2;
   (void)unused;
-  for (size_t b = 0; b < sizeof boxes / sizeof *boxes; ++b)
+  for (size_t b = 0; b < sizeof TEST_DOMAINS / sizeof *TEST_DOMAINS; ++b)
     for (size_t l = 0; l < sizeof limits / sizeof *limits; ++l) {
-      grid g = grid_of(&boxes[b], limits[l]);
+      grid g = grid_of(&TEST_DOMAINS[b], limits[l]);
       for (int k = 0; k < PAIRS / 10; ++k) {
-        uint32_t row = cell_of(&g, random_place(&state, &boxes[b], &g)) / g.cells[0];
+        uint32_t row = cell_of(&g, random_place(&state, &TEST_DOMAINS[b], &g)) / g.cells[0];
         for (int one = 0; one < GRID_ROWS_AROUND; ++one)
           for (int two = 0; two < one; ++two)
             if (grid_row_around(&g, row, one) != GRID_NO_ROW)
@@ -115,7 +98,7 @@ static void a_drop_far_away_crowds_nobody(void **unused) {
   static uint32_t count[LIMIT];
   (void)unused;
   for (double size = 100; size < 2e5; size *= 3) {
-    sizes box = {{0, 0, 0}, {2 * size, size, 3 * size}};
+    test_domain box = {{0, 0, 0}, {2 * size, size, 3 * size}};
     grid g = grid_of(&box, LIMIT);
     double sum = 0, places = 0;
     memset(count, 0, sizeof count);

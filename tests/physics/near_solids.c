@@ -3,13 +3,9 @@
 #include "support.h"
 
 #include "cpu/near_solids.h"
+#include "support/random.h"
 
 enum { SCENES = 20000, PARTICLES = 6 };
-
-static double random_in(uint64_t *state, double low, double high) {
-  *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-  return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
 
 static pbf_vec random_vec(uint64_t *state, double size) {
   pbf_vec a;
