@@ -73,24 +73,25 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
 }
 
 /* Adds what the walls of an axis lend for themselves, and leaves what they share. */
-PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real densities[WIDTH],
-                          pbf_real slopes[WIDTH]) {
+PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real own[WIDTH],
+                          pbf_real own_slopes[WIDTH]) {
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_real rate, share = pbf_wall_share(c, walls->value[l], &rate);
-    densities[l] += walls->value[l] - share;
-    slopes[l] += (1 - rate) * walls->slope[l];
+    own[l] += walls->value[l] - share;
+    own_slopes[l] += (1 - rate) * walls->slope[l];
     walls->value[l] = share;
     walls->slope[l] *= rate;
   }
 }
 
-/* pbf_add_walls where there are no colliders, in all lanes. */
+/* pbf_add_walls where there are no colliders, in all lanes and to the bit: whether a group asks
+ * colliders must not be seen in its densities, as lanes that nobody has have a say in it. */
 static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
                                                       const pbf_walls *walls, const lane_values *x,
                                                       pbf_real densities[WIDTH],
                                                       lane_values *gradients) {
-  _Alignas(64) pbf_real lent[WIDTH] = {0};
-  lane_values slopes = {{{0}}};
+  _Alignas(64) pbf_real lent[WIDTH] = {0}, own[WIDTH] = {0};
+  lane_values slopes = {{{0}}}, own_slopes = {{{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
     _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
     lane_walls along = {{0}, {0}};
@@ -98,16 +99,17 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
     for (uint32_t l = 0; l < WIDTH; ++l) above[l] = walls->upper.c[k] - x->c[k][l];
     int near = add_wall_lanes(c, below, 1, &along);
     near |= add_wall_lanes(c, above, -1, &along);
-    if (near) keep_own_part(c, &along, densities, gradients->c[k]);
+    if (near) keep_own_part(c, &along, own, own_slopes.c[k]);
     for (int j = 0; j < PBF_DIM && near; ++j)
       for (uint32_t l = 0; l < WIDTH; ++l)
         slopes.c[j][l] =
             pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, lent[l], slopes.c[j][l]);
     for (uint32_t l = 0; l < WIDTH && near; ++l) lent[l] = pbf_join_value(along.value[l], lent[l]);
   }
-  for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l];
+  for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l] + own[l];
   for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += slopes.c[k][l];
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      gradients->c[k][l] = gradients->c[k][l] + slopes.c[k][l] + own_slopes.c[k][l];
 }
 
 /* Of a group's particles, on their way from `from`. */

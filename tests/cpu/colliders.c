@@ -109,7 +109,49 @@ static void many_in_3d(void **state) {
   compare(3);
 }
 
+/* A crowd in a corner, deep in its walls, where these lend each for itself too. */
+static pbf_solver *crowd_in_corner(uint32_t dimension, uint32_t precision, uint64_t seed,
+                                   double collider_at) {
+  enum { CROWD = 6 };
+  uint64_t random = seed;
+  double x[CROWD * 3], v[CROWD * 3] = {0};
+  pbf_collider collider;
+  pbf_params params;
+  assert_ok(pbf_params_init(&params, sizeof params));
+  params.prestabilization = 0;
+  params.iterations = 1;
+  for (uint32_t k = 0; k < 3; ++k) params.domain_max[k] = 100 * spacing;
+  for (uint32_t i = 0; i < CROWD * dimension; ++i) x[i] = between(&random, 0, 2 * spacing);
+  assert_ok(pbf_collider_init(&collider, sizeof collider, PBF_COLLIDER_SPHERE));
+  collider.radius = 0.1 * spacing;
+  for (uint32_t k = 0; k < dimension; ++k) collider.position[k] = k == 0 ? collider_at : spacing;
+  pbf_desc desc = cpu_desc("serial", dimension, precision, CROWD, 1);
+  pbf_solver *s = test_create(&desc, &params);
+  assert_ok(pbf_set_colliders(s, 1, &collider));
+  cpu_add(s, precision, dimension, CROWD, x, v);
+  assert_ok(pbf_step(s, 1));
+  return s;
+}
+
+/* The one is near enough to be asked about, but not to anybody; the other is not asked about. */
+static void one_near_nobody(uint32_t dimension, uint32_t precision) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    pbf_solver *near = crowd_in_corner(dimension, precision, seed, 4.2 * spacing);
+    pbf_solver *far = crowd_in_corner(dimension, precision, seed, 90 * spacing);
+    assert_true(cpu_difference(near, far, PBF_FIELD_POSITION) == 0);
+    assert_true(cpu_difference(near, far, PBF_FIELD_DENSITY) == 0);
+    pbf_destroy(near);
+    pbf_destroy(far);
+  }
+}
+
+static void one_that_meets_nobody(void **state) {
+  (void)state;
+  test_for_each_kind(one_near_nobody);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(many_in_2d), cmocka_unit_test(many_in_3d)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(many_in_2d), cmocka_unit_test(many_in_3d),
+                                     cmocka_unit_test(one_that_meets_nobody)};
   return TEST_RUN(tests);
 }
