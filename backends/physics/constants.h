@@ -36,6 +36,7 @@ typedef struct pbf_constants {
   pbf_real most_undone; /* … and what it undoes of it at most, see pbf_slack */
   pbf_real wall_offset;
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
+  pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with */
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
@@ -151,17 +152,19 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
   c->scorr_k = (pbf_real)fmin(c->scorr_step, left);
 }
 
-/* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), yet with
- * f's own slope the first layer of a fluid at rest is not held half a spacing off, see
- * pbf_wall_steepness: a tank ten layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the
- * value at that layer: the same density, s times the slope, still the gradient of a potential.
- * Nearer than that layer it goes on in a straight line: up to 4 at contact would throw
- * particles about. */
+/* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), and with
+ * f's own slope the first layer of a fluid at rest is not held half a spacing off: a tank ten
+ * layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the value at that layer and s from
+ * pbf_derive_wall: with it, what walls lend is within a few thousandths what the fluid mirrored in
+ * them would on average, in motion too. Where that is thrice f0 a straight line begins, before
+ * which mirrors have their own largest slope: without end it would throw particles about. */
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
                                  const pbf_derived *derived) {
   enum { LAST = PBF_WALL_NODES - 1 };
-  const double e = 1e-3, steep = derived->wall_steepness;
+  const double e = 1e-3, steep = derived->wall_steepness, most = 3;
+  double at = 1;
   const uint32_t kernel = params->kernel;
+  c->wall_push = (pbf_real)(LAST / derived->h * derived->wall_push);
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
@@ -171,8 +174,9 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   double f0 = pbf_half_space(kernel, PBF_DIM, first), scale = f0 * params->wall_density;
   c->wall_rest = (pbf_real)scale;
   c->wall_inv_rest = (pbf_real)(scale > 0 ? 1 / scale : 0);
-  for (int k = 0; k < LAST; ++k) {
-    double t = (double)k / LAST, at = fmax(t, first - 1.0 / LAST);
+  for (int k = LAST - 1; k >= 0; --k) {
+    double t = (double)k / LAST;
+    if (pow(pbf_half_space(kernel, PBF_DIM, t) / f0, steep) <= most) at = t;
     double f = pbf_half_space(kernel, PBF_DIM, at) / f0;
     double above = pbf_half_space(kernel, PBF_DIM, at + e) / f0;
     double below = pbf_half_space(kernel, PBF_DIM, at - e) / f0;

@@ -27,7 +27,7 @@ typedef struct pbf_derived {
   double pressure;    /* of a lattice for lambda = -1 and a time step of 1, over rest density */
   double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
                          at */
-  double wall_steepness;
+  double wall_steepness, wall_push; /* see pbf_derive_wall */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -205,25 +205,41 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
   return low * h - 0.5 * d;
 }
 
-/* The same layer is pressed against the wall by the lattice's other layers, with lambda_i +
- * lambda_j = 2 for lambda = 1; the wall pushes back with its own gradient once. By how much steeper
- * than the half-space's the wall's density has to be for a balance: about 2. */
-static inline double pbf_wall_steepness(uint32_t kernel, uint32_t dimension, double h, double d,
-                                        double volume, double offset) {
-  const double e = 1e-3, t = (0.5 * d + offset) / h;
-  double force = 0;
+/* Where a wall mirrors the fluid, a particle of a lattice's first layer that moves alone towards it
+ * changes its density by `rate`: with its distances from the others' images, and twice as fast with
+ * that from its own. And its neighbours and the images push it with lambda_i + lambda_j, 2 for
+ * lambda = 1, so that it takes `force` to hold it against those inside. That is more than `rate`,
+ * which is all that its own constraint gives: the rest is from the neighbours' constraints. */
+static inline void pbf_wall_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
+                                    double volume, double *rate, double *force) {
+  const double e = 1e-3;
   int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
+  *rate = *force = 0;
   for (int k = -nz; k <= nz; ++k)
     for (int j = 1; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
-        double r = d * sqrt((double)(i * i + j * j + k * k));
-        force += 2 * volume * pbf_norm_slope(kernel, dimension, h) *
-                 pbf_shape_slope(kernel, r / h) * j * d / r;
+        double r = d * sqrt((double)(i * i + j * j + k * k)), q = r / h;
+        double along = volume * j * d / r, own = i == 0 && j == 1 && k == 0 ? 2 : 1;
+        *rate += own * along * pbf_norm_value(kernel, dimension, h) *
+                 (pbf_shape_value(kernel, q - e) - pbf_shape_value(kernel, q + e)) / (2 * e * h);
+        *force += 2 * along * pbf_norm_slope(kernel, dimension, h) * pbf_shape_slope(kernel, q);
       }
+}
+
+/* So the density that walls lend has that rate at the first layer, and they push with its slope
+ * times wall_push, which balances a lattice but for a thirtieth: balanced in full, a sheet of a few
+ * layers between walls stays a lattice, which hardly flows. */
+static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_derived *d) {
+  const double e = 1e-3, share = 0.965;
+  double rate, force;
+  d->wall_offset = pbf_wall_offset(kernel, dimension, d->h, d->spacing, d->volume);
+  pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, &rate, &force);
+  double t = (0.5 * d->spacing + d->wall_offset) / d->h;
   double slope =
       (pbf_half_space(kernel, dimension, t - e) - pbf_half_space(kernel, dimension, t + e)) /
-      (2 * e * h);
-  return fmin(fmax(force / slope, 1), 4);
+      (2 * e * d->h);
+  d->wall_steepness = fmin(fmax(rate / slope, 1), 4);
+  d->wall_push = fmin(fmax(share * force / slope, 1), 4) / d->wall_steepness;
 }
 
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
@@ -240,10 +256,7 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.pressure = d.volume * sums.pull;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
-  if (params->wall_density > 0) {
-    d.wall_offset = pbf_wall_offset(kernel, dimension, h, d.spacing, d.volume);
-    d.wall_steepness = pbf_wall_steepness(kernel, dimension, h, d.spacing, d.volume, d.wall_offset);
-  }
+  if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, &d);
   d.epsilon = params->epsilon / (h * h);
   d.omega = params->relaxation > 0
                 ? params->relaxation

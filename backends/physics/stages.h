@@ -135,12 +135,12 @@ PBF_FN pbf_real pbf_wall_place(const pbf_constants *c, pbf_real distance) {
 }
 
 /* Density that the wall lends at the part s of the way between two nodes with these values and
- * slopes, and its derivative. */
+ * slopes, and the slope that it pushes with, wall_push times the derivative. */
 PBF_FN pbf_real pbf_wall_between(const pbf_constants *c, pbf_real s, pbf_real v0, pbf_real v1,
                                  pbf_real g0, pbf_real g1, pbf_real *slope) {
   pbf_real s2 = s * s, rise = v1 - v0;
-  *slope = PBF_WALL_LAST * c->inv_h *
-           (g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1);
+  *slope =
+      c->wall_push * (g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1);
   return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
 }
 
