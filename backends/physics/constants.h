@@ -155,9 +155,9 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
 /* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), and with
  * f's own slope the first layer of a fluid at rest is not held half a spacing off: a tank ten
  * layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the value at that layer and s from
- * pbf_derive_wall: with it, what walls lend is within a few thousandths what the fluid mirrored in
- * them would on average, in motion too. Where that is thrice f0 a straight line begins, before
- * which mirrors have their own largest slope: without end it would throw particles about. */
+ * pbf_derive_wall: with it, what walls lend is to about a hundredth what the fluid mirrored in them
+ * would on average, in motion too. Where that is thrice f0 it goes on in a straight line: the power
+ * would throw particles about at contact. */
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
                                  const pbf_derived *derived) {
   enum { LAST = PBF_WALL_NODES - 1 };
