@@ -22,6 +22,18 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
 }
 
+/* As the loops want them; 0 when one is lacking. The quad before the first particle's is nobody's.
+ */
+static int take_quads(solver *s) {
+  for (int k = 0; k < 2 && s->kernels->pack; ++k) {
+    pbf_real *base = pbf_memory_take(&s->memory, k ? "quads of lambda" : "quads",
+                                     4 * padded(s->capacity), sizeof *base);
+    if (!base) return 0;
+    s->quads[k] = base + 4 * FIELD_FRONT;
+  }
+  return 1;
+}
+
 /* What the threads need to share their work out; 0 when one is lacking. */
 static int take_pieces(solver *s) {
   pbf_memory *m = &s->memory;
@@ -59,7 +71,7 @@ static int take_arrays(solver *s) {
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  return s->memory.count == 16 && take_pieces(s);
+  return s->memory.count == 16 && take_quads(s) && take_pieces(s);
 }
 
 typedef struct clearing {

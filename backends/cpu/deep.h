@@ -24,7 +24,7 @@ static void weigh_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range all = piece_sorted(w, piece);
-  find_densities(w, piece, w->b.spare[2], s->lambda);
+  find_densities(w, piece, w->b.spare[2], s->quads[0], s->lambda);
   for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
        r = idle_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = 1;
@@ -47,6 +47,7 @@ static void carry_piece(void *context, uint32_t piece) {
        r = awake_particles(w, r.last, all.last))
     s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.spare[2], w->b.spare[3], r.first,
                       r.last);
+  fill_quads(s, 0, &w->b.spare[2], NULL, all);
 }
 
 /* What the weight presses together is undone. */

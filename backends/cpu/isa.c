@@ -17,12 +17,20 @@ const char *cpu_isa_name(cpu_isa isa) {
   return names[isa];
 }
 
+#if defined(__x86_64__)
+/* Without it the same bytes are another instruction. */
+static int has_lzcnt(void) {
+  unsigned int a, b, c, d;
+  return __get_cpuid(0x80000001u, &a, &b, &c, &d) && c & bit_LZCNT;
+}
+#endif
+
 static int has(cpu_isa isa) {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   if (isa == CPU_AVX2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt();
   if (isa == CPU_AVX512)
     return has(CPU_AVX2) && __builtin_cpu_supports("avx512f") &&
            __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&

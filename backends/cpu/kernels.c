@@ -12,6 +12,9 @@ const kernels PBF_VARIANT_API = {
     .bounds = bounds,
     .cells = cells,
     .collide = collide,
+#ifdef LANES_QUADS
+    .pack = pack,
+#endif
     .search = search_groups,
     .lambda = lambda,
     .move = move,

@@ -57,6 +57,7 @@ typedef struct pair_pass {
   int features;
   lists lists;
   field x;                    /* sorted */
+  const pbf_real *quads;      /* as pack makes them, of x and what move looks up */
   const pbf_obstacles *walls; /* that lend density; null: none do */
   const pbf_real *slack;      /* null: none */
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
@@ -96,6 +97,10 @@ typedef struct kernels {
                 uint32_t *lowest, uint32_t *highest);
   void (*collide)(const pbf_obstacles *obstacles, pbf_real inv_time_step, field predicted, field x,
                   field velocity, uint32_t first, uint32_t last);
+
+  /* x of each particle and, unless null, a number of it: the quads of neighbors.h. Null: loops over
+   * pairs read no quads. */
+  void (*pack)(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last);
 
   /* Groups first … last - 1 of sorted particles. */
   list_size (*search)(const search *s, uint32_t first, uint32_t last, room *space);

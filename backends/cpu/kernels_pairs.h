@@ -3,22 +3,7 @@
 #define PBF_CPU_KERNELS_PAIRS_H
 
 #include "cpu/kernels_walls.h"
-
-/* A pair in each lane: particle i, and the one at a place in the block's windows. */
-typedef struct pair_lanes {
-  place j;
-  lane_vec x_ij;
-  lane r2;
-} pair_lanes;
-
-PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
-                               const table_vec *x_of) {
-  pair_lanes p;
-  p.j = place_of(b->first, slots_of_bytes(list));
-  p.x_ij = lane_vec_minus(x, x_of, p.j);
-  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
-  return p;
-}
+#include "cpu/neighbors.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
 PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
@@ -82,17 +67,17 @@ PBF_FN void add_density(const int features, const pbf_constants *c, density_sums
 
 /* Here and in move_sum the next round's distances are begun before the present one's terms: their
  * latency is the longest. */
-PBF_FN density_sums density_of(const int features, const pbf_constants *c, const lists *n,
-                               const field *f, const lane_vec *x, uint32_t g) {
+PBF_FN density_sums density_of(const int features, const pbf_constants *c, const pair_pass *p,
+                               const lane_vec *x, uint32_t g) {
   density_sums sums = {lane_set(c->value_scale), lane_set(0), lane_vec_zero()};
   uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(n, g); w.left;) {
+  for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
-    const table_vec x_of = table_vec_of(f, b, n->far);
+    const neighbor_table around = neighbors_in(b, p, NULL);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    pair_lanes now = pairs_listed(b, list, x, &x_of);
+    pair_lanes now = pairs_listed(b, list, x, &around);
     while ((list += WIDTH) < end) {
-      const pair_lanes next = pairs_listed(b, list, x, &x_of);
+      const pair_lanes next = pairs_listed(b, list, x, &around);
       add_density(features, c, &sums, &now);
       now = next;
     }
@@ -104,10 +89,9 @@ PBF_FN density_sums density_of(const int features, const pbf_constants *c, const
 PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
                           uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
-  const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    density_sums sums = density_of(features, &c, &n, &p->x, &x, g);
+    density_sums sums = density_of(features, &c, p, &x, g);
     lane_values gradients = lane_vec_values(&sums.gradient);
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
@@ -141,24 +125,23 @@ PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, 
 }
 
 /* Sum of eq. 12 or 14 for the particles of one group. */
-PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const lists *n, const field *f,
+PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const pair_pass *p,
                          const pbf_real *lambda, uint32_t g) {
-  const lane_vec x = lane_vec_load(f, g * WIDTH);
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
   const lane lambda_i = lane_load(lambda + g * WIDTH);
   lane_vec sum = lane_vec_zero();
   uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(n, g); w.left;) {
+  for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
-    const table_vec x_of = table_vec_of(f, b, n->far);
-    const table lambda_of = table_of(lambda, b->first, 0);
+    const neighbor_table around = neighbors_in(b, p, lambda);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    pair_lanes now = pairs_listed(b, list, &x, &x_of);
+    pair_lanes now = pairs_listed(b, list, &x, &around);
     while ((list += WIDTH) < end) {
-      const pair_lanes next = pairs_listed(b, list, &x, &x_of);
-      add_move(features, c, &sum, lambda_i + table_at(&lambda_of, now.j), &now);
+      const pair_lanes next = pairs_listed(b, list, &x, &around);
+      add_move(features, c, &sum, lambda_i + number_of(&around, &now), &now);
       now = next;
     }
-    add_move(features, c, &sum, lambda_i + table_at(&lambda_of, now.j), &now);
+    add_move(features, c, &sum, lambda_i + number_of(&around, &now), &now);
   }
   return sum;
 }
@@ -236,16 +219,15 @@ PBF_FN void push_group(const pbf_constants *c, const move_pass *m, const lane_va
 PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass *m, uint32_t first,
                         uint32_t last) {
   const pbf_constants c = *p->constants;
-  const lists n = p->lists;
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     const lane_values xs = lane_vec_values(&x);
-    lane_vec sum = move_sum(features, &c, &n, &p->x, m->lambda, g);
+    lane_vec sum = move_sum(features, &c, p, m->lambda, g);
     lane_values sums = lane_vec_values(&sum);
     if (lending_walls(p)) add_walls_to_change(p, m->lambda, g, &sums);
     const lane_values moved = moved_group(&c, &xs, &sums);
     lane_values after = moved;
-    uint32_t lanes = lanes_in_group(&n, g);
+    uint32_t lanes = lanes_in_group(&p->lists, g);
     if (m->collide && pbf_solid_count(m->obstacles)) {
       const lane_vec start = lane_vec_load(&m->predicted, g * WIDTH);
       const lane_values starts = lane_vec_values(&start);
@@ -307,16 +289,16 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
     memset(&curls, 0, sizeof curls);
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
-      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const neighbor_table around = neighbors_in(b, p, NULL);
       const table_vec v_of = table_vec_of(&v, b, 0);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
         lane value, slope;
-        place j = place_of(b->first, slots_of_bytes(list));
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, j), v_ij = lane_vec_minus(&v_i, &v_of, j), v_ji;
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        lane_vec v_ij = lane_vec_minus(&v_i, &v_of, pair.j), v_ji;
         for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = -v_ij.c[a];
-        lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
-        add_curls(&curls, slope, &x_ij, &v_ji);
+        lanes_kernel(features, &c, pair.r2, &value, &slope);
+        add_curls(&curls, slope, &pair.x_ij, &v_ji);
       }
     }
     for (int k = 0; k < PBF_CURL_DIM; ++k)
@@ -344,15 +326,14 @@ PBF_FN void confine_groups(const int features, const pair_pass *p,
     lane_vec eta = lane_vec_zero();
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
-      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const neighbor_table around = neighbors_in(b, p, NULL);
       const table size_of = table_of(size, b->first, 0);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
         lane value, slope;
-        place j = place_of(b->first, slots_of_bytes(list));
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, j);
-        lanes_kernel(features, &c, lane_vec_dot(&x_ij, &x_ij), &value, &slope);
-        lane_vec_add_scaled(&eta, table_at(&size_of, j) * slope, &x_ij);
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        lanes_kernel(features, &c, pair.r2, &value, &slope);
+        lane_vec_add_scaled(&eta, table_at(&size_of, pair.j) * slope, &pair.x_ij);
       }
     }
     lane_values etas = lane_vec_values(&eta);
@@ -384,13 +365,13 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
     lane weight = lane_set(0);
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
-      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const neighbor_table around = neighbors_in(b, p, NULL);
       const table_vec v_of = table_vec_of(&v, b, 0);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
-        place j = place_of(b->first, slots_of_bytes(list));
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, j), v_ij = lane_vec_minus(&v_i, &v_of, j);
-        lane value = lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        const lane_vec v_ij = lane_vec_minus(&v_i, &v_of, pair.j);
+        lane value = lanes_density(features, &c, pair.r2);
         weight += value;
         lane_vec_add_scaled(&sum, -value, &v_ij);
       }
@@ -469,13 +450,12 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     slots count = slots_set(0);
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
-      const table_vec x_of = table_vec_of(&p->x, b, n.far);
+      const neighbor_table around = neighbors_in(b, p, NULL);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
-        slots s = slots_of_bytes(list);
-        lane_vec x_ij = lane_vec_minus(&x, &x_of, place_of(b->first, s));
-        if (neighbors) count = count + (slots_set(1) & ~slots_below(s, 1));
-        density = density + lanes_density(features, &c, lane_vec_dot(&x_ij, &x_ij));
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        if (neighbors) count = count + (slots_set(1) & ~slots_below(slots_of_bytes(list), 1));
+        density = density + lanes_density(features, &c, pair.r2);
       }
     }
     lane_store(densities + g * WIDTH, density);

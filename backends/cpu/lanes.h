@@ -5,7 +5,12 @@
  *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *
  * A window is 31 consecutive elements: slots 1 … 31 of part 0, 33 … 63 of part 1, and so on. Slot 0
- * is nobody: a value given with the table. Which slots of a window a lane wants is a mask, slot s
+ * is nobody: a value given with the table. Where LANES_QUADS is defined there are also
+ *
+ *   quads   four reals a particle, side by side, and before them those of nobody: each lane looks
+ * up all of its particle's with one load
+ *
+ * Which slots of a window a lane wants is a mask, slot s
  * being bit 31 - s % 32.
  */
 #ifndef PBF_CPU_LANES_H
@@ -56,10 +61,10 @@ static inline void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t
   for (int part = 0; part < PARTS; ++part) slots_store(bits[part], masks[part]);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     uint8_t *next = list + l;
-    for (uint32_t part = 0; part < PARTS; ++part)
-      for (uint32_t m = bits[part][l]; m; next += WIDTH) {
-        uint32_t slot = (uint32_t)__builtin_clz(m);
-        m &= ~(0x80000000u >> slot);
+    for (uint32_t part = 0; part < PARTS; part += 2)
+      for (uint64_t m = (uint64_t)bits[part][l] << 32 | bits[part + 1][l]; m; next += WIDTH) {
+        uint32_t slot = (uint32_t)__builtin_clzll(m);
+        m &= ~(UINT64_C(0x8000000000000000) >> slot);
         *next = (uint8_t)(part * SLOTS + slot);
       }
   }

@@ -96,3 +96,55 @@ PBF_FN lane table_at(const table *t, place p) {
   for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->nobody;
   return a;
 }
+
+#define LANES_QUADS
+PBF_FN const pbf_real *quad_of(const pbf_real *quads, const place *p, int lane_number) {
+  return quads + 4 * (p->known[lane_number] ? (int64_t)p->index[lane_number] : -1);
+}
+/* Lane k is number m[k] of a's and, from WIDTH on, of b's. */
+PBF_FN lane lanes_pick(lane a, lane b, lane_mask m) {
+#ifdef __clang__
+  lane c;
+  for (int k = 0; k < WIDTH; ++k) c[k] = m[k] < WIDTH ? a[m[k]] : b[m[k] - WIDTH];
+  return c;
+#else
+  return __builtin_shuffle(a, b, m);
+#endif
+}
+#if PBF_BITS == 32
+PBF_FN void lanes_transpose(const lane a[4], lane b[4]) {
+  const lane_mask zip_low = {0, 4, 1, 5}, zip_high = {2, 6, 3, 7};
+  const lane low01 = lanes_pick(a[0], a[1], zip_low), low23 = lanes_pick(a[2], a[3], zip_low);
+  const lane high01 = lanes_pick(a[0], a[1], zip_high), high23 = lanes_pick(a[2], a[3], zip_high);
+  b[0] = lanes_pick(low01, low23, (lane_mask){0, 1, 4, 5});
+  b[1] = lanes_pick(low01, low23, (lane_mask){2, 3, 6, 7});
+  b[2] = lanes_pick(high01, high23, (lane_mask){0, 1, 4, 5});
+  b[3] = lanes_pick(high01, high23, (lane_mask){2, 3, 6, 7});
+}
+PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+  lane rows[4];
+  for (int k = 0; k < 4; ++k) rows[k] = lane_load(quad_of(quads, &p, k));
+  lanes_transpose(rows, quad);
+}
+PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+  lane rows[4];
+  lanes_transpose(quad, rows);
+  for (int k = 0; k < 4; ++k) lane_store(quads + 4 * k, rows[k]);
+}
+#else
+PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+  for (int half = 0; half < 2; ++half) {
+    const lane a = lane_load(quad_of(quads, &p, 0) + 2 * half);
+    const lane b = lane_load(quad_of(quads, &p, 1) + 2 * half);
+    quad[2 * half] = lanes_pick(a, b, (lane_mask){0, 2});
+    quad[2 * half + 1] = lanes_pick(a, b, (lane_mask){1, 3});
+  }
+}
+PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+  for (int half = 0; half < 2; ++half) {
+    const lane a = quad[2 * half], b = quad[2 * half + 1];
+    lane_store(quads + 2 * half, lanes_pick(a, b, (lane_mask){0, 2}));
+    lane_store(quads + 4 + 2 * half, lanes_pick(a, b, (lane_mask){1, 3}));
+  }
+}
+#endif

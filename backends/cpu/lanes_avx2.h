@@ -1,5 +1,9 @@
-/* AVX2 with FMA: 8 floats or 4 doubles, tables read by gathers. */
+/* AVX2 with FMA: 8 floats or 4 doubles. Quads are read with a load a lane: what gathers take
+ * depends much on the processor, on AMD's of before Zen 4 and on those of Intel that guard them
+ * against leaks several times as long. */
 #include <immintrin.h>
+
+#define LANES_QUADS
 
 typedef pbf_real lane __attribute__((vector_size(32)));
 enum { WIDTH = 32 / sizeof(pbf_real) };
@@ -55,15 +59,16 @@ PBF_FN slots slots_of_bytes(const uint8_t *p) {
 }
 
 typedef struct place {
-  __m256i index;
+  __m256i index; /* -1: nobody, and nobody is there */
   __m256 known;
 } place;
 PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
   slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
   __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
-  return (place){(__m256i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
-                 _mm256_castsi256_ps(known)};
+  __m256i nobody = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
+  slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
+  return (place){(__m256i)(index | (slots)nobody), _mm256_castsi256_ps(known)};
 }
 PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
   (void)first;
@@ -71,6 +76,36 @@ PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_re
 }
 PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm256_mask_i32gather_ps((__m256)t->nobody, t->array, p.index, p.known, 4);
+}
+
+/* Row k of four: the quad of lane k's, and behind it that of lane k + 4's. Offsets go through
+ * memory: to take them out of a register one by one is slower. */
+PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+  _Alignas(32) int32_t halves[WIDTH];
+  __m256 r[4];
+  _mm256_store_si256((__m256i *)(void *)halves, _mm256_slli_epi32(p.index, 1));
+  __asm__("" : "+m"(halves));
+  for (int k = 0; k < 4; ++k)
+    r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(quads + 2 * (int64_t)halves[k])),
+                                _mm_load_ps(quads + 2 * (int64_t)halves[k + 4]), 1);
+  const __m256 xy01 = _mm256_unpacklo_ps(r[0], r[1]), zw01 = _mm256_unpackhi_ps(r[0], r[1]);
+  const __m256 xy23 = _mm256_unpacklo_ps(r[2], r[3]), zw23 = _mm256_unpackhi_ps(r[2], r[3]);
+  quad[0] = (lane)_mm256_shuffle_ps(xy01, xy23, 0x44);
+  quad[1] = (lane)_mm256_shuffle_ps(xy01, xy23, 0xee);
+  quad[2] = (lane)_mm256_shuffle_ps(zw01, zw23, 0x44);
+  quad[3] = (lane)_mm256_shuffle_ps(zw01, zw23, 0xee);
+}
+
+PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+  const __m256 x = (__m256)quad[0], y = (__m256)quad[1], z = (__m256)quad[2], w = (__m256)quad[3];
+  const __m256 xy02 = _mm256_unpacklo_ps(x, y), xy13 = _mm256_unpackhi_ps(x, y);
+  const __m256 zw02 = _mm256_unpacklo_ps(z, w), zw13 = _mm256_unpackhi_ps(z, w);
+  const __m256 r0 = _mm256_shuffle_ps(xy02, zw02, 0x44), r1 = _mm256_shuffle_ps(xy02, zw02, 0xee);
+  const __m256 r2 = _mm256_shuffle_ps(xy13, zw13, 0x44), r3 = _mm256_shuffle_ps(xy13, zw13, 0xee);
+  _mm256_storeu_ps(quads, _mm256_permute2f128_ps(r0, r1, 0x20));
+  _mm256_storeu_ps(quads + 8, _mm256_permute2f128_ps(r2, r3, 0x20));
+  _mm256_storeu_ps(quads + 16, _mm256_permute2f128_ps(r0, r1, 0x31));
+  _mm256_storeu_ps(quads + 24, _mm256_permute2f128_ps(r2, r3, 0x31));
 }
 
 #else
@@ -126,7 +161,9 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   __m256i part = _mm256_castsi128_si256((__m128i)slots_shift_right(s, 5));
   slots begin = (slots)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
   __m128i known = _mm_cmpgt_epi32((__m128i)s, _mm_setzero_si128());
-  return (place){(__m128i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
+  __m128i nobody = _mm_cmpeq_epi32((__m128i)s, _mm_setzero_si128());
+  slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
+  return (place){(__m128i)(index | (slots)nobody),
                  _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
 }
 PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
@@ -135,6 +172,32 @@ PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_re
 }
 PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm256_mask_i32gather_pd((__m256d)t->nobody, t->array, p.index, p.known, 8);
+}
+
+PBF_FN void lanes_transpose(const __m256d a[4], lane b[4]) {
+  const __m256d xz01 = _mm256_unpacklo_pd(a[0], a[1]), yw01 = _mm256_unpackhi_pd(a[0], a[1]);
+  const __m256d xz23 = _mm256_unpacklo_pd(a[2], a[3]), yw23 = _mm256_unpackhi_pd(a[2], a[3]);
+  b[0] = (lane)_mm256_permute2f128_pd(xz01, xz23, 0x20);
+  b[1] = (lane)_mm256_permute2f128_pd(yw01, yw23, 0x20);
+  b[2] = (lane)_mm256_permute2f128_pd(xz01, xz23, 0x31);
+  b[3] = (lane)_mm256_permute2f128_pd(yw01, yw23, 0x31);
+}
+
+PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+  _Alignas(16) int32_t halves[WIDTH];
+  __m256d rows[4];
+  _mm_store_si128((__m128i *)(void *)halves, _mm_slli_epi32(p.index, 1));
+  __asm__("" : "+m"(halves));
+  for (int k = 0; k < 4; ++k) rows[k] = _mm256_load_pd(quads + 2 * (int64_t)halves[k]);
+  lanes_transpose(rows, quad);
+}
+
+PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+  lane rows[4];
+  const __m256d columns[4] = {(__m256d)quad[0], (__m256d)quad[1], (__m256d)quad[2],
+                              (__m256d)quad[3]};
+  lanes_transpose(columns, rows);
+  for (int k = 0; k < 4; ++k) lane_store(quads + 4 * k, rows[k]);
 }
 
 #endif

@@ -51,7 +51,8 @@ static void list_size_add(list_size *all, list_size more) {
   if (more.largest > all->largest) all->largest = more.largest;
 }
 
-static pair_pass pairs_at(const worker *w, field x) {
+/* `quads` are of x, and of what the pass looks up. */
+static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
   static const uint8_t none[LIST_UNIT]; /* where nobody has a neighbour there are no lists */
   const solver *s = w->s;
   return (pair_pass){.constants = &w->constants,
@@ -61,6 +62,7 @@ static pair_pass pairs_at(const worker *w, field x) {
                                .far = s->grid.far,
                                .count = s->count},
                      .x = x,
+                     .quads = quads,
                      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
                      .slack = s->slack,
                      .unrest = sleep_is_on(w) ? w->rest.unrest : NULL};
@@ -82,7 +84,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 /* The sleepers within h of somebody awake in these groups. */
 static void find_shore(const worker *w, range groups) {
   const solver *s = w->s;
-  pair_pass pairs = pairs_at(w, *w->sorted_key);
+  pair_pass pairs = pairs_at(w, *w->sorted_key, s->quads[0]);
   s->kernels->stir(&pairs, w->rest.unrest, s->calm, s->order, groups.first, groups.last);
 }
 
@@ -160,9 +162,10 @@ static int find_neighbors(worker *w, team_last last) {
 }
 
 /* Densities of a piece's particles at the places x, of those in groups where somebody solves. */
-static void find_densities(const worker *w, uint32_t piece, field x, pbf_real *densities) {
+static void find_densities(const worker *w, uint32_t piece, field x, const pbf_real *quads,
+                           pbf_real *densities) {
   range groups = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, x);
+  pair_pass pairs = pairs_at(w, x, quads);
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);

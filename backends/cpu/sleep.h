@@ -15,7 +15,7 @@ static void unrest_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   const field *around = around_of(w);
   range groups = piece_groups(w, piece), all = piece_sorted(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x);
+  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
   pbf_constants even = w->constants;
   even.viscosity = 1;
   pairs.constants = &even;
@@ -45,7 +45,7 @@ static void stir_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range groups = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x);
+  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
   if (atomic_load_explicit(&s->drowsy, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))

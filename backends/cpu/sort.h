@@ -37,6 +37,7 @@ static void make_grid(void *context) {
   grid_axes(size, axis);
   w->s->grid =
       grid_around(axis, all.lower, all.upper, p->smoothing_radius, cell_limit(w->s->capacity));
+  for (int k = 0; k < 2 && w->s->quads[k]; ++k) w->s->quads[k][-4] = w->s->grid.far;
 }
 
 static uint32_t range_pieces(const worker *w) {
@@ -167,6 +168,7 @@ static void sort_range(void *context, uint32_t piece) {
   order_by_id(s, places, w->b.spare_ids);
   gather(s->order, places, w->key, w->sorted_key);
   if (w->other) gather(s->order, places, w->other, w->sorted_other);
+  fill_quads(s, 0, w->sorted_key, NULL, places);
   if (sleep_is_on(w)) {
     gather_reals(s->order, places, w->b.rest.unrest, w->b.spare_rest.unrest);
     gather_reals(s->order, places, w->b.rest.lambda, w->b.spare_rest.lambda);

@@ -53,13 +53,14 @@ static void backtrack_piece(void *context, uint32_t piece) {
   range r = piece_sorted(w, piece);
   w->s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], w->b.spare[0],
                            r.first, r.last);
+  fill_quads(w->s, 1, &w->b.spare[0], NULL, r);
 }
 
 static void slack_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range r = piece_sorted(w, piece);
-  find_densities(w, piece, w->b.spare[0], s->slack);
+  find_densities(w, piece, w->b.spare[0], s->quads[1], s->slack);
   s->kernels->slack(&s->constants, s->slack, r.first, r.last);
 }
 
@@ -69,30 +70,37 @@ static void find_slack(worker *w) {
   stage_end(w, PBF_STAGE_SLACK);
 }
 
+/* What an iteration moves particles by, of each particle. */
+static const pbf_real *pushes_of(const solver *s) {
+  return s->schedule.accelerated ? s->added : s->lambda;
+}
+
 /* Returns how many do not solve. */
 static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
   solver *s = w->s;
-  range r = piece_groups(w, piece);
+  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
-  return clear_idle(w, piece_sorted(w, piece));
+  uint32_t idle = clear_idle(w, all);
+  fill_quads(s, 1, &pairs->x, pushes_of(s), all);
+  return idle;
 }
 
 static void lambda_piece(void *context, uint32_t piece) {
   worker *w = context;
-  pair_pass pairs = pairs_at(w, *now_at(w));
+  pair_pass pairs = pairs_at(w, *now_at(w), w->s->quads[0]);
   find_lambda(w, &pairs, piece);
 }
 
 static void move_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
-  range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, *now_at(w));
-  const move_pass m = {s->schedule.accelerated ? s->added : s->lambda,
+  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
+  pair_pass pairs = pairs_at(w, *now_at(w), s->quads[1]);
+  const move_pass m = {pushes_of(s),
                        &w->obstacles,
                        s->schedule.collide_in_iteration,
                        w->forces.inv_time_step,
@@ -102,7 +110,8 @@ static void move_piece(void *context, uint32_t piece) {
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
-  keep_places(w, piece_sorted(w, piece), &w->b.spare[2], &w->b.spare[0]);
+  keep_places(w, all, &w->b.spare[2], &w->b.spare[0]);
+  fill_quads(s, 0, &w->b.spare[0], NULL, all);
 }
 
 /* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
@@ -115,7 +124,7 @@ static int is_over(const worker *w) {
 static void watched_lambda_piece(void *context, uint32_t piece) {
   worker *w = context;
   if (is_over(w)) return;
-  pair_pass pairs = pairs_at(w, *now_at(w));
+  pair_pass pairs = pairs_at(w, *now_at(w), w->s->quads[0]);
   int64_t excess = 0;
   pairs.excess = &excess;
   int64_t idle = find_lambda(w, &pairs, piece);
@@ -174,6 +183,7 @@ static void velocity_piece(void *context, uint32_t piece) {
   keep_still(w, all, w->b.spare[3].c, PBF_DIM);
   calm_woken(w, all, &w->b.spare[3]);
   keep_lambda(w, all);
+  if (s->schedule.collide_after_solve) fill_quads(s, 0, &w->b.spare[1], NULL, all);
 }
 
 static void count_skipped(void *context) {
@@ -199,7 +209,7 @@ static void curl_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
   pbf_real *sizes = spare_reals(w->s);
-  pair_pass pairs = pairs_at(w, w->b.x);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, sizes, g.first, g.last);
@@ -211,7 +221,7 @@ static void confine_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->confine(&pairs, w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
@@ -228,7 +238,7 @@ static void confine_vorticity(worker *w) {
 static void viscosity_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[1], g.first, g.last);

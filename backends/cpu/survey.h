@@ -10,7 +10,7 @@
 static void density_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.spare[2]);
+  pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
   w->s->kernels->density(&pairs, spare_reals(w->s), w->s->cells, r.first, r.last);
 }
 

@@ -110,6 +110,12 @@ static inline void place_obstacles(const solver *s, double time, pbf_obstacles *
     o->solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
 }
 
+/* Quads of these sorted particles, where loops over pairs read any (neighbors.h). */
+static inline void fill_quads(const solver *s, int k, const field *x, const pbf_real *number,
+                              range r) {
+  if (s->kernels->pack) s->kernels->pack(*x, number, s->quads[k], r.first, r.last);
+}
+
 static inline void swap_fields(field *a, field *b) {
   field c = *a;
   *a = *b;

@@ -140,10 +140,48 @@ static void look_ups(void **state) {
   }
 }
 
+/* The quad before the first is nobody's. */
+static void quads(void **state) {
+  (void)state;
+#ifdef LANES_QUADS
+  static _Alignas(64) pbf_real array[4 * 1040];
+  pbf_real *of_first = array + 4 * 16;
+  uint32_t first[PARTS];
+  for (uint32_t part = 0; part < PARTS; ++part) first[part] = 20 + 53 * part;
+  for (int i = 0; i + WIDTH <= 1024; i += WIDTH) {
+    lane quad[4];
+    pbf_real in[4][WIDTH];
+    for (int c = 0; c < 4; ++c)
+      for (int l = 0; l < WIDTH; ++l) in[c][l] = (pbf_real)(4 * (i + l) + c);
+    for (int c = 0; c < 4; ++c) quad[c] = lane_load(in[c]);
+    quads_store(of_first + 4 * i, quad);
+  }
+  for (int k = 0; k < 4 * 1024; ++k) assert_true(of_first[k] == k);
+  for (int c = 0; c < 4; ++c) of_first[c - 4] = (pbf_real)(-7 - c);
+  for (uint32_t begin = 0; begin < PARTS * SLOTS; ++begin) {
+    uint8_t bytes[64] = {0};
+    lane quad[4];
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      bytes[l] = (uint8_t)((begin + 37 * l) % (PARTS * SLOTS));
+      if (bytes[l] % SLOTS == 0) bytes[l] = 0;
+    }
+    quads_at(of_first, place_of(first, slots_of_bytes(bytes)), quad);
+    for (int c = 0; c < 4; ++c) {
+      pbf_real found[WIDTH];
+      lane_store(found, quad[c]);
+      for (uint32_t l = 0; l < WIDTH; ++l) {
+        uint32_t index = first[bytes[l] / SLOTS] + bytes[l] % SLOTS - 1;
+        assert_true(found[l] == (bytes[l] ? (pbf_real)(4 * index) + c : -7 - c));
+      }
+    }
+  }
+#endif
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(square_roots), cmocka_unit_test(arithmetic), cmocka_unit_test(masks),
-      cmocka_unit_test(lists),        cmocka_unit_test(look_ups),
+      cmocka_unit_test(lists),        cmocka_unit_test(look_ups),   cmocka_unit_test(quads),
   };
   cpu_isa best;
   char reason[128];

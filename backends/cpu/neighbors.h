@@ -1,0 +1,89 @@
+/* What pair loops look up of neighbours: where they are, and one number more. Either the windows of
+ * a block are in registers, field by field, or the four reals of each particle lie side by side in
+ * memory, a quad, and a lane gets all of its neighbour's with one load. */
+#ifndef PBF_CPU_NEIGHBORS_H
+#define PBF_CPU_NEIGHBORS_H
+
+#include "cpu/lane_vec.h"
+
+/* A pair in each lane: particle i, and the one at a place in the block's windows. */
+typedef struct pair_lanes {
+  place j;
+  lane_vec x_ij;
+  lane r2;
+#ifdef LANES_QUADS
+  lane number;
+#endif
+} pair_lanes;
+
+#ifdef LANES_QUADS
+
+typedef const pbf_real *neighbor_table;
+
+/* `number` is in the quads already. */
+PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
+  (void)b;
+  (void)number;
+  return p->quads;
+}
+
+PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
+                               const neighbor_table *around) {
+  lane quad[4];
+  pair_lanes p = {.j = place_of(b->first, slots_of_bytes(list))};
+  quads_at(*around, p.j, quad);
+  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x->c[k] - quad[k];
+  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
+  p.number = quad[3];
+  return p;
+}
+
+PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
+  (void)around;
+  return p->number;
+}
+
+static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last) {
+  uint32_t i = first;
+  for (; last - i >= WIDTH; i += WIDTH) {
+    lane quad[4] = {lane_load(x.c[0] + i), lane_load(x.c[1] + i), lane_set(0), lane_set(0)};
+    if (PBF_DIM == 3) quad[2] = lane_load(x.c[PBF_DIM - 1] + i);
+    if (number) quad[3] = lane_load(number + i);
+    quads_store(quads + 4 * (uint64_t)i, quad);
+  }
+  for (; i < last; ++i) {
+    pbf_real *quad = quads + 4 * (uint64_t)i;
+    for (int k = 0; k < PBF_DIM; ++k) quad[k] = x.c[k][i];
+    quad[3] = number ? number[i] : 0;
+  }
+}
+
+#else
+
+typedef struct neighbor_table {
+  table_vec x;
+  table number;
+} neighbor_table;
+
+PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
+  neighbor_table around = {.x = table_vec_of(&p->x, b, p->lists.far)};
+  if (number) around.number = table_of(number, b->first, 0);
+  return around;
+}
+
+PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
+                               const neighbor_table *around) {
+  pair_lanes p;
+  p.j = place_of(b->first, slots_of_bytes(list));
+  p.x_ij = lane_vec_minus(x, &around->x, p.j);
+  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
+  return p;
+}
+
+PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
+  return table_at(&around->number, p->j);
+}
+
+#endif
+
+#endif
