@@ -87,8 +87,22 @@ static double rest_spacing(const pbf_params *params) {
   return params->spacing > 0 ? params->spacing : params->smoothing_radius / 2;
 }
 
-static pbf_status check_lengths(const pbf_params *params) {
+/* Squared gradients of kernels, also of particles that all but coincide, and their sums must be
+ * numbers; tests/api/units.c goes to both ends. */
+static pbf_status check_unit(double h, uint32_t precision) {
+  int single = precision == PBF_FLOAT32;
+  double least = single ? 1e-11 : 1e-75, most = single ? 1e15 : 1e75;
+  if (h >= least && h <= most) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.smoothing_radius is %.9g; float%d can compute with %.0e … %.0e: choose "
+                  "another unit of length%s",
+                  h, single ? 32 : 64, least, most, single ? ", or PBF_FLOAT64" : "");
+}
+
+static pbf_status check_lengths(const pbf_params *params, uint32_t precision) {
   double h = params->smoothing_radius;
+  pbf_status status = check_unit(h, precision);
+  if (status != PBF_OK) return status;
   if (params->spacing >= h || rest_spacing(params) * MOST_SPACINGS < h) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "params.spacing is %.9g; it must be below smoothing_radius (%.9g) and at least "
@@ -152,7 +166,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = check_scorr(params, kind);
   if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_pressure_grid(params);
-  if (status == PBF_OK) status = check_lengths(params);
+  if (status == PBF_OK) status = check_lengths(params, kind.precision);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;
 }

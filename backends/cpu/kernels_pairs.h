@@ -61,7 +61,7 @@ PBF_FN void add_density(const int features, const pbf_constants *c, density_sums
   lane value, slope;
   lanes_kernel(features, c, p->r2, &value, &slope);
   sums->density = sums->density + value;
-  sums->slope2 = lane_fma(slope * slope, p->r2, sums->slope2);
+  sums->slope2 = lane_fma(slope * p->r2, slope, sums->slope2);
   lane_vec_add_scaled(&sums->gradient, slope, &p->x_ij);
 }
 

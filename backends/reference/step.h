@@ -111,7 +111,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
       density += value;
-      slope2 += slope * slope * n.r2;
+      slope2 += slope * n.r2 * slope;
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
     add_walls(s, o, s->moved[i], &density, &gradient);

@@ -16,7 +16,8 @@
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
  *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
  *             (count, dimension), in the order in which the particles were added.
- *   units     any consistent set; lengths, times and accelerations are the caller's own.
+ *   units     any consistent set; lengths, times and accelerations are the caller's own. In units
+ *             that are larger or smaller by powers of two the numbers are the same to the last bit.
  */
 #ifndef PBF_PBF_H
 #define PBF_PBF_H
@@ -154,7 +155,8 @@ typedef struct pbf_params {
   uint32_t struct_size;
   uint32_t kernel; /* PBF_KERNEL_… */
 
-  double smoothing_radius; /* h > 0: the kernels vanish at r >= h */
+  double smoothing_radius; /* h > 0: the kernels vanish at r >= h. In float32 1e-11 … 1e15, in
+                              float64 1e-75 … 1e75 units of length */
   double spacing;          /* rest distance of the particles, 0 < spacing < h; 0: h/2 */
   double particle_volume; /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
 
