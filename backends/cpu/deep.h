@@ -24,7 +24,7 @@ static void weigh_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range all = piece_sorted(w, piece);
-  find_densities(w, piece, w->b.spare[2], s->quads[0], s->lambda);
+  find_densities(w, piece, &w->obstacles, w->b.spare[2], s->quads[0], s->lambda);
   for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
        r = idle_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = 1;

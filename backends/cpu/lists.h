@@ -161,11 +161,13 @@ static int find_neighbors(worker *w, team_last last) {
            w->s->stopped_at == w->step);
 }
 
-/* Densities of a piece's particles at the places x, of those in groups where somebody solves. */
-static void find_densities(const worker *w, uint32_t piece, field x, const pbf_real *quads,
-                           pbf_real *densities) {
+/* Densities of a piece's particles at the places x between these obstacles, of those in groups
+ * where somebody solves. */
+static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles *obstacles, field x,
+                           const pbf_real *quads, pbf_real *densities) {
   range groups = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, x, quads);
+  if (pairs.walls) pairs.walls = obstacles;
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);

@@ -16,11 +16,11 @@ static void find_bounds(void *context, uint32_t piece) {
   w->s->boxes[piece] = b;
 }
 
-/* The grid's box is that of the particles, as far as it lies in the domain enlarged by its own
- * size: what flies out farther counts to the outermost cells. */
+/* The grid's box is that of the particles, as far as it lies in the domain, wherever its walls have
+ * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. */
 static void make_grid(void *context) {
   worker *w = context;
-  const pbf_params *p = &w->s->params;
+  const pbf_walls *walls = &w->obstacles.walls;
   box all = w->s->boxes[0];
   for (uint32_t piece = 1; piece < particle_pieces(w); ++piece)
     for (int k = 0; k < PBF_DIM; ++k) {
@@ -30,13 +30,14 @@ static void make_grid(void *context) {
   double size[PBF_DIM];
   int axis[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
-    size[k] = p->domain_max[k] - p->domain_min[k];
-    all.lower.c[k] = pbf_real_max(all.lower.c[k], (pbf_real)(p->domain_min[k] - size[k]));
-    all.upper.c[k] = pbf_real_min(all.upper.c[k], (pbf_real)(p->domain_max[k] + size[k]));
+    const double low = (double)walls->lower.c[k], high = (double)walls->upper.c[k];
+    size[k] = high - low;
+    all.lower.c[k] = pbf_real_max(all.lower.c[k], (pbf_real)(low - size[k]));
+    all.upper.c[k] = pbf_real_min(all.upper.c[k], (pbf_real)(high + size[k]));
   }
   grid_axes(size, axis);
-  w->s->grid =
-      grid_around(axis, all.lower, all.upper, p->smoothing_radius, cell_limit(w->s->capacity));
+  w->s->grid = grid_around(axis, all.lower, all.upper, w->s->params.smoothing_radius,
+                           cell_limit(w->s->capacity));
   for (int k = 0; k < 2 && w->s->quads[k]; ++k) w->s->quads[k][-4] = w->s->grid.far;
 }
 

@@ -17,7 +17,8 @@ typedef struct worker {
   buffers b; /* every thread swaps its own copy */
   room room; /* for lists of neighbours */
   pbf_forces forces;
-  pbf_obstacles obstacles;
+  pbf_obstacles obstacles;                              /* at the end of the step */
+  pbf_obstacles before;                                 /* at its start, for the slack alone */
   pbf_constants constants;                              /* of the iteration */
   rest rest;                                            /* in the order of the stage */
   uint32_t step, iteration;                             /* of this run */

@@ -164,10 +164,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   end.velocities[i] = v;
 }
 
-/* What a very short step leaves of the density error where the particles were at its start. */
+/* What a very short step leaves of the density error where the particles were at its start, between
+ * these walls, and the colliders, of that time. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    slack_kernel(neighborhood n, iteration_extras extras, pbf_real time_step, pbf_real *slack) {
+    slack_kernel(neighborhood n, iteration_extras extras, pbf_walls walls, pbf_real time_step,
+                 pbf_real *slack) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   auto start = [&](uint32_t j) {
@@ -182,7 +184,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
   if (i >= n.particles.count) return;
-  if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
+  if (extras.wall_density) {
+    pbf_lent lent = pbf_lent_by_walls(c, &walls, x);
+    for (int k = 0; k < extras.obstacles.count; ++k) {
+      const pbf_solid before = pbf_solid_before(&extras.obstacles.solids[k]);
+      pbf_join_solid(c, &before, x, &lent);
+    }
+    pbf_add_lent(&lent, &density, &gradient);
+  }
   slack[i] = pbf_slack(c, density);
 }
 

@@ -133,13 +133,15 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   });
 }
 
+/* In the step that ends at `time`. */
 static inline pbf_status find_slack(solver *s, const neighborhood &n,
-                                    const iteration_extras &extras) {
+                                    const iteration_extras &extras, double time) {
   if (!PBF_CHEBYSHEV || !s->slack) return PBF_OK;
+  const pbf_walls walls = pbf_walls_at(&s->params, time - s->params.time_step);
   return run_stage(&s->clock, s->stream, PBF_STAGE_SLACK, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
       slack_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-          n, extras, (pbf_real)s->params.time_step, s->slack);
+          n, extras, walls, (pbf_real)s->params.time_step, s->slack);
     });
     return PBF_OK;
   });
@@ -213,7 +215,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   if (PBF_SLEEP && s->unrest)
     extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
-  if (pbf_status status = find_slack(s, *n, extras)) return status;
+  if (pbf_status status = find_slack(s, *n, extras, time)) return status;
   if (pbf_status status = carry_weight(s, *n, extras, time)) return status;
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k == 1, k + 1 == iterations};

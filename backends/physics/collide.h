@@ -97,6 +97,14 @@ static inline void pbf_place_solid(const pbf_collider *at_set, double elapsed, p
   }
 }
 
+/* As it stood at the start of the step. */
+PBF_FN pbf_solid pbf_solid_before(const pbf_solid *solid) {
+  pbf_solid before = *solid;
+  before.center = solid->start_center;
+  for (int k = 0; k < PBF_DIM; ++k) before.frame[k] = solid->start_frame[k];
+  return before;
+}
+
 /* At the end of a step, `elapsed` after the collider was set. */
 static inline pbf_solid pbf_solid_at(const pbf_collider *at_set, double elapsed, double time_step) {
   double extent2 = 0;

@@ -63,7 +63,7 @@ static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, u
   return density_at(s, o, s->x, i, neighbors);
 }
 
-/* From the positions at the start of the step. */
+/* From the positions at the start of the step, between the obstacles of that time. */
 static inline void compute_slack(solver *s, const pbf_obstacles *o) {
   uint32_t neighbors = 0;
   for (uint32_t i = 0; i < s->count; ++i)
@@ -211,7 +211,10 @@ static inline void solver_step(solver *s, double time) {
   predict(s, time, &obstacles);
   grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
   if (sleeps(s)) find_shore(s);
-  if (has->runs[PBF_STAGE_SLACK]) compute_slack(s, &obstacles);
+  if (has->runs[PBF_STAGE_SLACK]) {
+    const pbf_obstacles before = obstacles_at(s, time);
+    compute_slack(s, &before);
+  }
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->added, 0, s->count * sizeof *s->added);

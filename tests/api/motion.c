@@ -218,6 +218,93 @@ static void densities_without_steps(void **state) {
   test_for_each_kind(densities_after_empty_steps);
 }
 
+/* A tank, with a ball in it, that travels. */
+typedef struct travel {
+  double speed, time_step;
+  uint32_t steps;
+} travel;
+
+/* Where the water that slumps in it ends, seen from the tank. Then come the densities. */
+static double *slumped(uint32_t dimension, uint32_t precision, travel t, uint32_t *count) {
+  enum { ACROSS = 6, HIGH = 10 };
+  const double speed = t.speed;
+  const double spacing = 0.05, size[3] = {0.5, 1, 0.25};
+  const uint32_t deep = dimension == 3 ? 5 : 1;
+  pbf_params params = test_params();
+  params.spacing = spacing;
+  params.smoothing_radius = 2 * spacing;
+  params.time_step = t.time_step;
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = size[k];
+  params.wall_velocity[PBF_WALL_X_MIN] = params.wall_velocity[PBF_WALL_X_MAX] = speed;
+  *count = ACROSS * HIGH * deep;
+  pbf_desc desc = test_desc(dimension, precision, *count);
+  pbf_solver *s = test_create(&desc, &params);
+  const double velocity[3] = {speed, 0, 0};
+  void *x = calloc((size_t)*count * dimension, precision);
+  void *v = calloc((size_t)*count * dimension, precision);
+  double *state = calloc((size_t)*count * (dimension + 1), sizeof *state);
+  assert_true(x && v && state);
+  for (uint32_t i = 0; i < *count; ++i) {
+    const uint32_t at[3] = {i % ACROSS, i / ACROSS % HIGH, i / ACROSS / HIGH};
+    for (uint32_t k = 0; k < dimension; ++k) {
+      test_put(x, (uint64_t)i * dimension + k, precision, spacing * (at[k] + 0.5));
+      test_put(v, (uint64_t)i * dimension + k, precision, velocity[k]);
+    }
+  }
+  assert_ok(pbf_add_particles(s, *count, x, v, NULL));
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.position[0] = 0.41;
+  ball.position[1] = 0.1;
+  ball.position[2] = 0.1;
+  ball.radius = 0.1;
+  for (int k = 0; k < 3; ++k) ball.velocity[k] = velocity[k];
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, t.steps));
+  assert_ok(pbf_get_positions(s, 0, *count, x));
+  for (uint32_t i = 0; i < *count * dimension; ++i)
+    state[i] = test_value(x, i, precision) - velocity[i % dimension] * t.time_step * t.steps;
+  if (strcmp(test_backend(), "ballistic") != 0) {
+    assert_ok(pbf_get_densities(s, 0, *count, x));
+    for (uint32_t i = 0; i < *count; ++i)
+      state[*count * dimension + i] = test_value(x, i, precision);
+  }
+  free(x);
+  free(v);
+  pbf_destroy(s);
+  return state;
+}
+
+/* Whoever travels with the tank sees what he would see in one that stands, to rounding and what has
+ * grown of it. */
+static void expect_the_same(uint32_t dimension, uint32_t precision, travel t) {
+  const travel none = {0, t.time_step, t.steps};
+  uint32_t count;
+  double *standing = slumped(dimension, precision, none, &count), place = 0, density = 0;
+  double *travelling = slumped(dimension, precision, t, &count);
+  for (uint32_t i = 0; i < count * (dimension + 1); ++i) {
+    const double off = travelling[i] - standing[i];
+    *(i < count * dimension ? &place : &density) += off * off / count;
+  }
+  const double most = precision == PBF_FLOAT32 ? 2e-3 : 1e-9;
+  assert_true(sqrt(place) < most * 0.05);
+  assert_true(sqrt(density) < most);
+  free(standing);
+  free(travelling);
+}
+
+/* Steps of usual length, and such as leave most of a density error to those that follow: by three
+ * lengths of the tank. */
+static void in_a_tank_that_travels(uint32_t dimension, uint32_t precision) {
+  expect_the_same(dimension, precision, (travel){4, 1.0 / 128, 40});
+  expect_the_same(dimension, precision, (travel){16, 1.0 / 2048, 200});
+}
+
+static void nobody_knows_who_travels(void **state) {
+  (void)state;
+  test_for_each_kind(in_a_tank_that_travels);
+}
+
 int main(void) {
   const struct CMUnitTest motion[] = {
       cmocka_unit_test(time_is_no_sum),
@@ -228,6 +315,7 @@ int main(void) {
       cmocka_unit_test(free_fall),
       cmocka_unit_test(loaded_densities),
       cmocka_unit_test(densities_without_steps),
+      cmocka_unit_test(nobody_knows_who_travels),
   };
   return TEST_RUN(motion);
 }
