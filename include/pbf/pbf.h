@@ -336,7 +336,10 @@ typedef struct pbf_collider {
 PBF_API pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
 
 /* Replaces all colliders. `colliders` is an array of `count` structs, each of the size in
- * colliders[0].struct_size. Poses hold at the solver's present time. */
+ * colliders[0].struct_size. Poses hold at the solver's present time. One that is set anew step by
+ * step wants the velocities that it moves with: where a collider jumps, what it then presses
+ * together counts as found, and steps shorter than a fiftieth of a fall by h, which undo their
+ * share only, hardly push it away. */
 PBF_API pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count,
                                      const pbf_collider *colliders);
 
