@@ -191,6 +191,32 @@ PBF_FN void pbf_join_wall(const pbf_constants *c, pbf_real value, pbf_real slope
   lent->own += value - share;
 }
 
+/* How much the half-space of one more obstacle and what others lend overlap, from 1 where they face
+ * the same way, as a floor and a plane laid on it do, by 0 at right angles, to -1 where they face
+ * each other. `gradient` is of what the others lend: where they cancel out, no way. */
+PBF_FN pbf_real pbf_facing(pbf_vec gradient, pbf_real slope, pbf_vec normal) {
+  pbf_real steep2 = pbf_real_max(pbf_dot(gradient, gradient), slope * slope / 16);
+  return steep2 > 0 ? -pbf_dot(gradient, normal) / pbf_real_sqrt(steep2) : 0;
+}
+
+/* Joins the share of a collider's plane: like pbf_join_wall at right angles, the larger of both
+ * where they face the same way, and their sum where they face each other. */
+PBF_FN void pbf_join_plane(const pbf_constants *c, pbf_real value, pbf_real slope, pbf_vec normal,
+                           pbf_lent *lent) {
+  pbf_real rate, share = pbf_wall_share(c, value, &rate);
+  pbf_real facing = pbf_facing(lent->shared_gradient, slope, normal);
+  pbf_real same = pbf_real_max(facing, 0), product = 1 - pbf_real_max(facing, -facing);
+  pbf_real keep = 1 - product * share - (lent->shared < share ? same : 0);
+  pbf_real add = 1 - product * lent->shared - (lent->shared < share ? 0 : same);
+  pbf_real overlap = product * lent->shared * share + same * pbf_real_min(lent->shared, share);
+  for (int k = 0; k < PBF_DIM; ++k)
+    lent->shared_gradient.c[k] =
+        keep * lent->shared_gradient.c[k] + add * rate * slope * normal.c[k];
+  lent->shared = lent->shared + share - overlap;
+  lent->own_gradient = pbf_add_scaled(lent->own_gradient, (1 - rate) * slope, normal);
+  lent->own += value - share;
+}
+
 /* The inside of a box lends by all of its faces, as the domain does, everything else by its nearest
  * plane. */
 PBF_FN int pbf_lending_planes(const pbf_solid *s) {
@@ -228,7 +254,7 @@ PBF_FN void pbf_join_solid(const pbf_constants *c, const pbf_solid *s, pbf_vec x
     pbf_vec normal;
     pbf_real slope, distance = pbf_plane_distance(s, plane, planes, x, &normal);
     pbf_real value = pbf_wall(c, distance, &slope);
-    pbf_join_wall(c, value, slope, normal, lent);
+    pbf_join_plane(c, value, slope, normal, lent);
   }
 }
 

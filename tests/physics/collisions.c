@@ -493,6 +493,81 @@ static void walls_of_a_corner_push_each_for_itself(void **state) {
   }
 }
 
+/* Planes at these distances from a point, whose normals turn away from +y by these angles. */
+static double lent_by_planes(const pbf_constants *c, int count, const double *distances,
+                             const double *angles, pbf_vec x, pbf_vec *gradient) {
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  for (int a = 0; a < 3; ++a) p.domain_min[a] = -100, p.domain_max[a] = 100;
+  const pbf_walls walls = pbf_walls_at(&p, 0);
+  pbf_solid solids[3];
+  double lent = 0;
+  for (int k = 0; k < count; ++k) {
+    pbf_collider plane = collider(PBF_COLLIDER_PLANE);
+    plane.axis[0] = sin(angles[k]);
+    plane.axis[1] = cos(angles[k]);
+    for (int a = 0; a < 2; ++a) plane.position[a] = -distances[k] * plane.axis[a];
+    solids[k] = pbf_solid_at(&plane, 0, 0);
+  }
+  *gradient = (pbf_vec){{0}};
+  pbf_add_walls(c, &walls, count, solids, x, &lent, gradient);
+  return lent;
+}
+
+/* Half-spaces that face the same way are one, and the nearer counts: a plane laid on a floor, tiles
+ * side by side. Those that face each other have nothing in common; at right angles it is the
+ * product.
+ */
+static void planes_lend_by_how_they_face(void **state) {
+  (void)state;
+  const double right = 1.5707963267948966;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  pbf_constants c = pbf_constants_of(&p);
+  const double d = p.spacing, near = 0.5 * d, far = 0.6 * d;
+  const pbf_vec here = {{0}};
+  double near_slope, far_slope;
+  const double a = pbf_wall(&c, near, &near_slope), b = pbf_wall(&c, far, &far_slope);
+  pbf_vec gradient;
+  assert_true(a > 0.05 && b > 0.05 && a > b);
+  const double distances[2][3] = {{near, near, near}, {near, far, near}};
+  for (int k = 0; k < 2; ++k) {
+    const double ways[] = {0, 0, 0};
+    assert_near(lent_by_planes(&c, 3, distances[k], ways, here, &gradient), a, 1e-12);
+    assert_near(gradient.c[1], near_slope, 1e-10);
+  }
+  const double facing[] = {0, 2 * right}, crossed[] = {0, right};
+  assert_near(lent_by_planes(&c, 2, distances[1], facing, here, &gradient), a + b, 1e-12);
+  assert_near(gradient.c[1], near_slope - far_slope, 1e-10);
+  assert_near(lent_by_planes(&c, 2, distances[1], crossed, here, &gradient), a + b - a * b, 1e-12);
+  assert_near(gradient.c[0], far_slope * (1 - a), 1e-10);
+  assert_near(gradient.c[1], near_slope * (1 - b), 1e-10);
+}
+
+/* What two planes lend falls as they turn to face the same way, and pushes as it changes. */
+static void planes_lend_less_the_more_they_agree(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  pbf_constants c = pbf_constants_of(&p);
+  const double distances[] = {0.5 * p.spacing, 0.6 * p.spacing}, e = 1e-6 * p.spacing;
+  double before = 1;
+  for (double angle = 3.1; angle > 0; angle -= 0.2) {
+    const double angles[] = {0, angle};
+    pbf_vec x = {{0}}, gradient, unused;
+    const double lent = lent_by_planes(&c, 2, distances, angles, x, &gradient);
+    assert_true(lent < before);
+    before = lent;
+    for (int k = 0; k < 2; ++k) {
+      pbf_vec above = x, below = x;
+      above.c[k] += e, below.c[k] -= e;
+      const double rise = lent_by_planes(&c, 2, distances, angles, above, &unused) -
+                          lent_by_planes(&c, 2, distances, angles, below, &unused);
+      assert_near(gradient.c[k], wall_push(&c, distances[0]) * rise / (2 * e),
+                  1e-3 * fabs(gradient.c[k]) + 1e-4);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(walls_move_as_said),
@@ -511,6 +586,8 @@ int main(void) {
       cmocka_unit_test(crossing_plates),
       cmocka_unit_test(walls_of_a_corner_push_each_for_itself),
       cmocka_unit_test(half_space_density),
+      cmocka_unit_test(planes_lend_by_how_they_face),
+      cmocka_unit_test(planes_lend_less_the_more_they_agree),
       cmocka_unit_test(walls_push_in_proportion_to_the_derivative),
       cmocka_unit_test(a_lattice_on_a_wall_is_at_rest),
       cmocka_unit_test(opposite_walls_lend_alike),
