@@ -22,8 +22,7 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
 }
 
-/* As the loops want them; 0 when one is lacking. The quad before the first particle's is nobody's.
- */
+/* 0 when one is lacking. The quad before the first particle's is nobody's. */
 static int take_quads(solver *s) {
   for (int k = 0; k < 2 && s->kernels->pack; ++k) {
     pbf_real *base = pbf_memory_take(&s->memory, k ? "quads of lambda" : "quads",

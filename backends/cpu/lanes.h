@@ -7,8 +7,7 @@
  * A window is 31 consecutive elements: slots 1 … 31 of part 0, 33 … 63 of part 1, and so on. Slot 0
  * is nobody: a value given with the table. Where LANES_QUADS is defined there are also
  *
- *   quads   four reals a particle, side by side, and before them those of nobody: each lane looks
- * up all of its particle's with one load
+ *   quads   four reals a particle, side by side, nobody's before them: a load a lane gets all four
  *
  * Which slots of a window a lane wants is a mask, slot s
  * being bit 31 - s % 32.

@@ -17,7 +17,8 @@
  *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
  *             (count, dimension), in the order in which the particles were added.
  *   units     any consistent set; lengths, times and accelerations are the caller's own. In units
- *             that are larger or smaller by powers of two the numbers are the same to the last bit.
+ *             that are larger or smaller by powers of two the numbers are the same to the last bit
+ *             (seen on CPUs so far).
  */
 #ifndef PBF_PBF_H
 #define PBF_PBF_H
