@@ -92,7 +92,7 @@ static double rest_spacing(const pbf_params *params) {
  * crowds. tests/api/units.c goes to both ends. */
 static pbf_status check_unit(double h, uint32_t precision) {
   int single = precision == PBF_FLOAT32;
-  double least = single ? 1e-9 : 1e-75, most = single ? 1e11 : 1e75;
+  double least = single ? 1e-8 : 1e-75, most = single ? 1e11 : 1e75;
   if (h >= least && h <= most) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "params.smoothing_radius is %.9g; float%d can compute with %.0e … %.0e: choose "

@@ -156,7 +156,7 @@ typedef struct pbf_params {
   uint32_t struct_size;
   uint32_t kernel; /* PBF_KERNEL_… */
 
-  double smoothing_radius; /* h > 0: the kernels vanish at r >= h. In float32 1e-9 … 1e11, in
+  double smoothing_radius; /* h > 0: the kernels vanish at r >= h. In float32 1e-8 … 1e11, in
                               float64 1e-75 … 1e75 units of length */
   double spacing;          /* rest distance of the particles, 0 < spacing < h; 0: h/2 */
   double particle_volume; /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
