@@ -12,17 +12,17 @@ typedef struct pbf_deep_run {
 } pbf_deep_run;
 
 typedef struct pbf_deep {
-  pbf_coarse grid; /* of this step */
-  int64_t *sums;   /* of cells, see pbf_coarse_entry; the first of all arrays */
-  double *rooms;   /* of cells */
-  double *right, *inverse, *lambda, *before; /* of nodes */
+  pbf_coarse grid;                 /* of this step */
+  int64_t *sums, *places;          /* of cells, see pbf_coarse_entry; the first of all arrays */
+  double *rooms, *parts, *weights; /* of cells: weights are rooms over parts */
+  double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   pbf_deep_run *runs; /* all nodes that are not in the open are in one, in their order … */
   uint32_t count;     /* of so many; unless every node is looked at */
 } pbf_deep;
 
 /* Takes the memory or releases it. 0 when there is none. */
 static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, uint32_t capacity) {
-  enum { ARRAYS = 7 };
+  enum { ARRAYS = 11 };
   uint64_t limit = pbf_coarse_limit(capacity);
   if (!wanted) {
     pbf_memory_free(memory, deep->sums);
@@ -34,23 +34,23 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
   if (!deep->sums) return 0;
   /* What lies behind the last node is read, and counts for nothing unless it is no number. */
   memset(deep->sums, 0, ARRAYS * limit * sizeof(double));
-  double *next = (double *)deep->sums;
-  double **const arrays[] = {&deep->rooms, &deep->right, &deep->inverse, &deep->lambda,
-                             &deep->before};
+  deep->places = deep->sums + limit;
+  double *next = (double *)deep->places;
+  double **const arrays[] = {&deep->rooms, &deep->parts,   &deep->weights, &deep->depths,
+                             &deep->right, &deep->inverse, &deep->lambda,  &deep->before};
   for (unsigned k = 0; k < sizeof arrays / sizeof arrays[0]; ++k) *arrays[k] = next += limit;
   deep->runs = (pbf_deep_run *)(next + limit);
   return 1;
 }
 
 /* Before particles add to the sums. */
-static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params,
-                                  const pbf_constants *constants, uint32_t capacity,
+static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params, uint32_t capacity,
                                   const pbf_obstacles *o) {
   pbf_walls walls = o->walls;
   for (int k = 0; k < pbf_solid_count(o); ++k) walls = pbf_walls_within(walls, &o->solids[k]);
-  deep->grid =
-      pbf_coarse_between(params, constants->value_scale, &walls, pbf_coarse_limit(capacity));
+  deep->grid = pbf_coarse_between(params, &walls, pbf_coarse_limit(capacity));
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
+  memset(deep->places, 0, deep->grid.nodes * sizeof *deep->places);
 }
 
 /* Indices, up to the last of them along each axis. */
@@ -103,12 +103,44 @@ static inline pbf_coarse_dose pbf_deep_dose(pbf_deep *deep, const pbf_obstacles 
   return pbf_coarse_dose_of(c, &extent);
 }
 
+/* How far the nodes of the cells in a box are below the surface. */
+static inline void pbf_deep_find_surface(pbf_deep *deep, const pbf_deep_box *box) {
+  const pbf_coarse *c = &deep->grid;
+  pbf_deep_box nodes = *box;
+  int i[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    i[k] = nodes.first[k] = box->first[k] > 1 ? box->first[k] : 1;
+    nodes.last[k] = (box->last[k] < c->n[k] ? box->last[k] : c->n[k]) + 1;
+  }
+  do {
+    uint32_t row = pbf_deep_row(c, i);
+    for (i[0] = nodes.first[0]; i[0] <= nodes.last[0]; ++i[0])
+      deep->depths[row + (uint32_t)i[0]] =
+          pbf_coarse_node_depth(c, deep->sums, deep->places, deep->rooms, (int64_t)row + i[0], i);
+  } while (pbf_deep_next_row(&nodes, i));
+}
+
+/* What of the cells in a box, outside which there is no fluid, is below the surface. */
+static inline void pbf_deep_cut(pbf_deep *deep, const pbf_deep_box *box) {
+  const pbf_coarse *c = &deep->grid;
+  int i[PBF_DIM];
+  pbf_deep_find_surface(deep, box);
+  memcpy(i, box->first, sizeof i);
+  do {
+    uint32_t row = pbf_deep_row(c, i);
+    for (int x = box->first[0]; x <= box->last[0]; ++x) {
+      uint32_t cell = row + (uint32_t)x;
+      pbf_coarse_cut(c, deep->depths, deep->rooms, cell, &deep->parts[cell], &deep->weights[cell]);
+    }
+  } while (pbf_deep_next_row(box, i));
+}
+
 /* Where the solve starts, once all have an equation. */
 static inline void pbf_deep_guess(pbf_deep *deep, const pbf_coarse_dose *dose) {
   const pbf_coarse *c = &deep->grid;
-  int axis, down = pbf_coarse_down(c, &axis);
-  for (uint32_t column = 0; column < pbf_coarse_columns(c, axis); ++column)
-    pbf_coarse_guess(c, dose->part, deep->inverse, axis, down, column, deep->lambda);
+  for (uint32_t column = 0; column < pbf_coarse_columns(c); ++column)
+    pbf_coarse_guess(c, dose->part, deep->inverse, deep->rooms, deep->weights, column,
+                     deep->lambda);
   memcpy(deep->before, deep->lambda, c->nodes * sizeof *deep->lambda);
 }
 
@@ -124,7 +156,7 @@ static inline pbf_real pbf_deep_lambda(const pbf_deep *deep, const pbf_constants
                                        pbf_real inv_time_step, pbf_vec x) {
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  double lambda = pbf_coarse_lambda(&deep->grid, deep->lambda, cell, at);
+  double lambda = pbf_coarse_lambda(&deep->grid, deep->lambda, deep->parts, cell, at);
   return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)c->pressure);
 }
 

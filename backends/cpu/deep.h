@@ -15,8 +15,7 @@ static void end_deep_search(void *context) {
   worker *w = context;
   solver *s = w->s;
   end_search(w);
-  if (!s->wanted.lacking)
-    pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, &w->obstacles);
+  if (!s->wanted.lacking) pbf_deep_begin(&s->deep, &s->params, s->capacity, &w->obstacles);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */

@@ -99,6 +99,7 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
   memset(deep->inverse, 0, deep->grid.nodes * sizeof *deep->inverse);
   if (find_fluid(deep, &fluid)) {
     dose = pbf_deep_dose(deep, o, &fluid);
+    pbf_deep_cut(deep, &fluid);
     if (dose.part > 0) largest = find_equations(s, &dose, &fluid);
   }
   pbf_deep_guess(deep, &dose);

@@ -48,17 +48,23 @@ static void weigh(const pbf_deep *deep, field x, const pbf_real *densities, uint
   const pbf_coarse c = deep->grid;
   for (uint32_t count; first < last; first += count) {
     deep_places places;
-    int64_t entries[DEEP_CHUNK];
+    int64_t entries[DEEP_CHUNK], within[DEEP_CHUNK];
     count = deep_chunk(first, last);
     find_places(&c, &x, first, count, &places);
     for (uint32_t l = 0; l < count; ++l) entries[l] = pbf_coarse_entry(densities[first + l]);
+    for (uint32_t l = 0; l < count; ++l) {
+      double at[PBF_DIM];
+      for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
+      within[l] = pbf_coarse_place_entry(at);
+    }
     add_entries(deep->sums, places.cells, entries, count);
+    add_entries(deep->places, places.cells, within, count);
   }
 }
 
-/* Lambda at the corners of the particles' cells. */
+/* Lambda at the corners of the particles' cells, and the cells' parts below the surface. */
 typedef struct deep_corners {
-  double lambda[PBF_CORNERS][DEEP_CHUNK];
+  double lambda[PBF_CORNERS][DEEP_CHUNK], part[DEEP_CHUNK];
 } deep_corners;
 
 PBF_FN void fetch_corners(const pbf_deep *deep, const uint32_t *cells, uint32_t count,
@@ -67,6 +73,7 @@ PBF_FN void fetch_corners(const pbf_deep *deep, const uint32_t *cells, uint32_t 
     double values[PBF_CORNERS];
     pbf_coarse_corners(&deep->grid, deep->lambda, cells[l], values);
     for (int a = 0; a < PBF_CORNERS; ++a) corners->lambda[a][l] = values[a];
+    corners->part[l] = deep->parts[cells[l]];
   }
 }
 
@@ -84,7 +91,7 @@ static void carry(const pbf_deep *deep, pbf_real inv_time_step, field x, field v
       double values[PBF_CORNERS], at[PBF_DIM];
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
-      pbf_vec u = pbf_coarse_slope(&c, values, at);
+      pbf_vec u = pbf_coarse_slope(&c, values, at, corners.part[l]);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }
     for (int k = 0; k < PBF_DIM; ++k) {
@@ -104,12 +111,13 @@ static __attribute__((noinline)) void write_equations(const pbf_deep *deep,
                                                       double *restrict inverse) {
   const pbf_coarse c = deep->grid;
   const pbf_coarse_dose d = *dose;
-  const double *rooms = deep->rooms;
+  const double *rooms = deep->rooms, *weights = deep->weights, *depths = deep->depths;
   const int64_t *sums = deep->sums;
   for (int x = i[0]; x <= last; ++x) {
     int place[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k) place[k] = k ? i[k] : x;
-    pbf_coarse_equation_at(&c, &d, sums, rooms, (int64_t)row + x, place, &right[x], &inverse[x]);
+    pbf_coarse_equation_at(&c, &d, sums, rooms, weights, depths[row + x], (int64_t)row + x, place,
+                           &right[x], &inverse[x]);
   }
 }
 
@@ -124,12 +132,12 @@ static __attribute__((noinline)) int relax_run(const pbf_deep *deep, const pbf_c
                                                double *restrict before) {
   const pbf_coarse c = deep->grid;
   const pbf_coarse_solve s = *solve;
-  const double *rooms = deep->rooms + first, *now = deep->lambda + first;
+  const double *weights = deep->weights + first, *now = deep->lambda + first;
   const double *right = deep->right + first, *inverse = deep->inverse + first;
   int64_t lacking = 0;
   for (uint32_t k = 0; k < count; ++k) {
     double around[PBF_CORNERS];
-    pbf_coarse_around(&c, rooms, k, around);
+    pbf_coarse_around(&c, weights, k, around);
     double residual = pbf_coarse_residual(&c, around, now, right[k], k);
     double miss = inverse[k] > 0 ? pbf_coarse_miss(residual, now[k]) : 0;
     lacking |= miss > s.enough ? 1 : 0;

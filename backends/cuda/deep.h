@@ -10,8 +10,8 @@
 /* Whether the build has it. */
 constexpr bool PBF_DEEP = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) != 0;
 
-/* What a step finds out of all cells and nodes; zeroed before it, with the sums behind it. Reals
- * that are never negative are ordered as their bits are. */
+/* What a step finds out of all cells and nodes; zeroed before it, with the sums and places behind
+ * it. Reals that are never negative are ordered as their bits are. */
 struct deep_control {
   grid_counter barrier;
   unsigned long long largest; /* right side */
@@ -20,25 +20,31 @@ struct deep_control {
 };
 
 struct deep_arrays {
-  deep_control *control; /* the first of all arrays; null: not deep */
-  unsigned long long *sums;
-  double *rooms, *right, *inverse, *lambda, *before;
+  deep_control *control;             /* the first of all arrays; null: not deep */
+  unsigned long long *sums, *places; /* of cells; the places lie behind the sums of the grid */
+  double *rooms, *parts, *weights;   /* of cells */
+  double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
 };
 
 static inline uint64_t deep_bytes(uint32_t capacity) {
   return sizeof(deep_control) +
-         pbf_coarse_limit(capacity) * (6 * sizeof(double) + sizeof(uint32_t));
+         pbf_coarse_limit(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
 }
 
-static inline deep_arrays deep_arrays_in(void *memory, uint32_t capacity) {
+/* `nodes`: of the grid. */
+static inline deep_arrays deep_arrays_in(void *memory, uint32_t capacity, uint32_t nodes) {
   uint64_t limit = pbf_coarse_limit(capacity);
-  deep_control *control = static_cast<deep_control *>(memory);
-  double *first = reinterpret_cast<double *>(control + 1);
-  return {control,           reinterpret_cast<unsigned long long *>(first),
-          first + limit,     first + 2 * limit,
-          first + 3 * limit, first + 4 * limit,
-          first + 5 * limit, reinterpret_cast<uint32_t *>(first + 6 * limit)};
+  deep_arrays a;
+  a.control = static_cast<deep_control *>(memory);
+  a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
+  a.places = a.sums + nodes;
+  double *next = reinterpret_cast<double *>(a.sums + limit);
+  double **const arrays[] = {&a.rooms, &a.parts,   &a.weights, &a.depths,
+                             &a.right, &a.inverse, &a.lambda,  &a.before};
+  for (double **array : arrays) *array = next += limit;
+  a.inside = reinterpret_cast<uint32_t *>(next + limit);
+  return a;
 }
 
 static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a) {
@@ -64,6 +70,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
   atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(density));
+  atomicAdd(&a.places[cell], (unsigned long long)pbf_coarse_place_entry(at));
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -81,6 +88,31 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
 }
 
+static __device__ __forceinline__ const int64_t *deep_integers(const unsigned long long *sums) {
+  return reinterpret_cast<const int64_t *>(sums);
+}
+
+/* How far nodes are below the surface. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    deep_depths_kernel(pbf_coarse grid, deep_arrays a) {
+  uint32_t node = thread_index();
+  int i[PBF_DIM];
+  bool outside = false;
+  if (node >= grid.nodes) return;
+  pbf_coarse_place(&grid, node, i);
+  for (int k = 0; k < PBF_DIM; ++k) outside = outside || i[k] == 0;
+  a.depths[node] = outside ? -1
+                           : pbf_coarse_node_depth(&grid, deep_integers(a.sums),
+                                                   deep_integers(a.places), a.rooms, node, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    deep_cut_kernel(pbf_coarse grid, deep_arrays a) {
+  uint32_t cell = thread_index();
+  if (cell < grid.nodes)
+    pbf_coarse_cut(&grid, a.depths, a.rooms, cell, &a.parts[cell], &a.weights[cell]);
+}
+
 /* The step's dose, for all threads of a block. */
 static __device__ __forceinline__ pbf_coarse_dose deep_dose(const pbf_coarse &grid,
                                                             const deep_arrays &a) {
@@ -96,8 +128,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_coarse_dose dose = deep_dose(grid, a);
   double right = 0, inverse = 0;
   if (node < grid.nodes) {
-    pbf_coarse_equation(&grid, &dose, reinterpret_cast<const int64_t *>(a.sums), a.rooms, node,
-                        &right, &inverse);
+    pbf_coarse_equation(&grid, &dose, deep_integers(a.sums), a.rooms, a.weights, a.depths[node],
+                        node, &right, &inverse);
     a.right[node] = right;
     a.inverse[node] = inverse;
   }
@@ -121,18 +153,18 @@ static __device__ __forceinline__ uint32_t deep_stands(const double *inverse, ui
 
 /* Where the solve starts, pbf_coarse_guess: a warp a column. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_guess_kernel(pbf_coarse grid, int axis, int down, deep_arrays a) {
-  uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[axis];
+    deep_guess_kernel(pbf_coarse grid, deep_arrays a) {
+  uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[grid.axis];
   const double part = deep_dose(grid, a).part;
-  if (column >= pbf_coarse_columns(&grid, axis)) return;
-  uint32_t stride = grid.corner[1u << axis];
-  uint32_t first = column % stride + column / stride * stride * grid.size[axis];
-  uint32_t floor = down < 0 ? first + stride : first + top * stride;
-  int64_t up = down < 0 ? (int64_t)stride : -(int64_t)stride;
-  uint32_t stands = down == 0 ? 0 : deep_stands(a.inverse, floor, up, top);
+  if (column >= pbf_coarse_columns(&grid)) return;
+  const pbf_coarse_column at = pbf_coarse_column_at(&grid, column);
+  bool stays = pbf_coarse_down(&grid) == 0;
+  uint32_t stands = stays ? 0 : deep_stands(a.inverse, at.floor, at.up, top);
+  double above = 0;
+  if (stands) above = pbf_coarse_above(&grid, a.rooms, a.weights, at.floor + (stands - 1) * at.up);
   for (uint32_t i = threadIdx.x % 32; i <= top; i += 32) {
-    int64_t node = i < top ? floor + i * up : first; /* the last: the one outside */
-    double lambda = i < stands ? pbf_coarse_weight(&grid, part, axis, stands - i) : 0;
+    int64_t node = i < top ? at.floor + i * at.up : at.outside;
+    double lambda = i < stands ? pbf_coarse_weight(&grid, part, stands - 1 - i + above) : 0;
     a.lambda[node] = a.before[node] = lambda;
   }
 }
@@ -146,7 +178,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
-  pbf_vec u = pbf_coarse_move(&grid, deep_lambda(a), cell, at);
+  pbf_vec u = pbf_coarse_move(&grid, deep_lambda(a), a.parts, cell, at);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);
@@ -163,7 +195,8 @@ static __device__ __forceinline__ pbf_real deep_pressure_at(const deep_pressure 
   if (!PBF_DEEP || !d.arrays.control) return 0;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&d.grid, x, at);
-  return (pbf_real)(-d.scale * pbf_coarse_lambda(&d.grid, deep_lambda(d.arrays), cell, at));
+  double lambda = pbf_coarse_lambda(&d.grid, deep_lambda(d.arrays), d.arrays.parts, cell, at);
+  return (pbf_real)(-d.scale * lambda);
 }
 
 #endif

@@ -74,7 +74,7 @@ static __device__ __forceinline__ deep_equation equation_of(const pbf_coarse &gr
   e.node = node;
   e.right = a.right[node];
   e.inverse = a.inverse[node];
-  pbf_coarse_around(&grid, a.rooms, node, e.around);
+  pbf_coarse_around(&grid, a.weights, node, e.around);
   return e;
 }
 

@@ -142,7 +142,8 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 
 /* Without arrays where the scene has no pressure grid. */
 static inline deep_arrays deep_of(const solver *s) {
-  return PBF_DEEP && s->deep_room ? deep_arrays_in(s->deep_room, s->capacity) : deep_arrays{};
+  if (!PBF_DEEP || !s->deep_room) return deep_arrays{};
+  return deep_arrays_in(s->deep_room, s->capacity, s->deep_grid.nodes);
 }
 
 template <class Value>

@@ -151,12 +151,13 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
 static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
   const pbf_coarse &grid = s->deep_grid;
   deep_arrays arrays = deep_of(s);
-  int axis, down = pbf_coarse_down(&grid, &axis);
   uint32_t blocks = blocks_for(grid.nodes);
   deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  deep_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  deep_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid, axis)), PBF_BLOCK, 0, s->stream>>>(
-      grid, axis, down, arrays);
+  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid)), PBF_BLOCK, 0, s->stream>>>(
+      grid, arrays);
   return launch_deep_solve(s, grid, arrays);
 }
 
@@ -166,20 +167,19 @@ static inline pbf_coarse deep_grid_at(const solver *s, pbf_walls walls, double t
     pbf_solid solid = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     walls = pbf_walls_within(walls, &solid);
   }
-  return pbf_coarse_between(&s->params, s->constants.value_scale, &walls,
-                            pbf_coarse_limit(s->capacity));
+  return pbf_coarse_between(&s->params, &walls, pbf_coarse_limit(s->capacity));
 }
 
 static inline pbf_status carry_weight(solver *s, const neighborhood &n,
                                       const iteration_extras &extras, double time) {
   if (!PBF_DEEP || !s->deep_room) return PBF_OK;
-  deep_arrays arrays = deep_of(s);
   s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
   s->deep_grid = deep_grid_at(s, extras.obstacles.walls, time);
+  deep_arrays arrays = deep_of(s);
   return run_stage(&s->clock, s->stream, PBF_STAGE_GRID, [&] {
     if (pbf_status status = pbf_cuda_check(
             cudaMemsetAsync(arrays.control, 0,
-                            sizeof *arrays.control + s->deep_grid.nodes * sizeof *arrays.sums,
+                            sizeof *arrays.control + 2 * s->deep_grid.nodes * sizeof *arrays.sums,
                             s->stream),
             "cudaMemsetAsync"))
       return status;

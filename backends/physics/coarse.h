@@ -5,14 +5,16 @@
  * the stiffness of an element, N a node's function and w the moves that the forces alone make in
  * the step,
  *
- *   sum over the cells e at a node of  room_e (K lambda)_node
+ *   sum over the cells e at a node of  room_e / below_e (K lambda)_node
  *       = - part * sum over them of  room_e w_e · grad N_node + share error_e N_node
  *
- * and particles move by grad lambda. What the fluid brings along is left to the iterations: it is
- * free of divergence as far as these have made it so, and taking from it what a grid can't tell
- * from compression takes energy from every wave. Errors of density would stay; a share of them goes
- * along. It is the room of a cell that counts, the part that is free of walls and colliders, and
- * not what fills it: so nothing presses on fluid that falls, whose surface fills cells in part.
+ * and particles move by grad lambda / below. What the fluid brings along is left to the iterations:
+ * it is free of divergence as far as these have made it so, and taking from it what a grid can't
+ * tell from compression takes energy from every wave. Errors of density would stay; a share of them
+ * goes along. It is the room of a cell that counts, the part that is free of walls and colliders,
+ * and not what fills it: so nothing presses on fluid that falls, whose surface fills cells in part.
+ * Where the surface cuts a cell, pressure ends in it: below_e is the part of the cell that it ends
+ * within, 1 inside the fluid (coarse_surface.h).
  *
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
@@ -25,10 +27,12 @@
 #include "physics/collide.h"
 #include "physics/depth.h"
 
-/* Nodes among cells that are filled to less than the first part are in the open, from the second on
- * they are not. */
-#define PBF_COARSE_OPEN 0.6
-#define PBF_COARSE_FULL 0.8
+/* A cell is filled from such a part of its room on. */
+#define PBF_COARSE_FILLED 0.6
+
+/* Nodes that are at least so many cells below the surface are not in the open, and no cell that the
+ * surface cuts counts as a smaller part. */
+#define PBF_COARSE_SURFACE 0.05
 
 PBF_FN double pbf_lesser(double a, double b) { return a < b ? a : b; }
 PBF_FN double pbf_greater(double a, double b) { return a > b ? a : b; }
@@ -46,6 +50,7 @@ typedef struct pbf_coarse {
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
+  int axis;                     /* along which the forces push most */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
@@ -72,9 +77,9 @@ static inline double pbf_coarse_taken(const pbf_walls *walls, double width) {
   return nodes + 2 * rows + 2;
 }
 
-/* The grid between walls, in a limited number of indices; `value_scale` is pbf_constants'. */
-static inline pbf_coarse pbf_coarse_between(const pbf_params *params, pbf_real value_scale,
-                                            const pbf_walls *walls, uint64_t limit) {
+/* The grid between walls, in a limited number of indices. */
+static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_walls *walls,
+                                            uint64_t limit) {
   pbf_coarse c;
   double dt2 = params->time_step * params->time_step;
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
@@ -83,8 +88,10 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, pbf_real v
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
-  c.unit = (double)value_scale / pbf_norm_value(params->kernel, PBF_DIM, params->smoothing_radius);
+  c.unit = params->particle_volume > 0 ? params->particle_volume
+                                       : pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
+  c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double length = (double)walls->upper.c[k] - (double)walls->lower.c[k];
@@ -97,6 +104,7 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, pbf_real v
                 (params->gravity[k] -
                  params->attraction * (c.lower[k] - 0.5 * width - params->attraction_center[k]));
     c.pull[k] = -dt2 * params->attraction;
+    if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;
     c.size[k] = (uint32_t)c.n[k] + 2;
     c.nodes *= c.size[k];
@@ -142,6 +150,15 @@ PBF_FN int64_t pbf_coarse_entry(pbf_real density) {
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }
 
+/* And its place in the cell, in 128ths along each axis, of which the sums have 21 bits each: those
+ * of 16,383 particles and fewer. They are rounded where no lattice's rows are, which would go
+ * either way, all at once. */
+PBF_FN int64_t pbf_coarse_place_entry(const double at[PBF_DIM]) {
+  int64_t entry = 0;
+  for (int k = PBF_DIM - 1; k >= 0; --k) entry = (entry << 21) + (int64_t)(at[k] * 128 + 0.3);
+  return entry;
+}
+
 /* From a to b: a difference, or what is between them. */
 PBF_FN double pbf_coarse_from_to(double a, double b, int differs, double at) {
   return differs ? b - a : a + at * (b - a);
@@ -163,12 +180,22 @@ PBF_FN double pbf_coarse_in_cell(const double values[PBF_CORNERS], const double 
   return pbf_coarse_from_to(first, second, axis == 2, at[PBF_DIM - 1]);
 }
 
-/* u there, from lambda at the corners. */
+PBF_FN double pbf_coarse_deepest(const double values[PBF_CORNERS]) {
+  double deepest = 0;
+  for (int a = 0; a < PBF_CORNERS; ++a) deepest = pbf_lesser(deepest, values[a]);
+  return deepest;
+}
+
+/* u there, from lambda at the corners of a cell of which the fluid is such a part. It ends a
+ * quarter of a cell above the surface: what flies there falls. */
 PBF_FN pbf_vec pbf_coarse_slope(const pbf_coarse *c, const double values[PBF_CORNERS],
-                                const double at[PBF_DIM]) {
+                                const double at[PBF_DIM], double part) {
+  double deepest = pbf_coarse_deepest(values);
+  double above = pbf_coarse_in_cell(values, at, PBF_DIM) - deepest + part * deepest; /* lambda */
+  double fades = pbf_lesser(1 + 4 * above / pbf_lesser(deepest, -1e-30), 1);
+  double scale = c->width / part * pbf_greater(fades, 0);
   pbf_vec u;
-  for (int k = 0; k < PBF_DIM; ++k)
-    u.c[k] = (pbf_real)(c->width * pbf_coarse_in_cell(values, at, k));
+  for (int k = 0; k < PBF_DIM; ++k) u.c[k] = (pbf_real)(scale * pbf_coarse_in_cell(values, at, k));
   return u;
 }
 
@@ -178,19 +205,21 @@ PBF_FN void pbf_coarse_corners(const pbf_coarse *c, const double *lambda, uint32
 }
 
 /* u at the place `at` in a cell. */
-PBF_FN pbf_vec pbf_coarse_move(const pbf_coarse *c, const double *lambda, uint32_t cell,
-                               const double at[PBF_DIM]) {
+PBF_FN pbf_vec pbf_coarse_move(const pbf_coarse *c, const double *lambda, const double *parts,
+                               uint32_t cell, const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
   pbf_coarse_corners(c, lambda, cell, values);
-  return pbf_coarse_slope(c, values, at);
+  return pbf_coarse_slope(c, values, at, parts[cell]);
 }
 
 /* lambda there. */
-PBF_FN double pbf_coarse_lambda(const pbf_coarse *c, const double *lambda, uint32_t cell,
-                                const double at[PBF_DIM]) {
+PBF_FN double pbf_coarse_lambda(const pbf_coarse *c, const double *lambda, const double *parts,
+                                uint32_t cell, const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
   pbf_coarse_corners(c, lambda, cell, values);
-  return c->width * c->width * pbf_coarse_in_cell(values, at, PBF_DIM);
+  double deepest = pbf_coarse_deepest(values);
+  double value = deepest + (pbf_coarse_in_cell(values, at, PBF_DIM) - deepest) / parts[cell];
+  return c->width * c->width * pbf_lesser(value, 0);
 }
 
 /* ---- Cells --------------------------------------------------------------------------------- */
@@ -205,16 +234,22 @@ PBF_FN double pbf_coarse_error(const pbf_coarse *c, int64_t sum) {
   return c->unit * (double)(sum - pbf_coarse_count(sum) * ((int64_t)1 << 40)) / (1 << 20);
 }
 
-/* The part of a cell, the i-th along each axis, that is free of walls and colliders. */
-PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, int count, const pbf_solid *solids,
-                                 const int i[PBF_DIM]) {
-  double room = 1;
-  pbf_vec middle;
+/* The part of a cell, the i-th along each axis, that is inside the walls. */
+PBF_FN double pbf_coarse_inside(const pbf_coarse *c, const int i[PBF_DIM]) {
+  double inside = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     if (i[k] == 0 || i[k] > c->n[k]) return 0;
-    if (i[k] == 1 || i[k] == c->n[k]) room *= c->edge[k];
-    middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
+    if (i[k] == 1 || i[k] == c->n[k]) inside *= c->edge[k];
   }
+  return inside;
+}
+
+/* The part that is free of colliders, too. */
+PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, int count, const pbf_solid *solids,
+                                 const int i[PBF_DIM]) {
+  double room = pbf_coarse_inside(c, i);
+  pbf_vec middle;
+  for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
   for (int s = 0; s < count; ++s) {
     pbf_vec normal;
     double distance = (double)pbf_solid_distance(&solids[s], middle, &normal);
@@ -233,7 +268,7 @@ PBF_FN double pbf_coarse_room(const pbf_coarse *c, int count, const pbf_solid *s
 /* Whether what fills a cell counts for the fluid's depth: nodes that are not in the open have one
  * that does. */
 PBF_FN int pbf_coarse_is_filled(const pbf_coarse *c, int64_t sum, double room) {
-  return room > 0 && pbf_coarse_fill(c, sum) >= PBF_COARSE_OPEN * room;
+  return room > 0 && pbf_coarse_fill(c, sum) >= PBF_COARSE_FILLED * room;
 }
 
 /* Where filled cells are along each axis: the largest of their indices, and of these from the other

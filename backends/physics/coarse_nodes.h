@@ -3,7 +3,7 @@
 #ifndef PBF_PHYSICS_COARSE_NODES_H
 #define PBF_PHYSICS_COARSE_NODES_H
 
-#include "physics/coarse.h"
+#include "physics/coarse_surface.h"
 
 /* ---- Nodes --------------------------------------------------------------------------------- */
 
@@ -15,67 +15,66 @@
 
 /* What a node's cells have and do. */
 typedef struct pbf_coarse_total {
-  double filled, room, sum;
+  double room, weight, sum;
 } pbf_coarse_total;
 
 /* The cell of which the node, the i-th along each axis, is corner `a`. A crowd counts as an error
  * of its cell's whole room: it is for the iterations. */
 PBF_FN void pbf_coarse_add_cell(const pbf_coarse *c, const pbf_coarse_dose *dose,
-                                const int64_t *sums, const double *rooms, int64_t node,
-                                const int i[PBF_DIM], int a, pbf_coarse_total *all) {
+                                const int64_t *sums, const double *rooms, const double *weights,
+                                int64_t node, const int i[PBF_DIM], int a, pbf_coarse_total *all) {
   int64_t cell = node - (int64_t)c->corner[a];
   double divergence = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     int right_of = a >> k & 1;
     divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
   }
-  all->filled += pbf_coarse_fill(c, sums[cell]);
   all->room += rooms[cell];
+  all->weight += weights[cell];
   all->sum += dose->share / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
               rooms[cell] * divergence / (PBF_CORNERS / 2);
 }
 
 /* The system's right side and the inverse of its diagonal: 0 for a node in the open or with next to
- * no room, and where nothing is to be done. One cell by one, here and below, so that the compiler
- * can do several nodes at once. */
+ * no room, and where nothing is to be done. `weights` are rooms over parts. One cell by one, here
+ * and below, so that the compiler can do several nodes at once. */
 PBF_FN void pbf_coarse_equation_at(const pbf_coarse *c, const pbf_coarse_dose *dose,
-                                   const int64_t *sums, const double *rooms, int64_t node,
-                                   const int i[PBF_DIM], double *right, double *inverse) {
+                                   const int64_t *sums, const double *rooms, const double *weights,
+                                   double depth, int64_t node, const int i[PBF_DIM], double *right,
+                                   double *inverse) {
   pbf_coarse_total all = {0, 0, 0};
-  pbf_coarse_add_cell(c, dose, sums, rooms, node, i, 0, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, node, i, 1, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, node, i, 2, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, node, i, 3, &all);
+  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 0, &all);
+  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 1, &all);
+  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 2, &all);
+  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 3, &all);
   if (PBF_DIM == 3) {
-    pbf_coarse_add_cell(c, dose, sums, rooms, node, i, PBF_CORNERS - 4, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, node, i, PBF_CORNERS - 3, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, node, i, PBF_CORNERS - 2, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, node, i, PBF_CORNERS - 1, &all);
+    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 4, &all);
+    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 3, &all);
+    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 2, &all);
+    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 1, &all);
   }
-  double room = pbf_greater(all.room, 0.1);
-  double part = (all.filled / room - PBF_COARSE_OPEN) / (PBF_COARSE_FULL - PBF_COARSE_OPEN);
-  double of_room = pbf_lesser(pbf_greater(part, 0), 1) / (PBF_COARSE_UNIT * PBF_COARSE_OWN * room);
   int has = all.room >= 0.1 && dose->part > 0;
+  int solved = has && !pbf_coarse_is_open(depth);
   *right = has ? -dose->part * all.sum : 0;
-  *inverse = has ? of_room : 0;
+  *inverse = solved ? 1 / (PBF_COARSE_UNIT * PBF_COARSE_OWN * pbf_greater(all.weight, 0.1)) : 0;
 }
 
 /* That of any node; 0 for those outside. */
 PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const pbf_coarse_dose *dose,
-                                const int64_t *sums, const double *rooms, uint32_t node,
-                                double *right, double *inverse) {
+                                const int64_t *sums, const double *rooms, const double *weights,
+                                double depth, uint32_t node, double *right, double *inverse) {
   int i[PBF_DIM];
   *right = *inverse = 0;
   pbf_coarse_place(c, node, i);
   for (int k = 0; k < PBF_DIM; ++k)
     if (i[k] == 0) return;
-  pbf_coarse_equation_at(c, dose, sums, rooms, node, i, right, inverse);
+  pbf_coarse_equation_at(c, dose, sums, rooms, weights, depth, node, i, right, inverse);
 }
 
-/* The room of the cells around a node: of the one of which it is corner a. */
-PBF_FN void pbf_coarse_around(const pbf_coarse *c, const double *rooms, uint32_t node,
+/* The weights of the cells around a node: of the one of which it is corner a. */
+PBF_FN void pbf_coarse_around(const pbf_coarse *c, const double *weights, uint32_t node,
                               double around[PBF_CORNERS]) {
-  for (int a = 0; a < PBF_CORNERS; ++a) around[a] = rooms[(int64_t)node - (int64_t)c->corner[a]];
+  for (int a = 0; a < PBF_CORNERS; ++a) around[a] = weights[(int64_t)node - (int64_t)c->corner[a]];
 }
 
 /* The part of a node's left side from the cell of which it is corner `a`. */
@@ -153,36 +152,60 @@ PBF_FN double pbf_coarse_miss(double residual, double lambda) {
 
 /* ---- Where it starts ----------------------------------------------------------------------- */
 
-/* The axis along which the forces push most, and to which side: -1 or 1; 0: there are none. */
-PBF_FN int pbf_coarse_down(const pbf_coarse *c, int *axis) {
-  *axis = 0;
-  for (int k = 1; k < PBF_DIM; ++k)
-    if (fabs(c->push[k]) > fabs(c->push[*axis])) *axis = k;
-  return c->push[*axis] < 0 ? -1 : c->push[*axis] > 0;
+/* To which side the forces push along the grid's axis: -1 or 1; 0: there are none. */
+PBF_FN int pbf_coarse_down(const pbf_coarse *c) {
+  return c->push[c->axis] < 0 ? -1 : c->push[c->axis] > 0;
 }
 
-PBF_FN uint32_t pbf_coarse_columns(const pbf_coarse *c, int axis) {
-  return c->nodes / c->size[axis];
+PBF_FN uint32_t pbf_coarse_columns(const pbf_coarse *c) { return c->nodes / c->size[c->axis]; }
+
+/* A column of nodes along the grid's axis, from the domain's wall that it stands on. */
+typedef struct pbf_coarse_column {
+  uint32_t outside, floor; /* nodes: the one outside, the one on the wall that fluid stands on */
+  int64_t up;
+} pbf_coarse_column;
+
+PBF_FN pbf_coarse_column pbf_coarse_column_at(const pbf_coarse *c, uint32_t column) {
+  uint32_t stride = c->corner[1u << c->axis], top = 1 + (uint32_t)c->n[c->axis];
+  uint32_t first = column % stride + column / stride * stride * c->size[c->axis];
+  int falls = pbf_coarse_down(c) < 0;
+  return (pbf_coarse_column){first, falls ? first + stride : first + top * stride,
+                             falls ? (int64_t)stride : -(int64_t)stride};
 }
 
-/* What carries a part of the weight of so many nodes, one above the other. */
-PBF_FN double pbf_coarse_weight(const pbf_coarse *c, double part, int axis, uint32_t nodes) {
-  return -part * fabs(c->push[axis]) * nodes;
+/* Cells between a node and the surface above it. */
+PBF_FN double pbf_coarse_above(const pbf_coarse *c, const double *rooms, const double *weights,
+                               int64_t node) {
+  double room = 0, weight = 0;
+  int below = pbf_coarse_down(c) > 0;
+  for (int a = 0; a < PBF_CORNERS; ++a) {
+    if ((a >> c->axis & 1) != below) continue;
+    room += rooms[node - (int64_t)c->corner[a]];
+    weight += weights[node - (int64_t)c->corner[a]];
+  }
+  return weight > 0 ? room / weight : 1;
 }
 
-/* The part of the weight of what stands above, in the run of nodes of a column along that axis that
- * stands on the domain's wall; 0 elsewhere. */
-PBF_FN void pbf_coarse_guess(const pbf_coarse *c, double part, const double *inverse, int axis,
-                             int down, uint32_t column, double *lambda) {
-  uint32_t stride = c->corner[1u << axis], top = 1 + (uint32_t)c->n[axis];
-  uint32_t first = column % stride + column / stride * stride * c->size[axis];
-  uint32_t floor = down < 0 ? first + stride : first + top * stride;
-  int64_t up = down < 0 ? (int64_t)stride : -(int64_t)stride;
-  uint32_t stands = 0;
-  for (uint32_t i = 0; i <= top; ++i) lambda[first + i * stride] = 0;
-  while (down != 0 && stands < top && inverse[floor + stands * up] > 0) ++stands;
+/* What carries a part of the weight of so many cells, one above the other. */
+PBF_FN double pbf_coarse_weight(const pbf_coarse *c, double part, double cells) {
+  return -part * fabs(c->push[c->axis]) * cells;
+}
+
+/* The part of the weight of what stands above, in the run of nodes of a column that stands on the
+ * domain's wall; 0 elsewhere. */
+PBF_FN void pbf_coarse_guess(const pbf_coarse *c, double part, const double *inverse,
+                             const double *rooms, const double *weights, uint32_t column,
+                             double *lambda) {
+  const pbf_coarse_column at = pbf_coarse_column_at(c, column);
+  uint32_t top = 1 + (uint32_t)c->n[c->axis], stands = 0;
+  lambda[at.outside] = 0;
+  for (uint32_t i = 0; i < top; ++i) lambda[at.floor + i * at.up] = 0;
+  if (pbf_coarse_down(c) == 0) return;
+  while (stands < top && inverse[at.floor + stands * at.up] > 0) ++stands;
+  if (!stands) return;
+  double above = pbf_coarse_above(c, rooms, weights, at.floor + (stands - 1) * at.up);
   for (uint32_t i = 0; i < stands; ++i)
-    lambda[floor + i * up] = pbf_coarse_weight(c, part, axis, stands - i);
+    lambda[at.floor + i * at.up] = pbf_coarse_weight(c, part, stands - 1 - i + above);
 }
 
 #endif

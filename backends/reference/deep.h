@@ -6,13 +6,15 @@
 
 static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real density) {
   double at[PBF_DIM];
-  deep->sums[pbf_coarse_cell(&deep->grid, x, at)] += pbf_coarse_entry(density);
+  uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
+  deep->sums[cell] += pbf_coarse_entry(density);
+  deep->places[cell] += pbf_coarse_place_entry(at);
 }
 
 static inline pbf_vec deep_move(const pbf_deep *deep, pbf_vec x) {
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  return pbf_coarse_move(&deep->grid, deep->lambda, cell, at);
+  return pbf_coarse_move(&deep->grid, deep->lambda, deep->parts, cell, at);
 }
 
 /* Returns the largest right side of a node that is not in the open. */
@@ -20,7 +22,8 @@ static inline double deep_equations(pbf_deep *deep, const pbf_coarse_dose *dose)
   double largest = 0;
   for (uint32_t node = 0; node < deep->grid.nodes; ++node) {
     double *right = &deep->right[node], *inverse = &deep->inverse[node];
-    pbf_coarse_equation(&deep->grid, dose, deep->sums, deep->rooms, node, right, inverse);
+    pbf_coarse_equation(&deep->grid, dose, deep->sums, deep->rooms, deep->weights,
+                        deep->depths[node], node, right, inverse);
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
   return largest;
@@ -33,7 +36,7 @@ static inline double deep_iterate(pbf_deep *deep, const pbf_coarse_solve *solve)
     double now = deep->lambda[node], *before = &deep->before[node];
     if (!(deep->inverse[node] > 0)) continue;
     double around[PBF_CORNERS];
-    pbf_coarse_around(&deep->grid, deep->rooms, node, around);
+    pbf_coarse_around(&deep->grid, deep->weights, node, around);
     double residual =
         pbf_coarse_residual(&deep->grid, around, deep->lambda, deep->right[node], node);
     miss = pbf_greater(miss, pbf_coarse_miss(residual, now));
@@ -51,6 +54,7 @@ static inline void deep_solve(pbf_deep *deep, const pbf_obstacles *o) {
     all.last[k] = deep->grid.n[k] + 1;
   }
   pbf_coarse_dose dose = pbf_deep_dose(deep, o, &all);
+  pbf_deep_cut(deep, &all);
   pbf_coarse_solve solve = pbf_coarse_begin(dose.longest, deep_equations(deep, &dose));
   pbf_deep_guess(deep, &dose);
   for (int k = 0; k < solve.most; ++k) {

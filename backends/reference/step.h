@@ -73,7 +73,7 @@ static inline void compute_slack(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void carry_weight(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  pbf_deep_begin(&s->deep, &s->params, &s->constants, s->capacity, o);
+  pbf_deep_begin(&s->deep, &s->params, s->capacity, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     uint32_t neighbors = 0;
     pbf_real density = idle(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);

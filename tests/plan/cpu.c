@@ -17,7 +17,7 @@ static uint64_t bytes_of(int features) {
   uint64_t flags = features & SLEEP ? padded(COUNT) / CALM_CHUNK + 1 : 0;
   if (flags && flags < PBF_ALIGNMENT) flags = PBF_ALIGNMENT;
   return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t) + flags +
-         (features & PRESSURE_GRID ? 7 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
+         (features & PRESSURE_GRID ? 11 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
 }
 
 static const watched *watched_at(unsigned k) {

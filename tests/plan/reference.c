@@ -13,7 +13,7 @@ static uint64_t bytes_of(int features) {
          (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0) +
          (features & SLEEP ? 2 * COUNT * sizeof(pbf_real) : 0) +
          (features & SLEEP ? (uint64_t)fmax(COUNT, PBF_ALIGNMENT) : 0) +
-         (features & PRESSURE_GRID ? 7 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
+         (features & PRESSURE_GRID ? 11 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
 }
 
 static const watched *watched_at(unsigned k) {
