@@ -33,13 +33,17 @@ PBF_FN uint32_t deep_chunk(uint32_t first, uint32_t last) {
 }
 
 /* Sorted particles come cell by cell: others are told of a cell once. */
-PBF_FN void add_entries(int64_t *sums, const uint32_t *cells, const int64_t *entries,
-                        uint32_t count) {
+PBF_FN void add_entries(const pbf_deep *deep, const uint32_t *cells, const int64_t *entries,
+                        const int64_t *within, uint32_t count) {
   for (uint32_t l = 0; l < count;) {
     uint32_t cell = cells[l];
-    int64_t sum = 0;
-    for (; l < count && cells[l] == cell; ++l) sum += entries[l];
-    __atomic_fetch_add(&sums[cell], sum, __ATOMIC_RELAXED);
+    int64_t sum = 0, places = 0;
+    for (; l < count && cells[l] == cell; ++l) {
+      sum += entries[l];
+      places += within[l];
+    }
+    __atomic_fetch_add(&deep->sums[cell], sum, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&deep->places[cell], places, __ATOMIC_RELAXED);
   }
 }
 
@@ -57,8 +61,7 @@ static void weigh(const pbf_deep *deep, field x, const pbf_real *densities, uint
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
       within[l] = pbf_coarse_place_entry(at);
     }
-    add_entries(deep->sums, places.cells, entries, count);
-    add_entries(deep->places, places.cells, within, count);
+    add_entries(deep, places.cells, entries, within, count);
   }
 }
 

@@ -155,7 +155,7 @@ PBF_FN int64_t pbf_coarse_entry(pbf_real density) {
  * either way, all at once. */
 PBF_FN int64_t pbf_coarse_place_entry(const double at[PBF_DIM]) {
   int64_t entry = 0;
-  for (int k = PBF_DIM - 1; k >= 0; --k) entry = (entry << 21) + (int64_t)(at[k] * 128 + 0.3);
+  for (int k = PBF_DIM - 1; k >= 0; --k) entry = (entry << 21) + (int)(at[k] * 128 + 0.3);
   return entry;
 }
 
