@@ -39,6 +39,10 @@ PBF_FN double pbf_greater(double a, double b) { return a > b ? a : b; }
 
 enum { PBF_CORNERS = 1 << PBF_DIM };
 
+/* Surfaces across the cells, by more than 2 degrees at rest, are taken to be at nodes: by the parts
+ * of cells below them fluid would tremble. */
+#define PBF_COARSE_LEVEL 0.9994
+
 /* In units of the cells' width: lambda of its square, moves of itself. A cell has the index of its
  * corner 0, and one row of cells and nodes lies before the walls on each side, so that no loop asks
  * where it ends. */
@@ -51,6 +55,7 @@ typedef struct pbf_coarse {
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
   int axis;                     /* along which the forces push most */
+  int level;                    /* whether water at rest has its surface along the cells */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
@@ -90,6 +95,7 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_
   c.error = pbf_depth_error(params, width * width);
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pow(pbf_derive_spacing(params), PBF_DIM);
+  double push2 = 0;
   c.nodes = 1;
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
@@ -105,10 +111,12 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_
                  params->attraction * (c.lower[k] - 0.5 * width - params->attraction_center[k]));
     c.pull[k] = -dt2 * params->attraction;
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
+    push2 += c.push[k] * c.push[k];
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;
     c.size[k] = (uint32_t)c.n[k] + 2;
     c.nodes *= c.size[k];
   }
+  c.level = params->attraction == 0 && fabs(c.push[c.axis]) >= PBF_COARSE_LEVEL * sqrt(push2);
   return c;
 }
 

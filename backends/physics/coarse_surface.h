@@ -71,7 +71,7 @@ PBF_FN void pbf_coarse_cut(const pbf_coarse *c, const double *depths, const doub
   *weight = 0;
   if (!(rooms[cell] > 0)) return;
   pbf_coarse_corners(c, depths, cell, corners);
-  *part = pbf_coarse_part_below(corners);
+  if (c->level) *part = pbf_coarse_part_below(corners);
   *weight = rooms[cell] / *part;
 }
 

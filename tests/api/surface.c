@@ -170,11 +170,35 @@ static void drops_above_it_fall(void **state) {
   test_for_each_kind(check_drop);
 }
 
+/* Across the cells. */
+static void check_tilted(uint32_t dimension, uint32_t precision) {
+  const double angle = 0.25;
+  tank t = tank_of(dimension, precision, 16, 24, 0);
+  pbf_params params = {.struct_size = sizeof params};
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_params(t.solver, &params));
+  params.gravity[0] = gravity * sin(angle);
+  params.gravity[1] = -gravity * cos(angle);
+  assert_ok(pbf_set_params(t.solver, &params));
+  assert_ok(pbf_step(t.solver, 480));
+  assert_ok(pbf_get_stats(t.solver, &stats));
+  double speed = sqrt(2 * stats.kinetic_energy / (gravity * spacing));
+  if (!(speed < 0.13)) fail_msg("%uD: it moves at %g sqrt(g d)", dimension, speed);
+  pbf_destroy(t.solver);
+}
+
+static void tilted_water_rests(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_each_kind(check_tilted);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(waves_lower_than_a_cell),
       cmocka_unit_test(pressure_begins_at_the_surface),
       cmocka_unit_test(drops_above_it_fall),
+      cmocka_unit_test(tilted_water_rests),
   };
   return TEST_RUN(tests);
 }
