@@ -12,10 +12,10 @@ typedef struct pbf_deep_run {
 } pbf_deep_run;
 
 typedef struct pbf_deep {
-  pbf_coarse grid; /* of this step */
-  int64_t *sums,
-      *places; /* of cells: pbf_coarse_entry, the first of all arrays, and _place_entry */
-  double *rooms, *parts, *weights;                    /* of cells: weights are rooms over parts */
+  pbf_coarse grid;                 /* of this step */
+  int64_t *sums;                   /* of cells: pbf_coarse_entry; the first of all arrays */
+  int64_t *places;                 /* of cells: pbf_coarse_place_entry */
+  double *rooms, *parts, *weights; /* of cells: weights are rooms over parts */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   pbf_deep_run *runs; /* all nodes that are not in the open are in one, in their order … */
   uint32_t count;     /* of so many; unless every node is looked at */
