@@ -95,10 +95,10 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
     lane_values gradients = lane_vec_values(&sums.gradient);
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
-      _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH];
+      _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH], resting[WIDTH] = {0};
       if (near_obstacles(&c, p->walls, &xs, distances)) {
         lane_store(densities, sums.density);
-        add_walls(p->constants, p->walls, &xs, densities, &gradients);
+        add_walls(p->constants, p->walls, &xs, densities, &gradients, resting);
         sums.density = lane_load(densities);
       }
     }
@@ -153,12 +153,12 @@ static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH), zero = lane_vec_zero();
   const lane_values xs = lane_vec_values(&x);
   lane_values gradients = lane_vec_values(&zero);
-  pbf_real densities[WIDTH] = {0}, distances[WIDTH];
+  _Alignas(64) pbf_real densities[WIDTH] = {0}, distances[WIDTH], resting[WIDTH] = {0};
   if (!near_obstacles(p->constants, p->walls, &xs, distances)) return;
-  add_walls(p->constants, p->walls, &xs, densities, &gradients);
+  add_walls(p->constants, p->walls, &xs, densities, &gradients, resting);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec sum =
-        pbf_add_scaled(lane_value(sums, l), lambda[g * WIDTH + l], lane_value(&gradients, l));
+    pbf_vec sum = pbf_beside_walls(lane_value(sums, l), lambda[g * WIDTH + l], resting[l],
+                                   lane_value(&gradients, l));
     for (int k = 0; k < PBF_DIM; ++k) sums->c[k][l] = sum.c[k];
   }
 }
@@ -463,23 +463,19 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
-      pbf_real distances[WIDTH];
+      pbf_real distances[WIDTH], resting[WIDTH] = {0};
       if (near_obstacles(&c, p->walls, &xs, distances))
-        add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients);
+        add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients, resting);
     }
   }
 }
 
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6 && neighbors)
+  if (hot_features(p) & PBF_FEATURE_POLY6)
     density_groups(PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
-  else if (hot_features(p) & PBF_FEATURE_POLY6)
-    density_groups(PBF_FEATURE_POLY6, p, densities, NULL, first, last);
-  else if (neighbors)
-    density_groups(0, p, densities, neighbors, first, last);
   else
-    density_groups(0, p, densities, NULL, first, last);
+    density_groups(0, p, densities, neighbors, first, last);
 }
 
 #endif

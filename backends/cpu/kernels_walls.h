@@ -43,7 +43,8 @@ typedef struct lane_walls {
 /* Adds what the wall at these distances lends, whose normal has this sign; 0: nobody is near. */
 static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH], pbf_real sign,
                           lane_walls *walls) {
-  _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH], g1[WIDTH];
+  _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], push[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH],
+      g1[WIDTH];
   _Alignas(64) int nodes[WIDTH];
   const pbf_real reach = wall_reach(c), last = PBF_WALL_LAST;
   int near = 0;
@@ -53,6 +54,7 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
     pbf_real t = pbf_wall_place(c, distances[l]), within = pbf_real_max(t, 0);
     lends[l] = t < last ? 1 : 0;
     s[l] = pbf_real_min(within, last);
+    push[l] = pbf_wall_push(c, s[l]);
   }
   for (uint32_t l = 0; l < WIDTH; ++l) {
     nodes[l] = (int)pbf_real_min(s[l], last - 1);
@@ -65,9 +67,9 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
     g1[l] = c->wall_slope[nodes[l] + 1];
   }
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real slope, value = pbf_wall_between(c, s[l], v0[l], v1[l], g0[l], g1[l], &slope);
+    pbf_real slope, value = pbf_wall_between(s[l], v0[l], v1[l], g0[l], g1[l], &slope);
     walls->value[l] += lends[l] * value;
-    walls->slope[l] += sign * lends[l] * slope;
+    walls->slope[l] += sign * lends[l] * (push[l] * slope);
   }
   return 1;
 }
@@ -89,7 +91,8 @@ PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real ow
 static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
                                                       const pbf_walls *walls, const lane_values *x,
                                                       pbf_real densities[WIDTH],
-                                                      lane_values *gradients) {
+                                                      lane_values *gradients,
+                                                      pbf_real resting[WIDTH]) {
   _Alignas(64) pbf_real lent[WIDTH] = {0}, own[WIDTH] = {0};
   lane_values slopes = {{{0}}}, own_slopes = {{{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -104,7 +107,10 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
       for (uint32_t l = 0; l < WIDTH; ++l)
         slopes.c[j][l] =
             pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, lent[l], slopes.c[j][l]);
-    for (uint32_t l = 0; l < WIDTH && near; ++l) lent[l] = pbf_join_value(along.value[l], lent[l]);
+    for (uint32_t l = 0; l < WIDTH && near; ++l) {
+      lent[l] = pbf_join_value(along.value[l], lent[l]);
+      resting[l] = pbf_join_value(pbf_real_min(along.value[l], c->wall_rest), resting[l]);
+    }
   }
   for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l] + own[l];
   for (int k = 0; k < PBF_DIM; ++k)
@@ -136,11 +142,12 @@ PBF_FN int solids_lend(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x
   return 0;
 }
 
+/* pbf_add_lent in all lanes; what is `resting` has to be 0. */
 static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
                                                 const lane_values *x, pbf_real densities[WIDTH],
-                                                lane_values *gradients) {
+                                                lane_values *gradients, pbf_real resting[WIDTH]) {
   if (!pbf_solid_count(o)) {
-    add_plain_walls(c, &o->walls, x, densities, gradients);
+    add_plain_walls(c, &o->walls, x, densities, gradients, resting);
     return;
   }
   pbf_obstacles near;
@@ -148,15 +155,16 @@ static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pb
   pbf_real distances[WIDTH];
   if (!obstacles_within(o, &these, wall_reach(c), &near)) {
     if (wall_distances(&near, x, distances) < wall_reach(c))
-      add_plain_walls(c, &o->walls, x, densities, gradients);
+      add_plain_walls(c, &o->walls, x, densities, gradients, resting);
     return;
   }
   wall_distances(&near, x, distances);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     if (!(distances[l] < wall_reach(c)) && !solids_lend(c, &near, lane_value(x, l))) continue;
     pbf_vec gradient = lane_value(gradients, l);
-    pbf_add_walls(c, &near.walls, near.count, near.solids, lane_value(x, l), &densities[l],
-                  &gradient);
+    pbf_lent lent = pbf_lent_at(c, &near.walls, near.count, near.solids, lane_value(x, l));
+    pbf_add_lent(&lent, &densities[l], &gradient);
+    resting[l] = lent.resting;
     for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
   }
 }

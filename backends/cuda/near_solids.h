@@ -108,17 +108,21 @@ static __device__ __forceinline__ void each_solid(const step_obstacles &o, solid
   for (; set; set &= set - 1) visit(o.solids[__ffsll((long long)set) - 1]);
 }
 
-/* Adds what walls and colliders lend. */
+/* What walls and colliders lend. */
 template <solids_met SOLIDS>
-static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,
-                                                 pbf_vec x, pbf_real *density, pbf_vec *gradient) {
-  if (SOLIDS != MANY_SOLIDS) {
-    pbf_add_walls(c, &o.walls, o.count, o.solids, x, density, gradient);
-    return;
-  }
+static __device__ __forceinline__ pbf_lent lent_at(const pbf_constants *c, const step_obstacles &o,
+                                                   pbf_vec x) {
+  if (SOLIDS != MANY_SOLIDS) return pbf_lent_at(c, &o.walls, o.count, o.solids, x);
   pbf_lent lent = pbf_lent_by_walls(c, &o.walls, x);
   each_solid(o, solids_near(o, x, pbf_lending_reach(c), false),
              [&](const pbf_solid &s) { pbf_join_solid(c, &s, x, &lent); });
+  return lent;
+}
+
+template <solids_met SOLIDS>
+static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,
+                                                 pbf_vec x, pbf_real *density, pbf_vec *gradient) {
+  pbf_lent lent = lent_at<SOLIDS>(c, o, x);
   pbf_add_lent(&lent, density, gradient);
 }
 

@@ -134,10 +134,8 @@ struct move_sum {
                                            pbf_vec predicted, pbf_vec x, pbf_vec *velocity) {
     for (int k = 0; k < PBF_DIM; ++k) sum.c[k] *= pbf_slope_scale(FEATURES, c);
     if (wall_density) {
-      pbf_real density = 0;
-      pbf_vec from_walls = {{0}};
-      add_walls<SOLIDS>(c, o, x, &density, &from_walls);
-      sum = pbf_add_scaled(sum, lambda, from_walls);
+      pbf_lent lent = lent_at<SOLIDS>(c, o, x);
+      sum = pbf_beside_lent(sum, lambda, &lent);
     }
     pbf_vec y = pbf_move(c, x, sum);
     *velocity = pbf_push(c, inv_time_step, *velocity, sum);

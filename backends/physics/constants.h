@@ -36,7 +36,10 @@ typedef struct pbf_constants {
   pbf_real most_undone; /* … and what it undoes of it at most, see pbf_slack */
   pbf_real wall_offset;
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
-  pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with */
+  pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with, … */
+  pbf_real wall_push_rise; /* … and how much more for each node beyond the first layer, up to the
+                              second, between which there are so many */
+  pbf_real wall_first, wall_layer;
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
@@ -152,6 +155,16 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
   c->scorr_k = (pbf_real)fmin(c->scorr_step, left);
 }
 
+/* What a wall pushes with. */
+static inline void pbf_set_wall_push(pbf_constants *c, const pbf_derived *d) {
+  enum { LAST = PBF_WALL_NODES - 1 };
+  double layer = LAST * d->spacing / d->h;
+  c->wall_push = (pbf_real)(LAST / d->h * d->wall_push);
+  c->wall_push_rise = (pbf_real)(LAST / d->h * (d->wall_push_far - d->wall_push) / layer);
+  c->wall_first = (pbf_real)(LAST * d->wall_first);
+  c->wall_layer = (pbf_real)layer;
+}
+
 /* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), and with
  * f's own slope the first layer of a fluid at rest is not held half a spacing off: a tank ten
  * layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the value at that layer and s from
@@ -161,27 +174,22 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
                                  const pbf_derived *derived) {
   enum { LAST = PBF_WALL_NODES - 1 };
-  const double e = 1e-3, steep = derived->wall_steepness, most = 3;
-  double at = 1;
-  const uint32_t kernel = params->kernel;
-  c->wall_push = (pbf_real)(LAST / derived->h * derived->wall_push);
+  const double most = 3;
+  double at = 1, value = 0, slope = 0; /* of the steepest node */
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
   c->wall_rest = c->wall_inv_rest = 0;
+  pbf_set_wall_push(c, derived);
   if (!(params->wall_density > 0)) return;
-  double first = (0.5 * derived->spacing + derived->wall_offset) / derived->h;
-  double f0 = pbf_half_space(kernel, PBF_DIM, first), scale = f0 * params->wall_density;
+  double scale = derived->wall_lent * params->wall_density;
   c->wall_rest = (pbf_real)scale;
   c->wall_inv_rest = (pbf_real)(scale > 0 ? 1 / scale : 0);
   for (int k = LAST - 1; k >= 0; --k) {
-    double t = (double)k / LAST;
-    if (pow(pbf_half_space(kernel, PBF_DIM, t) / f0, steep) <= most) at = t;
-    double f = pbf_half_space(kernel, PBF_DIM, at) / f0;
-    double above = pbf_half_space(kernel, PBF_DIM, at + e) / f0;
-    double below = pbf_half_space(kernel, PBF_DIM, at - e) / f0;
-    double slope = steep * pow(f, steep - 1) * (above - below) / (2 * e);
-    c->wall_value[k] = (pbf_real)(scale * (pow(f, steep) + (t - at) * slope));
+    double t = (double)k / LAST, steeper, more;
+    more = pbf_wall_lent(derived, params->kernel, PBF_DIM, t, &steeper);
+    if (more <= most) at = t, value = more, slope = steeper;
+    c->wall_value[k] = (pbf_real)(scale * (value + (t - at) * slope));
     c->wall_slope[k] = (pbf_real)(scale * slope / LAST);
   }
 }

@@ -27,7 +27,8 @@ typedef struct pbf_derived {
   double pressure;    /* of a lattice for lambda = -1 and a time step of 1, over rest density */
   double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
                          at */
-  double wall_steepness, wall_push; /* see pbf_derive_wall */
+  double wall_first, wall_lent; /* t of a lattice's first layer, what the half-space lends it */
+  double wall_steepness, wall_fade, wall_push, wall_push_far; /* see pbf_derive_wall */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -205,41 +206,94 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
   return low * h - 0.5 * d;
 }
 
-/* Where a wall mirrors the fluid, a particle of a lattice's first layer that moves alone towards it
- * changes its density by `rate`: with its distances from the others' images, and twice as fast with
- * that from its own. And its neighbours and the images push it with lambda_i + lambda_j, 2 for
- * lambda = 1, so that it takes `force` to hold it against those inside. That is more than `rate`,
- * which is all that its own constraint gives: the rest is from the neighbours' constraints. */
-static inline void pbf_wall_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
-                                    double volume, double *rate, double *force) {
+/* The layers of a lattice, from 1, that one of its layers lacks at a wall which mirrored it. They
+ * would lend `density`. A particle that moves alone towards the wall changes that by `rate`: with
+ * its distances from the others' images, and twice as fast with that from its own. And its
+ * neighbours and the images push it with lambda_i + lambda_j, 2 for lambda = 1, so that it takes
+ * `force` to hold it against those inside. That is more than `rate`, which is all that its own
+ * constraint gives: the rest is from the neighbours' constraints. */
+typedef struct pbf_missing {
+  double density, rate, force;
+} pbf_missing;
+
+static inline pbf_missing pbf_wall_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
+                                           double volume, int layer) {
   const double e = 1e-3;
+  pbf_missing missing = {0, 0, 0};
   int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
-  *rate = *force = 0;
   for (int k = -nz; k <= nz; ++k)
-    for (int j = 1; j <= n; ++j)
+    for (int j = layer; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
         double r = d * sqrt((double)(i * i + j * j + k * k)), q = r / h;
-        double along = volume * j * d / r, own = i == 0 && j == 1 && k == 0 ? 2 : 1;
-        *rate += own * along * pbf_norm_value(kernel, dimension, h) *
-                 (pbf_shape_value(kernel, q - e) - pbf_shape_value(kernel, q + e)) / (2 * e * h);
-        *force += 2 * along * pbf_norm_slope(kernel, dimension, h) * pbf_shape_slope(kernel, q);
+        double along = volume * j * d / r, own = i == 0 && j == 2 * layer - 1 && k == 0 ? 2 : 1;
+        double value = volume * pbf_norm_value(kernel, dimension, h);
+        missing.density += value * pbf_shape_value(kernel, q);
+        missing.rate += own * along * pbf_norm_value(kernel, dimension, h) *
+                        (pbf_shape_value(kernel, q - e) - pbf_shape_value(kernel, q + e)) /
+                        (2 * e * h);
+        missing.force +=
+            2 * along * pbf_norm_slope(kernel, dimension, h) * pbf_shape_slope(kernel, q);
       }
+  return missing;
 }
 
-/* So the density that walls lend has that rate at the first layer, and they push with its slope
- * times wall_push, which balances a lattice but for a thirtieth: balanced in full, a sheet of a few
- * layers between walls stays a lattice, which hardly flows. */
+static inline double pbf_half_space_slope(uint32_t kernel, uint32_t dimension, double t) {
+  const double e = 1e-3;
+  return (pbf_half_space(kernel, dimension, t + e) - pbf_half_space(kernel, dimension, t - e)) /
+         (2 * e);
+}
+
+/* What walls lend at a distance t h and its derivative, over what they lend the first layer: what
+ * the half-space would, f, with the exponent wall_steepness, from that layer on
+ * 1 + (wall_steepness - 1) wall_fade^x at x spacings beyond. */
+static inline double pbf_wall_lent(const pbf_derived *d, uint32_t kernel, uint32_t dimension,
+                                   double t, double *slope) {
+  double f = pbf_half_space(kernel, dimension, t) / d->wall_lent;
+  double change = pbf_half_space_slope(kernel, dimension, t) / d->wall_lent;
+  double exponent = d->wall_steepness, bends = 0;
+  if (t > d->wall_first && d->wall_fade < 1) {
+    double x = (t - d->wall_first) * d->h / d->spacing;
+    double above = (d->wall_steepness - 1) * pow(d->wall_fade, x);
+    exponent = 1 + above;
+    bends = above * log(d->wall_fade) * d->h / d->spacing * log(f);
+  }
+  double value = pow(f, exponent);
+  *slope = exponent * pow(f, exponent - 1) * change + bends * value;
+  return value;
+}
+
+/* That wall_fade with which the second layer gets what it lacks, over what the first does; 1 where
+ * it lacks next to nothing. */
+static inline double pbf_wall_fade(const pbf_derived *d, uint32_t kernel, uint32_t dimension,
+                                   double lacks) {
+  double t = d->wall_first + d->spacing / d->h;
+  double f = pbf_half_space(kernel, dimension, t) / d->wall_lent;
+  if (!(f > 0 && lacks > 0 && d->wall_steepness > 1)) return 1;
+  return fmin(fmax((log(lacks) / log(f) - 1) / (d->wall_steepness - 1), 0.05), 1);
+}
+
+/* The density that walls lend is right at a lattice's first two layers, with `rate` at the first.
+ * They push with its slope times wall_push, from the second layer on wall_push_far, so that a
+ * lattice is balanced but for a thirtieth: balanced in full, a sheet of a few layers between walls
+ * stays a lattice, which hardly flows. Where the second layer lacks little its balance counts less.
+ */
 static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_derived *d) {
-  const double e = 1e-3, share = 0.965;
-  double rate, force;
+  const double share = 0.965;
+  pbf_missing first = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 1);
+  pbf_missing second = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 2);
   d->wall_offset = pbf_wall_offset(kernel, dimension, d->h, d->spacing, d->volume);
-  pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, &rate, &force);
-  double t = (0.5 * d->spacing + d->wall_offset) / d->h;
-  double slope =
-      (pbf_half_space(kernel, dimension, t - e) - pbf_half_space(kernel, dimension, t + e)) /
-      (2 * e * d->h);
-  d->wall_steepness = fmin(fmax(rate / slope, 1), 4);
-  d->wall_push = fmin(fmax(share * force / slope, 1), 4) / d->wall_steepness;
+  d->wall_first = (0.5 * d->spacing + d->wall_offset) / d->h;
+  d->wall_lent = pbf_half_space(kernel, dimension, d->wall_first);
+  double slope = -pbf_half_space_slope(kernel, dimension, d->wall_first) / d->h;
+  d->wall_steepness = fmin(fmax(first.rate / slope, 1), 4);
+  d->wall_push = fmin(fmax(share * first.force / slope, 1), 4) / d->wall_steepness;
+  d->wall_push_far = d->wall_push;
+  d->wall_fade = pbf_wall_fade(d, kernel, dimension, second.density / first.density);
+  if (!(d->wall_fade < 1)) return;
+  double fall, t = d->wall_first + d->spacing / d->h, counts = fmin(1, 4 * (1 - d->wall_fade));
+  pbf_wall_lent(d, kernel, dimension, t, &fall);
+  double balance = -share * second.force * d->h / (d->wall_lent * fall);
+  d->wall_push_far += counts * fmin(fmax(balance - d->wall_push, 0), 4);
 }
 
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {

@@ -134,13 +134,18 @@ PBF_FN pbf_real pbf_wall_place(const pbf_constants *c, pbf_real distance) {
   return (distance + c->wall_offset) * c->inv_h * PBF_WALL_LAST;
 }
 
+/* From the slope of what a wall lends to what it pushes with, at a place among the nodes. */
+PBF_FN pbf_real pbf_wall_push(const pbf_constants *c, pbf_real place) {
+  pbf_real beyond = pbf_real_min(pbf_real_max(place - c->wall_first, 0), c->wall_layer);
+  return c->wall_push + c->wall_push_rise * beyond;
+}
+
 /* Density that the wall lends at the part s of the way between two nodes with these values and
- * slopes, and the slope that it pushes with, wall_push times the derivative. */
-PBF_FN pbf_real pbf_wall_between(const pbf_constants *c, pbf_real s, pbf_real v0, pbf_real v1,
-                                 pbf_real g0, pbf_real g1, pbf_real *slope) {
+ * slopes, and its derivative over this way. */
+PBF_FN pbf_real pbf_wall_between(pbf_real s, pbf_real v0, pbf_real v1, pbf_real g0, pbf_real g1,
+                                 pbf_real *slope) {
   pbf_real s2 = s * s, rise = v1 - v0;
-  *slope =
-      c->wall_push * (g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1);
+  *slope = g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1;
   return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
 }
 
@@ -150,8 +155,10 @@ PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *sl
   if (!(t < PBF_WALL_LAST)) return 0;
   t = pbf_real_max(t, 0);
   int k = (int)t;
-  return pbf_wall_between(c, t - k, c->wall_value[k], c->wall_value[k + 1], c->wall_slope[k],
-                          c->wall_slope[k + 1], slope);
+  pbf_real value = pbf_wall_between(t - k, c->wall_value[k], c->wall_value[k + 1], c->wall_slope[k],
+                                    c->wall_slope[k + 1], slope);
+  *slope *= pbf_wall_push(c, t);
+  return value;
 }
 
 /* The part of what an obstacle lends that it shares with others: all of it up to twice what it
@@ -174,9 +181,10 @@ PBF_FN pbf_real pbf_join_slope(pbf_real value, pbf_real slope, pbf_real lent, pb
 
 PBF_FN pbf_real pbf_join_value(pbf_real value, pbf_real lent) { return lent + (1 - lent) * value; }
 
-/* What obstacles lend: as far as they share it, and each for itself. */
+/* What obstacles lend: as far as they share it, and each for itself; and of what they share what
+ * they would lend at most to a fluid at rest. */
 typedef struct pbf_lent {
-  pbf_real shared, own;
+  pbf_real shared, own, resting;
   pbf_vec shared_gradient, own_gradient;
 } pbf_lent;
 
@@ -187,6 +195,7 @@ PBF_FN void pbf_join_wall(const pbf_constants *c, pbf_real value, pbf_real slope
     lent->shared_gradient.c[k] =
         pbf_join_slope(share, rate * slope * normal.c[k], lent->shared, lent->shared_gradient.c[k]);
   lent->shared = pbf_join_value(share, lent->shared);
+  lent->resting = pbf_join_value(pbf_real_min(share, c->wall_rest), lent->resting);
   lent->own_gradient = pbf_add_scaled(lent->own_gradient, (1 - rate) * slope, normal);
   lent->own += value - share;
 }
@@ -199,6 +208,11 @@ PBF_FN pbf_real pbf_facing(pbf_vec gradient, pbf_real slope, pbf_vec normal) {
   return steep2 > 0 ? -pbf_dot(gradient, normal) / pbf_real_sqrt(steep2) : 0;
 }
 
+/* How much of what two lend overlaps, where they face the same way so much and each other so. */
+PBF_FN pbf_real pbf_overlap(pbf_real a, pbf_real b, pbf_real same, pbf_real product) {
+  return product * a * b + same * pbf_real_min(a, b);
+}
+
 /* Joins the share of a collider's plane: like pbf_join_wall at right angles, the larger of both
  * where they face the same way, and their sum where they face each other. */
 PBF_FN void pbf_join_plane(const pbf_constants *c, pbf_real value, pbf_real slope, pbf_vec normal,
@@ -208,11 +222,12 @@ PBF_FN void pbf_join_plane(const pbf_constants *c, pbf_real value, pbf_real slop
   pbf_real same = pbf_real_max(facing, 0), product = 1 - pbf_real_max(facing, -facing);
   pbf_real keep = 1 - product * share - (lent->shared < share ? same : 0);
   pbf_real add = 1 - product * lent->shared - (lent->shared < share ? 0 : same);
-  pbf_real overlap = product * lent->shared * share + same * pbf_real_min(lent->shared, share);
+  pbf_real resting = pbf_real_min(share, c->wall_rest);
   for (int k = 0; k < PBF_DIM; ++k)
     lent->shared_gradient.c[k] =
         keep * lent->shared_gradient.c[k] + add * rate * slope * normal.c[k];
-  lent->shared = lent->shared + share - overlap;
+  lent->shared += share - pbf_overlap(lent->shared, share, same, product);
+  lent->resting += resting - pbf_overlap(lent->resting, resting, same, product);
   lent->own_gradient = pbf_add_scaled(lent->own_gradient, (1 - rate) * slope, normal);
   lent->own += value - share;
 }
@@ -233,7 +248,7 @@ PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pb
 }
 
 PBF_FN pbf_lent pbf_lent_by_walls(const pbf_constants *c, const pbf_walls *walls, pbf_vec x) {
-  pbf_lent lent = {0, 0, {{0}}, {{0}}};
+  pbf_lent lent = {0, 0, 0, {{0}}, {{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_vec axis = {{0}};
     axis.c[k] = 1;
@@ -264,13 +279,44 @@ PBF_FN void pbf_add_lent(const pbf_lent *lent, pbf_real *density, pbf_vec *gradi
   *gradient = pbf_add_scaled(*gradient, 1, lent->own_gradient);
 }
 
-/* Adds what all walls of the domain and all colliders lend. */
+/* What all walls of the domain and all colliders lend. */
+PBF_FN pbf_lent pbf_lent_at(const pbf_constants *c, const pbf_walls *walls, int count,
+                            const pbf_solid *solids, pbf_vec x) {
+  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
+  for (int k = 0; k < count; ++k) pbf_join_solid(c, &solids[k], x, &lent);
+  return lent;
+}
+
 PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
                           const pbf_solid *solids, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {
-  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
-  for (int k = 0; k < count; ++k) pbf_join_solid(c, &solids[k], x, &lent);
+  pbf_lent lent = pbf_lent_at(c, walls, count, solids, x);
   pbf_add_lent(&lent, density, gradient);
+}
+
+/* The part of a kernel's slope along a wall that lies beyond it is to the whole as the densities
+ * are (by parts). Fluid mirrored in the wall would lend that, too; without it a pressure that grows
+ * with the depth carries less of the fluid next to walls than of the rest, by a quarter at three
+ * spacings, and it sinks, for good. So what its neighbours do along a wall is done more often, but
+ * not for closer particles than in a fluid at rest: thin sheets would gain energy. With less than
+ * PBF_BESIDE of it the fluid next to walls sinks, with all of it it rises. */
+#define PBF_BESIDE 0.75
+
+/* A sum of moves with the walls' part, where these lend something with a gradient, which is
+ * `resting` for a fluid at rest. */
+PBF_FN pbf_vec pbf_beside_walls(pbf_vec sum, pbf_real lambda, pbf_real resting, pbf_vec gradient) {
+  pbf_real more = (pbf_real)PBF_BESIDE * resting / (1 - resting);
+  pbf_real steep2 = pbf_dot(gradient, gradient);
+  pbf_real across = pbf_dot(sum, gradient) / (steep2 > 0 ? steep2 : 1);
+  pbf_vec along = pbf_add_scaled(sum, -across, gradient);
+  return pbf_add_scaled(pbf_add_scaled(sum, more, along), lambda, gradient);
+}
+
+PBF_FN pbf_vec pbf_beside_lent(pbf_vec sum, pbf_real lambda, const pbf_lent *lent) {
+  pbf_real density = 0;
+  pbf_vec gradient = {{0}};
+  pbf_add_lent(lent, &density, &gradient);
+  return pbf_beside_walls(sum, lambda, lent->resting, gradient);
 }
 
 /* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is

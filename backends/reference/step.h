@@ -143,10 +143,11 @@ static inline void move(solver *s, const pbf_obstacles *o) {
       if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
       sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
     }
-    pbf_real density = 0;
-    pbf_vec from_walls = {{0}};
-    add_walls(s, o, s->moved[i], &density, &from_walls);
-    s->change[i] = pbf_add_scaled(sum, lambda[i], from_walls);
+    s->change[i] = sum;
+    if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
+      pbf_lent lent = pbf_lent_at(c, &o->walls, o->count, o->solids, s->moved[i]);
+      s->change[i] = pbf_beside_lent(sum, lambda[i], &lent);
+    }
   }
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;

@@ -345,19 +345,23 @@ static double wall_push(const pbf_constants *c, double distance) {
   return slope / wall_rate(c, distance);
 }
 
+/* The same up to the first layer, and from the second on. */
 static void walls_push_in_proportion_to_the_derivative(void **state) {
   (void)state;
   for (uint32_t kernel = 0; kernel < 2; ++kernel) {
     pbf_constants c = wall_constants(kernel);
-    double push = wall_push(&c, 0.0625);
+    const double d = test_params(kernel).spacing;
+    double last = wall_push(&c, 0.0625), far = wall_push(&c, 1.5 * d);
     pbf_vec normal = {{0}};
     normal.c[1] = 1;
-    assert_true(push > 0.9 && push < 2);
+    assert_true(last > 0.9 && last < 2 && far > 0.999 * last && far < 4);
     for (double x = 0.011; x < c.h; x += 0.037) {
       pbf_vec gradient = {{0}};
-      double here = 0;
+      double here = 0, rate = wall_rate(&c, x);
       add_wall(&c, x, normal, &here, &gradient);
-      assert_near(gradient.c[1], push * wall_rate(&c, x), 1e-4);
+      if (x < 0.5 * d) assert_near(gradient.c[1], last * rate, 1e-4);
+      if (x > 1.5 * d) assert_near(gradient.c[1], far * rate, 1e-4);
+      assert_true(gradient.c[1] <= last * rate + 1e-4 && gradient.c[1] >= far * rate - 1e-4);
       assert_near(gradient.c[0], 0, 0);
     }
   }
@@ -493,6 +497,82 @@ static void walls_of_a_corner_push_each_for_itself(void **state) {
   }
 }
 
+/* What a layer of a lattice lacks of its fellows behind a wall: density, and the force that holds
+ * it under an even pressure. */
+static void lacks(const pbf_constants *c, double d, int layer, double *density, double *force) {
+  int n = (int)ceil(c->h / d), nz = PBF_DIM == 3 ? n : 0;
+  *density = *force = 0;
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = layer; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double value, slope;
+        pbf_pair_kernel(0, c, d * d * (i * i + j * j + k * k), &value, &slope);
+        *density += value;
+        *force += 2 * slope * j * d;
+      }
+}
+
+static void a_lattice_of_any_support_is_at_rest_on_a_wall(void **state) {
+  (void)state;
+  for (double support = 2; support <= 4; support += 0.5) {
+    pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+    p.wall_density = 1;
+    p.smoothing_radius = support * p.spacing;
+    pbf_constants c = pbf_constants_of(&p);
+    for (int layer = 1; layer <= (support > 2 ? 2 : 1); ++layer) {
+      double density, force, push, lent = pbf_wall(&c, (layer - 0.5) * p.spacing, &push);
+      lacks(&c, p.spacing, layer, &density, &force);
+      assert_near(lent, density, 1e-3);
+      assert_near(push / force, 0.965, layer == 1 ? 0.01 : 0.05);
+    }
+  }
+}
+
+/* With a pressure that grows along it, the neighbours of a particle next to a wall do for the
+ * images that they would have in it what PBF_BESIDE says. */
+static void walls_mirror_what_neighbors_do_along_them(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  p.smoothing_radius = 3 * p.spacing;
+  for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
+  const pbf_constants c = pbf_constants_of(&p);
+  const pbf_walls walls = pbf_walls_at(&p, 0);
+  const double d = p.spacing;
+  const int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
+  double inside = 0, beyond = 0;
+  pbf_vec x, sum = {{0}};
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double value, slope;
+        pbf_pair_kernel(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
+        *(j < 0 ? &beyond : &inside) += slope * i * i;
+      }
+  for (int a = 0; a < PBF_DIM; ++a) x.c[a] = a == 1 ? 0.5 * d : 50;
+  sum.c[0] = inside;
+  sum.c[1] = 1;
+  const pbf_lent floor = pbf_lent_at(&c, &walls, 0, NULL, x);
+  const pbf_vec beside = pbf_beside_lent(sum, 0, &floor);
+  assert_near(beside.c[0] / inside - 1, PBF_BESIDE * beyond / inside, 0.01);
+  assert_near(beside.c[1], 1, 1e-9);
+  /* Closer, a lone sheet would gain energy by more. */
+  x.c[1] = 0.1 * d;
+  const pbf_lent closer = pbf_lent_at(&c, &walls, 0, NULL, x);
+  assert_near(pbf_beside_lent(sum, 0, &closer).c[0] / beside.c[0], 1, 1e-4);
+  /* Inside nothing, and a plane laid on the floor does nothing more. */
+  x.c[1] = 50;
+  const pbf_lent nothing = pbf_lent_at(&c, &walls, 0, NULL, x);
+  assert_near(pbf_beside_lent(sum, 0, &nothing).c[0], inside, 0);
+  x.c[1] = 0.5 * d;
+  pbf_collider plane = collider(PBF_COLLIDER_PLANE);
+  plane.axis[0] = plane.axis[2] = 0;
+  plane.axis[1] = 1;
+  const pbf_solid solid = pbf_solid_at(&plane, 0, 0);
+  const pbf_lent twice = pbf_lent_at(&c, &walls, 1, &solid, x);
+  assert_near(pbf_beside_lent(sum, 0, &twice).c[0], beside.c[0], 1e-6);
+}
+
 /* Planes at these distances from a point, whose normals turn away from +y by these angles. */
 static double lent_by_planes(const pbf_constants *c, int count, const double *distances,
                              const double *angles, pbf_vec x, pbf_vec *gradient) {
@@ -549,7 +629,7 @@ static void planes_lend_less_the_more_they_agree(void **state) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.wall_density = 1;
   pbf_constants c = pbf_constants_of(&p);
-  const double distances[] = {0.5 * p.spacing, 0.6 * p.spacing}, e = 1e-6 * p.spacing;
+  const double distances[] = {0.4 * p.spacing, 0.5 * p.spacing}, e = 1e-6 * p.spacing;
   double before = 1;
   for (double angle = 3.1; angle > 0; angle -= 0.2) {
     const double angles[] = {0, angle};
@@ -585,6 +665,8 @@ int main(void) {
       cmocka_unit_test(a_moving_plate_takes_along),
       cmocka_unit_test(crossing_plates),
       cmocka_unit_test(walls_of_a_corner_push_each_for_itself),
+      cmocka_unit_test(a_lattice_of_any_support_is_at_rest_on_a_wall),
+      cmocka_unit_test(walls_mirror_what_neighbors_do_along_them),
       cmocka_unit_test(half_space_density),
       cmocka_unit_test(planes_lend_by_how_they_face),
       cmocka_unit_test(planes_lend_less_the_more_they_agree),
