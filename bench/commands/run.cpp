@@ -148,9 +148,11 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
       ->type_name("F");
   auto *dump =
       command
-          ->add_option("--dump", options->dump,
-                       "positions, velocities and, where the solver keeps them, pressures as "
-                       ".npy into this folder, first and last, and dump.json for pbf-check")
+          ->add_option(
+              "--dump", options->dump,
+              "positions, velocities and, where the solver keeps them, pressures as "
+              ".npy into this folder, first and last, and dump.json for pbf-check; in place of "
+              "what another run has dumped there")
           ->type_name("DIR");
   command->add_option("--every", options->every, "… and every so many steps")
       ->type_name("K")

@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <regex>
+#include <vector>
 
 #include "core/error.h"
 #include "core/manifest.h"
@@ -9,12 +11,27 @@
 
 namespace bench {
 
+namespace {
+
+// pbf-check would take frames that another run left in the folder for this one's.
+void remove_frames(const std::filesystem::path &folder) {
+  static const std::regex frame("(positions|velocities|pressures|lambdas)_[0-9]+\\.npy");
+  if (!std::filesystem::exists(folder / "dump.json")) return;
+  std::vector<std::filesystem::path> frames;
+  for (const auto &entry : std::filesystem::directory_iterator(folder))
+    if (std::regex_match(entry.path().filename().string(), frame)) frames.push_back(entry.path());
+  for (const auto &path : frames) std::filesystem::remove(path);
+}
+
+}  // namespace
+
 Dump::Dump(const std::string &folder, uint64_t every, const Scene &scene, const pbf_info &info)
     : folder_(folder), every_(every) {
   if (folder_.empty()) return;
   std::error_code failed;
   std::filesystem::create_directories(folder_, failed);
   if (failed) throw Error(exit_failure, folder_ + " can't be made: " + failed.message());
+  remove_frames(folder_);
   write_manifest(folder_ + "/dump.json", scene, info);
 }
 

@@ -11,7 +11,8 @@ namespace bench {
 
 class Dump {
  public:
-  // Makes the folder and its dump.json; with an empty name nothing is ever written.
+  // Makes the folder and its dump.json, in place of an earlier dump there; with an empty name
+  // nothing is ever written.
   Dump(const std::string &folder, uint64_t every, const Scene &scene, const pbf_info &info);
 
   // Steps after `step` until the next dump is due.

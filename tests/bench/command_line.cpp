@@ -1,5 +1,6 @@
 /* Exit codes, files and JSON of pbf-bench. */
 #include <nlohmann/json.hpp>
+#include <fstream>
 #include <vector>
 
 #include "program.h"
@@ -107,6 +108,21 @@ void a_run_writes_its_trace_and_dumps(void **) {
   assert_false(std::filesystem::exists(folder + "/d/positions_000001.npy"));
 }
 
+// What is not a frame stays.
+void a_dump_takes_the_place_of_another(void **) {
+  const std::string folder = work_folder("again");
+  skip_unless_available(folder, "reference");
+  const std::string command = std::string("run --backend reference --dump d ") + small;
+  assert_int_equal(run_program(folder, command + " --steps 7 --every 3").exit_code, 0);
+  std::ofstream(folder + "/d/positions_mine.npy") << "kept";
+  assert_int_equal(run_program(folder, command + " --steps 5").exit_code, 0);
+  for (const char *field : {"positions_", "velocities_", "pressures_"})
+    for (const char *step : {"000003", "000006", "000007"})
+      assert_false(std::filesystem::exists(folder + "/d/" + field + step + ".npy"));
+  assert_true(std::filesystem::exists(folder + "/d/positions_000005.npy"));
+  assert_true(std::filesystem::exists(folder + "/d/positions_mine.npy"));
+}
+
 void a_trace_to_standard_output_is_alone_there(void **) {
   const std::string folder = work_folder("stdout");
   skip_unless_available(folder, "reference");
@@ -199,6 +215,7 @@ int main() {
       cmocka_unit_test(list_shows_scenes_and_backends),
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
       cmocka_unit_test(a_run_writes_its_trace_and_dumps),
+      cmocka_unit_test(a_dump_takes_the_place_of_another),
       cmocka_unit_test(a_trace_to_standard_output_is_alone_there),
       cmocka_unit_test(batches_do_not_change_the_result),
       cmocka_unit_test(speedup_writes_google_benchmarks_json),
