@@ -2,7 +2,7 @@
 """Writes the tables of error against run time into README.md and docs/accuracy.md, from the results
 of `pbf-bench pareto --json`, one a scene.
 
-    bench/tools/pareto_table.py bench/results/xeon-2-cores/pareto-*.json
+    bench/tools/pareto_table.py bench/results/epyc-2-cores/pareto-*.json
 """
 import json
 import pathlib
