@@ -274,9 +274,8 @@ static inline double pbf_wall_fade(const pbf_derived *d, uint32_t kernel, uint32
 
 /* The density that walls lend is right at a lattice's first two layers, with `rate` at the first.
  * They push with its slope times wall_push, from the second layer on wall_push_far, so that a
- * lattice is balanced but for a thirtieth: balanced in full, a sheet of a few layers between walls
- * stays a lattice, which hardly flows. Where the second layer lacks little its balance counts less.
- */
+ * lattice is balanced but for a thirtieth: balanced in full, fluid of wide kernels moves half as
+ * fast again at rest. Where the second layer lacks little its balance counts less. */
 static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_derived *d) {
   const double share = 0.965;
   pbf_missing first = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 1);
