@@ -303,9 +303,11 @@ PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int co
 #define PBF_BESIDE 0.75
 
 /* A sum of moves with the walls' part, where these lend something with a gradient, which is
- * `resting` for a fluid at rest. */
+ * `resting` for a fluid at rest. A corner of three walls comes to 0.75 at h = 5 spacings; colliders
+ * that face each other in a slot may add up to more than there is. */
 PBF_FN pbf_vec pbf_beside_walls(pbf_vec sum, pbf_real lambda, pbf_real resting, pbf_vec gradient) {
-  pbf_real more = (pbf_real)PBF_BESIDE * resting / (1 - resting);
+  pbf_real walls = pbf_real_min(resting, (pbf_real)0.75);
+  pbf_real more = (pbf_real)PBF_BESIDE * walls / (1 - walls);
   pbf_real steep2 = pbf_dot(gradient, gradient);
   pbf_real across = pbf_dot(sum, gradient) / (steep2 > 0 ? steep2 : 1);
   pbf_vec along = pbf_add_scaled(sum, -across, gradient);

@@ -571,6 +571,10 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
   const pbf_solid solid = pbf_solid_at(&plane, 0, 0);
   const pbf_lent twice = pbf_lent_at(&c, &walls, 1, &solid, x);
   assert_near(pbf_beside_lent(sum, 0, &twice).c[0], beside.c[0], 1e-6);
+  /* Slots between many colliders may lend more than all. */
+  const pbf_vec up = point(0, 1, 0);
+  for (double resting = 0.8; resting < 2; resting += 0.2)
+    assert_near(pbf_beside_walls(sum, 0, resting, up).c[0] / inside, 1 + 3 * PBF_BESIDE, 1e-9);
 }
 
 /* Planes at these distances from a point, whose normals turn away from +y by these angles. */
