@@ -203,7 +203,7 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
     read_rest(s, rows, out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-    if (!survey(s)) return no_memory_for_neighbors(s);
+    if (!survey(s, survey_densities)) return no_memory_for_neighbors(s);
     read_densities(s, rows, out);
   } else {
     read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, out);
@@ -237,18 +237,24 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   return PBF_OK;
 }
 
-static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
+static pbf_status find_pressures(solver *s) {
   add_weight(s);
-  read_pressure_rows(s, rows, out);
-  return PBF_OK;
+  return survey(s, survey_pressures) ? PBF_OK : no_memory_for_neighbors(s);
+}
+
+static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
+  pbf_status status = find_pressures(s);
+  if (status == PBF_OK) read_pressure_rows(s, rows, out);
+  return status;
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
   if (!keep_reals(s, 1, &s->pressure, "pressure"))
     return out_of_memory(s, "a view of the pressures");
-  add_weight(s);
-  for (uint32_t i = 0; i < s->count; ++i)
-    s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
+  pbf_status status = find_pressures(s);
+  if (status != PBF_OK) return status;
+  for (uint32_t k = 0; k < s->count; ++k)
+    s->pressure[s->order[k]] = pbf_pressure(s->pressure_scale, fitted_lambda(s)[k]);
   pbf_view_numbers(view, s->count, s->buffers.ids, s->pressure);
   return PBF_OK;
 }
@@ -257,7 +263,7 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  if (!survey(s)) return no_memory_for_neighbors(s);
+  if (!survey(s, survey_densities)) return no_memory_for_neighbors(s);
   stats->count = s->count;
   stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
   stats->asleep = s->asleep;

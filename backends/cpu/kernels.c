@@ -23,6 +23,7 @@ const kernels PBF_VARIANT_API = {
     .viscosity = PBF_BUILT & (PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP) ? viscosity : NULL,
     .stir = PBF_BUILT & PBF_FEATURE_SLEEP ? stir : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
+    .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,
     .backtrack = backtrack,
     .slack = slack,
     .weigh = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? weigh : NULL,

@@ -4,6 +4,7 @@
 
 #include "cpu/kernels_walls.h"
 #include "cpu/neighbors.h"
+#include "physics/fit.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
 PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
@@ -266,17 +267,6 @@ PBF_FN pbf_curl lane_curl(const lane_curls *curls, uint32_t l) {
   return curl;
 }
 
-PBF_FN void add_curls(lane_curls *curls, lane slope, const lane_vec *x_ij, const lane_vec *v_ji) {
-  _Alignas(64) pbf_real slopes[WIDTH];
-  lane_values x = lane_vec_values(x_ij), v = lane_vec_values(v_ji);
-  lane_store(slopes, slope);
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_curl curl = lane_curl(curls, l);
-    pbf_add_curl(&curl, slopes[l], lane_value(&x, l), lane_value(&v, l));
-    for (int k = 0; k < PBF_CURL_DIM; ++k) curls->c[k][l] = curl.c[k];
-  }
-}
-
 PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
                         pbf_real *const curl[PBF_CURL_DIM], pbf_real *size, uint32_t first,
                         uint32_t last) {
@@ -285,8 +275,9 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
   uint8_t space[MOST_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
+    lane sums[PBF_CURL_DIM];
     lane_curls curls;
-    memset(&curls, 0, sizeof curls);
+    memset(sums, 0, sizeof sums);
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
       const neighbor_table around = neighbors_in(b, p, NULL);
@@ -298,11 +289,13 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
         lane_vec v_ij = lane_vec_minus(&v_i, &v_of, pair.j), v_ji;
         for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = -v_ij.c[a];
         lanes_kernel(features, &c, pair.r2, &value, &slope);
-        add_curls(&curls, slope, &pair.x_ij, &v_ji);
+        lanes_add_curl(sums, slope, pair.x_ij.c, v_ji.c);
       }
     }
-    for (int k = 0; k < PBF_CURL_DIM; ++k)
-      memcpy(curl[k] + g * WIDTH, curls.c[k], sizeof curls.c[k]);
+    for (int k = 0; k < PBF_CURL_DIM; ++k) {
+      lane_store(curls.c[k], sums[k]);
+      lane_store(curl[k] + g * WIDTH, sums[k]);
+    }
     for (uint32_t l = 0; l < WIDTH; ++l) size[g * WIDTH + l] = pbf_curl_size(lane_curl(&curls, l));
   }
 }
@@ -385,11 +378,9 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
   }
 }
 
+/* One loop for both kernels: this one waits for memory. */
 static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
-    viscosity_groups(PBF_FEATURE_POLY6, p, v, smoothed, first, last);
-  else
-    viscosity_groups(0, p, v, smoothed, first, last);
+  viscosity_groups(hot_features(p) & PBF_FEATURE_POLY6, p, v, smoothed, first, last);
 }
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
@@ -472,10 +463,41 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
 
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
-    density_groups(PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
-  else
-    density_groups(0, p, densities, neighbors, first, last);
+  density_groups(hot_features(p) & PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
+}
+
+/* A group's lines from its sums, which are of reals alone in both forms. */
+PBF_FN void fit_group(const lanes_fit *sums, const pbf_real *own, pbf_real *fitted) {
+  enum { SUMS = sizeof(pbf_fit) / sizeof(pbf_real) };
+  pbf_real lanes[SUMS][WIDTH], one[SUMS];
+  pbf_fit fit;
+  memcpy(lanes, sums, sizeof lanes);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    for (int k = 0; k < SUMS; ++k) one[k] = lanes[k][l];
+    memcpy(&fit, one, sizeof fit);
+    fitted[l] = pbf_fitted(&fit, own[l]);
+  }
+}
+
+static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
+                uint32_t last) {
+  const pbf_constants c = *p->constants;
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    lanes_fit sums;
+    memset(&sums, 0, sizeof sums);
+    for (walk w = walk_group(&p->lists, g); w.left;) {
+      const block *b = walk_block(&w);
+      const neighbor_table around = neighbors_in(b, p, numbers);
+      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
+      for (; list < list_end; list += WIDTH) {
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        lanes_add_to_fit(&c, &sums, pair.x_ij.c, pair.r2, number_of(&around, &pair));
+      }
+    }
+    fit_group(&sums, numbers + g * WIDTH, fitted + g * WIDTH);
+  }
 }
 
 #endif

@@ -84,9 +84,9 @@ static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out)
 }
 
 static void read_pressure_rows(const solver *s, const pbf_rows *rows, pbf_real *out) {
-  for (uint32_t i = 0; i < s->count; ++i) {
-    uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) out[row] = pbf_pressure(s->pressure_scale, s->lambda[i]);
+  for (uint32_t k = 0; k < s->count; ++k) {
+    uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
+    if (row < rows->count) out[row] = pbf_pressure(s->pressure_scale, fitted_lambda(s)[k]);
   }
 }
 

@@ -146,4 +146,7 @@ static inline uint64_t padded(uint32_t capacity) {
  * way. Lambda is the pressure where it adds up. */
 static inline pbf_real *spare_reals(const solver *s) { return s->added ? s->added : s->lambda; }
 
+/* The same for lambda as it is fitted to the particles. */
+static inline pbf_real *fitted_lambda(const solver *s) { return s->buffers.spare[0].c[0]; }
+
 #endif

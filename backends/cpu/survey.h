@@ -1,5 +1,5 @@
-/* What callers ask for between steps: densities and statistics at the present positions. Uses the
- * spare buffers; the state stays where it is, since a caller may be looking at it. */
+/* What callers ask for between steps: densities, pressures and statistics at the present positions.
+ * Uses the spare buffers; the state stays where it is, since a caller may be looking at it. */
 #ifndef PBF_CPU_SURVEY_H
 #define PBF_CPU_SURVEY_H
 
@@ -14,25 +14,50 @@ static void density_piece(void *context, uint32_t piece) {
   w->s->kernels->density(&pairs, spare_reals(w->s), w->s->cells, r.first, r.last);
 }
 
-/* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
- * spare_reals(s)[k] and s->cells[k] neighbours. */
-static void run_survey(void *context, member *me) {
-  solver *s = context;
+/* The sorted lambda, for who looks it up. */
+static void sort_lambda_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  range r = piece_particles(w, piece);
+  gather_reals(w->s->order, r, w->s->lambda, spare_reals(w->s));
+  fill_quads(w->s, 0, &w->b.spare[2], spare_reals(w->s), r);
+}
+
+static void fit_lambda_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
+  w->s->kernels->fit(&pairs, spare_reals(w->s), fitted_lambda(w->s), r.first, r.last);
+}
+
+static worker begin_survey(solver *s, member *me) {
   worker w = worker_of(s, me);
-  w.key = &w.b.x;
-  w.sorted_key = &w.b.spare[2];
+  w.key = &s->buffers.x;
+  w.sorted_key = &s->buffers.spare[2];
   place_obstacles(s, s->now, &w.obstacles);
   team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
+  return w;
+}
+
+static void survey_densities(void *context, member *me) {
+  worker w = begin_survey(context, me);
   if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
 }
 
-/* 0 when the memory for the neighbours is lacking. */
-static int survey(solver *s) {
+static void survey_pressures(void *context, member *me) {
+  worker w = begin_survey(context, me);
+  team_for(me, particle_pieces(&w), sort_lambda_piece, NULL, &w);
+  if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), fit_lambda_piece, NULL, &w);
+}
+
+/* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
+ * spare_reals(s)[k] and s->cells[k] neighbours, or fitted_lambda(s)[k]. 0 when the memory for the
+ * neighbours is lacking. */
+static int survey(solver *s, team_function what) {
   if (!s->count) return 1;
   do {
     atomic_store(&s->stopped, 0);
-    team_run(s->team, s->threads, run_survey, s);
+    team_run(s->team, s->threads, what, s);
   } while (atomic_load(&s->stopped) && grow_lists(s));
   return !atomic_load(&s->stopped);
 }

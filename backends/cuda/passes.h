@@ -208,7 +208,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
     pbf_real value, slope;
     pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-    pbf_add_curl(&curl, slope, x_ij, pbf_sub(velocities[j], v));
+    pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(velocities[j], v).c);
   });
   if (i < n.particles.count) curls[i] = curl;
 }
@@ -260,27 +260,36 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = v;
 }
 
-/* rho/rho0 without the walls' part, and the number of neighbours nearer than h; without lists. */
-template <int FEATURES>
-static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uint32_t i,
-                                                      uint32_t *neighbors) {
-  const pbf_constants *c = &n.constants;
+/* Calls visit(point, x_i - x_j, r²) for the neighbours of particle i nearer than h; without lists.
+ */
+template <class Visit>
+static __device__ __forceinline__ void for_present_neighbors(const neighborhood &n, uint32_t i,
+                                                             Visit visit) {
   const sorted_particles &p = n.particles;
   pbf_vec x = position_of(load(p.points, i));
   grid_view view = grid_look(n.grid, x);
-  pbf_real density = c->value_scale;
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t first, last;
     if (!grid_reach(n.grid, view, row, &first, &last)) continue;
     uint32_t end = p.cell_start[last + 1];
     for (uint32_t j = p.cell_start[first]; j < end; ++j) {
-      pbf_vec x_ij = pbf_sub(x, position_of(load(p.points, j)));
+      point other = load(p.points, j);
+      pbf_vec x_ij = pbf_sub(x, position_of(other));
       pbf_real r2 = pbf_dot(x_ij, x_ij);
-      if (j == i || !(r2 < c->h2)) continue;
-      density += pbf_pair_density(FEATURES, c, r2);
-      ++*neighbors;
+      if (j != i && r2 < n.constants.h2) visit(other, x_ij, r2);
     }
   }
+}
+
+/* rho/rho0 without the walls' part, and the number of neighbours nearer than h. */
+template <int FEATURES>
+static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uint32_t i,
+                                                      uint32_t *neighbors) {
+  pbf_real density = n.constants.value_scale;
+  for_present_neighbors(n, i, [&](const point &, pbf_vec, pbf_real r2) {
+    density += pbf_pair_density(FEATURES, &n.constants, r2);
+    ++*neighbors;
+  });
   return density;
 }
 

@@ -3,6 +3,7 @@
 #ifndef PBF_CUDA_POPULATION_H
 #define PBF_CUDA_POPULATION_H
 
+#include "cuda/pressures.h"
 #include "cuda/rows.h"
 #include "cuda/stats.h"
 #include "cuda/step.h"
@@ -198,28 +199,38 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
   return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
 }
 
+/* In the order of the particles. */
+static inline pbf_status find_pressures(solver *s, pbf_real *out) {
+  cell_grid grid = present_grid(s, pbf_walls_at(&s->params, s->time));
+  uint32_t blocks = blocks_for(s->count), *present = static_cast<uint32_t *>(s->list_room);
+  neighborhood n = neighborhood_of(s, grid);
+  if (pbf_status status = sort_present(s, grid)) return status;
+  sort_lambda_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), n, pressures_of(s), present);
+  fit_pressures_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->pressure_scale, present, out);
+  return pbf_cuda_check_launch("fit_pressures_kernel");
+}
+
 static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
   if (!rows->count) return PBF_OK;
   row_range range;
+  pbf_real *pressures = reinterpret_cast<pbf_real *>(s->other_velocities);
   pbf_real *staged = static_cast<pbf_real *>(s->list_room);
+  if (pbf_status status = find_pressures(s, pressures)) return status;
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
-  read_pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->ids, s->count, pressures_of(s), range, staged);
-  if (pbf_status status = pbf_cuda_check_launch("read_pressures_kernel")) return status;
+  read_values_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(pressures, s->ids, s->count,
+                                                                        range, staged);
+  if (pbf_status status = pbf_cuda_check_launch("read_values_kernel")) return status;
   return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
 }
 
-/* Into s->pressures, in the order of the particles. */
+/* Into s->pressures. */
 static inline pbf_status population_pressures(solver *s) {
   if (!s->pressures)
     if (pbf_status status =
             pbf_cuda_take(&s->memory, "pressure", (uint64_t)s->capacity * sizeof(pbf_real),
                           reinterpret_cast<void **>(&s->pressures)))
       return status;
-  if (!s->count) return PBF_OK;
-  pressures_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->count, pressures_of(s), s->pressures);
-  return pbf_cuda_check_launch("pressures_kernel");
+  return s->count ? find_pressures(s, s->pressures) : PBF_OK;
 }
 
 static inline pbf_status population_write(solver *s, uint32_t field, const pbf_rows *rows,

@@ -2,7 +2,6 @@
 #ifndef PBF_CUDA_ROWS_H
 #define PBF_CUDA_ROWS_H
 
-#include "cuda/deep.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
 #include "physics/stages.h"
@@ -65,40 +64,6 @@ static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids,
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
   if (row < rows.count) values[i] = in[row];
-}
-
-/* The pressure of the last step: of the iterations, and of the grid in deep water. */
-struct pressure_source {
-  pbf_real scale;
-  deep_pressure deep;
-};
-
-static __device__ __forceinline__ pbf_real pressure_of(const pressure_source &source,
-                                                       const point &p) {
-  return pbf_pressure(source.scale, p.lambda) + deep_pressure_at(source.deep, position_of(p));
-}
-
-static __global__ void read_pressures_kernel(const point *points, const uint32_t *ids,
-                                             uint32_t count, pressure_source source, row_range rows,
-                                             pbf_real *out) {
-  uint32_t i = thread_index();
-  if (i >= count) return;
-  uint32_t row = row_in_range(rows, ids[i]);
-  if (row < rows.count) out[row] = pressure_of(source, load(points, i));
-}
-
-static __global__ void pressures_kernel(const point *points, uint32_t count, pressure_source source,
-                                        pbf_real *out) {
-  uint32_t i = thread_index();
-  if (i < count) out[i] = pressure_of(source, load(points, i));
-}
-
-static __global__ void add_weight_kernel(point *points, uint32_t count, pressure_source source) {
-  uint32_t i = thread_index();
-  if (i >= count) return;
-  point p = load(points, i);
-  p.lambda -= deep_pressure_at(source.deep, position_of(p)) / source.scale;
-  store(points, i, p);
 }
 
 /* Unrest and lambda of each, for saved states. */

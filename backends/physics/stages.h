@@ -349,18 +349,6 @@ PBF_FN pbf_real pbf_pressure(pbf_real scale, pbf_real total) {
   return scale > 0 ? 0 - scale * total : 0;
 }
 
-/* One pair's part of the curl of the velocity (eq. 15): (v_j - v_i) x V grad_j W, with
- * V grad_j W = -slope (x_i - x_j). */
-PBF_FN void pbf_add_curl(pbf_curl *curl, pbf_real slope, pbf_vec x_ij, pbf_vec v_ji) {
-#if PBF_DIM == 3
-  curl->c[0] -= slope * (v_ji.c[1] * x_ij.c[2] - v_ji.c[2] * x_ij.c[1]);
-  curl->c[1] -= slope * (v_ji.c[2] * x_ij.c[0] - v_ji.c[0] * x_ij.c[2]);
-  curl->c[2] -= slope * (v_ji.c[0] * x_ij.c[1] - v_ji.c[1] * x_ij.c[0]);
-#else
-  curl->c[0] -= slope * (v_ji.c[0] * x_ij.c[1] - v_ji.c[1] * x_ij.c[0]);
-#endif
-}
-
 PBF_FN pbf_real pbf_curl_size(pbf_curl curl) {
   pbf_real sum = 0;
   for (int k = 0; k < PBF_CURL_DIM; ++k) sum += curl.c[k] * curl.c[k];

@@ -211,11 +211,14 @@ static pbf_status remove_all(solver *s) {
   return PBF_OK;
 }
 
+static void sort_present(solver *s) {
+  if (s->count) grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+}
+
 static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
   uint32_t neighbors = 0;
-  if (!s->count) return;
   pbf_obstacles obstacles = obstacles_at(s, s->now);
-  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+  sort_present(s);
   for (uint32_t k = 0; k < rows->count; ++k)
     out[k] = solver_density(s, &obstacles, rows->first + k, &neighbors);
 }
@@ -258,16 +261,18 @@ static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
 
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
   pbf_real *pressures = out;
+  sort_present(s);
   for (uint32_t k = 0; k < rows->count; ++k)
-    pressures[k] = pbf_pressure(s->pressure_scale, s->lambda[rows->first + k]);
+    pressures[k] = pbf_pressure(s->pressure_scale, fitted_lambda(s, rows->first + k));
   return PBF_OK;
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
   if (!keep_array(s, 1, (void **)&s->pressure, "pressure", sizeof *s->pressure))
     return out_of_memory(s, "a view of the pressures");
+  sort_present(s);
   for (uint32_t i = 0; i < s->count; ++i)
-    s->pressure[i] = pbf_pressure(s->pressure_scale, s->lambda[i]);
+    s->pressure[i] = pbf_pressure(s->pressure_scale, fitted_lambda(s, i));
   pbf_view_numbers(view, s->count, s->ids, s->pressure);
   return PBF_OK;
 }
@@ -284,7 +289,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
   stats->asleep = sleepers(s);
   if (!s->count) return PBF_OK;
-  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+  sort_present(s);
   pbf_obstacles obstacles = obstacles_at(s, s->now);
   for (uint32_t i = 0; i < s->count; ++i) add_to_stats(stats, s, &obstacles, i);
   pbf_stats_finish(stats);

@@ -2,6 +2,7 @@
 #ifndef PBF_REFERENCE_STEP_H
 #define PBF_REFERENCE_STEP_H
 
+#include "physics/fit.h"
 #include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
@@ -61,6 +62,16 @@ static inline pbf_real density_at(const solver *s, const pbf_obstacles *o, const
 static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
                                       uint32_t *neighbors) {
   return density_at(s, o, s->x, i, neighbors);
+}
+
+/* Lambda of the last step where particle i stands, positions sorted into s->grid. */
+static inline pbf_real fitted_lambda(const solver *s, uint32_t i) {
+  const pbf_constants *c = &s->constants;
+  pbf_fit fit = {0};
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, s->x, c->h2, &n))
+    pbf_pair_add_to_fit(c, &fit, n.x_ij.c, n.r2, s->lambda[n.j]);
+  return pbf_fitted(&fit, s->lambda[i]);
 }
 
 /* From the positions at the start of the step, between the obstacles of that time. */
@@ -175,7 +186,7 @@ static inline void compute_curl(solver *s) {
     while (!asleep(s, i) && next_neighbor(&s->grid, s->moved, c->h2, &n)) {
       pbf_real value, slope;
       pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
-      pbf_add_curl(&curl, slope, n.x_ij, pbf_sub(s->v[n.j], s->v[i]));
+      pbf_pair_add_curl(curl.c, slope, n.x_ij.c, pbf_sub(s->v[n.j], s->v[i]).c);
     }
     s->curl[i] = curl;
   }

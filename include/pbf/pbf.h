@@ -297,7 +297,10 @@ PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_
                                      void *densities);
 
 /* p/rho0 of the last step, length²/time², shape (count): what, held over the step, accelerates the
- * fluid as the density solve has moved it, -grad p / rho. Artificial pressure is not in it. 0
+ * fluid as the density solve has moved it, -grad p / rho. At the present positions, as the straight
+ * line through those of a particle and of its neighbours (moving least squares, weighted by a
+ * kernel): by itself each trembles about it, which neighbours, who feel several at once, do not.
+ * Looks for neighbours, which takes a third of a step or so. Artificial pressure is not in it. 0
  * before a particle's first step: it is not part of a saved state, and begins anew when `solver`
  * becomes PBF_SOLVER_CHEBYSHEV. PBF_ERROR_UNSUPPORTED with PBF_SOLVER_JACOBI, which keeps no
  * pressure. */

@@ -52,6 +52,12 @@ static void assert_same(const double *a, const double *b, uint32_t count, const 
       fail_msg("%s: pressure %u is %.9g and %.9g", what, i, a[i], b[i]);
 }
 
+/* In float32 sums may go another way round. */
+static void assert_alike(double a, double b, uint32_t precision, const char *what) {
+  if (!(fabs(a - b) <= (precision == PBF_FLOAT64 ? 1e-9 : 2e-4) * fabs(a)))
+    fail_msg("%s: pressure is %.9g and %.9g", what, a, b);
+}
+
 static void assert_zero(const double *p, uint32_t first, uint32_t last) {
   for (uint32_t i = first; i < last; ++i)
     if (p[i] != 0) fail_msg("pressure %u is %g", i, p[i]);
@@ -65,7 +71,7 @@ static double largest_of(const double *p, uint32_t count) {
 
 /* Sums of a straight line fitted to pressure over height. */
 typedef struct fit {
-  double n, z, p, zz, zp;
+  double n, z, p, zz, zp, pp;
 } fit;
 
 /* Of the particles a smoothing radius and more from walls and surface. */
@@ -83,7 +89,8 @@ static void add_to_fit(fit *f, pbf_solver *s, uint32_t dimension, uint32_t preci
     }
     if (!inside) continue;
     double z = test_value(x, (uint64_t)i * dimension + 1, precision);
-    *f = (fit){f->n + 1, f->z + z, f->p + p[i], f->zz + z * z, f->zp + z * p[i]};
+    *f = (fit){f->n + 1,      f->z + z,         f->p + p[i],
+               f->zz + z * z, f->zp + z * p[i], f->pp + p[i] * p[i]};
   }
   free(x), free(p);
 }
@@ -91,7 +98,8 @@ static void add_to_fit(fit *f, pbf_solver *s, uint32_t dimension, uint32_t preci
 /* p/rho0 = g (H - z) within the fluid, in the mean over 40 moments: the slope is g within 10 %, and
  * half way down the pressure is right within 6 % of that at the floor. A float's worth of pressure
  * is nothing, the fluid's trembling is; and the weights of a kernel that spans two spacings depend
- * on how its neighbours stand. */
+ * on how its neighbours stand. What single particles' own lambda says is 3.4 % off that line (RMS,
+ * in 2D; 2.2 in 3D), what they read half of it. */
 static void check_hydrostatics(uint32_t dimension, uint32_t precision) {
   enum { SETTLE = 200, LOOKS = 40, STEPS_A_LOOK = 5 };
   if (dimension == 3 && precision == PBF_FLOAT64) return; /* the slowest says no more */
@@ -108,8 +116,12 @@ static void check_hydrostatics(uint32_t dimension, uint32_t precision) {
   double slope = (f.n * f.zp - f.z * f.p) / (f.n * f.zz - f.z * f.z);
   double middle = f.p / f.n + slope * (depth / 2 - f.z / f.n);
   double off = (middle - g * depth / 2) / (g * depth);
+  double left = f.pp - f.p * f.p / f.n - slope * (f.zp - f.z * f.p / f.n);
+  double scatter = sqrt(left / f.n) / (g * depth);
   if (!(fabs(slope / -g - 1) < 0.1) || !(fabs(off) < 0.06))
     fail_msg("%uD: slope %g of g, half way down off by %g of rho g H", dimension, slope / -g, off);
+  if (!(scatter < (dimension == 2 ? 0.024 : 0.016)))
+    fail_msg("%uD: particles are off the line by %g of rho g H", dimension, scatter);
   pbf_destroy(s);
 }
 
@@ -132,7 +144,7 @@ static void check_start(uint32_t dimension, uint32_t precision) {
   for (uint32_t k = 0; k < dimension; ++k) test_put(x, k, precision, 0.1);
   assert_ok(pbf_add_particles(s, 1, x, NULL, NULL));
   double *after = pressures_of(s, precision);
-  assert_same(p, after, count, "after adding");
+  for (uint32_t i = 0; i < count; ++i) assert_alike(p[i], after[i], precision, "after adding");
   assert_zero(after, count, count + 1);
   free(x), free(after), free(p);
   pbf_destroy(s);
@@ -144,12 +156,13 @@ static void nothing_before_the_first_step(void **state) {
   test_for_each_kind(check_start);
 }
 
-/* Others' coming and going, looking, moving by hand and another time step leave a particle its
- * pressure. */
+/* Looking, moving by hand to where they are and another time step leave particles their pressure,
+ * and others' going does out of their reach. */
 static void check_whose(uint32_t dimension, uint32_t precision) {
-  pbf_solver *s = tank(dimension, precision, 4, 5);
+  const uint32_t gone[3] = {1, 2, 3};
+  pbf_solver *s = tank(dimension, precision, 4, 7);
   pbf_stats stats = {.struct_size = sizeof stats};
-  uint32_t count = count_of(s), kept = 0;
+  uint32_t count = count_of(s), far = 0;
   void *room = calloc(count, precision * dimension);
   assert_ok(pbf_step(s, 7));
   double *p = pressures_of(s, precision), *after;
@@ -158,21 +171,24 @@ static void check_whose(uint32_t dimension, uint32_t precision) {
   assert_ok(pbf_get_densities(s, 0, count, room));
   assert_ok(pbf_get_positions(s, 0, count, room));
   assert_ok(pbf_set_positions(s, 0, count, room));
-  assert_ok(pbf_get_velocities(s, 0, count, room));
   pbf_params params = {.struct_size = sizeof params};
   assert_ok(pbf_get_params(s, &params));
   params.time_step *= 0.5;
   assert_ok(pbf_set_params(s, &params));
   assert_same(p, after = pressures_of(s, precision), count, "after looking");
   free(after);
-  assert_ok(pbf_remove_particles(s, 3, (const uint32_t[]){1, 7, 8}));
-  for (uint32_t i = 0; i < count; ++i)
-    if (i != 1 && i != 7 && i != 8) p[kept++] = p[i];
-  assert_same(p, after = pressures_of(s, precision), kept, "after removing");
-  free(after);
+  assert_ok(pbf_remove_particles(s, 3, gone));
+  after = pressures_of(s, precision);
+  for (uint32_t i = 4; i < count; ++i) {
+    /* The three lie on the floor. */
+    if (test_value(room, (uint64_t)i * dimension + 1, precision) < 0.16) continue;
+    assert_alike(p[i], after[i - 3], precision, "after removing");
+    far += p[i] > 0;
+  }
+  assert_true(far > 0);
   assert_ok(pbf_get_pressures(s, 5, 1, room));
-  assert_true(test_value(room, 0, precision) == p[5]);
-  free(p), free(room);
+  assert_true(test_value(room, 0, precision) == after[5]);
+  free(p), free(after), free(room);
   pbf_destroy(s);
 }
 

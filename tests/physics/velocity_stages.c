@@ -49,7 +49,7 @@ static pbf_curl lattice_curl(velocity_field field) {
         pbf_real r2 = pbf_dot(x, x), value, slope;
         if (r2 == 0) continue;
         pbf_pair_kernel(0, &c, r2, &value, &slope);
-        pbf_add_curl(&curl, slope, x_ij, pbf_sub(field(x), field(zero)));
+        pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(field(x), field(zero)).c);
       }
   return curl;
 }

@@ -31,7 +31,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_unrest, SLEEP),
       WATCH(pbf_pair_poly6, POLY6),
       WATCH(pbf_pair_scorr, SCORR),
-      WATCH(pbf_add_curl, VORTICITY),
+      WATCH(pbf_pair_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
       WATCH(pbf_collide_on_way, COLLIDERS),
