@@ -310,7 +310,8 @@ PBF_FN pbf_coarse_dose pbf_coarse_dose_of(const pbf_coarse *c, const pbf_coarse_
     if (cells >= dose.longest) dose.longest = cells + 1;
   }
   double error = c->error * head, cell = c->error * fastest;
-  double left = pbf_greater(PBF_DEPTH_LEFT, cell * pbf_lesser(36 * fastest, 1));
+  double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
+  left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
   if (!(error > left && fastest < 0.5)) return dose;
   dose.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
   dose.share = fastest / sqrt(head);
