@@ -17,11 +17,12 @@
  * eight; with 1 % water of 20 layers is lower by half again as much as n iterations should leave.
  *
  * SHARE: what the grid carries stirs, too, and grows with the weight: so the iterations get a share
- * of what is beyond 150 layers (4 iterations, 1/120 s). With 0.7 % at any depth 300 layers from
- * disorder swell by 0.7 %, in steps of 1/44 s by 4 %. */
+ * of what is beyond 60 layers (4 iterations, 1/120 s), which is more than LEFT from 220 on. With
+ * 0.7 % at any depth 300 layers from disorder swell by 0.7 %, in steps of 1/44 s by 4 %; with 7 %
+ * of what is beyond 3 %, 60 and 100 layers in steps of 1/60 s stand 0.1 % lower. */
 #define PBF_DEPTH_LEFT 0.007
-#define PBF_DEPTH_SHARE 0.07
-#define PBF_DEPTH_FROM 0.03
+#define PBF_DEPTH_SHARE 0.05
+#define PBF_DEPTH_FROM 0.05
 
 /* Above this error at its settled depth, some 17 layers at 1/120 s and 4 iterations, water gets a
  * grid of the width below where the caller leaves the choice to the solver. */
