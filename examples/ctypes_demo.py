@@ -36,7 +36,7 @@ class Params(c.Structure):
         ("wall_phase", c.c_double * 6), ("search_cell_width", c.c_double),
         ("sleep_speed", c.c_double), ("sleep_time", c.c_double),
         ("tolerance", c.c_double),
-        ("pressure_grid", c.c_double), ("prestabilization", c.c_double),
+        ("pressure_grid", c.c_double), ("prestabilization", c.c_double), ("undamping", c.c_double),
     ]
 
 

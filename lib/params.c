@@ -49,6 +49,7 @@ static const pbf_real_rule reals[] = {
     REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
     REAL(pressure_grid, 1, PBF_ANY),
     REAL(prestabilization, 1, PBF_AT_LEAST_ZERO),
+    REAL(undamping, 1, PBF_FRACTION),
 };
 
 /* Only what artificial pressure needs, once it is there. */
@@ -81,6 +82,15 @@ static pbf_status check_pressure_grid(const pbf_params *params) {
                   "params.pressure_grid is %.9g; it must be 1 … 1000, in units of "
                   "smoothing_radius, 0 for none, or -1 for one where water could be deep",
                   width);
+}
+
+/* The pushes of a whole step have to be known. */
+static pbf_status check_undamping(const pbf_params *params) {
+  if (params->undamping <= 0 || params->solver == PBF_SOLVER_CHEBYSHEV) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.undamping is %.9g; it must be 0 with PBF_SOLVER_JACOBI, or solver "
+                  "PBF_SOLVER_CHEBYSHEV",
+                  params->undamping);
 }
 
 static double rest_spacing(const pbf_params *params) {
@@ -167,6 +177,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = check_scorr(params, kind);
   if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_pressure_grid(params);
+  if (status == PBF_OK) status = check_undamping(params);
   if (status == PBF_OK) status = check_lengths(params, kind.precision);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;

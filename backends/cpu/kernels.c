@@ -4,6 +4,9 @@
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"
 
+/* Who asks for the mean of the velocities around a particle. */
+enum { VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_UNDAMPING };
+
 extern const kernels PBF_VARIANT_API;
 
 const kernels PBF_VARIANT_API = {
@@ -20,7 +23,8 @@ const kernels PBF_VARIANT_API = {
     .move = move,
     .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
-    .viscosity = PBF_BUILT & (PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP) ? viscosity : NULL,
+    .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
+    .undamp = PBF_BUILT & PBF_FEATURE_UNDAMPING ? undamp : NULL,
     .stir = PBF_BUILT & PBF_FEATURE_SLEEP ? stir : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,

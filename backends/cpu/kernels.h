@@ -74,6 +74,16 @@ typedef struct move_pass {
   field velocity; /* goes along */
 } move_pass;
 
+/* What undamp.h works on. */
+typedef struct undamp_pass undamp_pass;
+struct undamp_pass {
+  const pbf_real *lambda;
+  pbf_real inv_time_step;
+  field flow, velocity;
+  /* What becomes of a particle's sums: the same for all instruction sets. */
+  void (*end)(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end, pbf_vec start);
+};
+
 /* Sorted particles of whom one byte says whether any of them can be stirred. */
 enum { CALM_CHUNK = 32 };
 
@@ -111,6 +121,7 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
+  void (*undamp)(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last);
   /* Those who have somebody `loud` within h, above 0, are STIRRED. */
   void (*stir)(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
                uint32_t first, uint32_t last);

@@ -302,10 +302,7 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
 
 static void curl(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                  uint32_t first, uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
-    curl_groups(PBF_FEATURE_POLY6, p, v, curl, size, first, last);
-  else
-    curl_groups(0, p, v, curl, size, first, last);
+  curl_groups(hot_features(p) & PBF_FEATURE_POLY6, p, v, curl, size, first, last);
 }
 
 PBF_FN void confine_groups(const int features, const pair_pass *p,
@@ -341,10 +338,7 @@ PBF_FN void confine_groups(const int features, const pair_pass *p,
 
 static void confine(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                     field v, uint32_t first, uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
-    confine_groups(PBF_FEATURE_POLY6, p, curl, size, v, first, last);
-  else
-    confine_groups(0, p, curl, size, v, first, last);
+  confine_groups(hot_features(p) & PBF_FEATURE_POLY6, p, curl, size, v, first, last);
 }
 
 PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, field smoothed,
@@ -381,6 +375,45 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
 /* One loop for both kernels: this one waits for memory. */
 static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last) {
   viscosity_groups(hot_features(p) & PBF_FEATURE_POLY6, p, v, smoothed, first, last);
+}
+
+PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, const pair_pass *p,
+                                    const pbf_real *lambda, const field *flow, uint32_t g) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), flow_i = lane_vec_load(flow, g * WIDTH);
+  const lane lambda_i = lane_load(lambda + g * WIDTH);
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  lanes_pushes sums;
+  memset(&sums, 0, sizeof sums);
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const neighbor_table around = neighbors_in(b, p, NULL);
+    const table_vec flow_of = table_vec_of(flow, b, 0);
+    const table lambda_of = table_of(lambda, b->first, 0);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    for (; list < end; list += WIDTH) {
+      const pair_lanes pair = pairs_listed(b, list, &x, &around);
+      const lane_vec flow_ij = lane_vec_minus(&flow_i, &flow_of, pair.j);
+      lanes_add_pushes(features, c, &sums, lambda_i + table_at(&lambda_of, pair.j), pair.x_ij.c,
+                       pair.r2, flow_ij.c);
+    }
+  }
+  return sums;
+}
+
+/* One loop for both kernels: it is asked for once a step. */
+static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  for (uint32_t g = first; g < last; ++g) {
+    const lanes_pushes sums =
+        pushes_of_group(hot_features(p) & PBF_FEATURE_POLY6, &c, p, u->lambda, &u->flow, g);
+    lane_values end, start;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      lane_store(end.c[k], sums.at[0][k]);
+      lane_store(start.c[k], sums.at[1][k]);
+    }
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      u->end(p, u, i, lane_value(&end, l), lane_value(&start, l));
+  }
 }
 
 /* ---- Sleep --------------------------------------------------------------------------------- */

@@ -6,6 +6,7 @@
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
 #include "physics/overfull.h"
+#include "physics/undamp.h"
 
 /* What became of a step. */
 typedef enum outcome {
@@ -205,6 +206,48 @@ static void update_velocity(worker *w) {
   stage_end(w, PBF_STAGE_VELOCITY);
 }
 
+static void flow_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  pbf_constants mean = w->constants;
+  mean.viscosity = 1;
+  pairs.constants = &mean;
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[0], g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
+}
+
+static void end_undamping(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+                          pbf_vec start) {
+  const pbf_constants *c = p->constants;
+  pbf_vec change = pbf_sub(start, end);
+  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls)
+    change = pbf_undamped(c, &p->walls->walls, pbf_solid_count(p->walls), p->walls->solids,
+                          field_at(&p->x, i), field_at(&u->flow, i), u->lambda[i], end, start);
+  field_set(&u->velocity, i, pbf_push(c, u->inv_time_step, field_at(&u->velocity, i), change));
+}
+
+static void undamp_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
+  const undamp_pass u = {s->lambda, w->forces.inv_time_step, w->b.spare[0], w->b.v, end_undamping};
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->undamp(&pairs, &u, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
+}
+
+static void undamp_flow(worker *w) {
+  team_for(w->me, pair_pieces(w), flow_piece, NULL, w);
+  stage_end(w, PBF_STAGE_FLOW);
+  team_for(w->me, pair_pieces(w), undamp_piece, NULL, w);
+  stage_end(w, PBF_STAGE_UNDAMP);
+}
+
 static void curl_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_groups(w, piece);
@@ -281,6 +324,7 @@ static outcome step_once(worker *w, double time, int sorted) {
   if (is_deep(w)) carry_weight(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
   update_velocity(w);
+  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->schedule.runs[PBF_STAGE_UNDAMP]) undamp_flow(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
     smooth_velocity(w);

@@ -4,6 +4,7 @@
 
 #include "cuda/lists.h"
 #include "cuda/sums.h"
+#include "physics/undamp.h"
 
 /* What every pass reads. */
 struct neighborhood {
@@ -249,6 +250,45 @@ static __device__ __forceinline__ pbf_vec smoothed_velocity(const neighborhood &
     sum = pbf_add_scaled(sum, value, pbf_sub(velocities[j], v));
   });
   return pbf_smooth(viscosity, v, sum, weight);
+}
+
+/* The mean flow, from `velocities` to `flow`. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    flow_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *flow) {
+  uint32_t i = thread_index();
+  pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, 1, i);
+  if (i < n.particles.count) flow[i] = v;
+}
+
+/* Lambda of the step is in the points. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    undamp_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+                  pbf_real inv_time_step, const pbf_vec *flow, pbf_vec *velocities) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  const point *points = n.particles.points;
+  const point here = load(points, own);
+  pbf_vec x = position_of(here), mean = flow[own], end, start;
+  pbf_pair_pushes sums = {{{0}, {0}}};
+  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
+    if (j == n.lists.nowhere) return;
+    const point other = load(points, j);
+    pbf_vec x_ij = pbf_sub(x, position_of(other)), flow_ij = pbf_sub(mean, flow[j]);
+    pbf_pair_add_pushes(FEATURES, c, &sums, here.lambda + other.lambda, x_ij.c, pbf_dot(x_ij, x_ij),
+                        flow_ij.c);
+  });
+  if (i >= n.particles.count) return;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    end.c[k] = sums.at[0][k];
+    start.c[k] = sums.at[1][k];
+  }
+  pbf_vec change = pbf_sub(start, end);
+  if (wall_density)
+    change = pbf_undamped(c, &obstacles.walls, obstacles.count, obstacles.solids, x, mean,
+                          here.lambda, end, start);
+  velocities[i] = pbf_push(c, inv_time_step, velocities[i], change);
 }
 
 /* From `velocities` to `smoothed`. */

@@ -238,6 +238,28 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   return PBF_OK;
 }
 
+/* s->smoothed holds the mean flow. */
+static inline pbf_status undamp_flow(solver *s, const neighborhood &n,
+                                     const step_obstacles &obstacles) {
+  uint32_t blocks = blocks_for(s->count);
+  if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_FLOW, [&] {
+        with_kernel(s->schedule.features, [&](auto features) {
+          flow_kernel<decltype(features)::value>
+              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->smoothed);
+        });
+        return PBF_OK;
+      }))
+    return status;
+  return run_stage(&s->clock, s->stream, PBF_STAGE_UNDAMP, [&] {
+    with_kernel(s->schedule.features, [&](auto features) {
+      undamp_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+          n, obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params),
+          s->smoothed, s->velocities);
+    });
+    return PBF_OK;
+  });
+}
+
 static inline pbf_status confine_vorticity(solver *s, const neighborhood &n) {
   uint32_t blocks = blocks_for(s->count);
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_CURL, [&] {
@@ -327,6 +349,8 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   exchange(&s->unrest, &s->other_unrest);
   s->ordered = false;
   s->time = time;
+  if (has.runs[PBF_STAGE_UNDAMP])
+    if (pbf_status status = undamp_flow(s, n, obstacles)) return status;
   if (has.runs[PBF_STAGE_CURL])
     if (pbf_status status = confine_vorticity(s, n)) return status;
   if (has.runs[PBF_STAGE_VISCOSITY])

@@ -22,6 +22,8 @@ typedef struct pbf_constants {
   pbf_real scorr_k, scorr_inv_w;
   pbf_real confinement; /* dt times the strength of eq. 16, see pbf_most_confinement */
   pbf_real viscosity;
+  pbf_real flow_time, most_flow2; /* undamp.h: dt times the part that is undone; and beyond which
+                                     way of the flow in a step, squared, less of it is */
   int scorr_n;
   int accelerated;               /* lambda adds up over the iterations, with … */
   int one_sided;                 /* … its sign kept */
@@ -215,6 +217,8 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_most_confinement(params));
   c.viscosity = (pbf_real)params->viscosity;
+  c.flow_time = (pbf_real)(params->undamping * params->time_step);
+  c.most_flow2 = (pbf_real)(0.04 * d.h * d.h);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_walls(&c, params, &d);

@@ -24,9 +24,10 @@ enum {
   PBF_FEATURE_SLEEP = 1 << 9,
   PBF_FEATURE_TOLERANCE = 1 << 10,
   PBF_FEATURE_PRESSURE_GRID = 1 << 11,
+  PBF_FEATURE_UNDAMPING = 1 << 12,
 
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
-  PBF_BUILT = ((1 << 12) - 1) & ~(PBF_WITHOUT)
+  PBF_BUILT = ((1 << 13) - 1) & ~(PBF_WITHOUT)
 };
 
 static inline int pbf_features_of(const pbf_params *params) {

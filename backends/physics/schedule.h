@@ -18,6 +18,8 @@ typedef enum pbf_stage {
   PBF_STAGE_LAMBDA,    /* lines 9-11, an iteration */
   PBF_STAGE_MOVE,      /* lines 12-18, an iteration; lines 13 and 14 with collisions there */
   PBF_STAGE_VELOCITY,  /* lines 20, 21, 23, with collisions after the solve */
+  PBF_STAGE_FLOW,      /* mean velocities, for … */
+  PBF_STAGE_UNDAMP,    /* … undamp.h */
   PBF_STAGE_CURL,      /* line 22, eq. 15 */
   PBF_STAGE_CONFINE,   /* line 22, eq. 16 */
   PBF_STAGE_VISCOSITY, /* line 22, eq. 17 */
@@ -54,6 +56,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.runs[PBF_STAGE_GRID] = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
                            pbf_depth_grid(params, colliders, list, capacity) > 0;
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
+  s.runs[PBF_STAGE_FLOW] = s.runs[PBF_STAGE_UNDAMP] = params->undamping > 0 && s.accelerated;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
   s.runs[PBF_STAGE_SLEEP] = params->sleep_speed > 0;
@@ -62,8 +65,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
   static const char *const names[PBF_STAGE_COUNT] = {
-      "predict",  "neighbors", "slack",   "pressure grid", "lambda", "move",
-      "velocity", "curl",      "confine", "viscosity",     "sleep"};
+      "predict", "neighbors", "slack", "pressure grid", "lambda",    "move", "velocity",
+      "flow",    "undamp",    "curl",  "confine",       "viscosity", "sleep"};
   return names[stage];
 }
 

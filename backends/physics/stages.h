@@ -149,7 +149,7 @@ PBF_FN pbf_real pbf_wall_between(pbf_real s, pbf_real v0, pbf_real v1, pbf_real 
   return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
 }
 
-PBF_FN pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
+PBF_FN_APART pbf_real pbf_wall(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
   pbf_real t = pbf_wall_place(c, distance);
   *slope = 0;
   if (!(t < PBF_WALL_LAST)) return 0;

@@ -28,6 +28,8 @@ static int keep_arrays(solver *s, const pbf_schedule *has) {
   int sleep = has->runs[PBF_STAGE_SLEEP] != 0;
   return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
                     sizeof *s->curl) &&
+         keep_array(s, has->runs[PBF_STAGE_FLOW] != 0, (void **)&s->flow, "mean velocity",
+                    sizeof *s->flow) &&
          keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
                     sizeof *s->slack) &&
          pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity) &&

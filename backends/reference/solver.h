@@ -26,6 +26,7 @@ struct pbf_backend_solver {
   pbf_real *added;     /* … what this iteration adds to it */
   pbf_real *slack;     /* in very short steps only */
   pbf_deep deep;       /* in deep water only */
+  pbf_vec *flow;       /* with undamping only */
   pbf_curl *curl;      /* with vorticity only */
   pbf_real *pressure;  /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */

@@ -3,6 +3,7 @@
 #define PBF_REFERENCE_STEP_H
 
 #include "physics/fit.h"
+#include "physics/undamp.h"
 #include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
@@ -178,6 +179,32 @@ static inline void end_solve(solver *s, const pbf_obstacles *o) {
     if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
 }
 
+static inline void find_flow(solver *s) {
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->flow[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, 1, i);
+}
+
+static inline void undamp(solver *s, const pbf_obstacles *o) {
+  const pbf_constants *c = &s->constants;
+  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_pair_pushes sums = {{{0}, {0}}};
+    pbf_vec end, start, change;
+    if (asleep(s, i)) continue;
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n))
+      pbf_pair_add_pushes(s->schedule.features, c, &sums, s->lambda[i] + s->lambda[n.j], n.x_ij.c,
+                          n.r2, pbf_sub(s->flow[i], s->flow[n.j]).c);
+    memcpy(&end, sums.at[0], sizeof end);
+    memcpy(&start, sums.at[1], sizeof start);
+    change = pbf_sub(start, end);
+    if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
+      change = pbf_undamped(c, &o->walls, o->count, o->solids, s->moved[i], s->flow[i],
+                            s->lambda[i], end, start);
+    s->v[i] = pbf_push(c, inv_time_step, s->v[i], change);
+  }
+}
+
 static inline void compute_curl(solver *s) {
   const pbf_constants *c = &s->constants;
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -244,6 +271,10 @@ static inline void solver_step(solver *s, double time) {
     if (has->collide_in_iteration) collide_moving(s, &obstacles);
   }
   end_solve(s, &obstacles);
+  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_UNDAMP]) {
+    find_flow(s);
+    undamp(s, &obstacles);
+  }
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID] && has->accelerated)
     add_weight(s);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {

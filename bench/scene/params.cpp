@@ -143,6 +143,7 @@ const std::vector<ParamField> &param_fields() {
       PBF_FIELD(tolerance, number),
       PBF_FIELD(pressure_grid, number),
       PBF_FIELD(prestabilization, number),
+      PBF_FIELD(undamping, number),
   };
 #undef PBF_FIELD
   return fields;

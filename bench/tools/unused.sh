@@ -12,8 +12,8 @@ build=$1 folder=$2
 shift 2
 source=$(cd "$(dirname "$0")/../.." && pwd)
 against=
-for without in "" scorr poly6 vorticity viscosity colliders wall_density chebyshev timing stats sleep tolerance pressure_grid \
-  "scorr;poly6;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid"; do
+for without in "" scorr poly6 vorticity viscosity colliders wall_density chebyshev timing stats sleep tolerance pressure_grid undamping \
+  "scorr;poly6;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid;undamping"; do
   case $without in "") name=with_all ;; *";"*) name=without_any ;; *) name=without_$without ;; esac
   cmake -S "$source" -B "$folder/$name" -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=${PBF_BACKENDS:-reference;serial;openmp}" \
     -DPBF_VARIANTS=3d-f32 "-DPBF_WITHOUT=$without" \

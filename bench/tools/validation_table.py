@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the table of docs/accuracy.md from a result of bench/validate.
+"""Writes a table of docs/accuracy.md, `validation` unless told, from a result of bench/validate.
 
-    bench/tools/validation_table.py out/validation.json
+    bench/tools/validation_table.py out/validation.json [undamping]
 """
 import json
 import pathlib
@@ -37,12 +37,12 @@ def table(result):
     return "\n".join(lines + ["", f"`{result['backend']}`, {settings}; library {result['build']}."])
 
 
-def main(path):
+def main(path, name="validation"):
     result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-    write_table("docs/accuracy.md", "validation", table(result))
+    write_table("docs/accuracy.md", name, table(result))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
-    main(sys.argv[1])
+    main(*sys.argv[1:])

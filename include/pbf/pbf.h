@@ -239,6 +239,12 @@ typedef struct pbf_params {
                               wall_density places all; so does a wall that is set more than h/2
                               farther in, and moves back whom it has passed. 0: never; 0.02, the
                               default */
+  double undamping; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of what a step
+                       takes from the fluid's motion by pushing along directions at its end is given
+                       back. Solid rotation loses rate² * time_step of its angular momentum in a
+                       time unit at 0, next to nothing at 1; the motion of single particles, which
+                       would be noise, is damped as ever. Two passes over pairs a step. What a
+                       pressure grid pushes is not corrected. 0, the default: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

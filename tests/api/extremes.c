@@ -24,7 +24,8 @@ static const number in_params[] = {
     P(scorr_k, 1),          P(scorr_dq, 1),   P(vorticity, 1),         P(viscosity, 1),
     P(domain_min, 3),       P(domain_max, 3), P(wall_velocity, 6),     P(wall_amplitude, 6),
     P(wall_frequency, 6),   P(wall_phase, 6), P(search_cell_width, 1), P(sleep_speed, 1),
-    P(sleep_time, 1),       P(tolerance, 1),  P(pressure_grid, 1),     P(prestabilization, 1)};
+    P(sleep_time, 1),       P(tolerance, 1),  P(pressure_grid, 1),     P(prestabilization, 1),
+    P(undamping, 1)};
 
 static const number in_collider[] = {C(position, 3),         C(orientation, 4), C(velocity, 3),
                                      C(angular_velocity, 3), C(axis, 3),        C(half_extents, 3),

@@ -45,6 +45,8 @@ static const real_case params_reals[] = {
     {"sleep_time is -1", P(sleep_time), -1},
     {"tolerance is -0.001; it must be", P(tolerance), -0.001},
     {"prestabilization is -1", P(prestabilization), -1},
+    {"undamping is -1", P(undamping), -1},
+    {"undamping is 1.5", P(undamping), 1.5},
     {"pressure_grid is -2; it must be", P(pressure_grid), -2},
     {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},
     {"pressure_grid is 2000; it must be 1", P(pressure_grid), 2000},
@@ -96,6 +98,7 @@ static const struct {
     {"tolerance", P(tolerance), 1},
     {"pressure_grid", P(pressure_grid), 1},
     {"prestabilization", P(prestabilization), 1},
+    {"undamping", P(undamping), 1},
 };
 
 static void put_real(void *object, size_t offset, double value) {

@@ -48,7 +48,8 @@ static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
                                     FIELD(sleep_time, 1, 0.01, 0.1),
                                     FIELD(tolerance, 1, 0, 0.02),
                                     FIELD(pressure_grid, 1, 1, 3),
-                                    FIELD(prestabilization, 1, 0, 0.1)};
+                                    FIELD(prestabilization, 1, 0, 0.1),
+                                    FIELD(undamping, 1, 0, 1)};
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
@@ -58,6 +59,7 @@ static void draw_counts(input *in, pbf_params *params) {
   params->solver = take_u8(in) % 2;
   params->collide = 1 + take_u8(in) % 7;
   params->scorr_n = 1 + take_u8(in) % 8;
+  if (params->solver != PBF_SOLVER_CHEBYSHEV) params->undamping = 0;
 }
 
 /* Also numbers that the checks must refuse; a count of iterations that they needn't stays small. */

@@ -78,9 +78,10 @@ static void chebyshev(pbf_params *p) { p->solver = PBF_SOLVER_CHEBYSHEV; }
 static void sleep_too(pbf_params *p) { p->sleep_speed = 0.1, p->sleep_time = 0.5; }
 static void tolerance(pbf_params *p) { p->tolerance = 0.001; }
 static void pressure_grid(pbf_params *p) { p->pressure_grid = 2; }
+static void undamping(pbf_params *p) { chebyshev(p), p->undamping = 1; }
 static void everything(pbf_params *p) {
-  const ask all[] = {scorr,     wall_density, attraction, moving_walls, viscosity,
-                     vorticity, chebyshev,    sleep_too,  tolerance,    pressure_grid};
+  const ask all[] = {scorr,     wall_density, attraction, moving_walls,  viscosity, vorticity,
+                     chebyshev, sleep_too,    tolerance,  pressure_grid, undamping};
   for (size_t k = 0; k < sizeof all / sizeof *all; ++k) all[k](p);
 }
 
@@ -115,9 +116,9 @@ static void check_freed(pbf_solver *s, ask feature, uint64_t bytes) {
 
 static void what_is_dropped_is_freed(void **state) {
   (void)state;
-  const ask features[] = {poly6,        scorr,     wall_density,  attraction,
-                          moving_walls, viscosity, vorticity,     chebyshev,
-                          sleep_too,    tolerance, pressure_grid, everything};
+  const ask features[] = {poly6,         scorr,     wall_density, attraction, moving_walls,
+                          viscosity,     vorticity, chebyshev,    sleep_too,  tolerance,
+                          pressure_grid, undamping, everything};
   pbf_desc desc = test_desc(3, PBF_FLOAT32, 500);
   pbf_params params = bare();
   pbf_solver *s = test_create(&desc, &params);

@@ -30,7 +30,7 @@ link() {
 }
 
 build all "" api_tests 'api|trim|install'
-build few "poly6;scorr;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid" test_trim_without trim
+build few "poly6;scorr;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid;undamping" test_trim_without trim
 
 # Nothing but the API can be seen from outside, even where a program exports all it has.
 "$cc" -shared -o "$folder/all.so" -Wl,--whole-archive "$folder/all/lib/libpbf.a" -Wl,--no-whole-archive -pthread -lm

@@ -1,0 +1,158 @@
+/* What implicit steps take from a fluid's rotation, and what `undamping` gives back. */
+#include "support.h"
+
+#include <math.h>
+
+static const double spacing = 0.1, rate = 1, time_step = 0.01;
+enum { STEPS = 200 };
+
+/* A disc, or a ball, of radius 1 about the origin that turns about the z axis. */
+typedef struct body {
+  uint32_t dimension, precision, count;
+  pbf_solver *solver;
+  void *x, *v;
+} body;
+
+static int within(const double at[3], uint32_t dimension) {
+  double r2 = 0;
+  for (uint32_t k = 0; k < dimension; ++k) r2 += at[k] * at[k];
+  return r2 < 1;
+}
+
+/* Fills x and v, unless they are null; the number of particles. */
+static uint32_t place(const body *b) {
+  uint32_t count = 0;
+  const int deep = b->dimension == 3 ? 10 : 0;
+  for (int i = -10; i <= 10; ++i)
+    for (int j = -10; j <= 10; ++j)
+      for (int k = -deep; k <= deep; ++k) {
+        const double at[3] = {i * spacing, j * spacing, k * spacing};
+        const double v[3] = {-rate * at[1], rate * at[0], 0};
+        if (!within(at, b->dimension)) continue;
+        for (uint32_t a = 0; a < b->dimension && b->x; ++a) {
+          test_put(b->x, (uint64_t)count * b->dimension + a, b->precision, at[a]);
+          test_put(b->v, (uint64_t)count * b->dimension + a, b->precision, v[a]);
+        }
+        ++count;
+      }
+  return count;
+}
+
+static pbf_params params_of(uint32_t dimension, double undamping) {
+  pbf_params p = test_params();
+  p.smoothing_radius = (dimension == 2 ? 3 : 2) * spacing;
+  p.spacing = spacing;
+  p.time_step = time_step;
+  p.iterations = 8;
+  p.pressure_grid = 0;
+  p.undamping = undamping;
+  for (int k = 0; k < 3; ++k) {
+    p.gravity[k] = 0;
+    p.domain_min[k] = -3;
+    p.domain_max[k] = 3;
+  }
+  return p;
+}
+
+static body body_of(uint32_t dimension, uint32_t precision, const pbf_params *params) {
+  body b = {dimension, precision, 0, NULL, NULL, NULL};
+  b.count = place(&b);
+  pbf_desc desc = test_desc(dimension, precision, b.count);
+  b.solver = test_create(&desc, params);
+  b.x = calloc((size_t)b.count * dimension, precision);
+  b.v = calloc((size_t)b.count * dimension, precision);
+  place(&b);
+  assert_ok(pbf_add_particles(b.solver, b.count, b.x, b.v, NULL));
+  return b;
+}
+
+static void destroy(body *b) {
+  pbf_destroy(b->solver);
+  free(b->x);
+  free(b->v);
+}
+
+/* About the origin and the z axis; and the linear momentum, over the sum of all speeds. */
+static double angular_momentum(body *b, double *drift) {
+  double sum = 0, speeds = 0, p[2] = {0, 0};
+  assert_ok(pbf_get_positions(b->solver, 0, b->count, b->x));
+  assert_ok(pbf_get_velocities(b->solver, 0, b->count, b->v));
+  for (uint32_t i = 0; i < b->count; ++i) {
+    double x[2], v[2];
+    for (uint32_t k = 0; k < 2; ++k) {
+      x[k] = test_value(b->x, (uint64_t)i * b->dimension + k, b->precision);
+      v[k] = test_value(b->v, (uint64_t)i * b->dimension + k, b->precision);
+      p[k] += v[k];
+    }
+    sum += x[0] * v[1] - x[1] * v[0];
+    speeds += hypot(v[0], v[1]);
+  }
+  *drift = hypot(p[0], p[1]) / speeds;
+  return sum;
+}
+
+/* What the angular momentum becomes, over what it was. */
+static double kept(body *b, double *drift) {
+  double before = angular_momentum(b, drift);
+  assert_ok(pbf_step(b->solver, STEPS));
+  return angular_momentum(b, drift) / before;
+}
+
+/* Held together by attraction, of A r: the pushes of a step carry (A - rate²) r outwards, along
+ * where it is at the end of a step, not at its start, and so turn it by (A - rate²) dt of its
+ * angular momentum in a time unit, faster. */
+static void check_free(uint32_t dimension, uint32_t precision) {
+  const double attraction = 3, gain = (attraction - rate * rate) * time_step * time_step * STEPS;
+  double left[2], drift[2];
+  for (int on = 0; on < 2; ++on) {
+    pbf_params params = params_of(dimension, on);
+    params.attraction = attraction;
+    body b = body_of(dimension, precision, &params);
+    left[on] = kept(&b, &drift[on]) - 1;
+    destroy(&b);
+  }
+  if (!(fabs(left[0] - gain) < 0.4 * gain && fabs(left[1]) < 0.15 * gain && drift[1] < 2e-6))
+    fail_msg("%uD: angular momentum changes by %g (%g in theory), with undamping by %g; linear: %g",
+             dimension, left[0], gain, left[1], drift[1]);
+}
+
+/* In a round basin it is the wall that pushes, by rate² r inwards, and takes rate² dt. The lattice
+ * that it starts from does not fit the wall, and what settles there changes it, too. */
+static void check_basin(uint32_t dimension, uint32_t precision) {
+  const double loss = rate * rate * time_step * time_step * STEPS;
+  double left[2], drift;
+  for (int on = 0; on < 2; ++on) {
+    pbf_params params = params_of(dimension, on);
+    pbf_collider basin;
+    body b = body_of(dimension, precision, &params);
+    assert_ok(pbf_collider_init(&basin, sizeof basin, PBF_COLLIDER_SPHERE));
+    basin.inverted = 1;
+    basin.radius = 1;
+    assert_ok(pbf_set_colliders(b.solver, 1, &basin));
+    left[on] = kept(&b, &drift) - 1;
+    destroy(&b);
+  }
+  if (!(left[0] < -0.5 * loss && left[1] > left[0] + 0.6 * loss && fabs(left[1]) < 0.6 * loss))
+    fail_msg("%uD: angular momentum changes by %g (%g in theory), with undamping by %g", dimension,
+             left[0], -loss, left[1]);
+}
+
+static void free_rotation_is_kept(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub has no pairs");
+  test_for_each_kind(check_free);
+}
+
+static void rotation_in_a_basin_is_kept(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub has no colliders");
+  check_basin(2, PBF_FLOAT32);
+}
+
+int main(void) {
+  const struct CMUnitTest undamping[] = {
+      cmocka_unit_test(free_rotation_is_kept),
+      cmocka_unit_test(rotation_in_a_basin_is_kept),
+  };
+  return TEST_RUN(undamping);
+}
