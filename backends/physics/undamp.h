@@ -47,7 +47,7 @@ PBF_FN pbf_vec pbf_undamped(const pbf_constants *c, const pbf_walls *walls, int 
                             const pbf_solid *solids, pbf_vec x, pbf_vec mean, pbf_real lambda,
                             pbf_vec end, pbf_vec start) {
   pbf_vec pushes[2] = {end, start}, at = x, gradient = {{0}};
-  pbf_lent lent;
+  pbf_lent lent = {0, 0, 0, {{0}}, {{0}}};
   for (int before = 0; before < 2; ++before) {
     if (!before || count > 0) {
       lent = pbf_lent_from(c, walls, count, solids, x, at, before);
