@@ -3,8 +3,11 @@
 
 #include <math.h>
 
-static const double spacing = 0.1, rate = 1, time_step = 0.01;
-enum { STEPS = 200 };
+static const double rate = 1, time_step = 0.01;
+enum { STEPS = 120 };
+
+/* Particles along a radius. */
+static int across(uint32_t dimension) { return dimension == 2 ? 10 : 6; }
 
 /* A disc, or a ball, of radius 1 about the origin that turns about the z axis. */
 typedef struct body {
@@ -22,9 +25,10 @@ static int within(const double at[3], uint32_t dimension) {
 /* Fills x and v, unless they are null; the number of particles. */
 static uint32_t place(const body *b) {
   uint32_t count = 0;
-  const int deep = b->dimension == 3 ? 10 : 0;
-  for (int i = -10; i <= 10; ++i)
-    for (int j = -10; j <= 10; ++j)
+  const int most = across(b->dimension), deep = b->dimension == 3 ? most : 0;
+  const double spacing = 1.0 / most;
+  for (int i = -most; i <= most; ++i)
+    for (int j = -most; j <= most; ++j)
       for (int k = -deep; k <= deep; ++k) {
         const double at[3] = {i * spacing, j * spacing, k * spacing};
         const double v[3] = {-rate * at[1], rate * at[0], 0};
@@ -40,8 +44,8 @@ static uint32_t place(const body *b) {
 
 static pbf_params params_of(uint32_t dimension, double undamping) {
   pbf_params p = test_params();
-  p.smoothing_radius = (dimension == 2 ? 3 : 2) * spacing;
-  p.spacing = spacing;
+  p.spacing = 1.0 / across(dimension);
+  p.smoothing_radius = (dimension == 2 ? 3 : 2) * p.spacing;
   p.time_step = time_step;
   p.iterations = 8;
   p.pressure_grid = 0;
