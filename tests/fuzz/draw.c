@@ -59,7 +59,6 @@ static void draw_counts(input *in, pbf_params *params) {
   params->solver = take_u8(in) % 2;
   params->collide = 1 + take_u8(in) % 7;
   params->scorr_n = 1 + take_u8(in) % 8;
-  if (params->solver != PBF_SOLVER_CHEBYSHEV) params->undamping = 0;
 }
 
 /* Also numbers that the checks must refuse; a count of iterations that they needn't stays small. */
@@ -85,6 +84,7 @@ static int draw_field(input *in, pbf_params *params) {
 int draw_params(input *in, pbf_params *params) {
   int wild = 0;
   for (int changes = 1 + take_u8(in) % 4; changes > 0; --changes) wild |= draw_field(in, params);
+  if (!wild && params->solver != PBF_SOLVER_CHEBYSHEV) params->undamping = 0;
   return wild;
 }
 
