@@ -3,7 +3,11 @@
 # asked: it does not accept the folders of the wheels, and the language alone is enough.
 option(PBF_REQUIRE_CUDA "No nvcc is an error instead of a build without the cuda backend" OFF)
 set(PBF_CUDA_WHEELS "" CACHE PATH "Folder into which cmake/fetch-nvcc.sh has put nvcc; empty: the machine's")
-set(PBF_CUDA_ARCHITECTURES "80-real;90" CACHE STRING
+set(architectures "80-real;90")
+if(DEFINED ENV{CUDAARCHS}) # CMake's own variable for this
+  set(architectures "$ENV{CUDAARCHS}")
+endif()
+set(PBF_CUDA_ARCHITECTURES "${architectures}" CACHE STRING
   "Machine code for each -real architecture, and code that a driver can compile for later ones")
 
 set(PBF_CUDA_FOUND FALSE)

@@ -173,4 +173,17 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);
 }
 
+/* The velocities of a piece's particles, smoothed by so much: 1 gives the mean around them. */
+static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosity, field smoothed) {
+  range groups = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  pbf_constants c = w->constants;
+  c.viscosity = viscosity;
+  pairs.constants = &c;
+  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
+       g = awake_groups(w, g.last, groups.last))
+    w->s->kernels->viscosity(&pairs, w->b.v, smoothed, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), smoothed.c, PBF_DIM);
+}
+
 #endif

@@ -14,17 +14,10 @@ static void unrest_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   const field *around = around_of(w);
-  range groups = piece_groups(w, piece), all = piece_sorted(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  pbf_constants even = w->constants;
-  even.viscosity = 1;
-  pairs.constants = &even;
+  range all = piece_sorted(w, piece);
   uint32_t drowsy = 0;
   memset(s->cells + all.first, 0, (all.last - all.first) * sizeof *s->cells);
-  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
-       g = awake_groups(w, g.last, groups.last))
-    s->kernels->viscosity(&pairs, w->b.v, *around, g.first, g.last);
-  keep_still(w, all, around->c, 1);
+  smooth_velocities(w, piece, 1, *around);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) {

@@ -207,16 +207,8 @@ static void update_velocity(worker *w) {
 }
 
 static void flow_piece(void *context, uint32_t piece) {
-  worker *w = context;
-  range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
-  pbf_constants mean = w->constants;
-  mean.viscosity = 1;
-  pairs.constants = &mean;
-  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
-    w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[0], g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
+  const worker *w = context;
+  smooth_velocities(w, piece, 1, w->b.spare[0]);
 }
 
 static void end_undamping(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
@@ -279,13 +271,8 @@ static void confine_vorticity(worker *w) {
 }
 
 static void viscosity_piece(void *context, uint32_t piece) {
-  worker *w = context;
-  range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
-  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
-    w->s->kernels->viscosity(&pairs, w->b.v, w->b.spare[1], g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.spare[1].c, PBF_DIM);
+  const worker *w = context;
+  smooth_velocities(w, piece, w->constants.viscosity, w->b.spare[1]);
 }
 
 static void smooth_velocity(worker *w) {

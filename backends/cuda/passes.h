@@ -186,11 +186,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   });
   if (i >= n.particles.count) return;
   if (extras.wall_density) {
-    pbf_lent lent = pbf_lent_by_walls(c, &walls, x);
-    for (int k = 0; k < extras.obstacles.count; ++k) {
-      const pbf_solid before = pbf_solid_before(&extras.obstacles.solids[k]);
-      pbf_join_solid(c, &before, x, &lent);
-    }
+    const step_obstacles &o = extras.obstacles;
+    pbf_lent lent = pbf_lent_from(c, &walls, o.count, o.solids, x, x, 1);
     pbf_add_lent(&lent, &density, &gradient);
   }
   slack[i] = pbf_slack(c, density);

@@ -187,6 +187,21 @@ static void scorr_only_when_it_is_used(void **state) {
   pbf_destroy(s);
 }
 
+static void undamping_only_where_pushes_are_known(void **state) {
+  (void)state;
+  pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
+  pbf_params params = test_params();
+  params.undamping = 0.5;
+  params.solver = PBF_SOLVER_JACOBI;
+  refuse_params(s, &params, "params.undamping is 0.5; it must be 0 with PBF_SOLVER_JACOBI");
+  params.undamping = 0;
+  assert_ok(pbf_set_params(s, &params));
+  params.undamping = 0.5;
+  params.solver = PBF_SOLVER_CHEBYSHEV;
+  assert_ok(pbf_set_params(s, &params));
+  pbf_destroy(s);
+}
+
 /* In float64 most of this is fine. */
 static void float32_has_its_limits(void **state) {
   (void)state;
@@ -374,6 +389,7 @@ int main(void) {
       cmocka_unit_test(params_by_table),
       cmocka_unit_test(nothing_that_is_not_a_number),
       cmocka_unit_test(scorr_only_when_it_is_used),
+      cmocka_unit_test(undamping_only_where_pushes_are_known),
       cmocka_unit_test(float32_has_its_limits),
       cmocka_unit_test(two_dimensions_ignore_the_third),
       cmocka_unit_test(colliders_by_table),

@@ -3,7 +3,7 @@
 #include "cpu_support.h"
 
 #ifndef DENSE_COUNT
-#define DENSE_COUNT 100000
+#define DENSE_COUNT 50000
 #endif
 
 static double *crowd(uint32_t count, double size) {

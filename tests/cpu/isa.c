@@ -30,14 +30,19 @@ static void deep(pbf_params *params) {
   params->time_step = 4e-3;
 }
 
+static void undamped(pbf_params *params) {
+  params->undamping = 1;
+  params->time_step = 4e-3;
+}
+
 static void until_good_enough(pbf_params *params) {
   params->viscosity = 0.05;
   params->tolerance = 1e-3;
   params->iterations = 20;
 }
 
-static void (*const kinds[])(pbf_params *) = {everything, paper, pushed_at_the_end, deep,
-                                              until_good_enough};
+static void (*const kinds[])(pbf_params *) = {everything, paper,    pushed_at_the_end,
+                                              deep,       undamped, until_good_enough};
 
 static pbf_solver *run(const char *set, const cpu_block *block, uint32_t precision,
                        void (*kind)(pbf_params *)) {

@@ -48,7 +48,8 @@ static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
                                     FIELD(sleep_time, 1, 0.01, 0.1),
                                     FIELD(tolerance, 1, 0, 0.02),
                                     FIELD(pressure_grid, 1, 1, 3),
-                                    FIELD(prestabilization, 1, 0, 0.1)};
+                                    FIELD(prestabilization, 1, 0, 0.1),
+                                    FIELD(undamping, 1, 0, 1)};
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
@@ -83,6 +84,8 @@ static int draw_field(input *in, pbf_params *params) {
 int draw_params(input *in, pbf_params *params) {
   int wild = 0;
   for (int changes = 1 + take_u8(in) % 4; changes > 0; --changes) wild |= draw_field(in, params);
+  /* Refused together: most of what is drawn has to pass. */
+  if (!wild && params->solver != PBF_SOLVER_CHEBYSHEV) params->undamping = 0;
   return wild;
 }
 
