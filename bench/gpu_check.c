@@ -193,6 +193,16 @@ static void add_colliders(scene *s) {
   s->collider_count = 4;
 }
 
+/* So slow that neighbours stay neighbours. */
+static void add_turning_floor(scene *s) {
+  pbf_collider *floor = &s->colliders[0];
+  s->collider_count = 1;
+  must(pbf_collider_init(floor, sizeof *floor, PBF_COLLIDER_PLANE), "pbf_collider_init");
+  floor->position[1] = 0.001;
+  floor->velocity[0] = 0.2;
+  floor->angular_velocity[2] = 0.02;
+}
+
 /* As many as there may be, in and around the fluid, most of them under way. */
 static void add_many_colliders(scene *s) {
   for (uint32_t k = 0; k < PBF_MAX_COLLIDERS; ++k) {
@@ -427,6 +437,10 @@ static void verify_all(void) {
       verify("chebyshev-lists-overflow", &s, precision, 10);
       s = accelerated_scene(dim, 0);
       verify("chebyshev-all-iterations", &s, precision, 50);
+      s.params.undamping = 1;
+      verify("undamping", &s, precision, 50);
+      add_turning_floor(&s);
+      verify("undamping-over-a-turning-floor", &s, precision, 50);
       s = accelerated_scene(dim, 1);
       verify("chebyshev-short-steps", &s, precision, 50);
       s = small_scene(dim);
@@ -518,6 +532,11 @@ static void same_all(void) {
       s.params.vorticity = s.params.viscosity = 0.05;
       add_colliders(&s);
       same_bits("small", &s, precision, 60);
+      s.params.solver = PBF_SOLVER_CHEBYSHEV;
+      s.params.undamping = s.params.wall_density = 1;
+      same_bits("small-undamping", &s, precision, 60);
+      s.params.solver = PBF_SOLVER_JACOBI;
+      s.params.undamping = s.params.wall_density = 0;
       s.params.vorticity = s.params.viscosity = 0;
       s.collider_count = 0;
       same_bits("small-plain", &s, precision, 60);
@@ -582,7 +601,7 @@ static void exercise_all(void) {
           add_colliders(&s);
         }
         if (k == 1) s.params.vorticity = s.params.viscosity = 0, s.params.wall_density = 1;
-        if (k == 2) s.params.solver = PBF_SOLVER_CHEBYSHEV;
+        if (k == 2) s.params.solver = PBF_SOLVER_CHEBYSHEV, s.params.undamping = 1;
         if (k == 3) s.params.smoothing_radius = 0.2, s.params.spacing = 0.15; /* lists overflow */
         exercise(&s, precision);
         if (k % 4 == 0) s.spacing = 1e-3; /* cells overflow */
@@ -651,11 +670,12 @@ static void time_scene(scene s, uint32_t precision, uint32_t lead_in, uint32_t s
   printf(
       "{\"time\": \"%s\", \"backend\": \"%s\", \"device\": \"%s\", \"build\": \"%s\", "
       "\"variant\": \"%s\", \"particles\": %u, \"support\": %.4f, \"iterations\": %u, "
-      "\"lead_in\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, \"max\": %.5f, "
+      "\"undamping\": %g, \"lead_in\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
+      "\"max\": %.5f, "
       "\"ms_per_step_in_single_calls\": %.5f, ",
       s.name, info.backend, info.device_name, info.build_id, plan.variant, count,
-      s.params.smoothing_radius / s.spacing, s.params.iterations, lead_in, steps, ms[RUNS / 2],
-      ms[0], ms[RUNS - 1], single);
+      s.params.smoothing_radius / s.spacing, s.params.iterations, s.params.undamping, lead_in,
+      steps, ms[RUNS / 2], ms[0], ms[RUNS - 1], single);
   print_stages(solver, steps < 20 ? steps : 20);
   printf(
       "\"particle_iterations_per_second\": %.4g, \"neighbors_mean\": %.2f, "
@@ -684,15 +704,18 @@ int main(int argc, char **argv) {
   } else if (strcmp(command, "time") == 0 && argc > 3) {
     uint32_t particles = (uint32_t)strtoul(argv[3], NULL, 10);
     double support = argc > 4 ? strtod(argv[4], NULL) : 1 / 0.6;
-    uint32_t precision = argc > 5 && strcmp(argv[5], "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
+    const char *extra = argc > 5 ? argv[5] : "";
+    uint32_t precision = strcmp(extra, "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
+    scene s = shallow_dam_break(particles, support);
+    s.params.undamping = strcmp(extra, "undamping") == 0;
     if (strcmp(argv[2], "report-30k") == 0)
       time_scene(report_30k(), precision, 0, 100);
     else
-      time_scene(shallow_dam_break(particles, support), precision, particles > 5000000 ? 30 : 150,
-                 particles > 5000000 ? 20 : 100);
+      time_scene(s, precision, particles > 5000000 ? 30 : 150, particles > 5000000 ? 20 : 100);
   } else {
     fprintf(stderr,
-            "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64]\n");
+            "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64 | "
+            "undamping]\n");
     return 2;
   }
   return failures != 0;
