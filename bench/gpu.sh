@@ -82,8 +82,10 @@ for support in 1.6666667 2; do
   timed shallow-dam-break 4000000 $support
 done
 timed shallow-dam-break 1000000 2.25
-timed shallow-dam-break 30000 2 undamping
-timed shallow-dam-break 1000000 2 undamping
+for extra in undamping viscosity vorticity; do
+  timed shallow-dam-break 30000 2 $extra
+  timed shallow-dam-break 1000000 2 $extra
+done
 if [ -z "$quick" ]; then
   timed shallow-dam-break 16000000 2
   timed shallow-dam-break 100000000 2

@@ -39,8 +39,9 @@ typedef struct scene {
   double first[3], spacing;
   uint32_t collider_count;
   pbf_collider colliders[PBF_MAX_COLLIDERS];
-  double jitter; /* of the lattice, in spacings */
-  int all_pairs; /* no neighbour comes or goes in a step's iterations, or no lists are there */
+  double jitter;     /* of the lattice, in spacings */
+  const char *extra; /* what is timed beside the defaults */
+  int all_pairs;     /* no neighbour comes or goes in a step's iterations, or no lists are there */
 } scene;
 
 static uint32_t scene_count(const scene *s) {
@@ -670,11 +671,11 @@ static void time_scene(scene s, uint32_t precision, uint32_t lead_in, uint32_t s
   printf(
       "{\"time\": \"%s\", \"backend\": \"%s\", \"device\": \"%s\", \"build\": \"%s\", "
       "\"variant\": \"%s\", \"particles\": %u, \"support\": %.4f, \"iterations\": %u, "
-      "\"undamping\": %g, \"lead_in\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
+      "\"extra\": \"%s\", \"lead_in\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
       "\"max\": %.5f, "
       "\"ms_per_step_in_single_calls\": %.5f, ",
       s.name, info.backend, info.device_name, info.build_id, plan.variant, count,
-      s.params.smoothing_radius / s.spacing, s.params.iterations, s.params.undamping, lead_in,
+      s.params.smoothing_radius / s.spacing, s.params.iterations, s.extra ? s.extra : "", lead_in,
       steps, ms[RUNS / 2], ms[0], ms[RUNS - 1], single);
   print_stages(solver, steps < 20 ? steps : 20);
   printf(
@@ -707,7 +708,10 @@ int main(int argc, char **argv) {
     const char *extra = argc > 5 ? argv[5] : "";
     uint32_t precision = strcmp(extra, "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
     scene s = shallow_dam_break(particles, support);
+    s.extra = extra;
     s.params.undamping = strcmp(extra, "undamping") == 0;
+    s.params.viscosity = strcmp(extra, "viscosity") == 0 ? 0.01 : 0;
+    s.params.vorticity = strcmp(extra, "vorticity") == 0 ? 0.01 : 0;
     if (strcmp(argv[2], "report-30k") == 0)
       time_scene(report_30k(), precision, 0, 100);
     else
@@ -715,7 +719,7 @@ int main(int argc, char **argv) {
   } else {
     fprintf(stderr,
             "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64 | "
-            "undamping]\n");
+            "undamping | viscosity | vorticity]\n");
     return 2;
   }
   return failures != 0;

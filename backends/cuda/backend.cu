@@ -61,8 +61,8 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool sma
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
     return status;
-  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY] || has.runs[PBF_STAGE_FLOW],
-                                  "smoothed velocity", n * sizeof(pbf_vec), &s->smoothed))
+  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY], "smoothed velocity",
+                                  n * sizeof(pbf_vec), &s->smoothed))
     return status;
   if (pbf_status status =
           take_if(s, has.accelerated, "lambda total", n * sizeof(pbf_real), &s->total))

@@ -130,4 +130,32 @@ static __device__ __forceinline__ void for_points(const sorted_particles &p, con
       [&](uint32_t j) { visit(load(p.points, j)); });
 }
 
+/* And with visit(point, value), where `values` has one for each particle. Who is far from
+ * everything has i's own. */
+template <class Value, class Visit>
+static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
+                                                       const cell_grid &grid,
+                                                       const neighbor_lists &lists, uint32_t i,
+                                                       const Value *values, Visit visit) {
+  for_chunks(
+      p, grid, lists, i,
+      [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
+#pragma unroll
+        for (uint32_t k = 0; k < PBF_CHUNK; k += PBF_GATHERS) {
+          if (k >= count) break;
+          point near[PBF_GATHERS];
+          Value value[PBF_GATHERS];
+#pragma unroll
+          for (uint32_t q = 0; q < PBF_GATHERS; ++q) {
+            uint32_t j = neighbor_at(bases, word[(k + q) / 2], q % 2);
+            near[q] = load(p.points, j);
+            value[q] = load(values, j == lists.nowhere ? i : j);
+          }
+#pragma unroll
+          for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q], value[q]);
+        }
+      },
+      [&](uint32_t j) { visit(load(p.points, j), load(values, j)); });
+}
+
 #endif

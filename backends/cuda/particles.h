@@ -27,6 +27,12 @@ static __device__ __forceinline__ point load(const point *points, uint32_t i) {
   return read.value;
 }
 
+/* Anything else. */
+template <class Value>
+static __device__ __forceinline__ Value load(const Value *values, uint32_t i) {
+  return values[i];
+}
+
 static __device__ __forceinline__ void store(point *points, uint32_t i, const point &value) {
   union {
     point value;

@@ -173,15 +173,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                  pbf_real *slack) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
-  auto start = [&](uint32_t j) {
-    return pbf_add_scaled(position_of(load(n.particles.points, j)), -time_step,
-                          n.particles.velocities[j]);
+  const pbf_vec *velocities = n.particles.velocities;
+  uint32_t own = min(i, n.particles.count - 1);
+  auto start = [&](const point &end, pbf_vec v) {
+    return pbf_add_scaled(position_of(end), -time_step, v);
   };
-  pbf_vec x = start(min(i, n.particles.count - 1)), gradient = {{0}};
+  pbf_vec x = start(load(n.particles.points, own), velocities[own]), gradient = {{0}};
   pbf_real density = c->value_scale;
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    pbf_vec x_ij = pbf_sub(x, start(j));
+  for_points_with(n.particles, n.grid, n.lists, i, velocities, [&](const point &other, pbf_vec v) {
+    pbf_vec x_ij = pbf_sub(x, start(other, v));
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
   if (i >= n.particles.count) return;
@@ -195,35 +195,37 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    curl_kernel(neighborhood n, const pbf_vec *velocities, pbf_curl *curls) {
+    curl_kernel(neighborhood n, const pbf_vec *velocities, pbf_curl *curls, pbf_real *sizes) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own)), v = velocities[own];
   pbf_curl curl = {{0}};
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    pbf_real value, slope;
-    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-    pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(velocities[j], v).c);
-  });
-  if (i < n.particles.count) curls[i] = curl;
+  for_points_with(n.particles, n.grid, n.lists, i, velocities,
+                  [&](const point &other, pbf_vec v_j) {
+                    pbf_vec x_ij = pbf_sub(x, position_of(other));
+                    pbf_real value, slope;
+                    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
+                    pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(v_j, v).c);
+                  });
+  if (i >= n.particles.count) return;
+  curls[i] = curl;
+  sizes[i] = pbf_curl_size(curl);
 }
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    confine_kernel(neighborhood n, const pbf_curl *curls, pbf_vec *velocities) {
+    confine_kernel(neighborhood n, const pbf_curl *curls, const pbf_real *sizes,
+                   pbf_vec *velocities) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, min(i, n.particles.count - 1))), eta = {{0}};
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+  for_points_with(n.particles, n.grid, n.lists, i, sizes, [&](const point &other, pbf_real size) {
+    pbf_vec x_ij = pbf_sub(x, position_of(other));
     pbf_real value, slope;
     pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-    eta = pbf_add_scaled(eta, pbf_curl_size(curls[j]) * slope, x_ij);
+    eta = pbf_add_scaled(eta, size * slope, x_ij);
   });
   if (i < n.particles.count)
     velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(c->confinement, eta, curls[i]));
@@ -239,40 +241,37 @@ static __device__ __forceinline__ pbf_vec smoothed_velocity(const neighborhood &
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
   pbf_real weight = 0;
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    pbf_real value = pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
-    weight += value;
-    sum = pbf_add_scaled(sum, value, pbf_sub(velocities[j], v));
-  });
+  for_points_with(n.particles, n.grid, n.lists, i, velocities,
+                  [&](const point &other, pbf_vec v_j) {
+                    pbf_vec x_ij = pbf_sub(x, position_of(other));
+                    pbf_real value = pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
+                    weight += value;
+                    sum = pbf_add_scaled(sum, value, pbf_sub(v_j, v));
+                  });
   return pbf_smooth(viscosity, v, sum, weight);
 }
 
-/* The mean flow, from `velocities` to `flow`. */
+/* The mean flow, from `velocities` to `flow`, as points, which are read at once. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    flow_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *flow) {
+    flow_kernel(neighborhood n, const pbf_vec *velocities, point *flow) {
   uint32_t i = thread_index();
   pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, 1, i);
-  if (i < n.particles.count) flow[i] = v;
+  if (i < n.particles.count) store(flow, i, point_at(v));
 }
 
 /* Lambda of the step is in the points. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     undamp_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
-                  pbf_real inv_time_step, const pbf_vec *flow, pbf_vec *velocities) {
+                  pbf_real inv_time_step, const point *flow, pbf_vec *velocities) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
-  const point *points = n.particles.points;
-  const point here = load(points, own);
-  pbf_vec x = position_of(here), mean = flow[own], end, start;
+  const point here = load(n.particles.points, own);
+  pbf_vec x = position_of(here), mean = position_of(load(flow, own)), end, start;
   pbf_pair_pushes sums = {{{0}, {0}}};
-  for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (j == n.lists.nowhere) return;
-    const point other = load(points, j);
-    pbf_vec x_ij = pbf_sub(x, position_of(other)), flow_ij = pbf_sub(mean, flow[j]);
+  for_points_with(n.particles, n.grid, n.lists, i, flow, [&](const point &other, const point &its) {
+    pbf_vec x_ij = pbf_sub(x, position_of(other)), flow_ij = pbf_sub(mean, position_of(its));
     pbf_pair_add_pushes(FEATURES, c, &sums, here.lambda + other.lambda, x_ij.c, pbf_dot(x_ij, x_ij),
                         flow_ij.c);
   });

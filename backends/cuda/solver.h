@@ -75,7 +75,7 @@ struct solver {
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
   pbf_curl *curls;   /* with vorticity only */
-  pbf_vec *smoothed; /* with viscosity or undamping only */
+  pbf_vec *smoothed; /* with viscosity only */
   pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
   uint32_t collider_count;
   double collider_time;

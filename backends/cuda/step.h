@@ -238,14 +238,14 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   return PBF_OK;
 }
 
-/* s->smoothed holds the mean flow. */
+/* The mean flow takes the points that the solve has left behind. */
 static inline pbf_status undamp_flow(solver *s, const neighborhood &n,
                                      const step_obstacles &obstacles) {
   uint32_t blocks = blocks_for(s->count);
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_FLOW, [&] {
         with_kernel(s->schedule.features, [&](auto features) {
           flow_kernel<decltype(features)::value>
-              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->smoothed);
+              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->other);
         });
         return PBF_OK;
       }))
@@ -253,19 +253,21 @@ static inline pbf_status undamp_flow(solver *s, const neighborhood &n,
   return run_stage(&s->clock, s->stream, PBF_STAGE_UNDAMP, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
       undamp_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
-          n, obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params),
-          s->smoothed, s->velocities);
+          n, obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params), s->other,
+          s->velocities);
     });
     return PBF_OK;
   });
 }
 
+/* The sizes of curls, too. */
 static inline pbf_status confine_vorticity(solver *s, const neighborhood &n) {
   uint32_t blocks = blocks_for(s->count);
+  pbf_real *sizes = reinterpret_cast<pbf_real *>(s->other);
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_CURL, [&] {
         with_kernel(s->schedule.features, [&](auto features) {
           curl_kernel<decltype(features)::value>
-              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->curls);
+              <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->velocities, s->curls, sizes);
         });
         return PBF_OK;
       }))
@@ -273,7 +275,7 @@ static inline pbf_status confine_vorticity(solver *s, const neighborhood &n) {
   return run_stage(&s->clock, s->stream, PBF_STAGE_CONFINE, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
       confine_kernel<decltype(features)::value>
-          <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->curls, s->velocities);
+          <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->curls, sizes, s->velocities);
     });
     return PBF_OK;
   });

@@ -14,7 +14,7 @@ COLUMNS = ("scene", "particles", "precision", "h/d", "neighbours", "ms a step", 
 
 
 def cells_of(row):
-    return (row["time"] + (", undamping" if row.get("undamping") else ""), f"{row['particles']:,}", "float64" if "f64" in row["variant"] else "float32",
+    return (row["time"] + (f", {row['extra']}" if row["extra"] not in ("", "f64") else ""), f"{row['particles']:,}", "float64" if "f64" in row["variant"] else "float32",
             f"{row['support']:.4g}", f"{row['neighbors_mean']:.1f}", f"{row['ms_per_step']:.4g}",
             f"{row['min']:.4g} … {row['max']:.4g}", f"{row['particle_iterations_per_second'] / 1e6:,.0f}",
             f"{row['bytes_per_particle']:.0f}", f"{row['density_error_mean']:.4f}")
