@@ -32,11 +32,12 @@ PBF_FN pbf_vec pbf_lent_gradient(const pbf_lent *lent) {
   return pbf_add_scaled(lent->shared_gradient, 1, lent->own_gradient);
 }
 
-/* `to` with the length of `from`; `from` where either has none. */
+/* `to` with the length of `from`; `from` where it is a thousand times as long: `to` is at the end
+ * of a wall's reach, where rounding makes its direction and division overflows. */
 PBF_FN pbf_vec pbf_turned(pbf_vec from, pbf_vec to) {
   const pbf_vec none = {{0}};
   pbf_real from2 = pbf_dot(from, from), to2 = pbf_dot(to, to);
-  if (!(from2 > 0) || !(to2 > 0)) return from;
+  if (!(to2 > (pbf_real)1e-6 * from2)) return from;
   return pbf_add_scaled(none, pbf_real_sqrt(from2 / to2), to);
 }
 

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "stability/suite.h"
+#include "stability/trial.h"
 
 namespace bench {
 namespace {
@@ -79,6 +80,7 @@ int run(StabilityOptions options) {
     scratch = std::make_unique<Scratch>();
     options.suite.dump = scratch->path;
   }
+  set_default_params(options.suite.settings);
   if (options.alone) {
     run_alone(options.suite);
     return exit_ok;
@@ -107,6 +109,12 @@ std::pair<CLI::App *, Command> add_stability(CLI::App &app) {
                    "cases whose failure is known: it shows, and does not change the exit code")
       ->type_name("N,…")
       ->delimiter(',');
+  command
+      ->add_option("--set", suite.settings,
+                   "in place of the library's default, as --set undamping=1; again and again. What a "
+                   "case sets itself stays")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   add_precision_option(*command, suite.solver.precision);
   add_device_option(*command, suite.solver.device);
   auto *dump = command

@@ -58,6 +58,10 @@ void run_elsewhere(const SuiteOptions &options, const Case &entry, const std::st
                                     "--device",
                                     std::to_string(options.solver.device)};
   if (options.quick) words.emplace_back("--quick");
+  for (const std::string &setting : options.settings) {
+    words.emplace_back("--set");
+    words.push_back(setting);
+  }
   if (options.solver.precision == PBF_FLOAT64) {
     words.emplace_back("--precision");
     words.emplace_back("f64");
@@ -90,6 +94,7 @@ void run_alone(const SuiteOptions &options) {
   SolverOptions solver = options.solver;
   solver.backend = options.backends.front();
   Record record(folder_for(options, entry, solver.backend), solver, options.quick);
+  if (!options.settings.empty()) record.note("settings", options.settings);
   alarm(entry.limit);
   try {
     entry.run(record);

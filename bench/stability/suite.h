@@ -14,6 +14,7 @@ struct SuiteOptions {
   std::vector<std::string> backends;  // none: all that the library knows
   std::vector<int> cases;             // none: all
   SolverOptions solver;               // precision and device
+  std::vector<std::string> settings;  // key=value, in place of the library's defaults
   bool quick = false;
   std::string dump;  // folder of the dumps
 };

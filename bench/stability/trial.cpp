@@ -8,6 +8,7 @@
 #include "core/manifest.h"
 #include "core/npy.h"
 #include "report/picture.h"
+#include "scene/params.h"
 
 namespace bench::stability {
 namespace {
@@ -34,11 +35,30 @@ void must(pbf_status status) {
               std::string(pbf_status_string(status)) + ": " + pbf_last_error());
 }
 
-pbf_params default_params() {
-  pbf_params params;
-  must(pbf_params_init(&params, sizeof params));
+namespace {
+
+pbf_params &kept_params() {
+  static pbf_params params = [] {
+    pbf_params fresh;
+    must(pbf_params_init(&fresh, sizeof fresh));
+    return fresh;
+  }();
   return params;
 }
+
+}  // namespace
+
+void set_default_params(const std::vector<std::string> &settings) {
+  Document scene("--set", R"({"dimension": 3, "params": {}})");
+  for (const std::string &setting : settings) apply_setting(setting, scene);
+  try {
+    read_params(scene.value["params"], nlohmann::json::json_pointer("/params"), 3, kept_params());
+  } catch (const ValueError &error) {
+    throw scene.error(error);
+  }
+}
+
+pbf_params default_params() { return kept_params(); }
 
 pbf_desc desc_for(const Record &record, unsigned dimension, uint32_t capacity, uint32_t threads) {
   pbf_desc desc;

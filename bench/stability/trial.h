@@ -12,6 +12,9 @@
 
 namespace bench::stability {
 
+// What cases begin with: the library's defaults, and what these settings, key=value, have in place
+// of them. Throws Error for a setting that names no parameter.
+void set_default_params(const std::vector<std::string> &settings);
 pbf_params default_params();
 
 // A solver's beginning: the library's defaults, but for what a case names.
