@@ -58,6 +58,7 @@ typedef struct pair_pass {
   lists lists;
   field x;                    /* sorted */
   const pbf_real *quads;      /* as pack makes them, of x and what move looks up */
+  const pbf_real *vectors;    /* and of what else a pass looks up */
   const pbf_obstacles *walls; /* that lend density; null: none do */
   const pbf_real *slack;      /* null: none */
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
@@ -80,8 +81,9 @@ struct undamp_pass {
   const pbf_real *lambda;
   pbf_real inv_time_step;
   field flow, velocity;
-  /* What becomes of a particle's sums: the same for all instruction sets. */
-  void (*end)(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end, pbf_vec start);
+  /* What a particle's sums make between obstacles: the same for all instruction sets. */
+  pbf_vec (*between)(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+                     pbf_vec start);
 };
 
 /* Sorted particles of whom one byte says whether any of them can be stirred. */

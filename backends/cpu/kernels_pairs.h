@@ -254,6 +254,14 @@ static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_
     move_groups(0, p, m, first, last);
 }
 
+/* For passes that are made once a step. */
+static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_values xs = lane_vec_values(&x);
+  _Alignas(64) pbf_real distances[WIDTH];
+  return near_obstacles(p->constants, p->walls, &xs, distances);
+}
+
 /* ---- Velocity ------------------------------------------------------------------------------ */
 
 /* Particles of the last group are fewer; what its other lanes hold is nobody's. */
@@ -281,13 +289,14 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
       const neighbor_table around = neighbors_in(b, p, NULL);
-      const table_vec v_of = table_vec_of(&v, b, 0);
+      const vector_table v_of = vectors_in(b, p, &v, NULL);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
         lane value, slope;
         const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        lane_vec v_ij = lane_vec_minus(&v_i, &v_of, pair.j), v_ji;
-        for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = -v_ij.c[a];
+        const lane_vec v_j = vectors_at(&v_of, pair.j, 0).v;
+        lane_vec v_ji;
+        for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = v_j.c[a] - v_i.c[a];
         lanes_kernel(features, &c, pair.r2, &value, &slope);
         lanes_add_curl(sums, slope, pair.x_ij.c, v_ji.c);
       }
@@ -353,14 +362,14 @@ PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, fi
     for (walk w = walk_group(&n, g); w.left;) {
       const block *b = walk_block(&w);
       const neighbor_table around = neighbors_in(b, p, NULL);
-      const table_vec v_of = table_vec_of(&v, b, 0);
+      const vector_table v_of = vectors_in(b, p, &v, NULL);
       const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
       for (; list < list_end; list += WIDTH) {
         const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        const lane_vec v_ij = lane_vec_minus(&v_i, &v_of, pair.j);
+        const lane_vec v_j = vectors_at(&v_of, pair.j, 0).v;
         lane value = lanes_density(features, &c, pair.r2);
         weight += value;
-        lane_vec_add_scaled(&sum, -value, &v_ij);
+        for (int k = 0; k < PBF_DIM; ++k) sum.c[k] = lane_fma(value, v_j.c[k] - v_i.c[k], sum.c[k]);
       }
     }
     lane_values sums = lane_vec_values(&sum);
@@ -387,14 +396,14 @@ PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, 
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
     const neighbor_table around = neighbors_in(b, p, NULL);
-    const table_vec flow_of = table_vec_of(flow, b, 0);
-    const table lambda_of = table_of(lambda, b->first, 0);
+    const vector_table flow_of = vectors_in(b, p, flow, lambda);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
     for (; list < end; list += WIDTH) {
       const pair_lanes pair = pairs_listed(b, list, &x, &around);
-      const lane_vec flow_ij = lane_vec_minus(&flow_i, &flow_of, pair.j);
-      lanes_add_pushes(features, c, &sums, lambda_i + table_at(&lambda_of, pair.j), pair.x_ij.c,
-                       pair.r2, flow_ij.c);
+      const vector_lanes j = vectors_at(&flow_of, pair.j, 1);
+      lane_vec flow_ij;
+      for (int k = 0; k < PBF_DIM; ++k) flow_ij.c[k] = flow_i.c[k] - j.v.c[k];
+      lanes_add_pushes(features, c, &sums, lambda_i + j.number, pair.x_ij.c, pair.r2, flow_ij.c);
     }
   }
   return sums;
@@ -404,6 +413,7 @@ PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, 
 static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   for (uint32_t g = first; g < last; ++g) {
+    const int near = lending_walls(p) && group_near_obstacles(p, g);
     const lanes_pushes sums =
         pushes_of_group(hot_features(p) & PBF_FEATURE_POLY6, &c, p, u->lambda, &u->flow, g);
     lane_values end, start;
@@ -411,8 +421,11 @@ static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uin
       lane_store(end.c[k], sums.at[0][k]);
       lane_store(start.c[k], sums.at[1][k]);
     }
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      u->end(p, u, i, lane_value(&end, l), lane_value(&start, l));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      pbf_vec change = near ? u->between(p, u, i, lane_value(&end, l), lane_value(&start, l))
+                            : pbf_sub(lane_value(&start, l), lane_value(&end, l));
+      field_set(&u->velocity, i, pbf_push(&c, u->inv_time_step, field_at(&u->velocity, i), change));
+    }
   }
 }
 
@@ -484,12 +497,11 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     }
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
-    if (lending_walls(p)) {
+    if (lending_walls(p) && group_near_obstacles(p, g)) {
       const lane_values xs = lane_vec_values(&x);
       lane_values gradients = xs;
-      pbf_real distances[WIDTH], resting[WIDTH] = {0};
-      if (near_obstacles(&c, p->walls, &xs, distances))
-        add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients, resting);
+      pbf_real resting[WIDTH] = {0};
+      add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients, resting);
     }
   }
 }

@@ -63,6 +63,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                                .count = s->count},
                      .x = x,
                      .quads = quads,
+                     .vectors = s->quads[1],
                      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
                      .slack = s->slack,
                      .unrest = sleep_is_on(w) ? w->rest.unrest : NULL};
@@ -171,6 +172,22 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);
+}
+
+static void velocities_piece(void *context, uint32_t piece) {
+  const worker *w = context;
+  fill_quads(w->s, 1, &w->b.v, NULL, piece_sorted(w, piece));
+}
+
+/* Nobody's vector is 0. The next sort puts nobody far away again. */
+static void end_vectors(void *context) {
+  const worker *w = context;
+  w->s->quads[1][-4] = 0;
+}
+
+/* Passes over pairs after the solve look up these vectors, where they read quads. */
+static void pack_vectors(worker *w, void (*pack_piece)(void *context, uint32_t piece)) {
+  if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_vectors, w);
 }
 
 /* The velocities of a piece's particles, smoothed by so much: 1 gives the mean around them. */

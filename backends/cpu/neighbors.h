@@ -1,6 +1,7 @@
-/* What pair loops look up of neighbours: where they are, and one number more. Either the windows of
- * a block are in registers, field by field, or the four reals of each particle lie side by side in
- * memory, a quad, and a lane gets all of its neighbour's with one load. */
+/* What pair loops look up of neighbours: where they are, and one number more; or some other vector
+ * and a number. Either the windows of a block are in registers, field by field, or the four reals
+ * of each particle lie side by side in memory, a quad, and a lane gets all of its neighbour's with
+ * one load. */
 #ifndef PBF_CPU_NEIGHBORS_H
 #define PBF_CPU_NEIGHBORS_H
 
@@ -15,6 +16,12 @@ typedef struct pair_lanes {
   lane number;
 #endif
 } pair_lanes;
+
+/* Another vector of a neighbour's in each lane, and a number. */
+typedef struct vector_lanes {
+  lane_vec v;
+  lane number;
+} vector_lanes;
 
 #ifdef LANES_QUADS
 
@@ -41,6 +48,27 @@ PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_v
 PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   (void)around;
   return p->number;
+}
+
+/* Of another vector: what pack has made of it. */
+typedef const pbf_real *vector_table;
+
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
+                               const pbf_real *number) {
+  (void)b;
+  (void)v;
+  (void)number;
+  return p->vectors;
+}
+
+PBF_FN vector_lanes vectors_at(const vector_table *t, place j, int with_number) {
+  lane quad[4];
+  (void)with_number;
+  vector_lanes v;
+  quads_at(*t, j, quad);
+  for (int k = 0; k < PBF_DIM; ++k) v.v.c[k] = quad[k];
+  v.number = quad[3];
+  return v;
 }
 
 static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last) {
@@ -82,6 +110,23 @@ PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_v
 
 PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   return table_at(&around->number, p->j);
+}
+
+typedef struct neighbor_table vector_table;
+
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
+                               const pbf_real *number) {
+  (void)p;
+  vector_table t = {.x = table_vec_of(v, b, 0)};
+  if (number) t.number = table_of(number, b->first, 0);
+  return t;
+}
+
+PBF_FN vector_lanes vectors_at(const vector_table *t, place j, int with_number) {
+  vector_lanes v;
+  for (int k = 0; k < PBF_DIM; ++k) v.v.c[k] = table_at(&t->x.c[k], j);
+  v.number = with_number ? table_at(&t->number, j) : lane_set(0);
+  return v;
 }
 
 #endif

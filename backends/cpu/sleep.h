@@ -71,6 +71,7 @@ static void end_settling(void *context) {
 
 /* 1 when now all sleep. */
 static int settle(worker *w) {
+  pack_vectors(w, velocities_piece);
   team_for(w->me, pair_pieces(w), unrest_piece, NULL, w);
   team_for(w->me, pair_pieces(w), stir_piece, NULL, w);
   team_for(w->me, pair_pieces(w), settle_piece, end_settling, w);

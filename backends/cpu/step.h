@@ -211,14 +211,10 @@ static void flow_piece(void *context, uint32_t piece) {
   smooth_velocities(w, piece, 1, w->b.spare[0]);
 }
 
-static void end_undamping(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
-                          pbf_vec start) {
-  const pbf_constants *c = p->constants;
-  pbf_vec change = pbf_sub(start, end);
-  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls)
-    change = pbf_undamped(c, &p->walls->walls, pbf_solid_count(p->walls), p->walls->solids,
-                          field_at(&p->x, i), field_at(&u->flow, i), u->lambda[i], end, start);
-  field_set(&u->velocity, i, pbf_push(c, u->inv_time_step, field_at(&u->velocity, i), change));
+static pbf_vec undamped_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+                                pbf_vec start) {
+  return pbf_undamped(p->constants, &p->walls->walls, pbf_solid_count(p->walls), p->walls->solids,
+                      field_at(&p->x, i), field_at(&u->flow, i), u->lambda[i], end, start);
 }
 
 static void undamp_piece(void *context, uint32_t piece) {
@@ -226,16 +222,24 @@ static void undamp_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  const undamp_pass u = {s->lambda, w->forces.inv_time_step, w->b.spare[0], w->b.v, end_undamping};
+  const undamp_pass u = {s->lambda, w->forces.inv_time_step, w->b.spare[0], w->b.v,
+                         undamped_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->undamp(&pairs, &u, g.first, g.last);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
+static void flows_piece(void *context, uint32_t piece) {
+  const worker *w = context;
+  fill_quads(w->s, 1, &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
+}
+
 static void undamp_flow(worker *w) {
+  pack_vectors(w, velocities_piece);
   team_for(w->me, pair_pieces(w), flow_piece, NULL, w);
   stage_end(w, PBF_STAGE_FLOW);
+  pack_vectors(w, flows_piece);
   team_for(w->me, pair_pieces(w), undamp_piece, NULL, w);
   stage_end(w, PBF_STAGE_UNDAMP);
 }
@@ -264,6 +268,7 @@ static void confine_piece(void *context, uint32_t piece) {
 }
 
 static void confine_vorticity(worker *w) {
+  pack_vectors(w, velocities_piece);
   team_for(w->me, pair_pieces(w), curl_piece, NULL, w);
   stage_end(w, PBF_STAGE_CURL);
   team_for(w->me, pair_pieces(w), confine_piece, NULL, w);
@@ -276,6 +281,7 @@ static void viscosity_piece(void *context, uint32_t piece) {
 }
 
 static void smooth_velocity(worker *w) {
+  pack_vectors(w, velocities_piece);
   team_for(w->me, pair_pieces(w), viscosity_piece, NULL, w);
   swap_fields(&w->b.v, &w->b.spare[1]);
   stage_end(w, PBF_STAGE_VISCOSITY);

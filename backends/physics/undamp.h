@@ -43,7 +43,8 @@ PBF_FN pbf_vec pbf_turned(pbf_vec from, pbf_vec to) {
 
 /* The change of the push of a particle at x that has `lambda`, from its sums over pairs at the
  * step's end and at its start, between obstacles that lend density: what these push
- * with is turned as it was where the mean flow and the colliders had the two at the start. */
+ * with is turned as it was where the mean flow and the colliders had the two at the start. Out of
+ * their reach at the end nothing is. */
 PBF_FN pbf_vec pbf_undamped(const pbf_constants *c, const pbf_walls *walls, int count,
                             const pbf_solid *solids, pbf_vec x, pbf_vec mean, pbf_real lambda,
                             pbf_vec end, pbf_vec start) {
@@ -52,6 +53,7 @@ PBF_FN pbf_vec pbf_undamped(const pbf_constants *c, const pbf_walls *walls, int 
   for (int before = 0; before < 2; ++before) {
     if (!before || count > 0) {
       lent = pbf_lent_from(c, walls, count, solids, x, at, before);
+      if (!before && !(lent.resting > 0)) return pbf_sub(start, end);
       pbf_vec now = pbf_lent_gradient(&lent);
       gradient = before ? pbf_turned(gradient, now) : now;
     }
