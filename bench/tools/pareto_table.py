@@ -89,7 +89,7 @@ def source(result):
     commits = sorted({point["outcome"]["commit"] for point in result["points"] if point["outcome"]})
     clock = "processor time" if context["clock"] == "cpu" else "wall time"
     return (f"{context['particles']:,} particles, {context['simulated']:.3g} s simulated, step "
-            f"{1000 * context['time_step']:.3g} ms where not divided; {context['cpu_model']}, one thread, "
+            f"{1000 * context['time_step']:.3g} ms where not divided; {context.get('device_serial', context['cpu_model'])}, one thread, "
             f"{clock}, commit {', '.join(commits)}")
 
 
