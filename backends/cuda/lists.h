@@ -108,29 +108,7 @@ static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
       visit);
 }
 
-/* The same with visit(point), for what needs nothing else. */
-template <class Visit>
-static __device__ __forceinline__ void for_points(const sorted_particles &p, const cell_grid &grid,
-                                                  const neighbor_lists &lists, uint32_t i,
-                                                  Visit visit) {
-  for_chunks(
-      p, grid, lists, i,
-      [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
-#pragma unroll
-        for (uint32_t k = 0; k < PBF_CHUNK; k += PBF_GATHERS) {
-          if (k >= count) break;
-          point near[PBF_GATHERS];
-#pragma unroll
-          for (uint32_t q = 0; q < PBF_GATHERS; ++q)
-            near[q] = load(p.points, neighbor_at(bases, word[(k + q) / 2], q % 2));
-#pragma unroll
-          for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q]);
-        }
-      },
-      [&](uint32_t j) { visit(load(p.points, j)); });
-}
-
-/* And with visit(point, value), where `values` has one for each particle. Who is far from
+/* The same with visit(point, value), where `values` has one for each particle. Who is far from
  * everything has i's own. */
 template <class Value, class Visit>
 static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
@@ -156,6 +134,15 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
         }
       },
       [&](uint32_t j) { visit(load(p.points, j), load(values, j)); });
+}
+
+/* And with visit(point), for what needs nothing else. */
+template <class Visit>
+static __device__ __forceinline__ void for_points(const sorted_particles &p, const cell_grid &grid,
+                                                  const neighbor_lists &lists, uint32_t i,
+                                                  Visit visit) {
+  for_points_with(p, grid, lists, i, static_cast<const no_value *>(nullptr),
+                  [&](const point &other, no_value) { visit(other); });
 }
 
 #endif

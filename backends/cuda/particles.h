@@ -33,6 +33,11 @@ static __device__ __forceinline__ Value load(const Value *values, uint32_t i) {
   return values[i];
 }
 
+/* Of arrays that are not there. */
+struct no_value {};
+
+static __device__ __forceinline__ no_value load(const no_value *, uint32_t) { return {}; }
+
 static __device__ __forceinline__ void store(point *points, uint32_t i, const point &value) {
   union {
     point value;
