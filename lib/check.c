@@ -20,10 +20,10 @@ static const char *objection(double value, pbf_range range, uint32_t precision) 
   if (range == PBF_AT_LEAST_ZERO && value < 0) return "at least 0";
   if (range == PBF_FRACTION && (value < 0 || value > 1)) return "from 0 to 1";
   if (range == PBF_ABOVE_ZERO && value <= 0) return "above 0";
-  if (range == PBF_ABOVE_ZERO && precision == PBF_FLOAT32 && value < FLT_MIN)
-    return "a normal number in float32, at least 1.2e-38";
-  if (range == PBF_ABOVE_ZERO && value < DBL_MIN) return "a normal number, at least 2.3e-308";
-  return NULL;
+  int single = precision == PBF_FLOAT32;
+  if (range != PBF_ABOVE_ZERO || value >= (single ? (double)FLT_MIN : DBL_MIN)) return NULL;
+  return single ? "a normal number in float32, at least 1.2e-38"
+                : "a normal number, at least 2.3e-308";
 }
 
 pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const void *object,

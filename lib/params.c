@@ -110,9 +110,21 @@ static pbf_status check_unit(double h, uint32_t precision) {
                   h, single ? 32 : 64, least, most, single ? ", or PBF_FLOAT64" : "");
 }
 
-static pbf_status check_lengths(const pbf_params *params, uint32_t precision) {
+/* A particle alone has 1e-5 to 1e4 times the rest density: beyond, a unit has gone wrong, too. */
+static pbf_status check_volume(const pbf_params *params, uint32_t dimension) {
+  double h = params->smoothing_radius, volume = params->particle_volume;
+  double share = volume / (dimension == 2 ? h * h : h * h * h);
+  if (volume == 0 || (share >= 1e-6 && share <= 1000)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.particle_volume is %.9g; it must be 0, or 1e-6 … 1000 times "
+                  "smoothing_radius to the power of the dimension",
+                  volume);
+}
+
+static pbf_status check_lengths(const pbf_params *params, pbf_check_kind kind) {
   double h = params->smoothing_radius;
-  pbf_status status = check_unit(h, precision);
+  pbf_status status = check_unit(h, kind.precision);
+  if (status == PBF_OK) status = check_volume(params, kind.dimension);
   if (status != PBF_OK) return status;
   if (params->spacing >= h || rest_spacing(params) * MOST_SPACINGS < h) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
@@ -178,7 +190,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_pressure_grid(params);
   if (status == PBF_OK) status = check_undamping(params);
-  if (status == PBF_OK) status = check_lengths(params, kind.precision);
+  if (status == PBF_OK) status = check_lengths(params, kind);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;
 }

@@ -19,28 +19,29 @@ pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32
                   (void *)(uintptr_t)values, element_size);
 }
 
+/* `count` where all are. */
+static uint64_t first_not_finite(const pbf_solver *solver, const void *values, uint64_t count) {
+  uint64_t i = 0;
+  while (i < count && isfinite(value_at(values, i, solver->kind.precision))) ++i;
+  return i;
+}
+
 pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
                                    uint32_t count, uint32_t first_row) {
   uint32_t dimension = solver->kind.dimension;
-  uint64_t total = (uint64_t)count * dimension;
-  for (uint64_t i = 0; i < total; ++i) {
-    double value = value_at(values, i, solver->kind.precision);
-    if (isfinite(value)) continue;
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
-                    (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension), value);
-  }
-  return PBF_OK;
+  uint64_t total = (uint64_t)count * dimension, i = first_not_finite(solver, values, total);
+  if (i == total) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
+                  (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension),
+                  value_at(values, i, solver->kind.precision));
 }
 
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
                                     uint64_t count) {
-  for (uint64_t i = 0; i < count; ++i) {
-    double value = value_at(values, i, solver->kind.precision);
-    if (!isfinite(value))
-      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %g; it must be finite", name,
-                      i, value);
-  }
-  return PBF_OK;
+  uint64_t i = first_not_finite(solver, values, count);
+  if (i == count) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %g; it must be finite", name, i,
+                  value_at(values, i, solver->kind.precision));
 }
 
 /* Backends clamp to the walls in the particles' precision, so that is where the walls are. */

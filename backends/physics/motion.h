@@ -30,7 +30,7 @@ static inline void pbf_motion_collider(const pbf_collider *at_set, double elapse
   const double *w = at_set->angular_velocity;
   double speed = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
   for (int a = 0; a < 3; ++a) now->position[a] += elapsed * at_set->velocity[a];
-  if (speed > 0) {
+  if (speed > 0 && speed < 1e150) { /* no angle is known of what turns faster */
     double s = sin(0.5 * speed * elapsed) / speed;
     double turn[4] = {s * w[0], s * w[1], s * w[2], cos(0.5 * speed * elapsed)};
     pbf_motion_quaternion_product(turn, at_set->orientation, now->orientation);

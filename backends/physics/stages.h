@@ -9,7 +9,8 @@
 /* Forces of one step (Algorithm 1, line 2), in the precision of the particles. */
 typedef struct pbf_forces {
   pbf_real time_step, inv_time_step;
-  pbf_real rounding; /* part of a last bit that predictions are off, see pbf_rounding_of */
+  pbf_real most_speed; /* along an axis, see pbf_most_speed_of */
+  pbf_real rounding;   /* part of a last bit that predictions are off, see pbf_rounding_of */
   pbf_vec gravity;
   pbf_real attraction;
   pbf_vec attraction_center;
@@ -27,10 +28,20 @@ static inline pbf_real pbf_rounding_of(double time, double time_step) {
   return (pbf_real)(0.9999 * (turns - floor(turns + 0.5)));
 }
 
+/* What crosses the domain in less than a step is as fast as what crosses it in one: walls stop
+ * both, and squares of what is faster overflow. So may those of more than 1e15 h a time unit. */
+static inline pbf_real pbf_most_speed_of(const pbf_params *params) {
+  double way = 0, most = 1e15 * params->smoothing_radius;
+  for (int k = 0; k < PBF_DIM; ++k) way += params->domain_max[k] - params->domain_min[k];
+  way *= pbf_per_time_step(params);
+  return (pbf_real)(way > 0 && way < most ? way : most);
+}
+
 static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   pbf_forces f;
   f.time_step = (pbf_real)params->time_step;
   f.inv_time_step = (pbf_real)pbf_per_time_step(params);
+  f.most_speed = pbf_most_speed_of(params);
   f.rounding = pbf_rounding_of(time, params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -61,11 +72,15 @@ PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   return x;
 }
 
-/* The velocity that goes with it: obstacles may have moved what was `predicted` to `after`. */
+/* The velocity that goes with it: obstacles may have moved what was `predicted` to `after`. What is
+ * no number becomes one. */
 PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v, pbf_vec predicted,
                                       pbf_vec after) {
   pbf_vec moved = pbf_sub(after, predicted);
-  return pbf_add_scaled(pbf_apply_forces(f, x, v), f->inv_time_step, moved);
+  pbf_vec velocity = pbf_add_scaled(pbf_apply_forces(f, x, v), f->inv_time_step, moved);
+  for (int k = 0; k < PBF_DIM; ++k)
+    velocity.c[k] = pbf_real_max(-f->most_speed, pbf_real_min(velocity.c[k], f->most_speed));
+  return velocity;
 }
 
 /* Line 10, eqs. 1 and 11, from density = V sum W (the particle itself included), gradient = sum

@@ -159,9 +159,10 @@ typedef struct pbf_params {
   double smoothing_radius; /* h > 0: the kernels vanish at r >= h. In float32 1e-8 … 1e11, in
                               float64 1e-75 … 1e75 units of length */
   double spacing;          /* rest distance of the particles, 0 < spacing < h; 0: h/2 */
-  double particle_volume; /* V; 0: such that a square or cubic lattice of `spacing` has density 1 */
+  double particle_volume; /* V, 1e-6 … 1000 h^dimension; 0: such that a square or cubic lattice of
+                             `spacing` has density 1 */
 
-  double time_step;    /* > 0 */
+  double time_step;    /* > 0; no particle is faster than the sum of the domain's sides in one */
   uint32_t iterations; /* of the density solve in a step, >= 1 */
   uint32_t collide;    /* PBF_COLLIDE_… bits */
 

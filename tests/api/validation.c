@@ -27,6 +27,8 @@ static const real_case params_reals[] = {
     {"spacing is 0.1; it must be below smoothing_radius", P(spacing), 0.1},
     {"spacing is 0.001", P(spacing), 0.001},
     {"particle_volume is -1", P(particle_volume), -1},
+    {"particle_volume is 1e-10; it must be 0, or 1e-6", P(particle_volume), 1e-10},
+    {"particle_volume is 2; it must be 0, or 1e-6", P(particle_volume), 2},
     {"time_step is 0", P(time_step), 0},
     {"time_step is -0.1", P(time_step), -0.1},
     {"relaxation is -1", P(relaxation), -1},

@@ -38,7 +38,7 @@ static pbf_params params_for(const cloud *c) {
   pbf_params params = test_params();
   params.smoothing_radius = c->h;
   params.spacing = 0.5 * c->h;
-  params.particle_volume = 1;
+  params.particle_volume = pow(c->h, c->dimension);
   params.wall_density = 0;
   for (uint32_t k = 0; k < c->dimension; ++k) {
     params.domain_min[k] = c->lower;
@@ -71,6 +71,7 @@ static void check(cloud *c, const char *backend, uint32_t threads) {
       unsure += fabs(r - c->h) <= 1e-6 * c->h;
     }
     if (neighbors > most) most = neighbors;
+    density *= params.particle_volume;
     assert_true(fabs(densities[i] - density) <= epsilon * density);
   }
   double found = stats.neighbors_mean * c->count;

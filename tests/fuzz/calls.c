@@ -231,7 +231,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   uint32_t count;
   twins t = twins_make(kind_of(take_u8(&in)));
   if (take_u8(&in) % 8) forgo_prestabilization(&t);
-  for (int calls = 0; calls < MOST_CALLS && !input_ended(&in); ++calls) call(&in, &t);
+  for (int calls = 0; calls < MOST_CALLS && !t.lost && !input_ended(&in); ++calls) call(&in, &t);
   twins_destroy(&t);
   for (int i = 0; i < TWINS; ++i)
     insist(pbf_get_count(t.solver[i], &count) == PBF_ERROR_INVALID_ARGUMENT);

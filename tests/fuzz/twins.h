@@ -11,6 +11,7 @@ typedef struct twins {
   kind k;
   pbf_solver *solver[TWINS]; /* reference, serial */
   int wild;                  /* numbers have been let in that no distance can be stated for */
+  int lost;                  /* and have led to what is no number: the two need not agree on more */
 } twins;
 
 twins twins_make(kind k);

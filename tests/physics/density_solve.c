@@ -253,6 +253,25 @@ static void prediction_is_symplectic_euler(void **state) {
   assert_near(pbf_velocity(10, w, x, after).c[0], w.c[0] + 0.3, 1e-13);
 }
 
+/* Walls stop what would cross the domain in less than a step, and what rounding leaves of such a
+ * speed has no square; nor has what is no number. */
+static void no_speed_is_beyond_the_domain(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.time_step = 0.1;
+  for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
+  const pbf_forces f = pbf_forces_of(&p, 0);
+  const double speeds[] = {99, 1e30, -1e200, INFINITY, NAN};
+  for (int i = 0; i < 5; ++i) {
+    pbf_vec x = {{0}}, v = {{0}}, after = {{0}};
+    v.c[0] = speeds[i];
+    after.c[0] = i == 0 ? 9.9 : 10;
+    pbf_vec w = pbf_predicted_velocity(&f, x, v, pbf_predict(&f, x, v), after);
+    assert_true(fabs(w.c[0]) <= PBF_DIM * 10 / 0.1 * (1 + 1e-15));
+    if (i == 0) assert_near(w.c[0], 99, 1e-12);
+  }
+}
+
 /* A particle that nothing moves keeps its velocity to the last bit, however small the time step. */
 static void rest_of_the_velocity_is_not_rounded(void **state) {
   (void)state;
@@ -377,6 +396,7 @@ int main(void) {
       cmocka_unit_test(separation_scales_the_pull),
       cmocka_unit_test(crowds_push_no_less_the_denser_they_are),
       cmocka_unit_test(prediction_is_symplectic_euler),
+      cmocka_unit_test(no_speed_is_beyond_the_domain),
       cmocka_unit_test(rest_of_the_velocity_is_not_rounded),
       cmocka_unit_test(an_iteration_adds_what_a_lattice_bears),
       cmocka_unit_test(crowds_and_few_neighbors_add_less),
