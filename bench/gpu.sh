@@ -50,7 +50,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
     { tail -n 30 "$out/build.log"; exit 1; }
 fi
 check=$build/gpu_check
-${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" "$root/bench/gpu_check.c" -o "$check" \
+${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" "$root"/bench/gpu_check/*.c -o "$check" \
   -L"$build/lib" -lpbf -lm "-Wl,-rpath,$build/lib" || exit 1
 
 commit=${PBF_COMMIT:-$(git -C "$root" rev-parse HEAD 2>/dev/null || echo unknown)}

@@ -1,0 +1,20 @@
+/* The commands; each prints a JSON object a line. */
+#ifndef PBF_BENCH_GPU_CHECK_COMMANDS_H
+#define PBF_BENCH_GPU_CHECK_COMMANDS_H
+
+#include "scenes.h"
+
+/* Distances to the float64 reference, of the scenes of that name or, where it is null, of all.
+ * Returns how many were too far. */
+int verify_all(const char *name);
+
+/* Whether two runs, and one from a saved state, have the same bits. Returns how many had not. */
+int same_all(void);
+
+/* Every call and stage once, small. */
+void exercise_all(void);
+
+/* `steps` steps after `lead_in`, five times. */
+void time_scene(const scene *s, uint32_t precision, uint32_t lead_in, uint32_t steps);
+
+#endif

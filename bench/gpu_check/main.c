@@ -1,0 +1,57 @@
+/* Checks and times one backend (default "cuda") through the public API alone, for machines that
+ * have a GPU and little else:
+ *
+ *   gpu_check verify [SCENE]      distance to the float64 reference, every kind of scene
+ *   gpu_check same                the same bits in two runs, and after saving and loading
+ *   gpu_check exercise            every call and stage once, small, for compute-sanitizer
+ *   gpu_check time SCENE N [H/D]  report-30k or shallow-dam-break: time, error, plan, stages
+ *
+ * Prints one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "solver.h"
+
+static int usage(void) {
+  fprintf(stderr,
+          "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64 | "
+          "undamping | viscosity | vorticity]\n");
+  return 2;
+}
+
+/* argv: scene, number of particles, and perhaps the support in spacings and what is extra. */
+static void time_named(int argc, char **argv) {
+  uint32_t particles = (uint32_t)strtoul(argv[1], NULL, 10);
+  double support = argc > 2 ? strtod(argv[2], NULL) : 1 / 0.6;
+  const char *extra = argc > 3 ? argv[3] : "";
+  uint32_t precision = strcmp(extra, "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
+  scene s = shallow_dam_break(particles, support), report = report_30k();
+  s.extra = extra;
+  s.params.undamping = strcmp(extra, "undamping") == 0;
+  s.params.viscosity = strcmp(extra, "viscosity") == 0 ? 0.01 : 0;
+  s.params.vorticity = strcmp(extra, "vorticity") == 0 ? 0.01 : 0;
+  if (strcmp(argv[0], report.name) == 0)
+    time_scene(&report, precision, 0, 100);
+  else
+    time_scene(&s, precision, particles > 5000000 ? 30 : 150, particles > 5000000 ? 20 : 100);
+}
+
+int main(int argc, char **argv) {
+  const char *command = argc > 1 ? argv[1] : "";
+  int failures = 0;
+  if (getenv("PBF_CHECK_BACKEND")) checked_backend = getenv("PBF_CHECK_BACKEND");
+  if (strcmp(command, "verify") == 0) {
+    failures = verify_all(argc > 2 ? argv[2] : NULL);
+  } else if (strcmp(command, "same") == 0) {
+    failures = same_all();
+  } else if (strcmp(command, "exercise") == 0) {
+    exercise_all();
+  } else if (strcmp(command, "time") == 0 && argc > 3) {
+    time_named(argc - 2, argv + 2);
+  } else {
+    return usage();
+  }
+  return failures != 0;
+}

@@ -1,0 +1,73 @@
+#include "solver.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+const char *checked_backend = "cuda";
+
+void must(pbf_status status, const char *what) {
+  if (status == PBF_OK) return;
+  fprintf(stderr, "%s: %s: %s\n", what, pbf_status_string(status), pbf_last_error());
+  exit(status == PBF_ERROR_UNAVAILABLE ? 2 : 1);
+}
+
+pbf_solver *solver_for(const scene *s, const char *name, uint32_t precision) {
+  pbf_desc desc;
+  pbf_solver *solver;
+  uint32_t count = scene_count(s), dim = s->dimension;
+  must(pbf_desc_init(&desc, sizeof desc), "pbf_desc_init");
+  desc.backend = name;
+  desc.strict = 1;
+  desc.dimension = dim;
+  desc.precision = precision;
+  desc.capacity = count;
+  if (getenv("PBF_CHECK_CAPACITY")) /* a backend may choose its way by the capacity */
+    desc.capacity = (uint32_t)strtoul(getenv("PBF_CHECK_CAPACITY"), NULL, 10);
+  must(pbf_create(&desc, &s->params, &solver), "pbf_create");
+  void *positions = malloc((size_t)count * dim * precision);
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0; k < dim; ++k) {
+      size_t at = (size_t)i * dim + k;
+      if (precision == PBF_FLOAT32)
+        ((float *)positions)[at] = (float)scene_coordinate(s, i, k);
+      else /* the same numbers as in float32 */
+        ((double *)positions)[at] = (float)scene_coordinate(s, i, k);
+    }
+  must(pbf_add_particles(solver, count, positions, NULL, NULL), "pbf_add_particles");
+  free(positions);
+  if (s->collider_count)
+    must(pbf_set_colliders(solver, s->collider_count, s->colliders), "pbf_set_colliders");
+  return solver;
+}
+
+double *positions_of(pbf_solver *solver, uint32_t count, uint32_t dim, uint32_t precision) {
+  double *out = malloc(sizeof(double) * count * dim);
+  if (precision == PBF_FLOAT64) {
+    must(pbf_get_positions(solver, 0, count, out), "pbf_get_positions");
+    return out;
+  }
+  float *read = malloc(sizeof(float) * count * dim);
+  must(pbf_get_positions(solver, 0, count, read), "pbf_get_positions");
+  for (size_t k = 0; k < (size_t)count * dim; ++k) out[k] = read[k];
+  free(read);
+  return out;
+}
+
+pbf_stats stats_of(pbf_solver *solver) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  must(pbf_get_stats(solver, &stats), "pbf_get_stats");
+  return stats;
+}
+
+uint64_t hash_of(pbf_solver *solver) {
+  uint64_t hash;
+  must(pbf_hash(solver, &hash), "pbf_hash");
+  return hash;
+}
+
+void *saved(pbf_solver *solver, uint64_t *size) {
+  must(pbf_save(solver, NULL, size), "pbf_save");
+  void *buffer = malloc(*size);
+  must(pbf_save(solver, buffer, size), "pbf_save");
+  return buffer;
+}
