@@ -175,18 +175,19 @@ static void verify_containers(kind *k) {
 }
 
 /* Many more neighbours than lists have room for. */
+static void widen(scene *s, double smoothing_radius) {
+  s->params.smoothing_radius = smoothing_radius;
+  s->params.spacing = 0.15;
+  s->params.particle_volume = pow(0.05, s->dimension);
+  s->params.relaxation = 0.05;
+}
+
 static void verify_overflow(kind *k) {
   scene s = small_scene(k->dim);
-  s.params.smoothing_radius = 0.2;
-  s.params.spacing = 0.15;
-  s.params.particle_volume = pow(0.05, k->dim);
-  s.params.relaxation = 0.05;
+  widen(&s, 0.2);
   verify(k, "lists-overflow", &s, 10);
   s = accelerated_scene(k->dim, 0);
-  s.params.smoothing_radius = 0.1935;
-  s.params.spacing = 0.15;
-  s.params.particle_volume = pow(0.05, k->dim);
-  s.params.relaxation = 0.05;
+  widen(&s, 0.1935);
   verify(k, "chebyshev-lists-overflow", &s, 10);
 }
 

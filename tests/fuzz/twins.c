@@ -198,7 +198,8 @@ static int is_coarse_or_short(const twins *t) {
   pbf_params p = params_of(t);
   double g =
       sqrt(p.gravity[0] * p.gravity[0] + p.gravity[1] * p.gravity[1] + p.gravity[2] * p.gravity[2]);
-  return p.spacing > 0.7 * p.smoothing_radius || p.time_step < 0.02 * sqrt(p.smoothing_radius / g);
+  int is_short = g > 0 && p.time_step < 0.02 * sqrt(p.smoothing_radius / g);
+  return p.spacing > 0.7 * p.smoothing_radius || is_short;
 }
 
 /* Which pairs a step looks at follows from the predicted positions. One that comes within h during
