@@ -55,11 +55,11 @@ static pbf_solver *make(const char *backend, uint32_t dimension, uint32_t precis
 static uint64_t hash_after(const char *backend, uint32_t dimension, uint32_t precision,
                            uint32_t threads, int plain) {
   pbf_solver *solver = make(backend, dimension, precision, threads, plain);
-  assert_ok(pbf_step(solver, 15));
+  assert_ok(pbf_step(solver, 8));
   uint32_t gone[40];
   for (uint32_t k = 0; k < 40; ++k) gone[k] = 7 + 31 * k;
   assert_ok(pbf_remove_particles(solver, 40, gone));
-  assert_ok(pbf_step(solver, 10));
+  assert_ok(pbf_step(solver, 6));
   uint64_t hash = test_hash(solver);
   pbf_stats stats = {.struct_size = sizeof stats};
   assert_ok(pbf_get_stats(solver, &stats));
