@@ -28,7 +28,7 @@ struct Ablation {
 };
 
 // Another build, by the folder of its backends.
-struct Build {
+struct LibraryBuild {
   std::string name, folder;
 };
 
@@ -37,7 +37,7 @@ struct AblationOptions {
   unsigned rounds = 9;
   bool cpu_time = false;
   uint32_t run_up = 0;  // steps before the measured ones
-  std::vector<Build> against;
+  std::vector<LibraryBuild> against;
 };
 
 // Rounds in which every row runs once, in one order and then in the other, each from the same

@@ -61,12 +61,12 @@ std::vector<AblationRow> measure_rows(std::vector<Entry> &entries, unsigned roun
 }
 
 std::vector<Entry> enter_builds(const Ablation &ablation, const Start &start,
-                                const std::vector<Build> &builds) {
+                                const std::vector<LibraryBuild> &builds) {
   std::vector<Entry> entries;
   const Job here{minimal(ablation.scene), ablation.solver, "", ablation.cpu_time};
   entries.push_back(enter("this build", here, start, true));
   entries.push_back(enter("this build again", here, start, true));
-  for (const Build &build : builds) {
+  for (const LibraryBuild &build : builds) {
     const Job there{minimal(ablation.scene), ablation.solver, build.folder, ablation.cpu_time};
     entries.push_back(enter(build.name, there, start, false));
   }

@@ -22,7 +22,7 @@ struct Options {
 
 // "name=folder" or a folder alone, which is then the name; made absolute, as PBF_BACKEND_PATH wants
 // it.
-Build build_of(const std::string &text) {
+LibraryBuild build_of(const std::string &text) {
   const size_t equals = text.find('=');
   const bool named = equals != std::string::npos && text.find('/') > equals;
   const std::string folder = named ? text.substr(equals + 1) : text;

@@ -1,6 +1,4 @@
 /* pbf-bench pareto: error against run time. */
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +10,7 @@
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/machine.h"
+#include "core/scratch.h"
 #include "pareto/runner.h"
 #include "pareto/words.h"
 #include "report/pareto.h"
@@ -27,25 +26,6 @@ struct ParetoOptions {
   std::string sweep, html = "out/pareto.html";
   unsigned repetitions = 5;
   bool quick = false;
-};
-
-// A folder that goes with everything in it.
-class Scratch {
- public:
-  Scratch() : path_((fs::temp_directory_path() / "pbf-pareto-XXXXXX").string()) {
-    if (!mkdtemp(path_.data())) throw Error(exit_failure, path_ + " can't be made");
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch &) = delete;
-  Scratch &operator=(const Scratch &) = delete;
-
-  const std::string &path() const { return path_; }
-
- private:
-  std::string path_;
 };
 
 // Small enough for a test, in everything that the command line leaves open.
@@ -150,7 +130,7 @@ int run_pareto(ParetoOptions options, const CLI::App &command) {
   study.repetitions = options.repetitions;
   study.frames = options.plan.frames;
   study.cpu_time = options.plan.cpu_time;
-  const Scratch scratch;
+  const Scratch scratch("pareto");
   options.runner.scratch = scratch.path();
   const Judge judge(scratch.path(), study.sweep.errors);
   options.plan.judge = judge.id();

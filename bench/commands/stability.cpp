@@ -1,16 +1,13 @@
 /* pbf-bench stability: stiff and extreme cases on every backend, judged from their dumps. */
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "core/scratch.h"
 #include "stability/suite.h"
 #include "stability/trial.h"
 
@@ -24,23 +21,6 @@ struct StabilityOptions {
   std::string json, html;
   std::vector<int> known;
   bool alone = false, only_dump = false, only_judge = false;
-};
-
-// A folder for dumps that nobody wants to keep.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = std::filesystem::temp_directory_path() / "pbf-stability-XXXXXX";
-    if (!mkdtemp(name.data())) throw Error(exit_failure, name + " can't be made");
-    path = name;
-  }
-  ~Scratch() {
-    std::error_code failed;
-    std::filesystem::remove_all(path, failed);
-  }
-  Scratch(const Scratch &) = delete;
-  Scratch &operator=(const Scratch &) = delete;
-  std::string path;
 };
 
 // A case that is known to fail still shows as failed.
@@ -77,8 +57,8 @@ int judge_and_show(const StabilityOptions &options) {
 int run(StabilityOptions options) {
   std::unique_ptr<Scratch> scratch;
   if (options.suite.dump.empty()) {
-    scratch = std::make_unique<Scratch>();
-    options.suite.dump = scratch->path;
+    scratch = std::make_unique<Scratch>("stability");
+    options.suite.dump = scratch->path();
   }
   set_default_params(options.suite.settings);
   if (options.alone) {

@@ -7,7 +7,7 @@
 
 namespace bench {
 
-struct Build {
+struct BackendBuild {
   std::string device, build_id;
 };
 
@@ -17,7 +17,7 @@ struct Study {
   unsigned repetitions = 5;
   unsigned frames = 10;
   bool cpu_time = false;  // times are the processor's, of all threads; else a clock's on the wall
-  std::map<std::string, Build> builds;  // by backend
+  std::map<std::string, BackendBuild> builds;  // by backend
 };
 
 // Gives the points of `study` the outcomes that the file has under the same keys. Returns how many

@@ -52,10 +52,10 @@ std::string headline(const Speedup &speedup) {
 }
 
 // Bars of speed on a logarithmic axis of whole decades.
-struct Axis {
+struct SpeedAxis {
   double low = 0, high = 1;  // powers of ten
 
-  explicit Axis(const Speedup &speedup) {
+  explicit SpeedAxis(const Speedup &speedup) {
     double slow = 1e300, fast = 0;
     for (const Result &result : speedup.results) {
       if (!result.ran()) continue;
@@ -76,7 +76,7 @@ std::string decade_text(int power) {
   return rounded(std::pow(10.0, power - 3 * unit), 1) + units[unit];
 }
 
-data ticks_of(const Axis &axis) {
+data ticks_of(const SpeedAxis &axis) {
   data ticks{data::type::list};
   for (int power = static_cast<int>(axis.low); power <= static_cast<int>(axis.high); ++power) {
     data tick;
@@ -105,7 +105,7 @@ data figures_of(const Speedup &speedup, const Result &result) {
 }
 
 data rows_of(const Speedup &speedup) {
-  const Axis axis(speedup);
+  const SpeedAxis axis(speedup);
   data rows{data::type::list};
   for (const Result &result : speedup.results) {
     data row = result.ran() ? figures_of(speedup, result) : data();
@@ -249,7 +249,7 @@ data page_data(const Speedup &speedup) {
   page.set("report", speedup.is_the_report);
   page.set("runs", runs_text(speedup));
   page.set("rows", rows_of(speedup));
-  page.set("ticks", ticks_of(Axis(speedup)));
+  page.set("ticks", ticks_of(SpeedAxis(speedup)));
   page.set("builds", builds_of(speedup));
   page.set("cpu", machine.cpu);
   page.set("cpus", std::to_string(machine.cpus));

@@ -13,7 +13,7 @@ namespace bench {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int samples = 2;  // a side of a pixel
+constexpr int subpixels = 2;  // a side of a pixel
 
 // Where a point of space lands: x and y on the picture in units of length, z towards the viewer.
 class Projection {
@@ -58,12 +58,12 @@ Vector corner(const View &view, unsigned index) {
   return x;
 }
 
-// An image with depth, `samples` times as fine as the picture.
+// An image with depth, `subpixels` times as fine as the picture.
 class Canvas {
  public:
   Canvas(int width, int height)
-      : width_(width * samples),
-        height_(height * samples),
+      : width_(width * subpixels),
+        height_(height * subpixels),
         color_(static_cast<size_t>(width_) * height_, picture_background()),
         depth_(color_.size(), -std::numeric_limits<double>::infinity()) {}
 
@@ -92,14 +92,14 @@ class Canvas {
       const double t = static_cast<double>(p) / points;
       const int i = static_cast<int>(a[0] + t * (b[0] - a[0]));
       const int j = static_cast<int>(a[1] + t * (b[1] - a[1]));
-      for (int k = 0; k < samples; ++k) put(i + k, j, a[2] + t * (b[2] - a[2]), color);
+      for (int k = 0; k < subpixels; ++k) put(i + k, j, a[2] + t * (b[2] - a[2]), color);
     }
   }
 
   std::vector<unsigned char> pixels() const {
     std::vector<unsigned char> rgb;
-    for (int j = 0; j < height_; j += samples) {
-      for (int i = 0; i < width_; i += samples) {
+    for (int j = 0; j < height_; j += subpixels) {
+      for (int i = 0; i < width_; i += subpixels) {
         for (unsigned c = 0; c < 3; ++c) rgb.push_back(average(i, j, c));
       }
     }
@@ -117,12 +117,12 @@ class Canvas {
 
   unsigned char average(int i, int j, unsigned component) const {
     double sum = 0;
-    for (int dj = 0; dj < samples; ++dj) {
-      for (int di = 0; di < samples; ++di) {
+    for (int dj = 0; dj < subpixels; ++dj) {
+      for (int di = 0; di < subpixels; ++di) {
         sum += color_[static_cast<size_t>(j + dj) * width_ + i + di][component];
       }
     }
-    return static_cast<unsigned char>(std::clamp(sum / (samples * samples) + 0.5, 0.0, 255.0));
+    return static_cast<unsigned char>(std::clamp(sum / (subpixels * subpixels) + 0.5, 0.0, 255.0));
   }
 
   int width_, height_;
@@ -178,7 +178,7 @@ class Painter {
 
   void draw_particles(Canvas &canvas, const Frame &frame) const {
     const double depth = std::max(extent_.high[2] - extent_.low[2], 1e-300);
-    const double radius = std::max(view_.particle_radius * scale_ * samples, 1.0);
+    const double radius = std::max(view_.particle_radius * scale_ * subpixels, 1.0);
     for (size_t i = 0; i < frame.positions.size(); ++i) {
       const double nearness =
           flat_ ? 1 : (project_(frame.positions[i])[2] - extent_.low[2]) / depth;
@@ -193,7 +193,7 @@ class Painter {
  private:
   Vector pixel(const Vector &x) const {
     const Vector p = project_(x);
-    const double s = scale_ * samples;
+    const double s = scale_ * subpixels;
     return {s * (p[0] - left_), s * (top_ - p[1]), s * p[2]};
   }
 
@@ -205,8 +205,8 @@ class Painter {
   int height_;
 };
 
-void append(void *context, void *data, int size) {
-  static_cast<std::string *>(context)->append(static_cast<char *>(data), static_cast<size_t>(size));
+void append(void *context, void *bytes, int size) {
+  static_cast<std::string *>(context)->append(static_cast<char *>(bytes), static_cast<size_t>(size));
 }
 
 }  // namespace
