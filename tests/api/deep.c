@@ -104,7 +104,7 @@ static void check_column(uint32_t dimension, uint32_t precision) {
 static void a_column_stands(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_column);
+  test_for_long_kinds(check_column);
 }
 
 /* Forces know nothing of an error that is there: one of all layers together takes the iterations
@@ -120,7 +120,7 @@ static void check_squeezed(uint32_t dimension, uint32_t precision) {
 static void what_is_squeezed_comes_back(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_squeezed);
+  test_for_long_kinds(check_squeezed);
 }
 
 /* Nothing presses on fluid that falls: not even its own surface, which fills cells in part. */
@@ -143,7 +143,7 @@ static void check_fall(uint32_t dimension, uint32_t precision) {
 static void what_falls_is_left_alone(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_fall);
+  test_for_long_kinds(check_fall);
 }
 
 static uint64_t hash_of_threads(uint32_t dimension, uint32_t columns, uint32_t layers, double grid,
@@ -281,7 +281,7 @@ static void check_bottle(uint32_t dimension, uint32_t precision) {
 static void bottles_are_deep(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_bottle);
+  test_for_long_kinds(check_bottle);
 }
 
 /* A pressure is that of the last step, whatever becomes of the grid since. */
@@ -341,7 +341,7 @@ static void check_outlived(uint32_t dimension, uint32_t precision) {
 static void pressures_outlive_the_grid(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_outlived);
+  test_for_long_kinds(check_outlived);
 }
 
 /* However a deep column starts: as it would fall at random, and not on a lattice. */
@@ -378,7 +378,7 @@ static void check_disorder(uint32_t dimension, uint32_t precision) {
 static void disorder_settles(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_disorder);
+  test_for_long_kinds(check_disorder);
 }
 
 /* What the grid carries stirs the more, the more it is: 150 layers in steps of 1/44 s stood 1.2 to
@@ -404,7 +404,7 @@ static void check_long_steps(uint32_t dimension, uint32_t precision) {
 static void long_steps_do_not_stir(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_long_steps);
+  test_for_long_kinds(check_long_steps);
 }
 
 /* Takes away who is nearer to a point than that. */
@@ -448,7 +448,7 @@ static void check_ball(uint32_t dimension, uint32_t precision) {
 static void water_rests_around_a_ball(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_ball);
+  test_for_long_kinds(check_ball);
 }
 
 /* Steps that are short for gravity undo errors little by little, but not less of them than they
@@ -554,7 +554,7 @@ static void check_no_room(uint32_t dimension, uint32_t precision) {
 static void where_there_is_no_room(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_no_room);
+  test_for_long_kinds(check_no_room);
 }
 
 /* Who sleeps carries the grid's pressure on. */

@@ -99,7 +99,7 @@ static void check_random(uint32_t dimension, uint32_t precision) {
 static void random_starts_are_calm(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_random);
+  test_for_long_kinds(check_random);
 }
 
 static void check_unasked(uint32_t dimension, uint32_t precision) {
@@ -118,7 +118,7 @@ static void check_unasked(uint32_t dimension, uint32_t precision) {
 static void nothing_is_done_unasked(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_unasked);
+  test_for_long_kinds(check_unasked);
 }
 
 /* Thrown along x without gravity, a start keeps its velocity to the rest that its steps undo, its
@@ -155,7 +155,7 @@ static void check_velocities(uint32_t dimension, uint32_t precision) {
 static void velocities_and_time_stay(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_velocities);
+  test_for_long_kinds(check_velocities);
 }
 
 static void check_lattice(uint32_t dimension, uint32_t precision) {
@@ -175,7 +175,7 @@ static void check_lattice(uint32_t dimension, uint32_t precision) {
 static void good_starts_are_left_alone(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_lattice);
+  test_for_long_kinds(check_lattice);
 }
 
 static void check_changes(uint32_t dimension, uint32_t precision) {
@@ -202,7 +202,7 @@ static void check_changes(uint32_t dimension, uint32_t precision) {
 static void changes_make_starts(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_changes);
+  test_for_long_kinds(check_changes);
 }
 
 /* The kinetic energy after a step, of a tank whose wall has been set `in` farther in. */
@@ -245,7 +245,7 @@ static void check_walls(uint32_t dimension, uint32_t precision) {
 static void walls_that_jump_throw_nobody(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_walls);
+  test_for_long_kinds(check_walls);
 }
 
 /* A tank at rest, and into it a quarter of its particles where others are: at once, one by one, and
@@ -288,7 +288,7 @@ static void check_newcomers(uint32_t dimension, uint32_t precision) {
 static void newcomers_are_calm(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_newcomers);
+  test_for_long_kinds(check_newcomers);
 }
 
 /* Some in one place of a tank, which its mean error does not tell. */
@@ -346,7 +346,7 @@ static void check_few(uint32_t dimension, uint32_t precision) {
 static void few_are_no_start(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_few);
+  test_for_long_kinds(check_few);
 }
 
 static void check_saved(uint32_t dimension, uint32_t precision) {
@@ -371,7 +371,7 @@ static void check_saved(uint32_t dimension, uint32_t precision) {
 static void saved_starts_are_starts(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_saved);
+  test_for_long_kinds(check_saved);
 }
 
 /* Fluid that fills the places of a ball, and a wall that moves. */
@@ -402,7 +402,7 @@ static void check_obstacles(uint32_t dimension, uint32_t precision) {
 static void starts_keep_out_of_obstacles(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_obstacles);
+  test_for_long_kinds(check_obstacles);
 }
 
 static void count_sentences(void *user, int32_t level, const char *message) {
@@ -441,7 +441,7 @@ static void check_overfull(uint32_t dimension, uint32_t precision) {
 static void too_much_fluid_is_said(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_overfull);
+  test_for_long_kinds(check_overfull);
 }
 
 int main(void) {

@@ -8,16 +8,6 @@ enum { LAYERS = 20, COLUMNS = 12 };
 
 static const double spacing = 0.05, gravity = 9.81;
 
-/* The reference has time for two kinds only. */
-static void for_kinds(void (*function)(uint32_t dimension, uint32_t precision)) {
-  if (strcmp(test_backend(), "reference") != 0) {
-    test_for_each_kind(function);
-    return;
-  }
-  function(2, PBF_FLOAT64);
-  function(3, PBF_FLOAT32);
-}
-
 /* A tank full to a height of LAYERS; `fall`: what a particle falls in a step, in spacings. */
 static pbf_params tank_params(uint32_t dimension, double spacings, uint32_t iterations,
                               double fall) {
@@ -88,7 +78,7 @@ static void check_long(uint32_t dimension, uint32_t precision) {
 static void water_stands_in_long_steps(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_long);
+  test_for_long_kinds(check_long);
 }
 
 static void check_few_neighbors(uint32_t dimension, uint32_t precision) {
@@ -102,7 +92,7 @@ static void check_few_neighbors(uint32_t dimension, uint32_t precision) {
 static void few_neighbors_do_not_boil(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_few_neighbors);
+  test_for_long_kinds(check_few_neighbors);
 }
 
 /* Squeezed by a tenth, water has to rise by half a layer a particle to be at rest, and is to do so
@@ -125,7 +115,7 @@ static void check_dense(uint32_t dimension, uint32_t precision) {
 static void what_is_dense_is_not_thrown(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_dense);
+  test_for_long_kinds(check_dense);
 }
 
 /* A block of `wide` particles by `high`, thrown from the corner of the box that it stands in. */
@@ -171,7 +161,7 @@ static void check_impact(uint32_t dimension, uint32_t precision) {
 static void impacts_gain_nothing(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_impact);
+  test_for_long_kinds(check_impact);
 }
 
 /* Planes in place of the lower walls, which step back. */
@@ -213,7 +203,7 @@ static void check_corner(uint32_t dimension, uint32_t precision) {
 static void corners_give_back_whom_they_get(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_corner);
+  test_for_long_kinds(check_corner);
 }
 
 /* The domain as the inside of a box, in a larger one. */
@@ -250,7 +240,7 @@ static void check_overfull(uint32_t dimension, uint32_t precision) {
 static void overfull_boxes_are_calm(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  for_kinds(check_overfull);
+  test_for_long_kinds(check_overfull);
 }
 
 /* A lid that makes the box overfull between two steps: in one call as in many. */
@@ -269,7 +259,7 @@ static void check_lid(uint32_t dimension, uint32_t precision) {
 
 static void lids_close_in_any_number_of_calls(void **state) {
   (void)state;
-  for_kinds(check_lid);
+  test_for_long_kinds(check_lid);
 }
 
 int main(void) {

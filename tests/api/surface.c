@@ -103,7 +103,7 @@ static void check_wave(uint32_t dimension, uint32_t precision) {
 static void waves_lower_than_a_cell(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_wave);
+  test_for_long_kinds(check_wave);
 }
 
 /* Where the line through the pressures ends, in layers. */
@@ -138,7 +138,7 @@ static void check_pressure(uint32_t dimension, uint32_t precision) {
 static void pressure_begins_at_the_surface(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_pressure);
+  test_for_long_kinds(check_pressure);
 }
 
 /* Out of reach of the fluid, but in a cell of the surface. */
@@ -167,7 +167,7 @@ static void check_drop(uint32_t dimension, uint32_t precision) {
 static void drops_above_it_fall(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_drop);
+  test_for_long_kinds(check_drop);
 }
 
 /* Across the cells. */
@@ -190,7 +190,7 @@ static void check_tilted(uint32_t dimension, uint32_t precision) {
 static void tilted_water_rests(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_tilted);
+  test_for_long_kinds(check_tilted);
 }
 
 int main(void) {

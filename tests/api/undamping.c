@@ -144,7 +144,7 @@ static void check_basin(uint32_t dimension, uint32_t precision) {
 static void free_rotation_is_kept(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub has no pairs");
-  test_for_each_kind(check_free);
+  test_for_long_kinds(check_free);
 }
 
 static void rotation_in_a_basin_is_kept(void **state) {

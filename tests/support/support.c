@@ -120,6 +120,15 @@ void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision)
   }
 }
 
+void test_for_long_kinds(void (*function)(uint32_t dimension, uint32_t precision)) {
+  if (strcmp(test_backend(), "reference") != 0) {
+    test_for_each_kind(function);
+    return;
+  }
+  with_kind(function, 2, PBF_FLOAT64);
+  with_kind(function, 3, PBF_FLOAT32);
+}
+
 double test_value(const void *values, uint64_t index, uint32_t precision) {
   return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
                                   : ((const double *)values)[index];
