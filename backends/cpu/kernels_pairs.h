@@ -2,8 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
-#include "cpu/kernels_walls.h"
-#include "cpu/neighbors.h"
+#include "cpu/kernels_mirrors.h"
 #include "physics/fit.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
@@ -93,6 +92,12 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     density_sums sums = density_of(features, &c, p, &x, g);
+    image_sums images;
+    if (has_mirrors(p) && sum_images(p, NULL, g, &images)) {
+      sums.density = sums.density + images.density;
+      sums.slope2 = sums.slope2 + images.slope2;
+      lane_vec_add_scaled(&sums.gradient, lane_set(1), &images.sum);
+    }
     lane_values gradients = lane_vec_values(&sums.gradient);
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
@@ -224,6 +229,9 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     const lane_values xs = lane_vec_values(&x);
     lane_vec sum = move_sum(features, &c, p, m->lambda, g);
+    image_sums images;
+    if (has_mirrors(p) && sum_images(p, m->lambda, g, &images))
+      lane_vec_add_scaled(&sum, lane_set(1), &images.sum);
     lane_values sums = lane_vec_values(&sum);
     if (lending_walls(p)) add_walls_to_change(p, m->lambda, g, &sums);
     const lane_values moved = moved_group(&c, &xs, &sums);
@@ -244,7 +252,9 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
 
 static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
-  if ((hot_features(p) & BOTH) == BOTH)
+  if (ONE_LOOP)
+    move_groups(hot_features(p) & BOTH, p, m, first, last);
+  else if ((hot_features(p) & BOTH) == BOTH)
     move_groups(BOTH, p, m, first, last);
   else if (hot_features(p) & PBF_FEATURE_POLY6)
     move_groups(PBF_FEATURE_POLY6, p, m, first, last);
@@ -495,6 +505,8 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
         density = density + lanes_density(features, &c, pair.r2);
       }
     }
+    image_sums images;
+    if (has_mirrors(p) && sum_images(p, NULL, g, &images)) density = density + images.density;
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
     if (lending_walls(p) && group_near_obstacles(p, g)) {

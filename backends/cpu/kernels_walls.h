@@ -93,6 +93,7 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
                                                       pbf_real densities[WIDTH],
                                                       lane_values *gradients,
                                                       pbf_real resting[WIDTH]) {
+  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && walls->reach > 0) return;
   _Alignas(64) pbf_real lent[WIDTH] = {0}, own[WIDTH] = {0};
   lane_values slopes = {{{0}}}, own_slopes = {{{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {

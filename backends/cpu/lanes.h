@@ -1,6 +1,6 @@
 /* Lanes: the vector types of one instruction set, behind the names that the pair loops use.
  *
- *   lane    WIDTH reals, with + - * and sqrt, rsqrt, max, fma
+ *   lane    WIDTH reals, with + - * and sqrt, rsqrt, max, fma, any_below
  *   slots   WIDTH unsigned 32-bit integers, with & | ~ + -
  *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *

@@ -30,6 +30,12 @@ PBF_FN lane lane_max(lane a, lane b) {
   lane_mask m = a > b;
   return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
 }
+PBF_FN int lane_any_below(lane a, lane b) {
+  const lane_mask below = a < b;
+  uint64_t halves[2];
+  memcpy(halves, &below, sizeof halves);
+  return (halves[0] | halves[1]) != 0;
+}
 PBF_FN lane lane_fma(lane a, lane b, lane c) { return a * b + c; }
 #if PBF_BITS == 32
 PBF_FN lane lane_set(pbf_real a) { return (lane){a, a, a, a}; }

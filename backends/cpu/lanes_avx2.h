@@ -23,6 +23,9 @@ PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__
 PBF_FN lane lane_fma(lane a, lane b, lane c) {
   return (lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
 }
+PBF_FN int lane_any_below(lane a, lane b) {
+  return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
+}
 PBF_FN lane lane_sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
 /* An estimate of 12 bits and one Newton step: 2e-7. */
 PBF_FN lane lane_rsqrt(lane a) {
@@ -116,6 +119,9 @@ PBF_FN void lane_store(pbf_real *p, lane a) { _mm256_storeu_pd(p, (__m256d)a); }
 PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm256_max_pd((__m256d)a, (__m256d)b); }
 PBF_FN lane lane_fma(lane a, lane b, lane c) {
   return (lane)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+}
+PBF_FN int lane_any_below(lane a, lane b) {
+  return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ)) != 0;
 }
 PBF_FN lane lane_sqrt(lane a) { return (lane)_mm256_sqrt_pd((__m256d)a); }
 PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }

@@ -24,6 +24,9 @@ PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm512_max_ps((__m512)a, (__
 PBF_FN lane lane_fma(lane a, lane b, lane c) {
   return (lane)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
 }
+PBF_FN int lane_any_below(lane a, lane b) {
+  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
+}
 PBF_FN lane lane_sqrt(lane a) { return (lane)_mm512_sqrt_ps((__m512)a); }
 /* An estimate of 14 bits and one Newton step: within an ulp or two. */
 PBF_FN lane lane_rsqrt(lane a) {
@@ -115,6 +118,9 @@ PBF_FN void lane_store(pbf_real *p, lane a) { _mm512_storeu_pd(p, (__m512d)a); }
 PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm512_max_pd((__m512d)a, (__m512d)b); }
 PBF_FN lane lane_fma(lane a, lane b, lane c) {
   return (lane)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+PBF_FN int lane_any_below(lane a, lane b) {
+  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ) != 0;
 }
 PBF_FN lane lane_sqrt(lane a) { return (lane)_mm512_sqrt_pd((__m512d)a); }
 PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }

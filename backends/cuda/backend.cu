@@ -56,7 +56,8 @@ static pbf_status take_lists(solver *s, uint32_t chunks, bool small) {
   return PBF_OK;
 }
 
-static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool small, uint64_t n) {
+static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool small, bool mirrors,
+                                    uint64_t n) {
   if (pbf_status status = take_for_small(s, small)) return status;
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
@@ -69,6 +70,8 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool sma
     return status;
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
+    return status;
+  if (pbf_status status = take_if(s, mirrors, "sums of images", n * sizeof(image_sums), &s->images))
     return status;
   if (pbf_status status = take_if(s, PBF_DEEP && has.runs[PBF_STAGE_GRID], "pressure grid",
                                   deep_bytes(s->capacity), &s->deep_room))
@@ -97,11 +100,12 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
+  bool mirrors = pbf_may_mirror(params), mirrored = s->images != nullptr;
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
-  if (pbf_status status = take_for_schedule(s, schedule, small, s->capacity)) {
-    take_for_schedule(s, s->schedule, was_small, s->capacity);
+  if (pbf_status status = take_for_schedule(s, schedule, small, mirrors, s->capacity)) {
+    take_for_schedule(s, s->schedule, was_small, mirrored, s->capacity);
     return status;
   }
   if (was_small && !small)

@@ -145,4 +145,12 @@ static __device__ __forceinline__ void for_points(const sorted_particles &p, con
                   [&](const point &other, no_value) { visit(other); });
 }
 
+/* What every pass reads. */
+struct neighborhood {
+  sorted_particles particles;
+  cell_grid grid;
+  neighbor_lists lists;
+  pbf_constants constants;
+};
+
 #endif

@@ -2,30 +2,29 @@
 #ifndef PBF_CUDA_PASSES_H
 #define PBF_CUDA_PASSES_H
 
-#include "cuda/lists.h"
-#include "cuda/sums.h"
+#include "cuda/mirrors.h"
 #include "physics/undamp.h"
-
-/* What every pass reads. */
-struct neighborhood {
-  sorted_particles particles;
-  cell_grid grid;
-  neighbor_lists lists;
-  pbf_constants constants;
-};
 
 /* The place of an iteration among those of the step. */
 struct iteration_place {
   bool first, second, last;
 };
 
+/* How an iteration's lambda comes about, other than from neighbours. */
+struct lambda_parts {
+  bool first;
+  const pbf_real *slack;    /* in very short steps; else null */
+  const image_sums *images; /* where walls mirror the fluid (mirrors.h); else null */
+};
+
 /* How an iteration's move ends. */
 struct move_end {
   iteration_place place;
   pbf_real inv_time_step;
-  int collide;         /* with the obstacles, */
-  int collide_last;    /* and in the last iteration */
-  pbf_vec *velocities; /* with all moves so far, from the first on */
+  int collide;           /* with the obstacles, */
+  int collide_last;      /* and in the last iteration */
+  pbf_vec *velocities;   /* with all moves so far, from the first on */
+  const pbf_vec *images; /* where walls mirror the fluid; else null */
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
@@ -37,7 +36,7 @@ constexpr int blocks_at_once(solids_met any) {
 /* SOLIDS and SLEEP are EXTRAS, too. */
 template <int FEATURES, bool EXTRAS, solids_met SOLIDS, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
-    lambda_kernel(neighborhood n, iteration_extras extras, bool first) {
+    lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const bool watched = EXTRAS && PBF_TOLERANCE && extras.watch.watch;
@@ -55,19 +54,20 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   /* Read long before it is written: a store to an address that a load is still waiting for holds up
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
-  pbf_real total = accelerated && !first ? extras.total[own] : 0;
+  pbf_real total = accelerated && !parts.first ? extras.total[own] : 0;
   lambda_sums<FEATURES> sums;
   for_points(n.particles, n.grid, n.lists, i,
              [&](const point &other) { sums.add(c, pbf_sub(x, position_of(other))); });
   if (i >= n.particles.count) return;
-  pbf_real slack = EXTRAS && PBF_CHEBYSHEV && extras.slack ? extras.slack[i] : 0;
-  pbf_real lambda =
-      sums.template lambda<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density, slack, x);
+  pbf_real slack = EXTRAS && PBF_CHEBYSHEV && parts.slack ? parts.slack[i] : 0;
+  const image_sums *images = EXTRAS && PBF_MIRRORS && parts.images ? parts.images + i : nullptr;
+  pbf_real lambda = sums.template lambda<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density,
+                                                 slack, x, images);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
                idle ? extras.watch.idle : pbf_excess(slack, sums.density));
   if (idle) return;
-  if (SLEEP && first && pbf_is_asleep(unrest)) {
+  if (SLEEP && parts.first && pbf_is_asleep(unrest)) {
     extras.rest.kept[i].c[0] = points[i].lambda;
     points[i].lambda = 0;
   }
@@ -153,9 +153,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
   if (SOLIDS != NO_SOLIDS && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
+  const pbf_vec *images = EXTRAS && PBF_MIRRORS && end.images ? end.images + i : nullptr;
   x = sum.template moved<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density,
                                  end.collide + (last && end.collide_last), end.inv_time_step,
-                                 own.lambda, predicted, x, &v);
+                                 own.lambda, predicted, x, &v, images);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -184,6 +185,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_vec x_ij = pbf_sub(x, start(other, v));
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
+  const wall_images images = images_at(walls, x);
+  if (warp_has(images)) {
+    density += image_density<FEATURES>(c, images, {{0}});
+    for_points_with(n.particles, n.grid, n.lists, i, velocities,
+                    [&](const point &other, pbf_vec v) {
+                      density += image_density<FEATURES>(c, images, pbf_sub(x, start(other, v)));
+                    });
+  }
   if (i >= n.particles.count) return;
   if (extras.wall_density) {
     const step_obstacles &o = extras.obstacles;
@@ -260,7 +269,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) store(flow, i, point_at(v));
 }
 
-/* Lambda of the step is in the points. */
+/* Lambda of the step is in the points. Images take a quarter more registers, so that scenes without
+ * them have an instance of their own. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     undamp_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
@@ -317,13 +327,15 @@ static __device__ __forceinline__ void for_present_neighbors(const neighborhood 
   }
 }
 
-/* rho/rho0 without the walls' part, and the number of neighbours nearer than h. */
+/* rho/rho0, but for what walls and colliders lend, and the number of neighbours nearer than h. */
 template <int FEATURES>
-static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, uint32_t i,
-                                                      uint32_t *neighbors) {
-  pbf_real density = n.constants.value_scale;
-  for_present_neighbors(n, i, [&](const point &, pbf_vec, pbf_real r2) {
-    density += pbf_pair_density(FEATURES, &n.constants, r2);
+static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, const pbf_walls &walls,
+                                                      uint32_t i, uint32_t *neighbors) {
+  const pbf_constants *c = &n.constants;
+  const wall_images images = images_at(walls, position_of(load(n.particles.points, i)));
+  pbf_real density = c->value_scale + image_density<FEATURES>(c, images, {{0}});
+  for_present_neighbors(n, i, [&](const point &, pbf_vec x_ij, pbf_real r2) {
+    density += pbf_pair_density(FEATURES, c, r2) + image_density<FEATURES>(c, images, x_ij);
     ++*neighbors;
   });
   return density;

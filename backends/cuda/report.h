@@ -69,7 +69,7 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
     pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
     snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
     stage->runs_per_step = s->schedule.runs[k];
-    stage->launches_per_step = s->schedule.runs[k] * launches_of((pbf_stage)k);
+    stage->launches_per_step = s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
     /* One launch does all the steps of a call, up to SMALL_STEPS. */
     if (small_serves(s)) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
   }

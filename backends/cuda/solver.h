@@ -54,6 +54,7 @@ struct solver {
 
   pbf_real *total;       /* lambda that has added up: accelerated only */
   pbf_real *slack;       /* in very short steps only */
+  image_sums *images;    /* where walls may mirror the fluid only; their moves, too */
   void *deep_room;       /* in deep water only */
   uint32_t deep_cluster; /* most blocks of a cluster; 0: it has none */
   pbf_coarse deep_grid;  /* of the last step, … */

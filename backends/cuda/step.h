@@ -8,7 +8,7 @@
 #include "physics/overfull.h"
 
 /* Launches of a stage each time that it runs. */
-static inline uint32_t launches_of(pbf_stage stage) {
+static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   switch (stage) {
     case PBF_STAGE_PREDICT:
       return 2; /* with the clearing of the cells */
@@ -18,6 +18,9 @@ static inline uint32_t launches_of(pbf_stage stage) {
       return 0; /* the last move's end */
     case PBF_STAGE_GRID:
       return 7; /* with the clearing of sums and of what blocks tell each other */
+    case PBF_STAGE_LAMBDA:
+    case PBF_STAGE_MOVE:
+      return s->images ? 2 : 1; /* with that of what images add */
     case PBF_STAGE_SLEEP:
       return 5; /* with the shore's, among those of the neighbours */
     default:
@@ -98,8 +101,28 @@ static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
 }
 
+/* What images add to the sums of launch_lambda, … */
+static inline void launch_image_lambda(solver *s, const neighborhood &n,
+                                       const iteration_extras &extras, image_sums *all) {
+  if constexpr (PBF_MIRRORS)
+    with_kernel(s->schedule.features, [&](auto features) {
+      image_lambda_kernel<decltype(features)::value>
+          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, all);
+    });
+}
+
+/* … and of launch_move, in the same memory: then lambda is known. */
+static inline void launch_image_move(solver *s, const neighborhood &n,
+                                     const iteration_extras &extras, pbf_vec *moves) {
+  if constexpr (PBF_MIRRORS)
+    with_features(s->schedule.features, [&](auto features) {
+      image_move_kernel<decltype(features)::value>
+          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, moves);
+    });
+}
+
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
-                                 bool first) {
+                                 const lambda_parts &parts) {
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
@@ -111,7 +134,7 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
       if (s->unrest)
         kernel = many ? lambda_kernel<F, true, MANY_SOLIDS, true>
                       : lambda_kernel<F, true, FEW_SOLIDS, true>;
-    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, first);
+    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
   });
 }
 
@@ -184,8 +207,10 @@ static inline pbf_status carry_weight(solver *s, const neighborhood &n,
             "cudaMemsetAsync"))
       return status;
     with_kernel(s->schedule.features, [&](auto features) {
-      weigh_kernel<decltype(features)::value>
-          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, s->deep_grid, arrays);
+      constexpr int F = decltype(features)::value;
+      auto kernel =
+          extras.obstacles.walls.reach > 0 ? weigh_kernel<F, PBF_MIRRORS> : weigh_kernel<F, false>;
+      kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, s->deep_grid, arrays);
     });
     if (pbf_status status = solve_deep(s, extras.obstacles)) return status;
     carry_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
@@ -211,7 +236,9 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   const pbf_schedule &has = s->schedule;
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
-  iteration_extras extras = {obstacles, has.wall_density, s->total, s->slack, {}, {}};
+  iteration_extras extras = {obstacles, has.wall_density, s->total, {}, {}};
+  image_sums *images = obstacles.walls.reach > 0 ? s->images : nullptr;
+  pbf_vec *image_moves = reinterpret_cast<pbf_vec *>(images);
   if (PBF_SLEEP && s->unrest)
     extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
   if (pbf_status status = begin_watch(s, &extras.watch)) return status;
@@ -220,15 +247,21 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   for (uint32_t k = 0; k < iterations; ++k) {
     iteration_place place = {k == 0, k == 1, k + 1 == iterations};
     pbf_set_iteration(&n->constants, k);
-    move_end end = {place, (pbf_real)pbf_per_time_step(&s->params), has.collide_in_iteration,
-                    has.collide_after_solve, s->velocities};
+    move_end end = {place,
+                    (pbf_real)pbf_per_time_step(&s->params),
+                    has.collide_in_iteration,
+                    has.collide_after_solve,
+                    s->velocities,
+                    image_moves};
     extras.watch.iteration = k;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
-          launch_lambda(s, *n, extras, place.first);
+          if (images) launch_image_lambda(s, *n, extras, images);
+          launch_lambda(s, *n, extras, {place.first, s->slack, images});
           return PBF_OK;
         }))
       return status;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
+          if (images) launch_image_move(s, *n, extras, image_moves);
           launch_move(s, *n, moved, extras, end);
           return PBF_OK;
         }))

@@ -12,6 +12,9 @@ constexpr bool PBF_CHEBYSHEV = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) != 0;
 /* Whether it has solves that end early. */
 constexpr bool PBF_TOLERANCE = (PBF_BUILT & PBF_FEATURE_TOLERANCE) != 0;
 
+/* Whether it has walls that mirror the fluid. */
+constexpr bool PBF_MIRRORS = (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) != 0;
+
 /* How a watched solve stands: one whose density error ends it. An iteration's lambda adds the error
  * to its own of the two sums, and its move looks at it and clears the other one. */
 struct solve_watch {
@@ -64,17 +67,24 @@ struct sleep_pass {
   pbf_sleep sleep;
 };
 
+/* What images in the walls add to a particle's lambda_sums. */
+struct image_sums {
+  pbf_real density, slope2;
+  pbf_vec gradient;
+};
+
 /* What only some scenes have in an iteration. A scene without any of it runs kernels built without
  * it (EXTRAS false). */
 struct iteration_extras {
   step_obstacles obstacles;
   int wall_density;
-  pbf_real *total;       /* accelerated: lambda that has added up; else null. Particles then
-                          * hold what an iteration adds, and after the last one the total */
-  const pbf_real *slack; /* in very short steps; else null */
+  pbf_real *total; /* accelerated: lambda that has added up; else null. Particles then hold what an
+                    * iteration adds, and after the last one the total */
   watch_pass watch;
   sleep_pass rest;
 };
+static_assert(sizeof(pbf_real) > sizeof(float) || sizeof(iteration_extras) <= 128,
+              "of larger arguments the compiler holds no part in registers");
 
 /* V W, and V grad W over x_i - x_j in units of pbf_slope_scale. */
 struct pair_terms {
@@ -99,14 +109,20 @@ struct lambda_sums {
     return pair;
   }
 
-  /* The particle itself is part of its density. */
+  /* The particle itself is part of its density; `images` are, too, unless null. */
   template <solids_met SOLIDS>
   __device__ __forceinline__ pbf_real lambda(const pbf_constants *c, const step_obstacles &o,
-                                             bool wall_density, pbf_real slack, pbf_vec x) {
+                                             bool wall_density, pbf_real slack, pbf_vec x,
+                                             const image_sums *images = nullptr) {
     pbf_real scale = pbf_slope_scale(FEATURES, c);
     density = density * c->value_scale + c->value_scale;
     slope2 = slope2 * scale * scale;
     for (int k = 0; k < PBF_DIM; ++k) gradient.c[k] *= scale;
+    if (images) {
+      density += images->density;
+      slope2 += images->slope2;
+      gradient = pbf_add_scaled(gradient, 1, images->gradient);
+    }
     if (wall_density) add_walls<SOLIDS>(c, o, x, &density, &gradient);
     return pbf_lambda(c, slack, density, slope2, gradient);
   }
@@ -126,13 +142,16 @@ struct move_sum {
   }
 
   /* From x, and the velocity with it; `predicted` counts where there are colliders. These are
-   * resolved `collisions` times: what one of them pushes another may push again. */
+   * resolved `collisions` times: what one of them pushes another may push again. `images` push,
+   * too, unless null. */
   template <solids_met SOLIDS>
   __device__ __forceinline__ pbf_vec moved(const pbf_constants *c, const step_obstacles &o,
                                            bool wall_density, int collisions,
                                            pbf_real inv_time_step, pbf_real lambda,
-                                           pbf_vec predicted, pbf_vec x, pbf_vec *velocity) {
+                                           pbf_vec predicted, pbf_vec x, pbf_vec *velocity,
+                                           const pbf_vec *images = nullptr) {
     for (int k = 0; k < PBF_DIM; ++k) sum.c[k] *= pbf_slope_scale(FEATURES, c);
+    if (images) sum = pbf_add_scaled(sum, 1, *images);
     if (wall_density) {
       pbf_lent lent = lent_at<SOLIDS>(c, o, x);
       sum = pbf_beside_lent(sum, lambda, &lent);

@@ -4,13 +4,8 @@
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H
 
+#include "physics/mirrors.h"
 #include "physics/motion.h"
-#include "physics/real.h"
-
-typedef struct pbf_walls {
-  pbf_vec lower, upper;
-  pbf_real near; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
-} pbf_walls;
 
 static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   pbf_walls walls;
@@ -20,6 +15,7 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
     walls.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     walls.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
   }
+  walls.reach = pbf_mirror_reach(params, walls.lower, walls.upper);
   return walls;
 }
 

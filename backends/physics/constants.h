@@ -37,6 +37,7 @@ typedef struct pbf_constants {
   pbf_real slack;    /* part of a density error that a step leaves, … */
   pbf_real most_undone; /* … and what it undoes of it at most, see pbf_slack */
   pbf_real wall_offset;
+  pbf_real wall_weight; /* of what walls and colliders lend */
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
   pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with, … */
   pbf_real wall_push_rise; /* … and how much more for each node beyond the first layer, up to the
@@ -181,6 +182,7 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
+  c->wall_weight = (pbf_real)params->wall_density;
   c->wall_rest = c->wall_inv_rest = 0;
   pbf_set_wall_push(c, derived);
   if (!(params->wall_density > 0)) return;

@@ -262,8 +262,10 @@ PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pb
   return s->half_extents.c[row] + pbf_dot(pbf_sub(x, s->center), *normal);
 }
 
+/* Walls that mirror the fluid lend nothing beside. */
 PBF_FN pbf_lent pbf_lent_by_walls(const pbf_constants *c, const pbf_walls *walls, pbf_vec x) {
   pbf_lent lent = {0, 0, 0, {{0}}, {{0}}};
+  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && walls->reach > 0) return lent;
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_vec axis = {{0}};
     axis.c[k] = 1;

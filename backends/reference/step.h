@@ -4,6 +4,7 @@
 
 #include "physics/fit.h"
 #include "physics/undamp.h"
+#include "reference/mirrors.h"
 #include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
@@ -57,6 +58,10 @@ static inline pbf_real density_at(const solver *s, const pbf_obstacles *o, const
     ++*neighbors;
   }
   add_walls(s, o, x[i], &density, &gradient);
+  image m = images_of(s, o, x, i);
+  while (next_image(s, x, &m))
+    density +=
+        s->constants.wall_weight * pbf_pair_density(s->schedule.features, &s->constants, m.n.r2);
   return density;
 }
 
@@ -127,6 +132,14 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
       gradient = pbf_add_scaled(gradient, slope, n.x_ij);
     }
     add_walls(s, o, s->moved[i], &density, &gradient);
+    image m = images_of(s, o, s->moved, i);
+    while (next_image(s, s->moved, &m)) {
+      pbf_real value, slope;
+      pbf_pair_kernel(s->schedule.features, c, m.n.r2, &value, &slope);
+      density += c->wall_weight * value;
+      slope2 += c->wall_weight * slope * m.n.r2 * slope;
+      gradient = pbf_add_scaled(gradient, c->wall_weight * slope, m.n.x_ij);
+    }
     pbf_real slack = s->slack ? s->slack[i] : 0;
     pbf_real lambda = pbf_lambda(c, slack, density, slope2, gradient);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
@@ -154,6 +167,13 @@ static inline void move(solver *s, const pbf_obstacles *o) {
       pbf_real factor = lambda[i] + lambda[n.j];
       if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
       sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
+    }
+    image m = images_of(s, o, s->moved, i);
+    while (next_image(s, s->moved, &m)) {
+      pbf_real value, slope, factor = lambda[i] + lambda[m.n.j];
+      pbf_pair_kernel(features, c, m.n.r2, &value, &slope);
+      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
+      sum = pbf_add_scaled(sum, c->wall_weight * factor * slope, m.n.x_ij);
     }
     s->change[i] = sum;
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {

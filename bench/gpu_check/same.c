@@ -51,10 +51,10 @@ int same_all(void) {
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
       s.params.undamping = s.params.wall_density = 1;
       failures += !same_bits("small-undamping", &s, precision, 60);
-      s.params.solver = PBF_SOLVER_JACOBI;
-      s.params.undamping = s.params.wall_density = 0;
-      s.params.vorticity = s.params.viscosity = 0;
-      s.collider_count = 0;
+      add_mirrors(&s);
+      failures += !same_bits("small-mirrors", &s, precision, 60);
+      s = small_scene(dim);
+      s.params.time_step = 1.0 / 128;
       failures += !same_bits("small-plain", &s, precision, 60);
     }
   scene s = report_30k();

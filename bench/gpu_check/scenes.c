@@ -171,6 +171,16 @@ scene accelerated_scene(uint32_t dimension, int brief) {
   return s;
 }
 
+void add_mirrors(scene *s) {
+  s->params.smoothing_radius = 2.65 * s->spacing; /* between two distances of the lattice */
+  s->params.spacing = 1.0003 * s->spacing;
+  s->params.wall_density = 1;
+  for (int a = 0; a < 3; ++a) {
+    s->first[a] = 0.0252;
+    if (a != 1) s->params.domain_max[a] = s->spacing * s->counts[a] + 0.0004;
+  }
+}
+
 void set_kernel(scene *s, int combination) {
   if (combination & 1) {
     s->params.kernel = PBF_KERNEL_POLY6_SPIKY;

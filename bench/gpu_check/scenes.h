@@ -31,6 +31,9 @@ scene small_scene(uint32_t dimension);
  * neighbours stay neighbours. With `brief` steps a part of the density error is left. */
 scene accelerated_scene(uint32_t dimension, int brief);
 
+/* Makes the scene's kernel so wide that walls mirror the fluid, and puts walls around it. */
+void add_mirrors(scene *s);
+
 /* 0 … 3: bit 0 is the kernel, bit 1 whether there is artificial pressure. */
 void set_kernel(scene *s, int combination);
 

@@ -202,6 +202,34 @@ static void verify_iterations(kind *k) {
   verify(k, "chebyshev-short-steps", &s, 50);
 }
 
+static void verify_mirrors(kind *k) {
+  static const char *const kernels[4] = {"mirrors", "mirrors-poly6", "mirrors-scorr",
+                                         "mirrors-poly6-scorr"};
+  for (int combination = 0; combination < 4; ++combination) {
+    scene s = accelerated_scene(k->dim, 0);
+    add_mirrors(&s);
+    s.params.scorr_k = 0;
+    set_kernel(&s, combination);
+    if (combination == 1) s.params.undamping = 1;
+    if (combination == 2) s.params.wall_density = 0.5;
+    verify(k, kernels[combination], &s, 50);
+  }
+  scene s = accelerated_scene(k->dim, 1);
+  add_mirrors(&s);
+  verify(k, "mirrors-short-steps", &s, 50);
+  s = small_scene(k->dim);
+  add_mirrors(&s);
+  s.params.pressure_grid = 2;
+  s.params.solver = PBF_SOLVER_CHEBYSHEV;
+  s.params.separation = 1;
+  verify(k, "mirrors-deep", &s, 50);
+  s = small_scene(k->dim);
+  add_mirrors(&s);
+  add_turning_floor(&s);
+  s.params.wall_velocity[PBF_WALL_X_MAX] = -0.3;
+  verify(k, "mirrors-and-what-moves", &s, 50);
+}
+
 static void verify_places(kind *k) {
   scene s = small_scene(k->dim);
   for (int a = 0; a < 3; ++a) s.params.domain_max[a] = k->precision == PBF_FLOAT32 ? 4e3 : 1e6;
@@ -249,6 +277,7 @@ int verify_all(const char *name) {
       verify_containers(&k);
       verify_overflow(&k);
       verify_iterations(&k);
+      verify_mirrors(&k);
       verify_places(&k);
       verify_crowding(&k);
     }

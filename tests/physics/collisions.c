@@ -477,6 +477,7 @@ static void walls_of_a_corner_push_each_for_itself(void **state) {
     for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
     pbf_constants c = pbf_constants_of(&p);
     pbf_walls walls = pbf_walls_at(&p, 0);
+    walls.reach = 0; /* no mirrors */
     for (double depth = 0; depth < 0.25; depth += 0.1) {
       double slope, lent = 0, value = pbf_wall(&c, depth * p.spacing, &slope), e = 1e-6 * p.spacing;
       pbf_vec x, gradient = {{0}}, unused = {{0}};
@@ -537,7 +538,8 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
   p.smoothing_radius = 3 * p.spacing;
   for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
   const pbf_constants c = pbf_constants_of(&p);
-  const pbf_walls walls = pbf_walls_at(&p, 0);
+  pbf_walls walls = pbf_walls_at(&p, 0);
+  walls.reach = 0; /* no mirrors */
   const double d = p.spacing;
   const int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
   double inside = 0, beyond = 0;

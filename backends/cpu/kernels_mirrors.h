@@ -1,0 +1,112 @@
+/* What images in the domain's walls add to the sums of a group: physics/mirrors.h. A walk of its
+ * own over the group's lists, so that the loops of those without images stay as they are. */
+#ifndef PBF_CPU_KERNELS_MIRRORS_H
+#define PBF_CPU_KERNELS_MIRRORS_H
+
+#include "cpu/kernels_walls.h"
+#include "cpu/neighbors.h"
+
+/* Built for size, one loop serves all kernels. */
+#ifdef __OPTIMIZE_SIZE__
+enum { ONE_LOOP = 1 };
+#else
+enum { ONE_LOOP = 0 };
+#endif
+
+/* Where the particles of a group have images. */
+typedef struct lane_mirrors {
+  pbf_mirrors near;
+  lane twice[2][PBF_DIM];
+} lane_mirrors;
+
+PBF_FN int has_mirrors(const pair_pass *p) {
+  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
+}
+
+/* Returns whether there are any. */
+PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
+  if (!has_mirrors(p)) return 0;
+  const pbf_walls *walls = &p->walls->walls;
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_values xs = lane_vec_values(&x);
+  pbf_vec lower = lane_value(&xs, 0), upper = lower;
+  for (uint32_t l = 1; l < WIDTH && g * WIDTH + l < p->lists.count; ++l)
+    for (int k = 0; k < PBF_DIM; ++k) {
+      lower.c[k] = pbf_real_min(lower.c[k], xs.c[k][l]);
+      upper.c[k] = pbf_real_max(upper.c[k], xs.c[k][l]);
+    }
+  m->near = pbf_mirrors_near(walls, lower, upper);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    m->twice[0][k] = lane_set(2) * (x.c[k] - lane_set(walls->lower.c[k]));
+    m->twice[1][k] = lane_set(2) * (x.c[k] - lane_set(walls->upper.c[k]));
+  }
+  return m->near.count > 0;
+}
+
+/* Sums over images: those of a density constraint, or, with lambdas, of a move. */
+typedef struct image_sums {
+  lane density, slope2;
+  lane_vec sum; /* of the gradient, or of moves */
+} image_sums;
+
+/* Adds the images of j. `factor`: on their slopes. */
+PBF_FN void add_images(const int features, const pbf_constants *c, lane_mirrors *m,
+                       const lane_vec *x_ij, lane factor, image_sums *sums) {
+  for (int k = 0, out = 0; k < m->near.count; ++k) {
+    const int walls = m->near.walls[k];
+    lane_vec image;
+    lane value, slope, by = factor;
+    if (walls & out) continue;
+    lane r2 = lanes_image(walls, m->twice, x_ij->c, image.c);
+    if (!lane_any_below(r2, lane_set(c->h2))) {
+      out |= walls & (walls - 1) ? 0 : walls;
+      continue;
+    }
+    lanes_kernel(features, c, r2, &value, &slope);
+    if (features & PBF_FEATURE_SCORR) by = by + lanes_scorr(c, value);
+    sums->density = sums->density + value;
+    sums->slope2 = lane_fma(slope * r2, slope, sums->slope2);
+    lane_vec_add_scaled(&sums->sum, by * slope, &image);
+  }
+}
+
+PBF_FN void walk_images(const int features, const pair_pass *p, const pbf_real *lambda, uint32_t g,
+                        lane_mirrors *m, image_sums *sums) {
+  const pbf_constants c = *p->constants;
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), own = lane_vec_zero();
+  const lane lambda_i = lambda ? lane_load(lambda + g * WIDTH) : lane_set((pbf_real)0.5);
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  add_images(features, &c, m, &own, lambda_i + lambda_i, sums);
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const neighbor_table around = neighbors_in(b, p, lambda);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    for (; list < end; list += WIDTH) {
+      const pair_lanes pair = pairs_listed(b, list, &x, &around);
+      const lane lambda_j = lambda ? number_of(&around, &pair) : lambda_i;
+      add_images(features, &c, m, &pair.x_ij, lambda_i + lambda_j, sums);
+    }
+  }
+}
+
+/* Of a group, without or with lambdas; returns whether there are any. Few scenes need it: one loop
+ * for all kernels but the default one. */
+static __attribute__((noinline)) int sum_images(const pair_pass *p, const pbf_real *lambda,
+                                                uint32_t g, image_sums *sums) {
+  const int scorr = lambda ? PBF_FEATURE_SCORR : 0;
+  const int features = p->features & PBF_BUILT & (PBF_FEATURE_POLY6 | scorr);
+  lane_mirrors m;
+  if (!find_mirrors(p, g, &m)) return 0;
+  memset(sums, 0, sizeof *sums);
+  if (ONE_LOOP || features)
+    walk_images(features, p, lambda, g, &m, sums);
+  else
+    walk_images(0, p, lambda, g, &m, sums);
+  const lane weight = lane_set(p->constants->wall_weight);
+  sums->density = weight * sums->density;
+  sums->slope2 = weight * sums->slope2;
+  for (int k = 0; k < PBF_DIM; ++k) sums->sum.c[k] = weight * sums->sum.c[k];
+  return 1;
+}
+
+#endif

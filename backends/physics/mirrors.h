@@ -1,0 +1,71 @@
+/* Domain walls as mirrors, where kernels are wide.
+ *
+ * What a wall lends by its distance alone (stages.h) holds the first two layers of a fluid. Kernels
+ * that reach farther sum over so much of what lies behind it that its push, which is not the slope
+ * of what it lends, does work: tanks at h = 3 spacings never rest, at 4 they boil. There each
+ * particle has its neighbours' images, and its own, as neighbours instead: what a wall does is then
+ * the slope of a constraint, as all else is, and a lattice between walls is one without end.
+ * Between walls nearer to each other than h, images would have images in reach; there the law
+ * stays. */
+#ifndef PBF_PHYSICS_MIRRORS_H
+#define PBF_PHYSICS_MIRRORS_H
+
+#include "physics/derive.h"
+#include "physics/real.h"
+
+/* From here on walls mirror the fluid; in spacings. */
+#define PBF_WIDE_KERNEL 2.55
+
+static inline int pbf_may_mirror(const pbf_params *params) {
+  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && params->wall_density > 0 &&
+         params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params);
+}
+
+typedef struct pbf_walls {
+  pbf_vec lower, upper;
+  pbf_real near;  /* half of h, or 0 where walls give nothing back: see pbf_bounce */
+  pbf_real reach; /* how far from them there are images: h, or 0 where they mirror nothing */
+} pbf_walls;
+
+/* How far from walls that stand like this there are images: h, or 0. */
+static inline pbf_real pbf_mirror_reach(const pbf_params *params, pbf_vec lower, pbf_vec upper) {
+  pbf_real h = (pbf_real)params->smoothing_radius;
+  int mirror = pbf_may_mirror(params);
+  for (int k = 0; k < PBF_DIM; ++k) mirror = mirror && upper.c[k] - lower.c[k] >= h;
+  return mirror ? h : 0;
+}
+
+/* Bits of walls: the lower one of axis k, and the upper one. */
+#define PBF_LOWER_WALL(k) (1 << 2 * (k))
+#define PBF_UPPER_WALL(k) (2 << 2 * (k))
+
+/* In which walls some particles have images: a corner of three makes seven. Before an image in more
+ * than one wall are those in each of them, which are nearer. */
+enum { PBF_MOST_IMAGES = PBF_DIM == 3 ? 26 : 8 };
+typedef struct pbf_mirrors {
+  int count;
+  unsigned char walls[PBF_MOST_IMAGES]; /* bits of those that an image is in */
+} pbf_mirrors;
+
+/* Of particles between `lower` and `upper`, between walls with this reach: those in whose images
+ * they can be within h of anybody's. */
+PBF_FN pbf_mirrors pbf_mirrors_near(const pbf_walls *walls, pbf_vec lower, pbf_vec upper) {
+  pbf_mirrors mirrors;
+  mirrors.count = 0;
+  for (int code = 1; code <= PBF_MOST_IMAGES; ++code) {
+    pbf_real away2 = 0;
+    int in = 0;
+    for (int k = 0, left = code; k < PBF_DIM; ++k, left /= 3) {
+      if (left % 3 == 0) continue;
+      pbf_real away =
+          left % 3 == 1 ? lower.c[k] - walls->lower.c[k] : walls->upper.c[k] - upper.c[k];
+      in |= left % 3 == 1 ? PBF_LOWER_WALL(k) : PBF_UPPER_WALL(k);
+      away = pbf_real_max(away, 0);
+      away2 += away * away;
+    }
+    if (away2 < walls->reach * walls->reach) mirrors.walls[mirrors.count++] = (unsigned char)in;
+  }
+  return mirrors;
+}
+
+#endif
