@@ -35,9 +35,10 @@ typedef struct pbf_constants {
                                     pbf_most_scorr */
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
   pbf_real slack;    /* part of a density error that a step leaves, … */
-  pbf_real most_undone; /* … and what it undoes of it at most, see pbf_slack */
+  pbf_real most_undone; /* … and what it undoes of it at most, … */
+  pbf_real most_slack;  /* … but for the rest of this part, see pbf_slack */
   pbf_real wall_offset;
-  pbf_real wall_weight; /* of what walls and colliders lend */
+  pbf_real wall_weight;              /* of what walls and colliders lend */
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
   pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with, … */
   pbf_real wall_push_rise; /* … and how much more for each node beyond the first layer, up to the
@@ -76,6 +77,14 @@ static inline double pbf_most_undone_of(const pbf_params *params, double slack) 
     head += fabs(params->gravity[k]) * (params->domain_max[k] - params->domain_min[k]);
   double left = pbf_depth_error(params, head * dt * dt);
   return slack > 0 ? fmax(0.002 * (1 - slack) / slack, 2 * left) : 1e30;
+}
+
+/* And a part of the rest: pressure that is the same however great an error holds no weight, for
+ * what holds it is that there is more of it below. With one iteration a step of 2 ms, where water
+ * at rest is a percent dense, it fell to half its height. What weight asks for goes with dt², and
+ * so does the part: shorter steps would throw by more of it. */
+static inline double pbf_most_slack_of(double slack) {
+  return 1 - 0.1 * (1 - slack) * (1 - slack);
 }
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
@@ -145,6 +154,7 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
                                : 0);
   c->slack = (pbf_real)pbf_slack_of(params);
   c->most_undone = (pbf_real)pbf_most_undone_of(params, pbf_slack_of(params));
+  c->most_slack = (pbf_real)pbf_most_slack_of(pbf_slack_of(params));
   if (c->accelerated) c->omega = 1;
 }
 

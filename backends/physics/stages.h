@@ -102,7 +102,7 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real dens
 /* What a step leaves of the density error at its start. */
 PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
   pbf_real error = pbf_real_max(density - 1, 0);
-  return pbf_real_max(c->slack * error, error - c->most_undone);
+  return pbf_real_max(c->slack * error, c->most_slack * error - c->most_undone);
 }
 
 /* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers

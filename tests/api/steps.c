@@ -81,6 +81,22 @@ static void water_stands_in_long_steps(void **state) {
   test_for_long_kinds(check_long);
 }
 
+/* Small steps of one iteration, so many that density errors could add up. */
+static void check_one_iteration(uint32_t dimension, uint32_t precision) {
+  pbf_params params = tank_params(dimension, 2, 1, 4e-4);
+  params.pressure_grid = 0;
+  pbf_solver *s = tank(dimension, precision, &params, 0, 1);
+  assert_ok(pbf_step(s, 700));
+  expect_rest("one iteration", dimension, s);
+  pbf_destroy(s);
+}
+
+static void one_iteration_in_short_steps_holds_water(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_one_iteration);
+}
+
 static void check_few_neighbors(uint32_t dimension, uint32_t precision) {
   pbf_params params = tank_params(dimension, 1.5, 8, 0.2);
   pbf_solver *s = tank(dimension, precision, &params, 0.25, 1);
@@ -265,6 +281,7 @@ static void lids_close_in_any_number_of_calls(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(water_stands_in_long_steps),
+      cmocka_unit_test(one_iteration_in_short_steps_holds_water),
       cmocka_unit_test(few_neighbors_do_not_boil),
       cmocka_unit_test(what_is_dense_is_not_thrown),
       cmocka_unit_test(impacts_gain_nothing),
