@@ -181,7 +181,9 @@ typedef struct pbf_params {
                           keeps particles with few or coincident neighbours calm; 0: as in the paper */
   double wall_density; /* 0 … 1: weight of the density that walls and colliders lend to the fluid
                           before them, as if they were fluid at rest: particles then keep half a
-                          spacing off; 0: none, as in the paper: particles pile up on walls */
+                          spacing off; 0: none, as in the paper: particles pile up on walls. With a
+                          smoothing_radius of 2.55 spacings or more the domain's walls, where they
+                          are no nearer to each other than that, mirror the fluid instead */
 
   double scorr_k;  /* artificial pressure, eq. 13: k, an area; 0: none. With CHEBYSHEV no more of it
                       acts than a step can integrate */
