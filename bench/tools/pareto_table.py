@@ -16,8 +16,8 @@ LONG = (*SHORT, "E1.own.interior.p99@mean", "E2.relative@largest")
 LEVELS = ("1 %", "0.1 %", "0.01 %")
 
 
-def significant(value):
-    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+def significant(value, digits=3):
+    return f"{float(f'{value:.{digits}g}'):,.0f}" if value >= 100 else f"{value:.{digits}g}"
 
 
 def percent(error):
@@ -29,7 +29,8 @@ def equal_time(family):
     equal = family.get("at_equal_time")
     if not equal:
         return ""
-    return f"{equal['median']:.2g} ({equal['least']:.2g} … {equal['most']:.2g})"
+    median, least, most = (significant(equal[key], 2) for key in ("median", "least", "most"))
+    return f"{median} ({least} … {most})"
 
 
 def level_cells(family):
@@ -69,9 +70,12 @@ def lines_of(head, rows, left):
 
 
 def compared(result, families, first):
+    """`first`: of a short table, which has the baseline, the subject and who comes nearest to 0."""
     rows = []
+    nearest = min(families, key=lambda family: family["front"][-1]["error"], default={"family": None})
+    short = (result["context"]["baseline"], result["context"]["subject"], nearest["family"])
     for family in families:
-        if first and family["family"] not in (result["context"]["baseline"], result["context"]["subject"]):
+        if first and family["family"] not in short:
             continue
         base = family["family"] == result["context"]["baseline"]
         rows.append((*first, family["title"], percent(family["front"][-1]["error"]),
