@@ -13,8 +13,8 @@
 #include "physics/derive.h"
 #include "physics/real.h"
 
-/* From here on walls mirror the fluid; in spacings. Up to 2.5 tanks rest by the law, too, in half the
- * time. */
+/* From here on walls mirror the fluid; in spacings. Up to 2.5 tanks rest by the law, too, in half
+ * the time. */
 #define PBF_WIDE_KERNEL 2.55
 
 static inline int pbf_may_mirror(const pbf_params *params) {
