@@ -83,9 +83,7 @@ static inline double pbf_most_undone_of(const pbf_params *params, double slack) 
  * what holds it is that there is more of it below. With one iteration a step of 2 ms, where water
  * at rest is a percent dense, it fell to half its height. What weight asks for goes with dt², and
  * so does the part: shorter steps would throw by more of it. */
-static inline double pbf_most_slack_of(double slack) {
-  return 1 - 0.1 * (1 - slack) * (1 - slack);
-}
+static inline double pbf_most_slack_of(double slack) { return 1 - 0.1 * (1 - slack) * (1 - slack); }
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
  * about that becomes velocity, too: in a step of 1e-7 s half a metre a second. So where a step is
