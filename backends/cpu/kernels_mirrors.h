@@ -23,9 +23,8 @@ PBF_FN int has_mirrors(const pair_pass *p) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
 }
 
-/* Returns whether there are any. */
+/* Of a pass that has mirrors; returns whether there are any near the group. */
 PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
-  if (!has_mirrors(p)) return 0;
   const pbf_walls *walls = &p->walls->walls;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
   const lane_values xs = lane_vec_values(&x);
@@ -89,8 +88,8 @@ PBF_FN void walk_images(const int features, const pair_pass *p, const pbf_real *
   }
 }
 
-/* Of a group, without or with lambdas; returns whether there are any. Few scenes need it: one loop
- * for all kernels but the default one. */
+/* Of a group, without or with lambdas, in a pass that has mirrors; returns whether there are any.
+ * Few scenes need it: one loop for all kernels but the default one. */
 static __attribute__((noinline)) int sum_images(const pair_pass *p, const pbf_real *lambda,
                                                 uint32_t g, image_sums *sums) {
   const int scorr = lambda ? PBF_FEATURE_SCORR : 0;

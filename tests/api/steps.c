@@ -65,14 +65,19 @@ static void expect_rest(const char *what, uint32_t dimension, pbf_solver *s) {
   if (!(end.speed < 0.25)) fail_msg("%s, %uD: moves at %g sqrt(g d)", what, dimension, end.speed);
 }
 
+static void expect_rest_after(const char *what, uint32_t dimension, uint32_t precision,
+                              const pbf_params *params, double off, uint32_t steps) {
+  pbf_solver *s = tank(dimension, precision, params, off, 1);
+  assert_ok(pbf_step(s, steps));
+  expect_rest(what, dimension, s);
+  pbf_destroy(s);
+}
+
 /* 0.3 spacings a step: a centimetre at 30 steps a second and g. The rest is what the grid and the
  * iterations make of the weight between them. */
 static void check_long(uint32_t dimension, uint32_t precision) {
   pbf_params params = tank_params(dimension, 2, 4, 0.3);
-  pbf_solver *s = tank(dimension, precision, &params, 0, 1);
-  assert_ok(pbf_step(s, 300));
-  expect_rest("long steps", dimension, s);
-  pbf_destroy(s);
+  expect_rest_after("long steps", dimension, precision, &params, 0, 300);
 }
 
 static void water_stands_in_long_steps(void **state) {
@@ -85,10 +90,7 @@ static void water_stands_in_long_steps(void **state) {
 static void check_one_iteration(uint32_t dimension, uint32_t precision) {
   pbf_params params = tank_params(dimension, 2, 1, 4e-4);
   params.pressure_grid = 0;
-  pbf_solver *s = tank(dimension, precision, &params, 0, 1);
-  assert_ok(pbf_step(s, 700));
-  expect_rest("one iteration", dimension, s);
-  pbf_destroy(s);
+  expect_rest_after("one iteration", dimension, precision, &params, 0, 700);
 }
 
 static void one_iteration_in_short_steps_holds_water(void **state) {
@@ -99,10 +101,7 @@ static void one_iteration_in_short_steps_holds_water(void **state) {
 
 static void check_few_neighbors(uint32_t dimension, uint32_t precision) {
   pbf_params params = tank_params(dimension, 1.5, 8, 0.2);
-  pbf_solver *s = tank(dimension, precision, &params, 0.25, 1);
-  assert_ok(pbf_step(s, 300));
-  expect_rest("few neighbours", dimension, s);
-  pbf_destroy(s);
+  expect_rest_after("few neighbours", dimension, precision, &params, 0.25, 300);
 }
 
 static void few_neighbors_do_not_boil(void **state) {
