@@ -51,10 +51,12 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
   return a.control->odd ? a.before : a.lambda;
 }
 
-/* Sums the particles up; sleepers out of reach of the awake pass for free of error. */
-template <int FEATURES, bool MIRRORS>
+/* Sums the particles up; sleepers out of reach of the awake pass for free of error. `images`: what
+ * these add, or null. */
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
-    weigh_kernel(neighborhood n, iteration_extras extras, pbf_coarse grid, deep_arrays a) {
+    weigh_kernel(neighborhood n, iteration_extras extras, const image_sums *images, pbf_coarse grid,
+                 deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
@@ -64,14 +66,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
     pbf_vec x_ij = pbf_sub(x, position_of(other));
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
-  const wall_images images = MIRRORS ? images_at(extras.obstacles.walls, x) : wall_images{};
-  if (MIRRORS && warp_has(images)) {
-    density += image_density<FEATURES>(c, images, {{0}});
-    for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
-      density += image_density<FEATURES>(c, images, pbf_sub(x, position_of(other)));
-    });
-  }
   if (i >= n.particles.count) return;
+  if (images) density += images[i].density;
   if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = 1;
   double at[PBF_DIM];

@@ -31,12 +31,14 @@ static __device__ __forceinline__ uint4 *list_of(const neighbor_lists &lists, ui
   return lists.entries + (size_t)(i / 32) * lists.chunks * 32 + i % 32;
 }
 
-/* Calls visit(j) for all particles in the cells around particle i's. */
+/* Calls visit(j) for all particles in the cells around particle i's; of `of` threads that share
+ * them, each for its own. */
 template <class Visit>
 static __device__ __forceinline__ void walk_cells(const sorted_particles &p, const cell_grid &grid,
-                                                  uint32_t i, Visit visit) {
+                                                  uint32_t i, Visit visit, int share = 0,
+                                                  int of = 1) {
   uint32_t cell = p.cells[i], first, last;
-  for (int row = 0; row < PBF_ROWS; ++row) {
+  for (int row = share; row < PBF_ROWS; row += of) {
     if (!grid_reach_of_cell(grid, cell, row, &first, &last)) continue;
     uint32_t end = p.cell_start[last + 1];
     for (uint32_t j = p.cell_start[first]; j < end; ++j)
@@ -60,14 +62,15 @@ static __device__ __forceinline__ uint32_t neighbor_at(uint32_t bases, uint32_t 
 
 /* Calls take(bases, word, count) for the words of particle i's list, four at a time, of whose
  * neighbours `count` are left; or visit(j) for all in the cells around where it has none. The
- * threads of a warp call it with consecutive i and the same p.count. */
-template <class Take, class Visit>
+ * threads of a warp call it with consecutive i and the same p.count. SHARES warps of a block, the
+ * first ones, can share the same particles. */
+template <uint32_t SHARES, class Take, class Visit>
 static __device__ __forceinline__ void for_chunks(const sorted_particles &p, const cell_grid &grid,
                                                   const neighbor_lists &lists, uint32_t i,
                                                   Take take, Visit visit) {
   __shared__ row_bases shared_bases[PBF_BLOCK / 32];
   uint32_t *bases = shared_bases[threadIdx.x / 32].of;
-  uint32_t lane = threadIdx.x % 32;
+  const uint32_t lane = threadIdx.x % 32, share = SHARES > 1 ? threadIdx.x / 32 : 0;
   if (i - lane >= p.count) return;
   if (lane <= PBF_ROWS) {
     uint32_t base = lane < PBF_ROWS ? lists.bases[i / 32 * PBF_ROWS + lane] : lists.nowhere;
@@ -78,12 +81,14 @@ static __device__ __forceinline__ void for_chunks(const sorted_particles &p, con
   uint32_t shared = (uint32_t)__cvta_generic_to_shared(bases);
   const uint4 *chunk = list_of(lists, i);
   uint4 ahead = *chunk; /* there is always a first one */
-  uint32_t size = lists.sizes[i];
-  if (size == PBF_WALKS) return walk_cells(p, grid, i, visit);
-  for (uint32_t k = 0; k < size; k += PBF_CHUNK) {
+  uint32_t size = lists.sizes[i], first = PBF_CHUNK * share, stride = PBF_CHUNK * SHARES;
+  if (size == PBF_WALKS) return walk_cells(p, grid, i, visit, (int)share, (int)SHARES);
+  chunk += 32 * share;
+  if (share > 0 && first < size) ahead = *chunk;
+  for (uint32_t k = first; k < size; k += stride) {
     const uint32_t word[4] = {ahead.x, ahead.y, ahead.z, ahead.w};
-    chunk += 32;
-    if (k + PBF_CHUNK < size) ahead = *chunk;
+    chunk += 32 * SHARES;
+    if (k + stride < size) ahead = *chunk;
     take(shared, word, size - k);
   }
 }
@@ -95,7 +100,7 @@ static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
                                                      const cell_grid &grid,
                                                      const neighbor_lists &lists, uint32_t i,
                                                      Visit visit) {
-  for_chunks(
+  for_chunks<1>(
       p, grid, lists, i,
       [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
 #pragma unroll
@@ -110,12 +115,12 @@ static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
 
 /* The same with visit(point, value), where `values` has one for each particle. Who is far from
  * everything has i's own. */
-template <class Value, class Visit>
+template <uint32_t SHARES = 1, class Value, class Visit>
 static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
                                                        const cell_grid &grid,
                                                        const neighbor_lists &lists, uint32_t i,
                                                        const Value *values, Visit visit) {
-  for_chunks(
+  for_chunks<SHARES>(
       p, grid, lists, i,
       [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
 #pragma unroll

@@ -80,65 +80,108 @@ static __device__ __forceinline__ pbf_real image_density(const pbf_constants *c,
   return density;
 }
 
-/* Those that particle i at x has in an iteration; none where it does not solve. */
-static __device__ __forceinline__ wall_images images_in(const iteration_extras &extras, uint32_t i,
-                                                        pbf_vec x) {
-  if (PBF_SLEEP && extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) return {};
-  return images_at(extras.obstacles.walls, x);
-}
-
-/* The iterations' own kernels are short of registers and of time, and most particles have no
- * images: these are summed up apart, just before. Of a solve that is over nobody reads them. */
+/* What is summed over images, with what `values` hold for each particle: in an iteration for its
+ * lambda, … */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    image_lambda_kernel(neighborhood n, iteration_extras extras, image_sums *all) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  if (PBF_TOLERANCE && extras.watch.watch && is_over(extras.watch)) return;
-  pbf_vec x = position_of(load(n.particles.points, own));
-  const wall_images images = images_in(extras, own, x);
-  image_sums sums = {};
-  auto add = [&](pbf_vec x_ij) {
-    for_images(images, c->h2, x_ij, [&](pbf_vec image, pbf_real r2) {
-      pbf_real value, slope;
-      pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-      sums.density += c->wall_weight * value;
-      sums.slope2 += c->wall_weight * slope * r2 * slope;
-      sums.gradient = pbf_add_scaled(sums.gradient, c->wall_weight * slope, image);
-    });
-  };
-  if (warp_has(images)) {
-    add({{0}});
-    for_points(n.particles, n.grid, n.lists, i,
-               [&](const point &other) { add(pbf_sub(x, position_of(other))); });
+struct images_of_lambda {
+  typedef image_sums sum;
+  const no_value *values = nullptr;
+
+  __device__ __forceinline__ pbf_vec place(const point &p, no_value) const {
+    return position_of(p);
   }
-  if (i < n.particles.count) all[i] = sums;
-}
+  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
+                                             pbf_real r2, pbf_real) {
+    pbf_real value, slope;
+    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
+    all->density += c->wall_weight * value;
+    all->slope2 += c->wall_weight * slope * r2 * slope;
+    all->gradient = pbf_add_scaled(all->gradient, c->wall_weight * slope, image);
+  }
+  static __device__ __forceinline__ void join(sum *all, const sum &part) {
+    all->density += part.density;
+    all->slope2 += part.slope2;
+    all->gradient = pbf_add_scaled(all->gradient, 1, part.gradient);
+  }
+};
 
+/* … for its move, … */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    image_move_kernel(neighborhood n, iteration_extras extras, pbf_vec *moves) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+struct images_of_move {
+  typedef pbf_vec sum;
+  const no_value *values = nullptr;
+
+  __device__ __forceinline__ pbf_vec place(const point &p, no_value) const {
+    return position_of(p);
+  }
+  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
+                                             pbf_real r2, pbf_real lambdas) {
+    pbf_real value, slope;
+    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
+    if (FEATURES & PBF_FEATURE_SCORR) lambdas += pbf_pair_scorr(c, value);
+    *all = pbf_add_scaled(*all, c->wall_weight * lambdas * slope, image);
+  }
+  static __device__ __forceinline__ void join(sum *all, const sum &part) {
+    *all = pbf_add_scaled(*all, 1, part);
+  }
+};
+
+/* … and for the density at the step's start, from where velocities lead to where particles are. */
+template <int FEATURES>
+struct images_at_start {
+  typedef pbf_real sum;
+  const pbf_vec *values;
+  pbf_real time_step;
+
+  __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
+    return pbf_add_scaled(position_of(p), -time_step, velocity);
+  }
+  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec, pbf_real r2,
+                                             pbf_real) {
+    *all += c->wall_weight * pbf_pair_density(FEATURES, c, r2);
+  }
+  static __device__ __forceinline__ void join(sum *all, sum part) { *all += part; }
+};
+
+/* Warps that share the lists of 32 particles: there are few particles at walls, and much to do for
+ * those in corners. */
+enum { PBF_IMAGE_SHARES = 4 };
+
+static inline uint32_t image_blocks_for(uint32_t count) { return (count + 31) / 32; }
+
+/* Most particles have no images, and the other kernels are short of registers and of time: this one
+ * runs just before, and they take its sums. Of a solve that is over, and of sleepers out of reach
+ * of the awake, nobody reads them. */
+template <class Terms>
+static __global__ void __launch_bounds__(32 * PBF_IMAGE_SHARES)
+    image_kernel(neighborhood n, watch_pass watch, const pbf_real *unrest, pbf_walls walls,
+                 Terms terms, typename Terms::sum *all) {
+  __shared__ typename Terms::sum parts[PBF_IMAGE_SHARES - 1][32];
+  const uint32_t lane = threadIdx.x % 32, share = threadIdx.x / 32, i = blockIdx.x * 32 + lane;
+  const uint32_t own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
-  if (PBF_TOLERANCE && extras.watch.watch && is_over(extras.watch)) return;
+  if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
   const point here = load(n.particles.points, own);
-  pbf_vec x = position_of(here), sum = {{0}};
-  const wall_images images = images_in(extras, own, x);
+  const pbf_vec x = terms.place(here, load(terms.values, own));
+  const bool idle = PBF_SLEEP && unrest && pbf_is_idle(unrest[own]);
+  const wall_images images = idle ? wall_images{} : images_at(walls, x);
+  typename Terms::sum sum = {};
   auto add = [&](pbf_vec x_ij, pbf_real lambdas) {
-    for_images(images, c->h2, x_ij, [&](pbf_vec image, pbf_real r2) {
-      pbf_real value, slope, factor = lambdas;
-      pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-      if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-      sum = pbf_add_scaled(sum, c->wall_weight * factor * slope, image);
-    });
+    for_images(images, c->h2, x_ij,
+               [&](pbf_vec image, pbf_real r2) { terms.add(c, &sum, image, r2, lambdas); });
   };
   if (warp_has(images)) {
-    add({{0}}, here.lambda + here.lambda);
-    for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
-      add(pbf_sub(x, position_of(other)), here.lambda + other.lambda);
-    });
+    if (share == 0) add({{0}}, here.lambda + here.lambda);
+    for_points_with<PBF_IMAGE_SHARES>(
+        n.particles, n.grid, n.lists, i, terms.values, [&](const point &other, auto value) {
+          add(pbf_sub(x, terms.place(other, value)), here.lambda + other.lambda);
+        });
+    if (share > 0) parts[share - 1][lane] = sum;
+    __syncthreads(); /* all warps of a block have the same particles, and come here or none */
+    for (uint32_t k = 1; share == 0 && k < PBF_IMAGE_SHARES; ++k)
+      terms.join(&sum, parts[k - 1][lane]);
   }
-  if (i < n.particles.count) moves[i] = sum;
+  if (share == 0 && i < n.particles.count) all[i] = sum;
 }
 
 #endif

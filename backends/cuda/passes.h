@@ -167,11 +167,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
 }
 
 /* What a very short step leaves of the density error where the particles were at its start, between
- * these walls, and the colliders, of that time. */
+ * these walls, and the colliders, of that time. `mirrored`: `slack` holds what images add to it. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     slack_kernel(neighborhood n, iteration_extras extras, pbf_walls walls, pbf_real time_step,
-                 pbf_real *slack) {
+                 bool mirrored, pbf_real *slack) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const pbf_vec *velocities = n.particles.velocities;
@@ -185,15 +185,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_vec x_ij = pbf_sub(x, start(other, v));
     density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
   });
-  const wall_images images = images_at(walls, x);
-  if (warp_has(images)) {
-    density += image_density<FEATURES>(c, images, {{0}});
-    for_points_with(n.particles, n.grid, n.lists, i, velocities,
-                    [&](const point &other, pbf_vec v) {
-                      density += image_density<FEATURES>(c, images, pbf_sub(x, start(other, v)));
-                    });
-  }
   if (i >= n.particles.count) return;
+  if (mirrored) density += slack[i];
   if (extras.wall_density) {
     const step_obstacles &o = extras.obstacles;
     pbf_lent lent = pbf_lent_from(c, &walls, o.count, o.solids, x, x, 1);

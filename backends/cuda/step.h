@@ -9,6 +9,7 @@
 
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
+  const uint32_t images = s->images ? 1 : 0; /* what they add */
   switch (stage) {
     case PBF_STAGE_PREDICT:
       return 2; /* with the clearing of the cells */
@@ -17,10 +18,11 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
     case PBF_STAGE_VELOCITY:
       return 0; /* the last move's end */
     case PBF_STAGE_GRID:
-      return 7; /* with the clearing of sums and of what blocks tell each other */
+      return 7 + images; /* with the clearing of sums and of what blocks tell each other */
+    case PBF_STAGE_SLACK:
     case PBF_STAGE_LAMBDA:
     case PBF_STAGE_MOVE:
-      return s->images ? 2 : 1; /* with that of what images add */
+      return 1 + images;
     case PBF_STAGE_SLEEP:
       return 5; /* with the shore's, among those of the neighbours */
     default:
@@ -101,24 +103,20 @@ static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
 }
 
-/* What images add to the sums of launch_lambda, … */
-static inline void launch_image_lambda(solver *s, const neighborhood &n,
-                                       const iteration_extras &extras, image_sums *all) {
+/* What images in these walls add to the sums of the kernel that comes next. */
+template <class Terms>
+static inline void sum_images(solver *s, const neighborhood &n, const iteration_extras &extras,
+                              const pbf_walls &walls, const Terms &terms,
+                              typename Terms::sum *all) {
   if constexpr (PBF_MIRRORS)
-    with_kernel(s->schedule.features, [&](auto features) {
-      image_lambda_kernel<decltype(features)::value>
-          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, all);
-    });
+    image_kernel<Terms><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
+        n, extras.watch, extras.rest.unrest, walls, terms, all);
 }
 
-/* … and of launch_move, in the same memory: then lambda is known. */
-static inline void launch_image_move(solver *s, const neighborhood &n,
-                                     const iteration_extras &extras, pbf_vec *moves) {
-  if constexpr (PBF_MIRRORS)
-    with_features(s->schedule.features, [&](auto features) {
-      image_move_kernel<decltype(features)::value>
-          <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, moves);
-    });
+/* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
+ * nothing is mirrored. */
+static inline image_sums *images_between(const solver *s, const pbf_walls &walls) {
+  return walls.reach > 0 ? s->images : nullptr;
 }
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
@@ -163,8 +161,14 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
   const pbf_walls walls = pbf_walls_at(&s->params, time - s->params.time_step);
   return run_stage(&s->clock, s->stream, PBF_STAGE_SLACK, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
-      slack_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-          n, extras, walls, (pbf_real)s->params.time_step, s->slack);
+      constexpr int F = decltype(features)::value;
+      const pbf_real time_step = (pbf_real)s->params.time_step;
+      const bool mirrored = images_between(s, walls) != nullptr;
+      if (mirrored)
+        sum_images(s, n, extras, walls, images_at_start<F>{n.particles.velocities, time_step},
+                   s->slack);
+      slack_kernel<F><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+          n, extras, walls, time_step, mirrored, s->slack);
     });
     return PBF_OK;
   });
@@ -208,9 +212,11 @@ static inline pbf_status carry_weight(solver *s, const neighborhood &n,
       return status;
     with_kernel(s->schedule.features, [&](auto features) {
       constexpr int F = decltype(features)::value;
-      auto kernel =
-          extras.obstacles.walls.reach > 0 ? weigh_kernel<F, PBF_MIRRORS> : weigh_kernel<F, false>;
-      kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, s->deep_grid, arrays);
+      const pbf_walls &walls = extras.obstacles.walls;
+      image_sums *images = images_between(s, walls);
+      if (images) sum_images(s, n, extras, walls, images_of_lambda<F>{}, images);
+      weigh_kernel<F><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, extras, images,
+                                                                         s->deep_grid, arrays);
     });
     if (pbf_status status = solve_deep(s, extras.obstacles)) return status;
     carry_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
@@ -237,7 +243,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
   point *moved = s->points;
   uint32_t iterations = s->params.iterations;
   iteration_extras extras = {obstacles, has.wall_density, s->total, {}, {}};
-  image_sums *images = obstacles.walls.reach > 0 ? s->images : nullptr;
+  image_sums *images = images_between(s, obstacles.walls);
   pbf_vec *image_moves = reinterpret_cast<pbf_vec *>(images);
   if (PBF_SLEEP && s->unrest)
     extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
@@ -255,13 +261,21 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
                     image_moves};
     extras.watch.iteration = k;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_LAMBDA, [&] {
-          if (images) launch_image_lambda(s, *n, extras, images);
+          if (images)
+            with_kernel(has.features, [&](auto features) {
+              sum_images(s, *n, extras, obstacles.walls,
+                         images_of_lambda<decltype(features)::value>{}, images);
+            });
           launch_lambda(s, *n, extras, {place.first, s->slack, images});
           return PBF_OK;
         }))
       return status;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
-          if (images) launch_image_move(s, *n, extras, image_moves);
+          if (images)
+            with_features(has.features, [&](auto features) {
+              sum_images(s, *n, extras, obstacles.walls,
+                         images_of_move<decltype(features)::value>{}, image_moves);
+            });
           launch_move(s, *n, moved, extras, end);
           return PBF_OK;
         }))
