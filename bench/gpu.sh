@@ -81,7 +81,10 @@ for support in 1.6666667 2; do
   timed shallow-dam-break 1000000 $support
   timed shallow-dam-break 4000000 $support
 done
-timed shallow-dam-break 1000000 2.25
+for support in 2.25 3; do
+  timed shallow-dam-break 1000000 $support
+done
+timed shallow-dam-break 30000 3 # walls mirror the fluid
 for extra in undamping viscosity vorticity; do
   timed shallow-dam-break 30000 2 $extra
   timed shallow-dam-break 1000000 2 $extra
