@@ -12,7 +12,7 @@ typedef struct block {
   uint32_t rounds;                           /* most neighbours of a particle */
 } block;
 
-enum { MOST_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 8 * PARTS };
+enum { MOST_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 28 * PARTS };
 
 /* Bytes of a block's list or masks. */
 PBF_FN uint32_t block_payload(uint32_t rounds) {

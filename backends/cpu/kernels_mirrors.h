@@ -1,5 +1,5 @@
-/* What images in the domain's walls add to the sums of a group: physics/mirrors.h. A walk of its
- * own over the group's lists, so that the loops of those without images stay as they are. */
+/* Sums over the pairs of a group near walls that mirror: physics/mirrors.h. A loop of its own, so
+ * that those of groups without images stay as they are. */
 #ifndef PBF_CPU_KERNELS_MIRRORS_H
 #define PBF_CPU_KERNELS_MIRRORS_H
 
@@ -23,10 +23,20 @@ PBF_FN int has_mirrors(const pair_pass *p) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
 }
 
+PBF_FN int near_walls(const pbf_walls *walls, const lane_vec *x) {
+  const lane reach = lane_set(walls->reach);
+  int near = 0;
+  for (int k = 0; k < PBF_DIM; ++k)
+    near |= lane_any_below(x->c[k] - lane_set(walls->lower.c[k]), reach) |
+            lane_any_below(lane_set(walls->upper.c[k]) - x->c[k], reach);
+  return near;
+}
+
 /* Of a pass that has mirrors; returns whether there are any near the group. */
 PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
   const pbf_walls *walls = &p->walls->walls;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  if (!near_walls(walls, &x)) return 0;
   const lane_values xs = lane_vec_values(&x);
   pbf_vec lower = lane_value(&xs, 0), upper = lower;
   for (uint32_t l = 1; l < WIDTH && g * WIDTH + l < p->lists.count; ++l)
@@ -42,35 +52,40 @@ PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
   return m->near.count > 0;
 }
 
-/* Sums over images: those of a density constraint, or, with lambdas, of a move. */
-typedef struct image_sums {
+/* Sums over pairs: of a density constraint, or of a move. */
+typedef struct pair_sums {
   lane density, slope2;
-  lane_vec sum; /* of the gradient, or of moves */
-} image_sums;
+  lane_vec sum; /* of gradients, or of moves */
+} pair_sums;
 
-/* Adds the images of j. `factor`: on their slopes. */
+/* `factor`: on the slope in `sum`. */
+PBF_FN void add_weighed(const int features, const pbf_constants *c, lane weight, const lane_vec *x,
+                        lane r2, lane factor, pair_sums *sums) {
+  lane value, slope;
+  lanes_kernel(features, c, r2, &value, &slope);
+  if (features & PBF_FEATURE_SCORR) factor = factor + lanes_scorr(c, value);
+  sums->density = lane_fma(weight, value, sums->density);
+  sums->slope2 = lane_fma(weight * slope * r2, slope, sums->slope2);
+  lane_vec_add_scaled(&sums->sum, weight * factor * slope, x);
+}
+
+/* Adds the images of j. */
 PBF_FN void add_images(const int features, const pbf_constants *c, lane_mirrors *m,
-                       const lane_vec *x_ij, lane factor, image_sums *sums) {
+                       const lane_vec *x_ij, lane factor, pair_sums *sums) {
   for (int k = 0, out = 0; k < m->near.count; ++k) {
     const int walls = m->near.walls[k];
     lane_vec image;
-    lane value, slope, by = factor;
     if (walls & out) continue;
     lane r2 = lanes_image(walls, m->twice, x_ij->c, image.c);
-    if (!lane_any_below(r2, lane_set(c->h2))) {
+    if (lane_any_below(r2, lane_set(c->h2)))
+      add_weighed(features, c, lane_set(c->wall_weight), &image, r2, factor, sums);
+    else
       out |= walls & (walls - 1) ? 0 : walls;
-      continue;
-    }
-    lanes_kernel(features, c, r2, &value, &slope);
-    if (features & PBF_FEATURE_SCORR) by = by + lanes_scorr(c, value);
-    sums->density = sums->density + value;
-    sums->slope2 = lane_fma(slope * r2, slope, sums->slope2);
-    lane_vec_add_scaled(&sums->sum, by * slope, &image);
   }
 }
 
-PBF_FN void walk_images(const int features, const pair_pass *p, const pbf_real *lambda, uint32_t g,
-                        lane_mirrors *m, image_sums *sums) {
+PBF_FN void walk_mirrored(const int features, const pair_pass *p, const pbf_real *lambda,
+                          uint32_t g, lane_mirrors *m, pair_sums *sums) {
   const pbf_constants c = *p->constants;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH), own = lane_vec_zero();
   const lane lambda_i = lambda ? lane_load(lambda + g * WIDTH) : lane_set((pbf_real)0.5);
@@ -82,29 +97,28 @@ PBF_FN void walk_images(const int features, const pair_pass *p, const pbf_real *
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
     for (; list < end; list += WIDTH) {
       const pair_lanes pair = pairs_listed(b, list, &x, &around);
-      const lane lambda_j = lambda ? number_of(&around, &pair) : lambda_i;
-      add_images(features, &c, m, &pair.x_ij, lambda_i + lambda_j, sums);
+      const lane lambdas = lambda_i + (lambda ? number_of(&around, &pair) : lambda_i);
+      add_weighed(features, &c, lane_set(1), &pair.x_ij, pair.r2, lambdas, sums);
+      add_images(features, &c, m, &pair.x_ij, lambdas, sums);
     }
   }
 }
 
-/* Of a group, without or with lambdas, in a pass that has mirrors; returns whether there are any.
- * Few scenes need it: one loop for all kernels but the default one. */
-static __attribute__((noinline)) int sum_images(const pair_pass *p, const pbf_real *lambda,
-                                                uint32_t g, image_sums *sums) {
+/* All sums of a group, without or with lambdas, in a pass that has mirrors; returns whether there
+ * are any near it, and does nothing otherwise. Few scenes need it: one loop for all kernels but the
+ * default one. */
+static __attribute__((noinline)) int sum_mirrored(const pair_pass *p, const pbf_real *lambda,
+                                                  uint32_t g, pair_sums *sums) {
   const int scorr = lambda ? PBF_FEATURE_SCORR : 0;
   const int features = p->features & PBF_BUILT & (PBF_FEATURE_POLY6 | scorr);
   lane_mirrors m;
   if (!find_mirrors(p, g, &m)) return 0;
   memset(sums, 0, sizeof *sums);
+  sums->density = lane_set(p->constants->value_scale);
   if (ONE_LOOP || features)
-    walk_images(features, p, lambda, g, &m, sums);
+    walk_mirrored(features, p, lambda, g, &m, sums);
   else
-    walk_images(0, p, lambda, g, &m, sums);
-  const lane weight = lane_set(p->constants->wall_weight);
-  sums->density = weight * sums->density;
-  sums->slope2 = weight * sums->slope2;
-  for (int k = 0; k < PBF_DIM; ++k) sums->sum.c[k] = weight * sums->sum.c[k];
+    walk_mirrored(0, p, lambda, g, &m, sums);
   return 1;
 }
 

@@ -51,25 +51,20 @@ PBF_FN int64_t *asked_excess(const pair_pass *p) {
   return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->excess : NULL;
 }
 
-typedef struct density_sums {
-  lane density, slope2;
-  lane_vec gradient;
-} density_sums;
-
-PBF_FN void add_density(const int features, const pbf_constants *c, density_sums *sums,
+PBF_FN void add_density(const int features, const pbf_constants *c, pair_sums *sums,
                         const pair_lanes *p) {
   lane value, slope;
   lanes_kernel(features, c, p->r2, &value, &slope);
   sums->density = sums->density + value;
   sums->slope2 = lane_fma(slope * p->r2, slope, sums->slope2);
-  lane_vec_add_scaled(&sums->gradient, slope, &p->x_ij);
+  lane_vec_add_scaled(&sums->sum, slope, &p->x_ij);
 }
 
 /* Here and in move_sum the next round's distances are begun before the present one's terms: their
  * latency is the longest. */
-PBF_FN density_sums density_of(const int features, const pbf_constants *c, const pair_pass *p,
-                               const lane_vec *x, uint32_t g) {
-  density_sums sums = {lane_set(c->value_scale), lane_set(0), lane_vec_zero()};
+PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pair_pass *p,
+                            const lane_vec *x, uint32_t g) {
+  pair_sums sums = {lane_set(c->value_scale), lane_set(0), lane_vec_zero()};
   uint8_t space[MOST_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
@@ -91,14 +86,10 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
   const pbf_constants c = *p->constants;
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    density_sums sums = density_of(features, &c, p, &x, g);
-    image_sums images;
-    if (has_mirrors(p) && sum_images(p, NULL, g, &images)) {
-      sums.density = sums.density + images.density;
-      sums.slope2 = sums.slope2 + images.slope2;
-      lane_vec_add_scaled(&sums.gradient, lane_set(1), &images.sum);
-    }
-    lane_values gradients = lane_vec_values(&sums.gradient);
+    pair_sums sums;
+    if (!has_mirrors(p) || !sum_mirrored(p, NULL, g, &sums))
+      sums = density_of(features, &c, p, &x, g);
+    lane_values gradients = lane_vec_values(&sums.sum);
     if (lending_walls(p)) {
       const lane_values xs = lane_vec_values(&x);
       _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH], resting[WIDTH] = {0};
@@ -228,11 +219,10 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
   for (uint32_t g = first; g < last; ++g) {
     const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
     const lane_values xs = lane_vec_values(&x);
-    lane_vec sum = move_sum(features, &c, p, m->lambda, g);
-    image_sums images;
-    if (has_mirrors(p) && sum_images(p, m->lambda, g, &images))
-      lane_vec_add_scaled(&sum, lane_set(1), &images.sum);
-    lane_values sums = lane_vec_values(&sum);
+    pair_sums mirrored;
+    if (!has_mirrors(p) || !sum_mirrored(p, m->lambda, g, &mirrored))
+      mirrored.sum = move_sum(features, &c, p, m->lambda, g);
+    lane_values sums = lane_vec_values(&mirrored.sum);
     if (lending_walls(p)) add_walls_to_change(p, m->lambda, g, &sums);
     const lane_values moved = moved_group(&c, &xs, &sums);
     lane_values after = moved;
@@ -505,8 +495,8 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
         density = density + lanes_density(features, &c, pair.r2);
       }
     }
-    image_sums images;
-    if (has_mirrors(p) && sum_images(p, NULL, g, &images)) density = density + images.density;
+    pair_sums mirrored;
+    if (has_mirrors(p) && sum_mirrored(p, NULL, g, &mirrored)) density = mirrored.density;
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
     if (lending_walls(p) && group_near_obstacles(p, g)) {

@@ -51,21 +51,23 @@ typedef struct pbf_mirrors {
 /* Of particles between `lower` and `upper`, between walls with this reach: those in whose images
  * they can be within h of anybody's. */
 PBF_FN pbf_mirrors pbf_mirrors_near(const pbf_walls *walls, pbf_vec lower, pbf_vec upper) {
+  const pbf_real reach2 = walls->reach * walls->reach;
+  pbf_real away2[3][3] = {{0}}; /* of an axis: in no wall, in the lower one, in the upper one */
   pbf_mirrors mirrors;
   mirrors.count = 0;
-  for (int code = 1; code <= PBF_MOST_IMAGES; ++code) {
-    pbf_real away2 = 0;
-    int in = 0;
-    for (int k = 0, left = code; k < PBF_DIM; ++k, left /= 3) {
-      if (left % 3 == 0) continue;
-      pbf_real away =
-          left % 3 == 1 ? lower.c[k] - walls->lower.c[k] : walls->upper.c[k] - upper.c[k];
-      in |= left % 3 == 1 ? PBF_LOWER_WALL(k) : PBF_UPPER_WALL(k);
-      away = pbf_real_max(away, 0);
-      away2 += away * away;
-    }
-    if (away2 < walls->reach * walls->reach) mirrors.walls[mirrors.count++] = (unsigned char)in;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    pbf_real below = pbf_real_max(lower.c[k] - walls->lower.c[k], 0);
+    pbf_real above = pbf_real_max(walls->upper.c[k] - upper.c[k], 0);
+    away2[k][1] = below * below;
+    away2[k][2] = above * above;
   }
+  for (int z = 0; z < (PBF_DIM == 3 ? 3 : 1); ++z)
+    for (int y = 0; y < 3 && away2[2][z] < reach2; ++y)
+      for (int x = 0; x < 3 && away2[2][z] + away2[1][y] < reach2; ++x) {
+        const int in = x << 0 | y << 2 | z << 4; /* bits of walls: 1 the lower one, 2 the upper */
+        if (in && away2[2][z] + away2[1][y] + away2[0][x] < reach2)
+          mirrors.walls[mirrors.count++] = (unsigned char)in;
+      }
   return mirrors;
 }
 
