@@ -2,7 +2,7 @@
 """Writes the tables of this library beside SPlisHSPlasH into README.md and docs/accuracy.md, from the
 results of bench/peers/hull.py.
 
-    bench/tools/peers_table.py bench/results/xeon-2-cores/peers.json
+    bench/tools/peers_table.py bench/results/epyc-2-cores/peers.json
 """
 import json
 import pathlib
