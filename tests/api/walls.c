@@ -65,8 +65,8 @@ static double rises(tank *t) {
   return sum / (count * sqrt(gravity * spacing));
 }
 
-/* As much as it moves at all. At four spacings a tank this small moves at 0.05 to 0.25, in bursts; by
- * the law of narrower kernels at 0.9. */
+/* As much as it moves at all. At four spacings a tank this small moves at 0.05 to 0.25, in bursts;
+ * by the law of narrower kernels at 0.9. */
 static void check_rest_of(uint32_t dimension, uint32_t precision, double support) {
   enum { STEPS = 240, LOOKS = 12 };
   tank t = dimension == 2 ? tank_of(2, precision, 16, 20, support)
