@@ -1,6 +1,6 @@
 /* Neighbour lists of a group, in the order in which the passes over pairs read them: for each block
  * of windows the slots of each particle's neighbours, a byte a neighbour, one round after another.
- * A block that is as full as only crowds make it keeps masks instead, which take an eighth of the
+ * A block that is as full as only crowds make it keeps masks instead, which take a seventh of the
  * memory; to list them anew in each pass takes a tenth of its time. */
 #ifndef PBF_CPU_BLOCKS_H
 #define PBF_CPU_BLOCKS_H

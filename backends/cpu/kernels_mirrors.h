@@ -23,21 +23,13 @@ PBF_FN int has_mirrors(const pair_pass *p) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
 }
 
-PBF_FN int near_walls(const pbf_walls *walls, const lane_vec *x) {
-  const lane reach = lane_set(walls->reach);
-  int near = 0;
-  for (int k = 0; k < PBF_DIM; ++k)
-    near |= lane_any_below(x->c[k] - lane_set(walls->lower.c[k]), reach) |
-            lane_any_below(lane_set(walls->upper.c[k]) - x->c[k], reach);
-  return near;
-}
-
 /* Of a pass that has mirrors; returns whether there are any near the group. */
 PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
   const pbf_walls *walls = &p->walls->walls;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  if (!near_walls(walls, &x)) return 0;
   const lane_values xs = lane_vec_values(&x);
+  pbf_real distances[WIDTH];
+  if (!(wall_distances(p->walls, &xs, distances) < walls->reach)) return 0;
   pbf_vec lower = lane_value(&xs, 0), upper = lower;
   for (uint32_t l = 1; l < WIDTH && g * WIDTH + l < p->lists.count; ++l)
     for (int k = 0; k < PBF_DIM; ++k) {

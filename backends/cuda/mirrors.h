@@ -80,16 +80,21 @@ static __device__ __forceinline__ pbf_real image_density(const pbf_constants *c,
   return density;
 }
 
-/* What is summed over images, with what `values` hold for each particle: in an iteration for its
- * lambda, … */
-template <int FEATURES>
-struct images_of_lambda {
-  typedef image_sums sum;
+/* Of particles where they are, of whom nothing else counts. */
+struct at_points {
   const no_value *values = nullptr;
 
   __device__ __forceinline__ pbf_vec place(const point &p, no_value) const {
     return position_of(p);
   }
+};
+
+/* What is summed over images, with what `values` hold for each particle: in an iteration for its
+ * lambda, … */
+template <int FEATURES>
+struct images_of_lambda : at_points {
+  typedef image_sums sum;
+
   static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
                                              pbf_real r2, pbf_real) {
     pbf_real value, slope;
@@ -107,13 +112,9 @@ struct images_of_lambda {
 
 /* … for its move, … */
 template <int FEATURES>
-struct images_of_move {
+struct images_of_move : at_points {
   typedef pbf_vec sum;
-  const no_value *values = nullptr;
 
-  __device__ __forceinline__ pbf_vec place(const point &p, no_value) const {
-    return position_of(p);
-  }
   static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
                                              pbf_real r2, pbf_real lambdas) {
     pbf_real value, slope;
@@ -126,6 +127,12 @@ struct images_of_move {
   }
 };
 
+/* Where a step of this velocity to p began. */
+static __device__ __forceinline__ pbf_vec start_of(const point &p, pbf_real time_step,
+                                                   pbf_vec velocity) {
+  return pbf_add_scaled(position_of(p), -time_step, velocity);
+}
+
 /* … and for the density at the step's start, from where velocities lead to where particles are. */
 template <int FEATURES>
 struct images_at_start {
@@ -134,7 +141,7 @@ struct images_at_start {
   pbf_real time_step;
 
   __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
-    return pbf_add_scaled(position_of(p), -time_step, velocity);
+    return start_of(p, time_step, velocity);
   }
   static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec, pbf_real r2,
                                              pbf_real) {

@@ -176,9 +176,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_constants *c = &n.constants;
   const pbf_vec *velocities = n.particles.velocities;
   uint32_t own = min(i, n.particles.count - 1);
-  auto start = [&](const point &end, pbf_vec v) {
-    return pbf_add_scaled(position_of(end), -time_step, v);
-  };
+  auto start = [&](const point &end, pbf_vec v) { return start_of(end, time_step, v); };
   pbf_vec x = start(load(n.particles.points, own), velocities[own]), gradient = {{0}};
   pbf_real density = c->value_scale;
   for_points_with(n.particles, n.grid, n.lists, i, velocities, [&](const point &other, pbf_vec v) {
