@@ -51,6 +51,12 @@ typedef struct search {
   uint8_t *data;
 } search;
 
+/* What pbf_beside_walls needs, of particles in groups near walls. */
+typedef struct walls_lent {
+  field gradient;
+  pbf_real *resting;
+} walls_lent;
+
 /* What a pass over pairs needs beside the lists and its own arrays. */
 typedef struct pair_pass {
   const pbf_constants *constants;
@@ -63,6 +69,7 @@ typedef struct pair_pass {
   const pbf_real *slack;      /* null: none */
   int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
   const pbf_real *unrest;     /* null: nobody sleeps */
+  walls_lent lent;            /* by the walls: lambda leaves it for move, at the same places */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */

@@ -81,6 +81,33 @@ PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pa
   return sums;
 }
 
+static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_values xs = lane_vec_values(&x);
+  _Alignas(64) pbf_real distances[WIDTH];
+  return near_obstacles(p->constants, p->walls, &xs, distances);
+}
+
+PBF_FN lane_lent lent_at(const pair_pass *p, uint32_t g) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_values xs = lane_vec_values(&x);
+  lane_lent lent;
+  lent_to_group(p->constants, p->walls, &xs, &lent);
+  return lent;
+}
+
+/* What walls lend a group's densities; adds to their gradients, and leaves it for move. */
+static __attribute__((noinline)) lane add_lent(const pair_pass *p, uint32_t g,
+                                               lane_values *gradients) {
+  const lane_lent lent = lent_at(p, g);
+  lane_store(p->lent.resting + g * WIDTH, lane_load(lent.resting));
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lane_store(p->lent.gradient.c[k] + g * WIDTH, lane_load(lent.gradient.c[k]));
+    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += lent.gradient.c[k][l];
+  }
+  return lane_load(lent.density);
+}
+
 PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
                           uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
@@ -90,14 +117,9 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
     if (!has_mirrors(p) || !sum_mirrored(p, NULL, g, &sums))
       sums = density_of(features, &c, p, &x, g);
     lane_values gradients = lane_vec_values(&sums.sum);
-    if (lending_walls(p)) {
-      const lane_values xs = lane_vec_values(&x);
-      _Alignas(64) pbf_real densities[WIDTH], distances[WIDTH], resting[WIDTH] = {0};
-      if (near_obstacles(&c, p->walls, &xs, distances)) {
-        lane_store(densities, sums.density);
-        add_walls(p->constants, p->walls, &xs, densities, &gradients, resting);
-        sums.density = lane_load(densities);
-      }
+    if (lending_walls(p) && group_near_obstacles(p, g)) {
+      const lane lent = add_lent(p, g, &gradients);
+      sums.density = sums.density + lent;
     }
     if (asked_excess(p)) *p->excess += excess_of(p, &sums.density, g);
     lambda_group(&c, &sums.density, &sums.slope2, &gradients,
@@ -143,19 +165,12 @@ PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const pair_
   return sum;
 }
 
-/* The walls' part of the change. */
-static __attribute__((noinline)) void add_walls_to_change(const pair_pass *p,
-                                                          const pbf_real *lambda, uint32_t g,
-                                                          lane_values *sums) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), zero = lane_vec_zero();
-  const lane_values xs = lane_vec_values(&x);
-  lane_values gradients = lane_vec_values(&zero);
-  _Alignas(64) pbf_real densities[WIDTH] = {0}, distances[WIDTH], resting[WIDTH] = {0};
-  if (!near_obstacles(p->constants, p->walls, &xs, distances)) return;
-  add_walls(p->constants, p->walls, &xs, densities, &gradients, resting);
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec sum = pbf_beside_walls(lane_value(sums, l), lambda[g * WIDTH + l], resting[l],
-                                   lane_value(&gradients, l));
+/* The walls' part of the change, by what lambda has left of it. */
+PBF_FN void add_walls_to_change(const pair_pass *p, const pbf_real *lambda, uint32_t g,
+                                lane_values *sums) {
+  for (uint32_t l = 0, i = g * WIDTH; l < WIDTH; ++l, ++i) {
+    pbf_vec sum = pbf_beside_walls(lane_value(sums, l), lambda[i], p->lent.resting[i],
+                                   field_at(&p->lent.gradient, i));
     for (int k = 0; k < PBF_DIM; ++k) sums->c[k][l] = sum.c[k];
   }
 }
@@ -223,7 +238,7 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
     if (!has_mirrors(p) || !sum_mirrored(p, m->lambda, g, &mirrored))
       mirrored.sum = move_sum(features, &c, p, m->lambda, g);
     lane_values sums = lane_vec_values(&mirrored.sum);
-    if (lending_walls(p)) add_walls_to_change(p, m->lambda, g, &sums);
+    if (lending_walls(p) && group_near_obstacles(p, g)) add_walls_to_change(p, m->lambda, g, &sums);
     const lane_values moved = moved_group(&c, &xs, &sums);
     lane_values after = moved;
     uint32_t lanes = lanes_in_group(&p->lists, g);
@@ -252,14 +267,6 @@ static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_
     move_groups(PBF_FEATURE_SCORR, p, m, first, last);
   else
     move_groups(0, p, m, first, last);
-}
-
-/* For passes that are made once a step. */
-static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  const lane_values xs = lane_vec_values(&x);
-  _Alignas(64) pbf_real distances[WIDTH];
-  return near_obstacles(p->constants, p->walls, &xs, distances);
 }
 
 /* ---- Velocity ------------------------------------------------------------------------------ */
@@ -500,10 +507,8 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
     if (lending_walls(p) && group_near_obstacles(p, g)) {
-      const lane_values xs = lane_vec_values(&x);
-      lane_values gradients = xs;
-      pbf_real resting[WIDTH] = {0};
-      add_walls(p->constants, p->walls, &xs, densities + g * WIDTH, &gradients, resting);
+      const lane_lent lent = lent_at(p, g);
+      for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += lent.density[l];
     }
   }
 }

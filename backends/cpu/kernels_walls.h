@@ -35,7 +35,7 @@ PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const 
   return pbf_solid_count(o) || wall_distances(o, x, distances) < wall_reach(c);
 }
 
-/* What walls lend, in all lanes. */
+/* What the walls of an axis lend, in all lanes. */
 typedef struct lane_walls {
   _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
 } lane_walls;
@@ -86,15 +86,19 @@ PBF_FN void keep_own_part(const pbf_constants *c, lane_walls *walls, pbf_real ow
   }
 }
 
-/* pbf_add_walls where there are no colliders, in all lanes and to the bit: whether a group asks
- * colliders must not be seen in its densities, as lanes that nobody has have a say in it. */
-static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
-                                                      const pbf_walls *walls, const lane_values *x,
-                                                      pbf_real densities[WIDTH],
-                                                      lane_values *gradients,
-                                                      pbf_real resting[WIDTH]) {
+/* What walls and colliders lend the particles of a group. */
+typedef struct lane_lent {
+  _Alignas(64) pbf_real density[WIDTH], resting[WIDTH];
+  lane_values gradient;
+} lane_lent;
+
+/* pbf_lent_by_walls in all lanes, and what pbf_lent_at makes where there are no colliders to the
+ * bit: whether a group asks colliders must not be seen in its densities, as lanes that nobody has
+ * have a say in it. */
+static __attribute__((noinline)) void lent_by_walls(const pbf_constants *c, const pbf_walls *walls,
+                                                    const lane_values *x, lane_lent *lent) {
   if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && walls->reach > 0) return;
-  _Alignas(64) pbf_real lent[WIDTH] = {0}, own[WIDTH] = {0};
+  _Alignas(64) pbf_real shared[WIDTH] = {0}, own[WIDTH] = {0};
   lane_values slopes = {{{0}}}, own_slopes = {{{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
     _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
@@ -107,16 +111,17 @@ static __attribute__((noinline)) void add_plain_walls(const pbf_constants *c,
     for (int j = 0; j < PBF_DIM && near; ++j)
       for (uint32_t l = 0; l < WIDTH; ++l)
         slopes.c[j][l] =
-            pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, lent[l], slopes.c[j][l]);
+            pbf_join_slope(along.value[l], j == k ? along.slope[l] : 0, shared[l], slopes.c[j][l]);
     for (uint32_t l = 0; l < WIDTH && near; ++l) {
-      lent[l] = pbf_join_value(along.value[l], lent[l]);
-      resting[l] = pbf_join_value(pbf_real_min(along.value[l], c->wall_rest), resting[l]);
+      shared[l] = pbf_join_value(along.value[l], shared[l]);
+      lent->resting[l] =
+          pbf_join_value(pbf_real_min(along.value[l], c->wall_rest), lent->resting[l]);
     }
   }
-  for (uint32_t l = 0; l < WIDTH; ++l) densities[l] += lent[l] + own[l];
+  for (uint32_t l = 0; l < WIDTH; ++l) lent->density[l] = shared[l] + own[l];
   for (int k = 0; k < PBF_DIM; ++k)
     for (uint32_t l = 0; l < WIDTH; ++l)
-      gradients->c[k][l] = gradients->c[k][l] + slopes.c[k][l] + own_slopes.c[k][l];
+      lent->gradient.c[k][l] = slopes.c[k][l] + own_slopes.c[k][l];
 }
 
 /* Of a group's particles, on their way from `from`. */
@@ -143,30 +148,29 @@ PBF_FN int solids_lend(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x
   return 0;
 }
 
-/* pbf_add_lent in all lanes; what is `resting` has to be 0. */
-static __attribute__((noinline)) void add_walls(const pbf_constants *c, const pbf_obstacles *o,
-                                                const lane_values *x, pbf_real densities[WIDTH],
-                                                lane_values *gradients, pbf_real resting[WIDTH]) {
+/* pbf_lent_at in all lanes. */
+static __attribute__((noinline)) void lent_to_group(const pbf_constants *c, const pbf_obstacles *o,
+                                                    const lane_values *x, lane_lent *lent) {
+  memset(lent, 0, sizeof *lent);
   if (!pbf_solid_count(o)) {
-    add_plain_walls(c, &o->walls, x, densities, gradients, resting);
+    lent_by_walls(c, &o->walls, x, lent);
     return;
   }
   pbf_obstacles near;
   const swarm these = swarm_of_group(x, x);
   pbf_real distances[WIDTH];
   if (!obstacles_within(o, &these, wall_reach(c), &near)) {
-    if (wall_distances(&near, x, distances) < wall_reach(c))
-      add_plain_walls(c, &o->walls, x, densities, gradients, resting);
+    if (wall_distances(&near, x, distances) < wall_reach(c)) lent_by_walls(c, &o->walls, x, lent);
     return;
   }
   wall_distances(&near, x, distances);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     if (!(distances[l] < wall_reach(c)) && !solids_lend(c, &near, lane_value(x, l))) continue;
-    pbf_vec gradient = lane_value(gradients, l);
-    pbf_lent lent = pbf_lent_at(c, &near.walls, near.count, near.solids, lane_value(x, l));
-    pbf_add_lent(&lent, &densities[l], &gradient);
-    resting[l] = lent.resting;
-    for (int k = 0; k < PBF_DIM; ++k) gradients->c[k][l] = gradient.c[k];
+    pbf_vec gradient = {{0}};
+    pbf_lent by_all = pbf_lent_at(c, &near.walls, near.count, near.solids, lane_value(x, l));
+    pbf_add_lent(&by_all, &lent->density[l], &gradient);
+    lent->resting[l] = by_all.resting;
+    for (int k = 0; k < PBF_DIM; ++k) lent->gradient.c[k][l] = gradient.c[k];
   }
 }
 

@@ -49,6 +49,14 @@ static void clear_totals(solver *s, range groups) {
  */
 static const field *now_at(const worker *w) { return &w->b.spare[w->iteration ? 1 : 2]; }
 
+/* From the sort to the end of the solve nobody reads the old state: what walls lend is kept there.
+ */
+static pair_pass pairs_now(const worker *w, const pbf_real *quads) {
+  pair_pass pairs = pairs_at(w, *now_at(w), quads);
+  pairs.lent = (walls_lent){w->b.v, w->b.x.c[0]};
+  return pairs;
+}
+
 static void backtrack_piece(void *context, uint32_t piece) {
   worker *w = context;
   range r = piece_sorted(w, piece);
@@ -92,7 +100,7 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t pi
 
 static void lambda_piece(void *context, uint32_t piece) {
   worker *w = context;
-  pair_pass pairs = pairs_at(w, *now_at(w), w->s->quads[0]);
+  pair_pass pairs = pairs_now(w, w->s->quads[0]);
   find_lambda(w, &pairs, piece);
 }
 
@@ -100,7 +108,7 @@ static void move_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
   range r = piece_groups(w, piece), all = piece_sorted(w, piece);
-  pair_pass pairs = pairs_at(w, *now_at(w), s->quads[1]);
+  pair_pass pairs = pairs_now(w, s->quads[1]);
   const move_pass m = {pushes_of(s),
                        &w->obstacles,
                        s->schedule.collide_in_iteration,
@@ -125,7 +133,7 @@ static int is_over(const worker *w) {
 static void watched_lambda_piece(void *context, uint32_t piece) {
   worker *w = context;
   if (is_over(w)) return;
-  pair_pass pairs = pairs_at(w, *now_at(w), w->s->quads[0]);
+  pair_pass pairs = pairs_now(w, w->s->quads[0]);
   int64_t excess = 0;
   pairs.excess = &excess;
   int64_t idle = find_lambda(w, &pairs, piece);
