@@ -49,19 +49,57 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int 
   }
 }
 
+/* Of as many particles as there are lanes, or fewer. */
+PBF_FN lane_values load_lanes(const field *f, uint32_t first, uint32_t lanes) {
+  lane_values a;
+  memset(&a, 0, sizeof a);
+  for (int k = 0; k < PBF_DIM; ++k) memcpy(a.c[k], f->c[k] + first, lanes * sizeof(pbf_real));
+  return a;
+}
+
+PBF_FN void store_lanes(const field *f, uint32_t first, uint32_t lanes, const lane_values *a) {
+  for (int k = 0; k < PBF_DIM; ++k) memcpy(f->c[k] + first, a->c[k], lanes * sizeof(pbf_real));
+}
+
+PBF_FN void set_lane(lane_values *a, uint32_t l, pbf_vec value) {
+  for (int k = 0; k < PBF_DIM; ++k) a->c[k][l] = value.c[k];
+}
+
+PBF_FN void predict_lanes(const pbf_forces *f, const field *x, const field *v,
+                          const field *predicted, const field *kept, uint32_t i, uint32_t lanes) {
+  const lane_values xs = load_lanes(x, i, lanes), vs = load_lanes(v, i, lanes);
+  lane_values ys;
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    set_lane(&ys, l, pbf_predict(f, lane_value(&xs, l), lane_value(&vs, l)));
+  store_lanes(predicted, i, lanes, &ys);
+  store_lanes(kept, i, lanes, &ys);
+}
+
+PBF_FN void predict_velocities(const pbf_forces *f, const field *x, const field *v,
+                               const field *predicted, const field *velocity, uint32_t i,
+                               uint32_t lanes) {
+  const lane_values xs = load_lanes(x, i, lanes), vs = load_lanes(v, i, lanes);
+  const lane_values ys = load_lanes(velocity, i, lanes), after = load_lanes(predicted, i, lanes);
+  lane_values us;
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    set_lane(&us, l,
+             pbf_predicted_velocity(f, lane_value(&xs, l), lane_value(&vs, l), lane_value(&ys, l),
+                                    lane_value(&after, l)));
+  store_lanes(velocity, i, lanes, &us);
+}
+
 static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, int collide, field x,
                     field v, field predicted, field velocity, uint32_t first, uint32_t last) {
   const pbf_forces f = *forces;
-  for (uint32_t i = first; i < last; ++i) {
-    pbf_vec y = pbf_predict(&f, field_at(&x, i), field_at(&v, i));
-    field_set(&predicted, i, y);
-    field_set(&velocity, i, y); /* kept until the obstacles are done */
-  }
+  const uint32_t rest = (last - first) % WIDTH, whole = last - rest;
+  /* `velocity` keeps the prediction until the obstacles are done. */
+  for (uint32_t i = first; i < whole; i += WIDTH)
+    predict_lanes(&f, &x, &v, &predicted, &velocity, i, WIDTH);
+  predict_lanes(&f, &x, &v, &predicted, &velocity, whole, rest);
   if (collide) collide_range(obstacles, 1, x, predicted, first, last);
-  for (uint32_t i = first; i < last; ++i)
-    field_set(&velocity, i,
-              pbf_predicted_velocity(&f, field_at(&x, i), field_at(&v, i), field_at(&velocity, i),
-                                     field_at(&predicted, i)));
+  for (uint32_t i = first; i < whole; i += WIDTH)
+    predict_velocities(&f, &x, &v, &predicted, &velocity, i, WIDTH);
+  predict_velocities(&f, &x, &v, &predicted, &velocity, whole, rest);
 }
 
 /* Where particles were at the start of the step. */

@@ -35,6 +35,16 @@ PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const 
   return pbf_solid_count(o) || wall_distances(o, x, distances) < wall_reach(c);
 }
 
+/* What an array has at the nodes 0 … PBF_WALL_LAST - 1, one for each lane. */
+PBF_FN void at_nodes(const pbf_real *array, const int nodes[WIDTH], pbf_real values[WIDTH]) {
+#ifdef LANES_LOOK_UP
+  _Static_assert(PBF_WALL_LAST == 32, "as many as lanes_look_up can tell apart");
+  lane_store(values, lanes_look_up(array, nodes));
+#else
+  for (uint32_t l = 0; l < WIDTH; ++l) values[l] = array[nodes[l]];
+#endif
+}
+
 /* What the walls of an axis lend, in all lanes. */
 typedef struct lane_walls {
   _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
@@ -46,10 +56,8 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
   _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], push[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH],
       g1[WIDTH];
   _Alignas(64) int nodes[WIDTH];
-  const pbf_real reach = wall_reach(c), last = PBF_WALL_LAST;
-  int near = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) near |= distances[l] < reach;
-  if (!near) return 0;
+  const pbf_real last = PBF_WALL_LAST;
+  if (!lane_any_below(lane_load(distances), lane_set(wall_reach(c)))) return 0;
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_real t = pbf_wall_place(c, distances[l]), within = pbf_real_max(t, 0);
     lends[l] = t < last ? 1 : 0;
@@ -57,15 +65,14 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
     push[l] = pbf_wall_push(c, s[l]);
   }
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    nodes[l] = (int)pbf_real_min(s[l], last - 1);
-    s[l] -= nodes[l];
+    int node = (int)s[l];
+    nodes[l] = node < PBF_WALL_LAST ? node : PBF_WALL_LAST - 1;
+    s[l] -= (pbf_real)nodes[l];
   }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    v0[l] = c->wall_value[nodes[l]];
-    v1[l] = c->wall_value[nodes[l] + 1];
-    g0[l] = c->wall_slope[nodes[l]];
-    g1[l] = c->wall_slope[nodes[l] + 1];
-  }
+  at_nodes(c->wall_value, nodes, v0);
+  at_nodes(c->wall_value + 1, nodes, v1);
+  at_nodes(c->wall_slope, nodes, g0);
+  at_nodes(c->wall_slope + 1, nodes, g1);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_real slope, value = pbf_wall_between(s[l], v0[l], v1[l], g0[l], g1[l], &slope);
     walls->value[l] += lends[l] * value;

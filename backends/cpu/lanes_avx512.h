@@ -84,6 +84,13 @@ PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm512_mask_mov_ps(first, p.second, second);
 }
 
+/* What an array of 32 has at these places. */
+#define LANES_LOOK_UP
+PBF_FN lane lanes_look_up(const pbf_real *array, const int places[WIDTH]) {
+  return (lane)_mm512_permutex2var_ps(_mm512_loadu_ps(array), _mm512_loadu_si512(places),
+                                      _mm512_loadu_ps(array + WIDTH));
+}
+
 /* The leading bit of the first mask, and once that is empty of the second; then 64, that is 0. */
 #define LANES_LIST_BY_MASKS
 PBF_FN void slots_list(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {

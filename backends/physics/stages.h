@@ -63,11 +63,10 @@ PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
 PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   pbf_vec velocity = pbf_apply_forces(f, x, v);
   for (int k = 0; k < PBF_DIM; ++k) {
-    const int back = velocity.c[k] < 0;
-    pbf_real way = f->time_step * (back ? -velocity.c[k] : velocity.c[k]);
+    const pbf_real sign = velocity.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
+    pbf_real way = f->time_step * (sign * velocity.c[k]);
     way += f->rounding * pbf_last_bit(x.c[k]);
-    if (way < 0) way = 0;
-    x.c[k] += back ? -way : way;
+    x.c[k] += sign * (way < 0 ? 0 : way);
   }
   return x;
 }
