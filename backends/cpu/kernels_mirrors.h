@@ -50,15 +50,16 @@ typedef struct pair_sums {
   lane_vec sum; /* of gradients, or of moves */
 } pair_sums;
 
-/* `factor`: on the slope in `sum`. */
-PBF_FN void add_weighed(const int features, const pbf_constants *c, lane weight, const lane_vec *x,
-                        lane r2, lane factor, pair_sums *sums) {
+/* In units of the kernel's scales; `factor`: on the slope in `sum`. */
+PBF_FN void add_pair(const int features, const pbf_constants *c, const lane_vec *x, lane r2,
+                     lane factor, pair_sums *sums) {
+  const lane value_scale = lane_set(features & PBF_FEATURE_SCORR ? c->value_scale : 1);
   lane value, slope;
-  lanes_kernel(features, c, r2, &value, &slope);
+  lanes_scaled(features, c, value_scale, lane_set(1), r2, &value, &slope);
   if (features & PBF_FEATURE_SCORR) factor = factor + lanes_scorr(c, value);
-  sums->density = lane_fma(weight, value, sums->density);
-  sums->slope2 = lane_fma(weight * slope * r2, slope, sums->slope2);
-  lane_vec_add_scaled(&sums->sum, weight * factor * slope, x);
+  sums->density = sums->density + value;
+  sums->slope2 = lane_fma(slope * r2, slope, sums->slope2);
+  lane_vec_add_scaled(&sums->sum, factor * slope, x);
 }
 
 /* Adds the images of j. */
@@ -70,10 +71,20 @@ PBF_FN void add_images(const int features, const pbf_constants *c, lane_mirrors 
     if (walls & out) continue;
     lane r2 = lanes_image(walls, m->twice, x_ij->c, image.c);
     if (lane_any_below(r2, lane_set(c->h2)))
-      add_weighed(features, c, lane_set(c->wall_weight), &image, r2, factor, sums);
+      add_pair(features, c, &image, r2, factor, sums);
     else
       out |= walls & (walls - 1) ? 0 : walls;
   }
+}
+
+/* Images count by the walls' weight. */
+PBF_FN void add_weighed(const pbf_constants *c, lane scale, const pair_sums *images,
+                        pair_sums *sums) {
+  const lane weight = lane_set(c->wall_weight);
+  sums->density = lane_fma(weight, images->density, sums->density) * lane_set(c->value_scale);
+  sums->slope2 = lane_fma(weight, images->slope2, sums->slope2) * scale * scale;
+  lane_vec_add_scaled(&sums->sum, weight, &images->sum);
+  lane_vec_scale(&sums->sum, scale);
 }
 
 PBF_FN void walk_mirrored(const int features, const pair_pass *p, const pbf_real *lambda,
@@ -81,8 +92,10 @@ PBF_FN void walk_mirrored(const int features, const pair_pass *p, const pbf_real
   const pbf_constants c = *p->constants;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH), own = lane_vec_zero();
   const lane lambda_i = lambda ? lane_load(lambda + g * WIDTH) : lane_set((pbf_real)0.5);
+  pair_sums images = *sums;
   uint8_t space[MOST_ROUNDS * WIDTH];
-  add_images(features, &c, m, &own, lambda_i + lambda_i, sums);
+  sums->density = lane_set(1);
+  add_images(features, &c, m, &own, lambda_i + lambda_i, &images);
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
     const neighbor_table around = neighbors_in(b, p, lambda);
@@ -90,10 +103,11 @@ PBF_FN void walk_mirrored(const int features, const pair_pass *p, const pbf_real
     for (; list < end; list += WIDTH) {
       const pair_lanes pair = pairs_listed(b, list, &x, &around);
       const lane lambdas = lambda_i + (lambda ? number_of(&around, &pair) : lambda_i);
-      add_weighed(features, &c, lane_set(1), &pair.x_ij, pair.r2, lambdas, sums);
-      add_images(features, &c, m, &pair.x_ij, lambdas, sums);
+      add_pair(features, &c, &pair.x_ij, pair.r2, lambdas, sums);
+      add_images(features, &c, m, &pair.x_ij, lambdas, &images);
     }
   }
+  add_weighed(&c, lane_set(pbf_slope_scale(features, &c)), &images, sums);
 }
 
 /* All sums of a group, without or with lambdas, in a pass that has mirrors; returns whether there
@@ -106,7 +120,6 @@ static __attribute__((noinline)) int sum_mirrored(const pair_pass *p, const pbf_
   lane_mirrors m;
   if (!find_mirrors(p, g, &m)) return 0;
   memset(sums, 0, sizeof *sums);
-  sums->density = lane_set(p->constants->value_scale);
   if (ONE_LOOP || features)
     walk_mirrored(features, p, lambda, g, &m, sums);
   else

@@ -51,10 +51,11 @@ PBF_FN int64_t *asked_excess(const pair_pass *p) {
   return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->excess : NULL;
 }
 
+/* Sums are in units of the kernel's scales until their end. */
 PBF_FN void add_density(const int features, const pbf_constants *c, pair_sums *sums,
                         const pair_lanes *p) {
   lane value, slope;
-  lanes_kernel(features, c, p->r2, &value, &slope);
+  lanes_scaled(features, c, lane_set(1), lane_set(1), p->r2, &value, &slope);
   sums->density = sums->density + value;
   sums->slope2 = lane_fma(slope * p->r2, slope, sums->slope2);
   lane_vec_add_scaled(&sums->sum, slope, &p->x_ij);
@@ -64,7 +65,8 @@ PBF_FN void add_density(const int features, const pbf_constants *c, pair_sums *s
  * latency is the longest. */
 PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pair_pass *p,
                             const lane_vec *x, uint32_t g) {
-  pair_sums sums = {lane_set(c->value_scale), lane_set(0), lane_vec_zero()};
+  const lane scale = lane_set(pbf_slope_scale(features, c));
+  pair_sums sums = {lane_set(1), lane_set(0), lane_vec_zero()};
   uint8_t space[MOST_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
@@ -78,6 +80,9 @@ PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pa
     }
     add_density(features, c, &sums, &now);
   }
+  sums.density = sums.density * lane_set(c->value_scale);
+  sums.slope2 = sums.slope2 * scale * scale;
+  lane_vec_scale(&sums.sum, scale);
   return sums;
 }
 
@@ -138,7 +143,7 @@ static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32
 PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
                      const pair_lanes *p) {
   lane value, slope;
-  lanes_kernel(features, c, p->r2, &value, &slope);
+  lanes_scaled(features, c, lane_set(c->value_scale), lane_set(1), p->r2, &value, &slope);
   if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(c, value);
   lane_vec_add_scaled(sum, lambdas * slope, &p->x_ij);
 }
@@ -162,6 +167,7 @@ PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const pair_
     }
     add_move(features, c, &sum, lambda_i + number_of(&around, &now), &now);
   }
+  lane_vec_scale(&sum, lane_set(pbf_slope_scale(features, c)));
   return sum;
 }
 

@@ -47,6 +47,10 @@ PBF_FN void lane_vec_add_scaled(lane_vec *a, lane s, const lane_vec *b) {
   for (int k = 0; k < PBF_DIM; ++k) a->c[k] = lane_fma(s, b->c[k], a->c[k]);
 }
 
+PBF_FN void lane_vec_scale(lane_vec *a, lane s) {
+  for (int k = 0; k < PBF_DIM; ++k) a->c[k] = a->c[k] * s;
+}
+
 /* The lanes' values, one after another. */
 typedef struct lane_values {
   _Alignas(64) pbf_real c[PBF_DIM][WIDTH];
