@@ -36,10 +36,11 @@ def table(result):
     lines += ["| " + " | ".join(cells(row)) + " |" for row in result["benchmarks"]
               if row["run_type"] == "iteration"]
     context = result["context"]
+    runs = max(row["repetitions"] for row in result["benchmarks"])
     builds = sorted({value for key, value in context.items() if key.startswith("build_")})
     lines += ["", f"Medians, {context['cpu_model']} with {context['num_cpus']} CPUs, "
               f"library {'; '.join(builds)}, commit {context['commit']}. The naive row is one run, the "
-              "others five. The density error is that of the scene's own parameters, which ask for "
+              f"others {runs}. The density error is that of the scene's own parameters, which ask for "
               "a rest density that 5 iterations do not reach: every row makes the same error."]
     return "\n".join(lines)
 
