@@ -54,36 +54,19 @@ PBF_FN void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list)
   slots_list(masks, rounds, list);
 }
 #else
-/* How many bits of a mask are unpacked at once, be there as many or not: a loop of as many rounds
- * as a lane has neighbours would be mispredicted in each lane. */
-enum { BITS_AT_ONCE = 8 };
-
-/* Unpacks two windows' bits into every WIDTH-th byte, and as many more as come of BITS_AT_ONCE;
- * returns where the next ones begin. */
-PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
-  uint8_t *end = next + (uint32_t)__builtin_popcountll(m) * WIDTH;
-  do {
-    for (int k = 0; k < BITS_AT_ONCE; ++k, next += WIDTH) {
-      uint32_t bit = (uint32_t)__builtin_ctzll(m | UINT64_C(0x8000000000000000));
-      *next = (uint8_t)((part + 2) * SLOTS - 1 - bit);
-      m &= m - 1;
-    }
-  } while (m);
-  return end;
-}
-
 static inline void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
   uint32_t bits[PARTS][WIDTH];
-  uint8_t space[(PARTS * (SLOTS - 1) + BITS_AT_ONCE) * WIDTH];
+  memset(list, 0, (size_t)rounds * WIDTH);
   for (int part = 0; part < PARTS; ++part) slots_store(bits[part], masks[part]);
-  memset(space, 0, (size_t)rounds * WIDTH);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    uint8_t *next = space + l;
+    uint8_t *next = list + l;
     for (uint32_t part = 0; part < PARTS; part += 2)
-      next = list_bits((uint64_t)bits[part][l] << 32 | bits[part + 1][l], part, next);
-    for (int k = 0; k < BITS_AT_ONCE; ++k) next[k * WIDTH] = 0;
+      for (uint64_t m = (uint64_t)bits[part][l] << 32 | bits[part + 1][l]; m; next += WIDTH) {
+        uint32_t slot = (uint32_t)__builtin_clzll(m);
+        m &= ~(UINT64_C(0x8000000000000000) >> slot);
+        *next = (uint8_t)(part * SLOTS + slot);
+      }
   }
-  memcpy(list, space, (size_t)rounds * WIDTH);
 }
 #endif
 
