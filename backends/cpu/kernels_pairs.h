@@ -87,15 +87,13 @@ PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pa
 }
 
 static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  const lane_values xs = lane_vec_values(&x);
+  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
   _Alignas(64) pbf_real distances[WIDTH];
   return near_obstacles(p->constants, p->walls, &xs, distances);
 }
 
 PBF_FN lane_lent lent_at(const pair_pass *p, uint32_t g) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  const lane_values xs = lane_vec_values(&x);
+  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
   lane_lent lent;
   lent_to_group(p->constants, p->walls, &xs, &lent);
   return lent;
@@ -177,7 +175,7 @@ PBF_FN void add_walls_to_change(const pair_pass *p, const pbf_real *lambda, uint
   for (uint32_t l = 0, i = g * WIDTH; l < WIDTH; ++l, ++i) {
     pbf_vec sum = pbf_beside_walls(lane_value(sums, l), lambda[i], p->lent.resting[i],
                                    field_at(&p->lent.gradient, i));
-    for (int k = 0; k < PBF_DIM; ++k) sums->c[k][l] = sum.c[k];
+    set_lane(sums, l, sum);
   }
 }
 
@@ -187,7 +185,7 @@ PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *from,
   lane_values x;
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec moved = pbf_move(c, lane_value(from, l), lane_value(sums, l));
-    for (int k = 0; k < PBF_DIM; ++k) x.c[k][l] = moved.c[k];
+    set_lane(&x, l, moved);
   }
   return x;
 }
@@ -195,7 +193,7 @@ PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *from,
 PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec clamped = pbf_clamp(&obstacles->walls, lane_value(x, l));
-    for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = clamped.c[k];
+    set_lane(x, l, clamped);
   }
 }
 
@@ -210,7 +208,7 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
   }
   for (uint32_t l = 0; l < lanes; ++l) {
     pbf_vec resolved = resolve_met(obstacles, &met, 0, lane_value(from, l), lane_value(x, l));
-    for (int k = 0; k < PBF_DIM; ++k) x->c[k][l] = resolved.c[k];
+    set_lane(x, l, resolved);
   }
 }
 
@@ -256,8 +254,7 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
       clamp_group(m->obstacles, &after);
     }
     push_group(&c, m, &sums, &moved, &after, g * WIDTH, lanes);
-    for (int k = 0; k < PBF_DIM; ++k)
-      memcpy(m->to.c[k] + g * WIDTH, after.c[k], lanes * sizeof(pbf_real));
+    store_lanes(&m->to, g * WIDTH, lanes, &after);
   }
 }
 

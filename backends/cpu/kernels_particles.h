@@ -3,6 +3,7 @@
 #define PBF_CPU_KERNELS_PARTICLES_H
 
 #include "cpu/kernels_collide.h"
+#include "cpu/lane_vec.h"
 
 static void clamp_range(const pbf_walls *between, field x, uint32_t first, uint32_t last) {
   const pbf_walls walls = *between;
@@ -47,22 +48,6 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int 
     for (uint32_t i = begin; i < end; ++i)
       field_set(&x, i, resolve_met(o, &met, carried, field_at(&from, i), field_at(&x, i)));
   }
-}
-
-/* Of as many particles as there are lanes, or fewer. */
-PBF_FN lane_values load_lanes(const field *f, uint32_t first, uint32_t lanes) {
-  lane_values a;
-  memset(&a, 0, sizeof a);
-  for (int k = 0; k < PBF_DIM; ++k) memcpy(a.c[k], f->c[k] + first, lanes * sizeof(pbf_real));
-  return a;
-}
-
-PBF_FN void store_lanes(const field *f, uint32_t first, uint32_t lanes, const lane_values *a) {
-  for (int k = 0; k < PBF_DIM; ++k) memcpy(f->c[k] + first, a->c[k], lanes * sizeof(pbf_real));
-}
-
-PBF_FN void set_lane(lane_values *a, uint32_t l, pbf_vec value) {
-  for (int k = 0; k < PBF_DIM; ++k) a->c[k][l] = value.c[k];
 }
 
 PBF_FN void predict_lanes(const pbf_forces *f, const field *x, const field *v,

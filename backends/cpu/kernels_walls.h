@@ -177,7 +177,7 @@ static __attribute__((noinline)) void lent_to_group(const pbf_constants *c, cons
     pbf_lent by_all = pbf_lent_at(c, &near.walls, near.count, near.solids, lane_value(x, l));
     pbf_add_lent(&by_all, &lent->density[l], &gradient);
     lent->resting[l] = by_all.resting;
-    for (int k = 0; k < PBF_DIM; ++k) lent->gradient.c[k][l] = gradient.c[k];
+    set_lane(&lent->gradient, l, gradient);
   }
 }
 

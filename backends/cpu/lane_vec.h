@@ -68,4 +68,20 @@ PBF_FN pbf_vec lane_value(const lane_values *v, uint32_t l) {
   return a;
 }
 
+/* Of as many particles as there are lanes, or fewer. */
+PBF_FN lane_values load_lanes(const field *f, uint32_t first, uint32_t lanes) {
+  lane_values a;
+  memset(&a, 0, sizeof a);
+  for (int k = 0; k < PBF_DIM; ++k) memcpy(a.c[k], f->c[k] + first, lanes * sizeof(pbf_real));
+  return a;
+}
+
+PBF_FN void store_lanes(const field *f, uint32_t first, uint32_t lanes, const lane_values *a) {
+  for (int k = 0; k < PBF_DIM; ++k) memcpy(f->c[k] + first, a->c[k], lanes * sizeof(pbf_real));
+}
+
+PBF_FN void set_lane(lane_values *a, uint32_t l, pbf_vec value) {
+  for (int k = 0; k < PBF_DIM; ++k) a->c[k][l] = value.c[k];
+}
+
 #endif
