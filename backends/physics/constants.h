@@ -17,7 +17,7 @@ typedef struct pbf_constants {
   pbf_real epsilon;
   pbf_real rounding;     /* density error that may be rounding, see pbf_density_rounding */
   pbf_real omega;        /* of an iteration's moves; 1 where lambda adds up */
-  pbf_real tension;      /* weight of densities below rest */
+  pbf_real tension;      /* weight of densities below rest where lambda does not add up */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
   pbf_real confinement; /* dt times the strength of eq. 16, see pbf_most_confinement */
@@ -25,8 +25,9 @@ typedef struct pbf_constants {
   pbf_real flow_time, most_flow2; /* undamp.h: dt times the part that is undone; and beyond which
                                      way of the flow in a step, squared, less of it is */
   int scorr_n;
-  int accelerated;               /* lambda adds up over the iterations, with … */
-  int one_sided;                 /* … its sign kept */
+  int accelerated;               /* lambda adds up over the iterations, */
+  pbf_real most_pull;            /* … up to this above a density of, and to 0 elsewhere, … */
+  pbf_real least_pulled;         /* … see pbf_set_pull */
   pbf_real step_size;            /* of the Chebyshev iteration, */
   double contraction;            /* what its weights follow from, pbf_next_weight, */
   pbf_real weight;               /* and the one of this iteration */
@@ -54,14 +55,19 @@ PBF_FN pbf_real pbf_slope_scale(int features, const pbf_constants *c) {
   return features & PBF_FEATURE_POLY6 ? -c->gradient_scale : -c->gradient_over_h;
 }
 
+static inline double pbf_gravity_of(const pbf_params *params) {
+  double g2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) g2 += params->gravity[k] * params->gravity[k];
+  return sqrt(g2);
+}
+
 /* What a step does to the density error that it finds becomes velocity: error times h / dt, without
  * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
  * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
 static inline double pbf_slack_of(const pbf_params *params) {
-  double g2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k) g2 += params->gravity[k] * params->gravity[k];
-  if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g2 > 0)) return 0;
-  double time = 0.02 * sqrt(params->smoothing_radius / sqrt(g2));
+  double g = pbf_gravity_of(params);
+  if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g > 0)) return 0;
+  double time = 0.02 * sqrt(params->smoothing_radius / g);
   return fmax(0, 1 - params->time_step / time);
 }
 
@@ -91,12 +97,10 @@ static inline double pbf_most_slack_of(double slack) { return 1 - 0.1 * (1 - sla
  * none: in float32 1e-5 for a domain of ten h. Larger ones are undone as elsewhere. */
 static inline double pbf_density_rounding(const pbf_params *params, double slack, double diagonal) {
   const double bit = sizeof(pbf_real) == sizeof(float) ? 0x1p-23 : 0x1p-52;
-  double extent = 0, g2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
+  double extent = 0, part = pbf_gravity_of(params) > 0 ? slack : 1;
+  for (int k = 0; k < PBF_DIM; ++k)
     extent = fmax(extent, fmax(fabs(params->domain_min[k]), fabs(params->domain_max[k])));
-    g2 += params->gravity[k] * params->gravity[k];
-  }
-  return (g2 > 0 ? slack : 1) * fmin(1e-4, 2 * bit * (4 + extent * sqrt(diagonal)));
+  return part * fmin(1e-4, 2 * bit * (4 + extent * sqrt(diagonal)));
 }
 
 /* Artificial pressure that a step can integrate, times the stiffness. Measured where it is beyond
@@ -140,7 +144,6 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
   c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
-  c->one_sided = c->accelerated && params->separation >= 1;
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
@@ -154,6 +157,21 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->most_undone = (pbf_real)pbf_most_undone_of(params, pbf_slack_of(params));
   c->most_slack = (pbf_real)pbf_most_slack_of(pbf_slack_of(params));
   if (c->accelerated) c->omega = 1;
+}
+
+/* Fluid that is torn apart inside, where water would not be, pulls itself together: lambda may be
+ * above 0 where a density lacks less than a tenth of what the outermost layer of a lattice lacks,
+ * so that surfaces, films and drops never pull. (From a fifth on, what doubles its weight gains
+ * energy.) No more pull than holds up a column of 8 h, so that short steps do not throw what they
+ * find torn, and none without gravity, which is what says that; nor more than a lattice takes
+ * without falling together, since pull undoes what pressed lattices are stiff by. */
+static inline void pbf_set_pull(pbf_constants *c, const pbf_params *params, const pbf_derived *d) {
+  const double layers = 8, part = 0.1;
+  double dt = params->time_step, weight = layers * d->h * pbf_gravity_of(params) * dt * dt;
+  double pull =
+      d->stiffness > 0 && d->pressure > 0 ? fmin(weight / d->pressure, 1 / d->stiffness) : 0;
+  c->most_pull = (pbf_real)((1 - params->separation) * pull);
+  c->least_pulled = (pbf_real)(1 - part * d->surface_lacks);
 }
 
 /* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga
@@ -219,7 +237,6 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);
   c.epsilon = (pbf_real)d.epsilon;
   c.omega = (pbf_real)d.omega;
-  c.tension = (pbf_real)(1 - params->separation);
   /* Never 0, so that the lambda of a lone particle is finite, and moves nothing. */
   c.min_diagonal = (pbf_real)(fmax(params->min_diagonal, 1e-12) * d.diagonal);
   c.scorr_k = (pbf_real)d.scorr_k;
@@ -231,10 +248,11 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.most_flow2 = (pbf_real)(0.04 * d.h * d.h);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
+  pbf_set_pull(&c, params, &d);
   pbf_set_walls(&c, params, &d);
   c.rounding =
-      c.one_sided ? (pbf_real)pbf_density_rounding(params, (double)c.slack, d.diagonal) : 0;
-  if (c.one_sided) c.tension = 1; /* the sign of lambda does what the constraint's would */
+      c.accelerated ? (pbf_real)pbf_density_rounding(params, (double)c.slack, d.diagonal) : 0;
+  c.tension = c.accelerated ? 1 : (pbf_real)(1 - params->separation);
   return c;
 }
 

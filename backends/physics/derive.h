@@ -20,13 +20,14 @@ typedef struct pbf_derived {
   double epsilon;        /* 1/length² */
   double omega;
   double scorr_k;
-  double scorr_inv_w; /* 1 / (V W(delta q)) */
-  double scorr_dq2;   /* (delta q)² in units of h² */
-  double diagonal;    /* V² sum |grad W|² on the lattice */
-  double stiffness;   /* largest curvature of a pressed lattice for lambda = 1, 1/length² */
-  double pressure;    /* of a lattice for lambda = -1 and a time step of 1, over rest density */
-  double wall_offset; /* from a particle's distance to a wall to the t h that its density is taken
-                         at */
+  double scorr_inv_w;   /* 1 / (V W(delta q)) */
+  double scorr_dq2;     /* (delta q)² in units of h² */
+  double diagonal;      /* V² sum |grad W|² on the lattice */
+  double stiffness;     /* largest curvature of a pressed lattice for lambda = 1, 1/length² */
+  double pressure;      /* of a lattice for lambda = -1 and a time step of 1, over rest density */
+  double surface_lacks; /* density that the outermost layer of a lattice lacks */
+  double wall_offset;   /* from a particle's distance to a wall to the t h that its density is taken
+                           at */
   double wall_first, wall_lent; /* t of a lattice's first layer, what the half-space lends it */
   double wall_steepness, wall_fade, wall_push, wall_push_far; /* see pbf_derive_wall */
 } pbf_derived;
@@ -309,6 +310,7 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.pressure = d.volume * sums.pull;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
+  d.surface_lacks = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1).density;
   if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, &d);
   d.epsilon = params->epsilon / (h * h);
   d.omega = params->relaxation > 0

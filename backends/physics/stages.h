@@ -127,7 +127,7 @@ static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count)
  * Where fluid is pressed hard, the large forces of a particle's neighbours cancel, and what is left
  * when one is out of place grows like stiffness * |lambda|. So no iteration adds more than a few
  * parts of 1 / stiffness, at places where neighbours have moved by as much: momentum is kept to
- * rounding however hard. */
+ * rounding however hard. Nothing pulls, lambda > 0, but as pbf_set_pull says. */
 PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real density, pbf_real lambda,
                            pbf_real *total, pbf_real *change) {
   const pbf_real crowd = (pbf_real)1.5;
@@ -135,7 +135,7 @@ PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real density, pbf_real la
   pbf_real add = (c->weight - 1) * *change + c->weight * c->step_size * lambda;
   add = pbf_real_max(pbf_real_min(add, most), -most);
   pbf_real next = *total + add;
-  if (c->one_sided) next = pbf_real_min(next, 0);
+  next = pbf_real_min(next, density > c->least_pulled ? c->most_pull : 0);
   *change = next - *total;
   *total = next;
 }

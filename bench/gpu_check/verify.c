@@ -191,6 +191,15 @@ static void verify_overflow(kind *k) {
   verify(k, "chebyshev-lists-overflow", &s, 10);
 }
 
+/* Torn a little from the start, and hardly heavy. */
+static void verify_pull(kind *k) {
+  scene s = accelerated_scene(k->dim, 0);
+  s.params.separation = s.params.scorr_k = 0;
+  s.params.spacing = 0.998 * s.spacing;
+  s.params.gravity[1] = -0.2;
+  verify(k, "held-together", &s, 10);
+}
+
 static void verify_iterations(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   verify(k, "chebyshev-all-iterations", &s, 50);
@@ -278,6 +287,7 @@ int verify_all(const char *name) {
       verify_containers(&k);
       verify_overflow(&k);
       verify_iterations(&k);
+      verify_pull(&k);
       verify_mirrors(&k);
       verify_places(&k);
       verify_crowding(&k);

@@ -130,8 +130,8 @@ enum {
 /* How the density solve iterates. */
 enum {
   PBF_SOLVER_JACOBI = 0,   /* Algorithm 1: every iteration starts from nothing */
-  PBF_SOLVER_CHEBYSHEV = 1 /* lambda adds up over the iterations of a step, and keeps its sign where
-                              `separation` is 1; accelerated by the Chebyshev semi-iteration */
+  PBF_SOLVER_CHEBYSHEV = 1 /* lambda adds up over the iterations of a step, and keeps its sign but
+                              for `separation`; accelerated by the Chebyshev semi-iteration */
 };
 
 /* When the domain's walls and the colliders act within a step (bits, at least one). */
@@ -174,8 +174,11 @@ typedef struct pbf_params {
                         largest eigenvalue of the Jacobi iteration on the lattice, always stable */
   double epsilon;    /* constraint force mixing, eq. 11, without a unit: epsilon * h² */
 
-  double separation; /* 0 … 1, how freely the fluid parts: densities below rest pull with weight
-                        1 - separation (0: as in the paper, 1: free surfaces never pull) */
+  double separation; /* 0 … 1, how freely the fluid parts. With JACOBI densities below rest pull with
+                        weight 1 - separation (0: as in the paper, 1: never). With CHEBYSHEV free
+                        surfaces never pull; fluid inside, which lacks little density, holds
+                        together with 1 - separation of the weight of a column of 8 h, or of what
+                        its stiffness allows (docs/accuracy.md); without gravity nothing pulls */
   double
       min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
                           keeps particles with few or coincident neighbours calm; 0: as in the paper */

@@ -23,7 +23,7 @@ static pbf_params params_with(unsigned bits) {
   params.vorticity = bits & VORTICITY ? 0.1 : 0;
   params.viscosity = bits & VISCOSITY ? 0.1 : 0;
   params.solver = bits & CHEBYSHEV ? PBF_SOLVER_CHEBYSHEV : PBF_SOLVER_JACOBI;
-  params.separation = bits & CHEBYSHEV ? 1 : 0.5;
+  params.separation = bits & CHEBYSHEV && bits & SCORR ? 1 : 0.5;
   params.undamping = (bits & CHEBYSHEV) && (bits & ATTRACTION) ? 0.7 : 0;
   params.wall_density = bits & WALLS ? 1 : 0;
   params.collide = bits & COLLIDERS ? PBF_COLLIDE_IN_ITERATION : 5;

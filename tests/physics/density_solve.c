@@ -208,6 +208,38 @@ static void separation_scales_the_pull(void **state) {
   assert_near(pbf_lambda(&c, 0, 1.2, 1e-9, none), -0.2 / least, 1e-12);
 }
 
+/* What adds up pulls inside, in short steps with the weight of 8 h, in long ones as far as the
+ * lattice's stiffness allows; not where the surface of a lattice begins; and nowhere without
+ * gravity or where the fluid parts freely. */
+static double pull(double density, double separation, double time_step, double gravity) {
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  p.separation = separation;
+  p.time_step = time_step;
+  p.gravity[0] = gravity;
+  p.gravity[1] = p.gravity[2] = 0;
+  pbf_constants c = pbf_constants_of(&p);
+  double total = 0, change = 0;
+  for (uint32_t k = 0; k < 1000; ++k)
+    pbf_accelerate(&c, (pbf_real)density, 1 * c.most_change, &total, &change);
+  return total;
+}
+
+static void fluid_inside_pulls_with_a_weight(void **state) {
+  (void)state;
+  const double dt = 1e-4, g = 7;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  pbf_derived d = pbf_derive(&p, PBF_DIM);
+  double weight = 8 * d.h * g * dt * dt / d.pressure;
+  assert_near(pull(0.999, 0, dt, g), weight, 1e-12 * weight);
+  assert_near(pull(0.999, 0.75, dt, g), 0.25 * weight, 1e-12 * weight);
+  assert_near(pull(0.999, 0, 100, g), 1 / d.stiffness, 1e-12 / d.stiffness);
+  assert_near(pull(1 - 0.2 * d.surface_lacks, 0, dt, g), 0, 0);
+  assert_near(pull(0.999, 0, dt, 0), 0, 0);
+  assert_near(pull(0.999, 1, dt, g), 0, 0);
+}
+
 /* A crowd of a density pushes by as many lambdas: less of it the denser it is, and it would draw in
  * what is around it. Nor may it push more than its own eigenvalue allows. */
 static void crowds_push_no_less_the_denser_they_are(void **state) {
@@ -394,6 +426,7 @@ int main(void) {
       cmocka_unit_test(relaxation_is_below_the_stability_limit),
       cmocka_unit_test(chebyshev_reaches_its_rest),
       cmocka_unit_test(separation_scales_the_pull),
+      cmocka_unit_test(fluid_inside_pulls_with_a_weight),
       cmocka_unit_test(crowds_push_no_less_the_denser_they_are),
       cmocka_unit_test(prediction_is_symplectic_euler),
       cmocka_unit_test(no_speed_is_beyond_the_domain),
