@@ -6,13 +6,6 @@
 #include "cpu/kernels_walls.h"
 #include "cpu/neighbors.h"
 
-/* Built for size, one loop serves all kernels. */
-#ifdef __OPTIMIZE_SIZE__
-enum { ONE_LOOP = 1 };
-#else
-enum { ONE_LOOP = 0 };
-#endif
-
 /* Where the particles of a group have images. */
 typedef struct lane_mirrors {
   pbf_mirrors near;
@@ -120,7 +113,7 @@ static __attribute__((noinline)) int sum_mirrored(const pair_pass *p, const pbf_
   lane_mirrors m;
   if (!find_mirrors(p, g, &m)) return 0;
   memset(sums, 0, sizeof *sums);
-  if (ONE_LOOP || features)
+  if (BUILT_FOR_SIZE || features)
     walk_mirrored(features, p, lambda, g, &m, sums);
   else
     walk_mirrored(0, p, lambda, g, &m, sums);

@@ -260,7 +260,7 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
 
 static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
-  if (ONE_LOOP)
+  if (BUILT_FOR_SIZE)
     move_groups(hot_features(p) & BOTH, p, m, first, last);
   else if ((hot_features(p) & BOTH) == BOTH)
     move_groups(BOTH, p, m, first, last);

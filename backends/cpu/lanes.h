@@ -22,6 +22,13 @@
 
 enum { SLOTS = 32 };
 
+/* Whether code that is small comes before code that is fast. */
+#ifdef __OPTIMIZE_SIZE__
+enum { BUILT_FOR_SIZE = 1 };
+#else
+enum { BUILT_FOR_SIZE = 0 };
+#endif
+
 #if defined(PBF_LANES_AVX512)
 #include "cpu/lanes_avx512.h"
 #elif defined(PBF_LANES_AVX2)
@@ -54,19 +61,44 @@ PBF_FN void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list)
   slots_list(masks, rounds, list);
 }
 #else
+/* Unpacks the bits of two windows, the last one first, into every WIDTH-th byte; returns where the
+ * next ones begin. A loop of as many rounds as a lane has neighbours is mispredicted in each lane:
+ * so some at once, be there as many or not, which leaves behind the end what is no neighbour. */
+enum { BITS_AT_ONCE = 8 };
+
+PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
+  uint8_t *end = next + (uint32_t)__builtin_popcountll(m) * WIDTH;
+  do {
+    for (int k = 0; k < BITS_AT_ONCE; ++k, next += WIDTH) {
+      uint32_t bit = (uint32_t)__builtin_ctzll(m | UINT64_C(0x8000000000000000));
+      *next = (uint8_t)((part + 2) * SLOTS - 1 - bit);
+      m &= m - 1;
+    }
+  } while (m);
+  return end;
+}
+
+/* Built for size: one at a time. */
+PBF_FN uint8_t *list_each_bit(uint64_t m, uint32_t part, uint8_t *next) {
+  for (; m; m &= m - 1, next += WIDTH)
+    *next = (uint8_t)((part + 2) * SLOTS - 1 - (uint32_t)__builtin_ctzll(m));
+  return next;
+}
+
 static inline void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
   uint32_t bits[PARTS][WIDTH];
-  memset(list, 0, (size_t)rounds * WIDTH);
+  uint8_t space[(PARTS * (SLOTS - 1) + BITS_AT_ONCE) * WIDTH];
   for (int part = 0; part < PARTS; ++part) slots_store(bits[part], masks[part]);
+  memset(space, 0, (size_t)rounds * WIDTH);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    uint8_t *next = list + l;
-    for (uint32_t part = 0; part < PARTS; part += 2)
-      for (uint64_t m = (uint64_t)bits[part][l] << 32 | bits[part + 1][l]; m; next += WIDTH) {
-        uint32_t slot = (uint32_t)__builtin_clzll(m);
-        m &= ~(UINT64_C(0x8000000000000000) >> slot);
-        *next = (uint8_t)(part * SLOTS + slot);
-      }
+    uint8_t *next = space + l;
+    for (uint32_t part = 0; part < PARTS; part += 2) {
+      uint64_t m = (uint64_t)bits[part][l] << 32 | bits[part + 1][l];
+      next = BUILT_FOR_SIZE ? list_each_bit(m, part, next) : list_bits(m, part, next);
+    }
+    for (int k = 0; k < BITS_AT_ONCE && !BUILT_FOR_SIZE; ++k) next[k * WIDTH] = 0;
   }
+  memcpy(list, space, (size_t)rounds * WIDTH);
 }
 #endif
 

@@ -277,9 +277,9 @@ static inline double pbf_wall_fade(const pbf_derived *d, uint32_t kernel, uint32
  * They push with its slope times wall_push, from the second layer on wall_push_far, so that a
  * lattice is balanced but for a thirtieth: balanced in full, fluid of wide kernels moves half as
  * fast again at rest. Where the second layer lacks little its balance counts less. */
-static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_derived *d) {
+static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_missing first,
+                                   pbf_derived *d) {
   const double share = 0.965;
-  pbf_missing first = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 1);
   pbf_missing second = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 2);
   d->wall_offset = pbf_wall_offset(kernel, dimension, d->h, d->spacing, d->volume);
   d->wall_first = (0.5 * d->spacing + d->wall_offset) / d->h;
@@ -310,8 +310,9 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.pressure = d.volume * sums.pull;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
-  d.surface_lacks = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1).density;
-  if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, &d);
+  pbf_missing first = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1);
+  d.surface_lacks = first.density;
+  if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, first, &d);
   d.epsilon = params->epsilon / (h * h);
   d.omega = params->relaxation > 0
                 ? params->relaxation
