@@ -37,6 +37,7 @@ class Params(c.Structure):
         ("sleep_speed", c.c_double), ("sleep_time", c.c_double),
         ("tolerance", c.c_double),
         ("pressure_grid", c.c_double), ("prestabilization", c.c_double), ("undamping", c.c_double),
+        ("torque_correction", c.c_double),
     ]
 
 

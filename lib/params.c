@@ -50,6 +50,7 @@ static const pbf_real_rule reals[] = {
     REAL(pressure_grid, 1, PBF_ANY),
     REAL(prestabilization, 1, PBF_AT_LEAST_ZERO),
     REAL(undamping, 1, PBF_FRACTION),
+    REAL(torque_correction, 1, PBF_FRACTION),
 };
 
 /* Only what artificial pressure needs, once it is there. */
@@ -85,12 +86,15 @@ static pbf_status check_pressure_grid(const pbf_params *params) {
 }
 
 /* The pushes of a whole step have to be known. */
-static pbf_status check_undamping(const pbf_params *params) {
-  if (params->undamping <= 0 || params->solver == PBF_SOLVER_CHEBYSHEV) return PBF_OK;
+static pbf_status check_pushes(const pbf_params *params) {
+  double torque = params->torque_correction;
+  if (params->solver == PBF_SOLVER_CHEBYSHEV || !(params->undamping > 0 || torque > 0))
+    return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "params.undamping is %.9g; it must be 0 with PBF_SOLVER_JACOBI, or solver "
+                  "params.%s is %.9g; it must be 0 with PBF_SOLVER_JACOBI, or solver "
                   "PBF_SOLVER_CHEBYSHEV",
-                  params->undamping);
+                  torque > 0 ? "torque_correction" : "undamping",
+                  torque > 0 ? torque : params->undamping);
 }
 
 static double rest_spacing(const pbf_params *params) {
@@ -189,7 +193,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = check_scorr(params, kind);
   if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_pressure_grid(params);
-  if (status == PBF_OK) status = check_undamping(params);
+  if (status == PBF_OK) status = check_pushes(params);
   if (status == PBF_OK) status = check_lengths(params, kind);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;

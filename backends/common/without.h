@@ -18,7 +18,7 @@ static inline int pbf_features_wanted(const pbf_params *params, uint32_t collide
          (params->sleep_speed > 0 ? PBF_FEATURE_SLEEP : 0) |
          (params->tolerance > 0 ? PBF_FEATURE_TOLERANCE : 0) |
          (params->pressure_grid > 0 ? PBF_FEATURE_PRESSURE_GRID : 0) |
-         (params->undamping > 0 ? PBF_FEATURE_UNDAMPING : 0);
+         (params->undamping > 0 || params->torque_correction > 0 ? PBF_FEATURE_UNDAMPING : 0);
 }
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */
@@ -39,7 +39,8 @@ static inline const char *pbf_without(int wanted) {
       {PBF_FEATURE_TOLERANCE, "built without the solve's early end; params.tolerance must be 0"},
       {PBF_FEATURE_PRESSURE_GRID,
        "built without the pressure grid; params.pressure_grid must be 0"},
-      {PBF_FEATURE_UNDAMPING, "built without undamping; params.undamping must be 0"},
+      {PBF_FEATURE_UNDAMPING,
+       "built without undamping; params.undamping and params.torque_correction must be 0"},
       {PBF_FEATURE_SLEEP, "built without sleep; params.sleep_speed must be 0"},
       {PBF_FEATURE_STATS, "built without statistics and densities"},
   };

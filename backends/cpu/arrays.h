@@ -145,10 +145,43 @@ static int keep_rest(solver *s, const pbf_schedule *has) {
          keep_flags(s, wanted, &s->calm, "calm", padded(s->capacity) / CALM_CHUNK + 1);
 }
 
+/* A field whose elements begin as 0. */
+static int keep_field(solver *s, int wanted, field *f, const char *name) {
+  pbf_real *base = f->c[0] ? f->c[0] - FIELD_FRONT : NULL;
+  if (wanted && base) return 1;
+  pbf_memory_free(&s->memory, base);
+  memset(f, 0, sizeof *f);
+  if (!wanted) return 1;
+  *f = take_field(s, name);
+  if (!f->c[0]) return 0;
+  memset(f->c[0] - FIELD_FRONT, 0, PBF_DIM * padded(s->capacity) * sizeof(pbf_real));
+  return 1;
+}
+
+static int keep_start_quads(solver *s, int wanted) {
+  pbf_real *base = s->quads[2] ? s->quads[2] - 4 * FIELD_FRONT : NULL;
+  if (wanted && base) return 1;
+  pbf_memory_free(&s->memory, base);
+  s->quads[2] = NULL;
+  if (!wanted) return 1;
+  uint64_t count = 4 * padded(s->capacity);
+  base = pbf_memory_take(&s->memory, "quads of the step's start", count, sizeof *base);
+  if (!base) return 0;
+  memset(base, 0, count * sizeof *base);
+  s->quads[2] = base + 4 * FIELD_FRONT;
+  return 1;
+}
+
+static int keep_turning(solver *s, int wanted) {
+  return keep_field(s, wanted, &s->start, "start of the step") &&
+         keep_field(s, wanted, &s->torque, "torque") &&
+         keep_start_quads(s, wanted && s->kernels->pack);
+}
+
 static int keep_arrays(solver *s, const pbf_schedule *has) {
   return keep_added(s, has->accelerated) &&
          keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
-         keep_excess(s, has->watched) &&
+         keep_excess(s, has->watched) && keep_turning(s, has->runs[PBF_STAGE_TURN] != 0) &&
          pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity);
 }
 

@@ -3,6 +3,7 @@
 #include "cpu/kernels_pairs.h"
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"
+#include "cpu/kernels_turn.h"
 
 /* Who asks for the mean of the velocities around a particle. */
 enum { VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_UNDAMPING };
@@ -25,6 +26,9 @@ const kernels PBF_VARIANT_API = {
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
     .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
     .undamp = PBF_BUILT & PBF_FEATURE_UNDAMPING ? undamp : NULL,
+    .torque = PBF_BUILT & PBF_FEATURE_UNDAMPING ? torque : NULL,
+    .turn_rate = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn_rate : NULL,
+    .turn = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn : NULL,
     .stir = PBF_BUILT & PBF_FEATURE_SLEEP ? stir : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,

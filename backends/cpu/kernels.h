@@ -88,10 +88,18 @@ struct undamp_pass {
   const pbf_real *lambda;
   pbf_real inv_time_step;
   field flow, velocity;
+  const field *torque; /* that is made up for; null: none is */
   /* What a particle's sums make between obstacles: the same for all instruction sets. */
   pbf_vec (*between)(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
                      pbf_vec start);
 };
+
+/* What turn.h works on: a field's first PBF_CURL_DIM arrays are a torque, or a rate. */
+typedef struct turn_pass {
+  const pbf_real *lambda; /* what an iteration moves by */
+  field start;            /* of the step: where particles were */
+  field torque, rate, velocity;
+} turn_pass;
 
 /* Sorted particles of whom one byte says whether any of them can be stirred. */
 enum { CALM_CHUNK = 32 };
@@ -131,6 +139,11 @@ typedef struct kernels {
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
   void (*undamp)(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last);
+  /* turn.h: adds the torque of the move that is next, … */
+  void (*torque)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
+  /* … and at the end finds rates, and turns with them. */
+  void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
+  void (*turn)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   /* Those who have somebody `loud` within h, above 0, are STIRRED. */
   void (*stir)(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
                uint32_t first, uint32_t last);

@@ -427,6 +427,10 @@ static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uin
     const lanes_pushes sums =
         pushes_of_group(hot_features(p) & PBF_FEATURE_POLY6, &c, p, u->lambda, &u->flow, g);
     lane_values end, start;
+    for (int k = 0; k < PBF_CURL_DIM && u->torque; ++k) {
+      pbf_real *torque = u->torque->c[k] + g * WIDTH;
+      lane_store(torque, lane_load(torque) - sums.torque[k]);
+    }
     for (int k = 0; k < PBF_DIM; ++k) {
       lane_store(end.c[k], sums.at[0][k]);
       lane_store(start.c[k], sums.at[1][k]);

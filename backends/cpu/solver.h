@@ -65,11 +65,14 @@ struct pbf_backend_solver {
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
   buffers buffers;
-  pbf_real *lambda;   /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *added;    /* … what this iteration adds to it */
-  pbf_real *quads[2]; /* of x* and of lambda: passes over pairs fill one and read the other */
-  pbf_real *slack;    /* in very short steps only */
-  pbf_deep deep;      /* in deep water only … */
+  pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
+  pbf_real *added;     /* … what this iteration adds to it */
+  pbf_real *quads[3];  /* of x* and of lambda: passes over pairs fill one and read the other; and of
+                          `start` */
+  field start, torque; /* turn.h: where particles were, and what pushes have exerted so far; with
+                          the torque's correction only */
+  pbf_real *slack;     /* in very short steps only */
+  pbf_deep deep;       /* in deep water only … */
   deep_solve deep_solve;
   int unweighed;           /* 1: lambda is without what its grid added in the last step */
   pbf_real *pressure;      /* once it has been looked at */

@@ -104,6 +104,42 @@ static void lambda_piece(void *context, uint32_t piece) {
   find_lambda(w, &pairs, piece);
 }
 
+/* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
+ * so none may know this between them: all go through the loops of all iterations, and find nothing
+ * to do in those. */
+static int is_over(const worker *w) {
+  return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
+}
+
+static turn_pass turns_of(const worker *w) {
+  const solver *s = w->s;
+  return (turn_pass){pushes_of(s), s->start, s->torque, w->b.spare[0], w->b.v};
+}
+
+static void start_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_sorted(w, piece);
+  s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], s->start, r.first,
+                        r.last);
+  fill_quads(s, 2, &s->start, NULL, r);
+  for (int k = 0; k < PBF_CURL_DIM; ++k)
+    memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
+}
+
+static void torque_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_now(w, s->quads[1]);
+  const turn_pass turns = turns_of(w);
+  if (is_over(w)) return;
+  pairs.vectors = s->quads[2];
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->torque(&pairs, &turns, g.first, g.last);
+}
+
 static void move_piece(void *context, uint32_t piece) {
   worker *w = context;
   solver *s = w->s;
@@ -121,13 +157,6 @@ static void move_piece(void *context, uint32_t piece) {
     s->kernels->move(&pairs, &m, g.first, g.last);
   keep_places(w, all, &w->b.spare[2], &w->b.spare[0]);
   fill_quads(s, 0, &w->b.spare[0], NULL, all);
-}
-
-/* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
- * so none may know this between them: all go through the loops of all iterations, and find nothing
- * to do in those. */
-static int is_over(const worker *w) {
-  return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
 }
 
 static void watched_lambda_piece(void *context, uint32_t piece) {
@@ -164,6 +193,11 @@ static void fetch_moved(const worker *w, range particles) {
            (particles.last - particles.first) * sizeof(pbf_real));
 }
 
+/* Whether torques are made up for. */
+static int turns(const worker *w) {
+  return (PBF_BUILT & PBF_FEATURE_UNDAMPING) && w->s->schedule.runs[PBF_STAGE_TURN];
+}
+
 static int is_watched(const solver *s) {
   return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched;
 }
@@ -174,6 +208,10 @@ static void iterate(worker *w) {
   team_for(w->me, pair_pieces(w), watched ? watched_lambda_piece : lambda_piece,
            watched ? end_when_small : NULL, w);
   stage_end(w, PBF_STAGE_LAMBDA);
+  if (turns(w)) {
+    team_for(w->me, pair_pieces(w), torque_piece, NULL, w);
+    stage_end(w, PBF_STAGE_TORQUE);
+  }
   team_for(w->me, pair_pieces(w), watched ? watched_move_piece : move_piece, NULL, w);
   swap_fields(&w->b.spare[0], &w->b.spare[1]);
   stage_end(w, PBF_STAGE_MOVE);
@@ -230,8 +268,8 @@ static void undamp_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  const undamp_pass u = {s->lambda, w->forces.inv_time_step, w->b.spare[0], w->b.v,
-                         undamped_between};
+  const undamp_pass u = {s->lambda, w->forces.inv_time_step,      w->b.spare[0],
+                         w->b.v,    turns(w) ? &s->torque : NULL, undamped_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->undamp(&pairs, &u, g.first, g.last);
@@ -250,6 +288,43 @@ static void undamp_flow(worker *w) {
   pack_vectors(w, flows_piece);
   team_for(w->me, pair_pieces(w), undamp_piece, NULL, w);
   stage_end(w, PBF_STAGE_UNDAMP);
+}
+
+static void turn_rate_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
+  const turn_pass turns = turns_of(w);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->turn_rate(&pairs, &turns, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
+}
+
+static void rates_piece(void *context, uint32_t piece) {
+  const worker *w = context;
+  fill_quads(w->s, 1, &w->b.spare[0], NULL, piece_sorted(w, piece));
+}
+
+static void turn_piece(void *context, uint32_t piece) {
+  worker *w = context;
+  solver *s = w->s;
+  range r = piece_groups(w, piece);
+  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
+  const turn_pass turns = turns_of(w);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->turn(&pairs, &turns, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
+}
+
+static void turn_pairs(worker *w) {
+  team_for(w->me, pair_pieces(w), turn_rate_piece, NULL, w);
+  stage_end(w, PBF_STAGE_TURN_RATE);
+  pack_vectors(w, rates_piece);
+  team_for(w->me, pair_pieces(w), turn_piece, NULL, w);
+  stage_end(w, PBF_STAGE_TURN);
 }
 
 static void curl_piece(void *context, uint32_t piece) {
@@ -322,10 +397,12 @@ static outcome step_once(worker *w, double time, int sorted) {
   if (!find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return STEP_LACKS_MEMORY;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
+  if (turns(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
   if (is_deep(w)) carry_weight(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
   update_velocity(w);
   if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->schedule.runs[PBF_STAGE_UNDAMP]) undamp_flow(w);
+  if (turns(w)) turn_pairs(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
     smooth_velocity(w);

@@ -62,6 +62,12 @@ static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool sma
   if (pbf_status status =
           take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
     return status;
+  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_TURN], "start of the step",
+                                  (n + PBF_SPARE_POINTS) * sizeof(point), &s->starts))
+    return status;
+  if (pbf_status status =
+          take_if(s, has.runs[PBF_STAGE_TURN], "torque", n * sizeof(pbf_curl), &s->torques))
+    return status;
   if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY], "smoothed velocity",
                                   n * sizeof(pbf_vec), &s->smoothed))
     return status;

@@ -3,6 +3,7 @@
 #define PBF_CUDA_PASSES_H
 
 #include "cuda/mirrors.h"
+#include "physics/turn.h"
 #include "physics/undamp.h"
 
 /* The place of an iteration among those of the step. */
@@ -166,6 +167,71 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   end.velocities[i] = v;
 }
 
+/* Where particles were at the start of the step. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    start_kernel(sorted_particles p, pbf_real time_step, point *starts) {
+  uint32_t i = thread_index();
+  if (i < p.count)
+    store(starts, i, point_at(start_of(load(p.points, i), time_step, p.velocities[i])));
+}
+
+/* The torque of the move that is next. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    torque_kernel(neighborhood n, watch_pass watch, bool first, const point *starts,
+                  pbf_curl *torques) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
+  const point here = load(n.particles.points, own);
+  pbf_vec x = position_of(here), start = position_of(load(starts, own));
+  pbf_curl torque = {{0}};
+  if (!first) torque = torques[own];
+  for_points_with(
+      n.particles, n.grid, n.lists, i, starts, [&](const point &other, const point &its) {
+        pbf_vec x_ij = pbf_sub(x, position_of(other)), start_ij = pbf_sub(start, position_of(its));
+        pbf_real value, slope, factor = here.lambda + other.lambda;
+        pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
+        if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
+        pbf_pair_add_torque(torque.c, factor * slope, x_ij.c, start_ij.c);
+      });
+  if (i < n.particles.count) torques[i] = torque;
+}
+
+/* As points, which are read at once: a rate fits a place. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    turn_rate_kernel(neighborhood n, const pbf_curl *torques, point *rates) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  pbf_vec x = position_of(load(n.particles.points, own)), rate = {{0}};
+  pbf_real moments[PBF_MOMENTS] = {0};
+  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
+    pbf_vec x_ij = pbf_sub(x, position_of(other));
+    pbf_pair_add_moments(c, moments, x_ij.c, pbf_dot(x_ij, x_ij));
+  });
+  if (i >= n.particles.count) return;
+  pbf_curl torque = torques[i];
+  for (int k = 0; k < PBF_CURL_DIM; ++k) torque.c[k] *= c->torque_part;
+  torque = pbf_turn_rate(moments, torque);
+  for (int k = 0; k < PBF_CURL_DIM; ++k) rate.c[k] = torque.c[k];
+  store(rates, i, point_at(rate));
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    turn_kernel(neighborhood n, const point *rates, pbf_vec *velocities) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  pbf_vec x = position_of(load(n.particles.points, own)), sum = {{0}};
+  pbf_vec rate = position_of(load(rates, own));
+  for_points_with(n.particles, n.grid, n.lists, i, rates,
+                  [&](const point &other, const point &its) {
+                    pbf_vec x_ij = pbf_sub(x, position_of(other));
+                    pbf_vec both = pbf_add_scaled(rate, 1, position_of(its));
+                    pbf_pair_add_turn(c, sum.c, both.c, x_ij.c, pbf_dot(x_ij, x_ij));
+                  });
+  if (i < n.particles.count) velocities[i] = pbf_add_scaled(velocities[i], 1, sum);
+}
+
 /* What a very short step leaves of the density error where the particles were at its start, between
  * these walls, and the colliders, of that time. `mirrored`: `slack` holds what images add to it. */
 template <int FEATURES>
@@ -265,18 +331,20 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     undamp_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
-                  pbf_real inv_time_step, const point *flow, pbf_vec *velocities) {
+                  pbf_real inv_time_step, const point *flow, pbf_curl *torques,
+                  pbf_vec *velocities) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point here = load(n.particles.points, own);
   pbf_vec x = position_of(here), mean = position_of(load(flow, own)), end, start;
-  pbf_pair_pushes sums = {{{0}, {0}}};
+  pbf_pair_pushes sums = {{{0}, {0}}, {0}};
   for_points_with(n.particles, n.grid, n.lists, i, flow, [&](const point &other, const point &its) {
     pbf_vec x_ij = pbf_sub(x, position_of(other)), flow_ij = pbf_sub(mean, position_of(its));
     pbf_pair_add_pushes(FEATURES, c, &sums, here.lambda + other.lambda, x_ij.c, pbf_dot(x_ij, x_ij),
                         flow_ij.c);
   });
   if (i >= n.particles.count) return;
+  for (int k = 0; k < PBF_CURL_DIM && torques; ++k) torques[i].c[k] -= sums.torque[k];
   for (int k = 0; k < PBF_DIM; ++k) {
     end.c[k] = sums.at[0][k];
     start.c[k] = sums.at[1][k];

@@ -75,7 +75,9 @@ struct solver {
   uint16_t *owners;
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
-  pbf_curl *curls;   /* with vorticity only */
+  pbf_curl *curls; /* with vorticity only */
+  point *starts;   /* turn.h: where particles were, with the torque's correction only, as is … */
+  pbf_curl *torques; /* … what pushes have exerted so far */
   pbf_vec *smoothed; /* with viscosity only */
   pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
   uint32_t collider_count;

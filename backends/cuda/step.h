@@ -14,7 +14,7 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
     case PBF_STAGE_PREDICT:
       return 2; /* with the clearing of the cells */
     case PBF_STAGE_NEIGHBORS:
-      return PBF_CUDA_SCAN_LAUNCHES + 3;
+      return PBF_CUDA_SCAN_LAUNCHES + 3 + (s->starts ? 1 : 0);
     case PBF_STAGE_VELOCITY:
       return 0; /* the last move's end */
     case PBF_STAGE_GRID:
@@ -237,6 +237,23 @@ static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
                         "cudaMemsetAsync");
 }
 
+static inline void find_starts(solver *s, const sorted_particles &p) {
+  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->starts)
+    start_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+        p, (pbf_real)s->params.time_step, s->starts);
+}
+
+static inline pbf_status add_torques(solver *s, const neighborhood &n, const watch_pass &watch,
+                                     bool first) {
+  return run_stage(&s->clock, s->stream, PBF_STAGE_TORQUE, [&] {
+    with_features(s->schedule.features, [&](auto features) {
+      torque_kernel<decltype(features)::value><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+          n, watch, first, s->starts, s->torques);
+    });
+    return PBF_OK;
+  });
+}
+
 static inline pbf_status solve_density(solver *s, neighborhood *n, const step_obstacles &obstacles,
                                        double time) {
   const pbf_schedule &has = s->schedule;
@@ -270,6 +287,8 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
           return PBF_OK;
         }))
       return status;
+    if (has.runs[PBF_STAGE_TORQUE])
+      if (pbf_status status = add_torques(s, *n, extras.watch, place.first)) return status;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
           if (images)
             with_features(has.features, [&](auto features) {
@@ -301,8 +320,22 @@ static inline pbf_status undamp_flow(solver *s, const neighborhood &n,
     with_kernel(s->schedule.features, [&](auto features) {
       undamp_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
           n, obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params), s->other,
-          s->velocities);
+          s->torques, s->velocities);
     });
+    return PBF_OK;
+  });
+}
+
+/* Rates take the same points. */
+static inline pbf_status turn_pairs(solver *s, const neighborhood &n) {
+  uint32_t blocks = blocks_for(s->count);
+  if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_TURN_RATE, [&] {
+        turn_rate_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->torques, s->other);
+        return PBF_OK;
+      }))
+    return status;
+  return run_stage(&s->clock, s->stream, PBF_STAGE_TURN, [&] {
+    turn_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, s->other, s->velocities);
     return PBF_OK;
   });
 }
@@ -389,6 +422,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_NEIGHBORS, [&] {
         pbf_status sorted = launch_sort(s, state_of(s), n, p);
         launch_lists(s, n);
+        find_starts(s, n.particles);
         return sorted;
       }))
     return status;
@@ -400,6 +434,8 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   s->time = time;
   if (has.runs[PBF_STAGE_UNDAMP])
     if (pbf_status status = undamp_flow(s, n, obstacles)) return status;
+  if (has.runs[PBF_STAGE_TURN])
+    if (pbf_status status = turn_pairs(s, n)) return status;
   if (has.runs[PBF_STAGE_CURL])
     if (pbf_status status = confine_vorticity(s, n)) return status;
   if (has.runs[PBF_STAGE_VISCOSITY])

@@ -24,6 +24,7 @@ typedef struct pbf_constants {
   pbf_real viscosity;
   pbf_real flow_time, most_flow2; /* undamp.h: dt times the part that is undone; and beyond which
                                      way of the flow in a step, squared, less of it is */
+  pbf_real torque_part;           /* turn.h: half of what is given back of a torque, over dt */
   int scorr_n;
   int accelerated;               /* lambda adds up over the iterations, */
   pbf_real most_pull;            /* … up to this above a density of, and to 0 elsewhere, … */
@@ -246,6 +247,8 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.viscosity = (pbf_real)params->viscosity;
   c.flow_time = (pbf_real)(params->undamping * params->time_step);
   c.most_flow2 = (pbf_real)(0.04 * d.h * d.h);
+  c.torque_part =
+      (pbf_real)(params->time_step > 0 ? 0.5 * params->torque_correction / params->time_step : 0);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_pull(&c, params, &d);

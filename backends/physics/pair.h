@@ -103,11 +103,26 @@ PBF_FN void PBF_PAIR(add_curl)(PBF_LANE curl[PBF_CURL_DIM], PBF_LANE slope,
 #endif
 }
 
+/* One pair's part of a torque: of a push `factor` * b where i is at a from j. Twice what it is for
+ * either of the two. */
+PBF_FN void PBF_PAIR(add_torque)(PBF_LANE torque[PBF_CURL_DIM], PBF_LANE factor,
+                                 const PBF_LANE a[PBF_DIM], const PBF_LANE b[PBF_DIM]) {
+#if PBF_DIM == 3
+  torque[0] = torque[0] + factor * (a[1] * b[2] - a[2] * b[1]);
+  torque[1] = torque[1] + factor * (a[2] * b[0] - a[0] * b[2]);
+  torque[2] = torque[2] + factor * (a[0] * b[1] - a[1] * b[0]);
+#else
+  torque[0] = torque[0] + factor * (a[0] * b[1] - a[1] * b[0]);
+#endif
+}
+
 /* Sums of a pair's pushes: as they are at the step's end, and as they are where the flow, which
  * takes i from j by `flow_ij` a time unit, had the two at its start: undamp.h. Who does not push at
  * the end has no say in it. */
 typedef struct PBF_PAIR(pushes) {
-  PBF_LANE at[2][PBF_DIM]; /* end, start */
+  PBF_LANE at[2][PBF_DIM];       /* end, start */
+  PBF_LANE torque[PBF_CURL_DIM]; /* that the latter exert where the two are at the end, twice; where
+                                    turn.h wants it */
 } PBF_PAIR(pushes);
 
 PBF_FN void PBF_PAIR(add_pushes)(int features, const pbf_constants *c, PBF_PAIR(pushes) * sums,
@@ -126,11 +141,43 @@ PBF_FN void PBF_PAIR(add_pushes)(int features, const pbf_constants *c, PBF_PAIR(
     PBF_LANE value, slope, at2 = PBF_LANE_(set)(0);
     for (int k = 0; k < PBF_DIM; ++k) at2 = PBF_LANE_(fma)(at[k], at[k], at2);
     PBF_PAIR(kernel)(features, c, at2, &value, &slope);
+    if (start && c->torque_part > 0) PBF_PAIR(add_torque)(sums->torque, lambdas * slope, x_ij, at);
     for (int k = 0; k < PBF_DIM; ++k) {
       sums->at[start][k] = PBF_LANE_(fma)(lambdas * slope, at[k], sums->at[start][k]);
       at[k] = at[k] - back * flow_ij[k];
     }
   }
+}
+
+/* Of the moments of inertia, by which turn.h knows how fast the pairs around a particle turn, and
+ * their weight. */
+PBF_FN PBF_LANE PBF_PAIR(turn_weight)(const pbf_constants *c, PBF_LANE r2) {
+  PBF_LANE near = PBF_LANE_(ramp)(r2, PBF_LANE_(set)(-c->inv_h2));
+  return near * near;
+}
+
+PBF_FN void PBF_PAIR(add_moments)(const pbf_constants *c, PBF_LANE moments[PBF_MOMENTS],
+                                  const PBF_LANE x_ij[PBF_DIM], PBF_LANE r2) {
+  const PBF_LANE weight = PBF_PAIR(turn_weight)(c, r2);
+  for (int k = 0, pair = 0; k < PBF_DIM; ++k)
+    for (int m = 0; m <= k; ++m, ++pair)
+      moments[pair] = PBF_LANE_(fma)(weight * x_ij[k], x_ij[m], moments[pair]);
+}
+
+/* One pair's part of the velocity that turns i about j, and j about i, at the sum of their rates:
+ * opposite and equal for the two. */
+PBF_FN void PBF_PAIR(add_turn)(const pbf_constants *c, PBF_LANE sum[PBF_DIM],
+                               const PBF_LANE rates[PBF_CURL_DIM], const PBF_LANE x_ij[PBF_DIM],
+                               PBF_LANE r2) {
+  const PBF_LANE weight = PBF_PAIR(turn_weight)(c, r2);
+#if PBF_DIM == 3
+  sum[0] = sum[0] + weight * (rates[1] * x_ij[2] - rates[2] * x_ij[1]);
+  sum[1] = sum[1] + weight * (rates[2] * x_ij[0] - rates[0] * x_ij[2]);
+  sum[2] = sum[2] + weight * (rates[0] * x_ij[1] - rates[1] * x_ij[0]);
+#else
+  sum[0] = sum[0] - weight * rates[0] * x_ij[1];
+  sum[1] = sum[1] + weight * rates[0] * x_ij[0];
+#endif
 }
 
 /* Sums over the neighbours of a particle of which one number each is known: a straight line through

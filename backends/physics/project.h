@@ -8,6 +8,7 @@
 static inline pbf_params pbf_projection_of(const pbf_params *params, uint32_t iterations) {
   pbf_params p = *params;
   p.time_step = p.attraction = p.tolerance = p.vorticity = p.viscosity = p.undamping = 0;
+  p.torque_correction = 0;
   p.pressure_grid = p.sleep_speed = 0;
   for (int k = 0; k < 3; ++k) p.gravity[k] = 0;
   p.iterations = iterations;

@@ -15,7 +15,7 @@ typedef struct pbf_vec {
 } pbf_vec;
 
 /* What curls are: a scalar in two dimensions. */
-enum { PBF_CURL_DIM = PBF_DIM == 3 ? 3 : 1 };
+enum { PBF_CURL_DIM = PBF_DIM == 3 ? 3 : 1, PBF_MOMENTS = PBF_DIM * (PBF_DIM + 1) / 2 };
 typedef struct pbf_curl {
   pbf_real c[PBF_CURL_DIM];
 } pbf_curl;

@@ -16,10 +16,13 @@ typedef enum pbf_stage {
   PBF_STAGE_SLACK,     /* density at the start of a very short step */
   PBF_STAGE_GRID,      /* deep water's pressure, on a coarse grid */
   PBF_STAGE_LAMBDA,    /* lines 9-11, an iteration */
+  PBF_STAGE_TORQUE,    /* of the pushes of an iteration: turn.h */
   PBF_STAGE_MOVE,      /* lines 12-18, an iteration; lines 13 and 14 with collisions there */
   PBF_STAGE_VELOCITY,  /* lines 20, 21, 23, with collisions after the solve */
   PBF_STAGE_FLOW,      /* mean velocities, for … */
   PBF_STAGE_UNDAMP,    /* … undamp.h */
+  PBF_STAGE_TURN_RATE, /* turn.h: how fast the pairs around a particle are to turn, and … */
+  PBF_STAGE_TURN,      /* … their velocities, by that */
   PBF_STAGE_CURL,      /* line 22, eq. 15 */
   PBF_STAGE_CONFINE,   /* line 22, eq. 16 */
   PBF_STAGE_VISCOSITY, /* line 22, eq. 17 */
@@ -57,6 +60,9 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
                            pbf_depth_grid(params, colliders, list, capacity) > 0;
   s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
   s.runs[PBF_STAGE_FLOW] = s.runs[PBF_STAGE_UNDAMP] = params->undamping > 0 && s.accelerated;
+  s.runs[PBF_STAGE_TURN_RATE] = s.runs[PBF_STAGE_TURN] =
+      params->torque_correction > 0 && s.accelerated;
+  s.runs[PBF_STAGE_TORQUE] = s.runs[PBF_STAGE_TURN] ? params->iterations : 0;
   s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
   s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
   s.runs[PBF_STAGE_SLEEP] = params->sleep_speed > 0;
@@ -65,8 +71,9 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
   static const char *const names[PBF_STAGE_COUNT] = {
-      "predict", "neighbors", "slack", "pressure grid", "lambda",    "move", "velocity",
-      "flow",    "undamp",    "curl",  "confine",       "viscosity", "sleep"};
+      "predict", "neighbors", "slack",     "pressure grid", "lambda",    "torque",
+      "move",    "velocity",  "flow",      "undamp",        "turn rate", "turn",
+      "curl",    "confine",   "viscosity", "sleep"};
   return names[stage];
 }
 

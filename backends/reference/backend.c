@@ -30,6 +30,10 @@ static int keep_arrays(solver *s, const pbf_schedule *has) {
                     sizeof *s->curl) &&
          keep_array(s, has->runs[PBF_STAGE_FLOW] != 0, (void **)&s->flow, "mean velocity",
                     sizeof *s->flow) &&
+         keep_array(s, has->runs[PBF_STAGE_TURN] != 0, (void **)&s->torque, "torque",
+                    sizeof *s->torque) &&
+         keep_array(s, has->runs[PBF_STAGE_TURN] != 0, (void **)&s->turning, "turn rate",
+                    sizeof *s->turning) &&
          keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
                     sizeof *s->slack) &&
          pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity) &&

@@ -3,6 +3,7 @@
 #define PBF_REFERENCE_STEP_H
 
 #include "physics/fit.h"
+#include "physics/turn.h"
 #include "physics/undamp.h"
 #include "reference/mirrors.h"
 #include "reference/sleep.h"
@@ -152,6 +153,22 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   return excess;
 }
 
+/* Before the move that it is of. */
+static inline void add_torques(solver *s) {
+  const pbf_constants *c = &s->constants;
+  const int features = s->schedule.features;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
+      pbf_real value, slope, factor = s->added[i] + s->added[n.j];
+      pbf_pair_kernel(features, c, n.r2, &value, &slope);
+      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
+      pbf_pair_add_torque(s->torque[i].c, factor * slope, n.x_ij.c, pbf_sub(s->x[i], s->x[n.j]).c);
+    }
+  }
+}
+
 static inline void move(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const pbf_real *lambda = s->schedule.accelerated ? s->added : s->lambda;
@@ -208,7 +225,7 @@ static inline void undamp(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_pair_pushes sums = {{{0}, {0}}};
+    pbf_pair_pushes sums = {{{0}, {0}}, {0}};
     pbf_vec end, start, change;
     if (asleep(s, i)) continue;
     neighbor n = neighbors_of(&s->grid, i);
@@ -218,10 +235,39 @@ static inline void undamp(solver *s, const pbf_obstacles *o) {
     memcpy(&end, sums.at[0], sizeof end);
     memcpy(&start, sums.at[1], sizeof start);
     change = pbf_sub(start, end);
+    for (int k = 0; k < PBF_CURL_DIM && s->torque; ++k) s->torque[i].c[k] -= sums.torque[k];
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
       change = pbf_undamped(c, &o->walls, o->count, o->solids, s->moved[i], s->flow[i],
                             s->lambda[i], end, start);
     s->v[i] = pbf_push(c, inv_time_step, s->v[i], change);
+  }
+}
+
+static inline void find_turn_rates(solver *s) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_real moments[PBF_MOMENTS] = {0};
+    pbf_curl torque = s->torque[i];
+    s->turning[i] = (pbf_curl){{0}};
+    if (asleep(s, i)) continue;
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n))
+      pbf_pair_add_moments(&s->constants, moments, n.x_ij.c, n.r2);
+    for (int k = 0; k < PBF_CURL_DIM; ++k) torque.c[k] *= s->constants.torque_part;
+    s->turning[i] = pbf_turn_rate(moments, torque);
+  }
+}
+
+static inline void turn(solver *s) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_vec sum = {{0}};
+    if (asleep(s, i)) continue;
+    neighbor n = neighbors_of(&s->grid, i);
+    while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) {
+      pbf_curl rates = s->turning[i];
+      for (int k = 0; k < PBF_CURL_DIM; ++k) rates.c[k] += s->turning[n.j].c[k];
+      pbf_pair_add_turn(&s->constants, sum.c, rates.c, n.x_ij.c, n.r2);
+    }
+    s->v[i] = pbf_add_scaled(s->v[i], 1, sum);
   }
 }
 
@@ -277,6 +323,7 @@ static inline void solver_step(solver *s, double time) {
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
     memset(s->lambda, 0, s->count * sizeof *s->lambda);
     memset(s->added, 0, s->count * sizeof *s->added);
+    if (s->torque) memset(s->torque, 0, s->count * sizeof *s->torque);
   }
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID])
     carry_weight(s, &obstacles);
@@ -287,6 +334,7 @@ static inline void solver_step(solver *s, double time) {
   for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {
     pbf_set_iteration(&s->constants, s->iterations);
     over = compute_lambda(s, &obstacles) <= limit;
+    if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_TORQUE]) add_torques(s);
     move(s, &obstacles);
     if (has->collide_in_iteration) collide_moving(s, &obstacles);
   }
@@ -294,6 +342,10 @@ static inline void solver_step(solver *s, double time) {
   if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_UNDAMP]) {
     find_flow(s);
     undamp(s, &obstacles);
+  }
+  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_TURN]) {
+    find_turn_rates(s);
+    turn(s);
   }
   if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID] && has->accelerated)
     add_weight(s);

@@ -68,6 +68,11 @@ const Feature features[] = {
        v.scene.params.solver = PBF_SOLVER_CHEBYSHEV;
        v.scene.params.undamping = own_or(w.params.undamping, 1);
      }},
+    {"torque correction",  // likewise
+     [](Variant &v, const Scene &w) {
+       v.scene.params.solver = PBF_SOLVER_CHEBYSHEV;
+       v.scene.params.torque_correction = own_or(w.params.torque_correction, 1);
+     }},
     {"tolerance",
      [](Variant &v, const Scene &w) {
        v.scene.params.tolerance = own_or(w.params.tolerance, 1e-9);
@@ -104,7 +109,7 @@ Variant minimal(const Scene &scene) {
   Variant bare{"minimal", scene, {}};
   pbf_params &p = bare.scene.params;
   p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = p.sleep_speed = 0;
-  p.tolerance = p.pressure_grid = p.undamping = 0;
+  p.tolerance = p.pressure_grid = p.undamping = p.torque_correction = 0;
   p.solver = PBF_SOLVER_JACOBI;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);

@@ -17,7 +17,7 @@
 static int usage(void) {
   fprintf(stderr,
           "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64 | "
-          "undamping | viscosity | vorticity]\n");
+          "undamping | torque | viscosity | vorticity]\n");
   return 2;
 }
 
@@ -30,6 +30,7 @@ static void time_named(int argc, char **argv) {
   scene s = shallow_dam_break(particles, support), report = report_30k();
   s.extra = extra;
   s.params.undamping = strcmp(extra, "undamping") == 0;
+  s.params.torque_correction = strcmp(extra, "torque") == 0;
   s.params.viscosity = strcmp(extra, "viscosity") == 0 ? 0.01 : 0;
   s.params.vorticity = strcmp(extra, "vorticity") == 0 ? 0.01 : 0;
   if (strcmp(argv[0], report.name) == 0)

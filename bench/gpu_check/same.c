@@ -49,7 +49,7 @@ int same_all(void) {
       add_colliders(&s);
       failures += !same_bits("small", &s, precision, 60);
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
-      s.params.undamping = s.params.wall_density = 1;
+      s.params.undamping = s.params.torque_correction = s.params.wall_density = 1;
       failures += !same_bits("small-undamping", &s, precision, 60);
       add_mirrors(&s);
       failures += !same_bits("small-mirrors", &s, precision, 60);

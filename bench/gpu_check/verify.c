@@ -200,6 +200,16 @@ static void verify_pull(kind *k) {
   verify(k, "held-together", &s, 10);
 }
 
+/* Falling, so that there is something to correct. */
+static void verify_torque(kind *k) {
+  scene s = accelerated_scene(k->dim, 0);
+  s.params.torque_correction = 1;
+  s.params.gravity[1] = -1;
+  verify(k, "torque-correction", &s, 10);
+  s.params.undamping = 0.8;
+  verify(k, "torque-correction-undamping", &s, 10);
+}
+
 static void verify_iterations(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   verify(k, "chebyshev-all-iterations", &s, 50);
@@ -288,6 +298,7 @@ int verify_all(const char *name) {
       verify_overflow(&k);
       verify_iterations(&k);
       verify_pull(&k);
+      verify_torque(&k);
       verify_mirrors(&k);
       verify_places(&k);
       verify_crowding(&k);

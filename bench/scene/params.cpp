@@ -144,6 +144,7 @@ const std::vector<ParamField> &param_fields() {
       PBF_FIELD(pressure_grid, number),
       PBF_FIELD(prestabilization, number),
       PBF_FIELD(undamping, number),
+      PBF_FIELD(torque_correction, number),
   };
 #undef PBF_FIELD
   return fields;

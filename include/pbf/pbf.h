@@ -174,9 +174,9 @@ typedef struct pbf_params {
                         largest eigenvalue of the Jacobi iteration on the lattice, always stable */
   double epsilon;    /* constraint force mixing, eq. 11, without a unit: epsilon * h² */
 
-  double separation; /* 0 … 1, how freely the fluid parts. With JACOBI densities below rest pull with
-                        weight 1 - separation (0: as in the paper, 1: never). With CHEBYSHEV free
-                        surfaces never pull; fluid inside, which lacks little density, holds
+  double separation; /* 0 … 1, how freely the fluid parts. With JACOBI densities below rest pull
+                        with weight 1 - separation (0: as in the paper, 1: never). With CHEBYSHEV
+                        free surfaces never pull; fluid inside, which lacks little density, holds
                         together with 1 - separation of the weight of a column of 8 h, or of what
                         its stiffness allows (docs/accuracy.md); without gravity nothing pulls */
   double
@@ -251,6 +251,12 @@ typedef struct pbf_params {
                        time unit at 0, next to nothing at 1; the motion of single particles, which
                        would be noise, is damped as ever. Two passes over pairs a step. What a
                        pressure grid pushes is not corrected. 0, the default: none */
+  double torque_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of the
+                       torque that pushes between particles exert, since they point as pairs stand
+                       in an iteration and not as at the step's start, goes back to the pairs
+                       around as velocity. At 1 the angular momentum of a fluid that nothing else
+                       touches is kept to rounding. A pass over pairs an iteration and two a step.
+                       0, the default: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -29,7 +29,7 @@ AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
 
-SIZE(pbf_params, 480);
+SIZE(pbf_params, 488);
 AT(pbf_params, struct_size, 0);
 AT(pbf_params, kernel, 4);
 AT(pbf_params, smoothing_radius, 8);
@@ -65,6 +65,7 @@ AT(pbf_params, tolerance, 448);
 AT(pbf_params, pressure_grid, 456);
 AT(pbf_params, prestabilization, 464);
 AT(pbf_params, undamping, 472);
+AT(pbf_params, torque_correction, 480);
 
 SIZE(pbf_collider, 184);
 AT(pbf_collider, struct_size, 0);

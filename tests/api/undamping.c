@@ -1,4 +1,5 @@
-/* What implicit steps take from a fluid's rotation, and what `undamping` gives back. */
+/* What implicit steps take from a fluid's rotation, and what `undamping` and `torque_correction`
+ * give back. */
 #include "support.h"
 
 #include <math.h>
@@ -120,6 +121,24 @@ static void check_free(uint32_t dimension, uint32_t precision) {
              dimension, left[0], gain, left[1], drift[1]);
 }
 
+/* Whatever pairs do to each other: the body turns, and is torn into a spiral by an attraction that
+ * is too weak to hold it. */
+static void check_torque(uint32_t dimension, uint32_t precision) {
+  const double rounding = precision == PBF_FLOAT32 ? 1e-6 : 1e-13;
+  for (int undamping = 0; undamping < 2; ++undamping)
+    for (int strong = 0; strong < 2; ++strong) {
+      pbf_params params = params_of(dimension, undamping);
+      params.attraction = strong ? 3 : 0.3;
+      params.torque_correction = 1;
+      body b = body_of(dimension, precision, &params);
+      double drift, left = kept(&b, &drift) - 1;
+      destroy(&b);
+      if (!(fabs(left) < rounding && drift < 2e-6))
+        fail_msg("%uD, undamping %d: angular momentum changes by %g, linear by %g", dimension,
+                 undamping, left, drift);
+    }
+}
+
 /* In a round basin it is the wall that pushes, by rate² r inwards, and takes rate² dt. The lattice
  * that it starts from does not fit the wall, and what settles there changes it, too. */
 static void check_basin(uint32_t dimension, uint32_t precision) {
@@ -147,6 +166,12 @@ static void free_rotation_is_kept(void **state) {
   test_for_long_kinds(check_free);
 }
 
+static void pairs_exert_no_torque(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub has no pairs");
+  test_for_long_kinds(check_torque);
+}
+
 static void rotation_in_a_basin_is_kept(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub has no colliders");
@@ -156,6 +181,7 @@ static void rotation_in_a_basin_is_kept(void **state) {
 int main(void) {
   const struct CMUnitTest undamping[] = {
       cmocka_unit_test(free_rotation_is_kept),
+      cmocka_unit_test(pairs_exert_no_torque),
       cmocka_unit_test(rotation_in_a_basin_is_kept),
   };
   return TEST_RUN(undamping);

@@ -49,6 +49,8 @@ static const real_case params_reals[] = {
     {"prestabilization is -1", P(prestabilization), -1},
     {"undamping is -1", P(undamping), -1},
     {"undamping is 1.5", P(undamping), 1.5},
+    {"torque_correction is -1", P(torque_correction), -1},
+    {"torque_correction is 1.5", P(torque_correction), 1.5},
     {"pressure_grid is -2; it must be", P(pressure_grid), -2},
     {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},
     {"pressure_grid is 2000; it must be 1", P(pressure_grid), 2000},
@@ -101,6 +103,7 @@ static const struct {
     {"pressure_grid", P(pressure_grid), 1},
     {"prestabilization", P(prestabilization), 1},
     {"undamping", P(undamping), 1},
+    {"torque_correction", P(torque_correction), 1},
 };
 
 static void put_real(void *object, size_t offset, double value) {
@@ -198,6 +201,8 @@ static void undamping_only_where_pushes_are_known(void **state) {
   refuse_params(s, &params, "params.undamping is 0.5; it must be 0 with PBF_SOLVER_JACOBI");
   params.undamping = 0;
   assert_ok(pbf_set_params(s, &params));
+  params.torque_correction = 1;
+  refuse_params(s, &params, "params.torque_correction is 1; it must be 0 with PBF_SOLVER_JACOBI");
   params.undamping = 0.5;
   params.solver = PBF_SOLVER_CHEBYSHEV;
   assert_ok(pbf_set_params(s, &params));

@@ -25,6 +25,7 @@ static pbf_params params_with(unsigned bits) {
   params.solver = bits & CHEBYSHEV ? PBF_SOLVER_CHEBYSHEV : PBF_SOLVER_JACOBI;
   params.separation = bits & CHEBYSHEV && bits & SCORR ? 1 : 0.5;
   params.undamping = (bits & CHEBYSHEV) && (bits & ATTRACTION) ? 0.7 : 0;
+  params.torque_correction = (bits & CHEBYSHEV) && (bits & VISCOSITY) ? 0.8 : 0;
   params.wall_density = bits & WALLS ? 1 : 0;
   params.collide = bits & COLLIDERS ? PBF_COLLIDE_IN_ITERATION : 5;
   params.attraction = bits & ATTRACTION ? 2 : 0;

@@ -10,7 +10,7 @@ static pbf_params lively(int plain) {
   params.viscosity = 0.02;
   params.vorticity = 0.02;
   params.scorr_k = plain ? 0.001 : 0;
-  params.undamping = plain ? 0 : 0.5;
+  params.undamping = params.torque_correction = plain ? 0 : 0.5;
   if (plain) {
     params.solver = PBF_SOLVER_JACOBI;
     params.kernel = PBF_KERNEL_POLY6_SPIKY;

@@ -49,7 +49,8 @@ static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
                                     FIELD(tolerance, 1, 0, 0.02),
                                     FIELD(pressure_grid, 1, 1, 3),
                                     FIELD(prestabilization, 1, 0, 0.1),
-                                    FIELD(undamping, 1, 0, 1)};
+                                    FIELD(undamping, 1, 0, 1),
+                                    FIELD(torque_correction, 1, 0, 1)};
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
@@ -85,7 +86,8 @@ int draw_params(input *in, pbf_params *params) {
   int wild = 0;
   for (int changes = 1 + take_u8(in) % 4; changes > 0; --changes) wild |= draw_field(in, params);
   /* Refused together: most of what is drawn has to pass. */
-  if (!wild && params->solver != PBF_SOLVER_CHEBYSHEV) params->undamping = 0;
+  if (!wild && params->solver != PBF_SOLVER_CHEBYSHEV)
+    params->undamping = params->torque_correction = 0;
   return wild;
 }
 

@@ -79,9 +79,10 @@ static void sleep_too(pbf_params *p) { p->sleep_speed = 0.1, p->sleep_time = 0.5
 static void tolerance(pbf_params *p) { p->tolerance = 0.001; }
 static void pressure_grid(pbf_params *p) { p->pressure_grid = 2; }
 static void undamping(pbf_params *p) { chebyshev(p), p->undamping = 1; }
+static void torque(pbf_params *p) { chebyshev(p), p->torque_correction = 1; }
 static void everything(pbf_params *p) {
   const ask all[] = {scorr,     wall_density, attraction, moving_walls,  viscosity, vorticity,
-                     chebyshev, sleep_too,    tolerance,  pressure_grid, undamping};
+                     chebyshev, sleep_too,    tolerance,  pressure_grid, undamping, torque};
   for (size_t k = 0; k < sizeof all / sizeof *all; ++k) all[k](p);
 }
 
@@ -118,7 +119,7 @@ static void what_is_dropped_is_freed(void **state) {
   (void)state;
   const ask features[] = {poly6,         scorr,     wall_density, attraction, moving_walls,
                           viscosity,     vorticity, chebyshev,    sleep_too,  tolerance,
-                          pressure_grid, undamping, everything};
+                          pressure_grid, undamping, torque,       everything};
   pbf_desc desc = test_desc(3, PBF_FLOAT32, 500);
   pbf_params params = bare();
   pbf_solver *s = test_create(&desc, &params);

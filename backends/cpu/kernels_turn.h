@@ -1,0 +1,101 @@
+/* The passes over pairs of physics/turn.h. One loop for both kernels: they are asked for on
+ * request. */
+#ifndef PBF_CPU_KERNELS_TURN_H
+#define PBF_CPU_KERNELS_TURN_H
+
+#include "cpu/kernels_pairs.h"
+#include "physics/turn.h"
+
+PBF_FN lane_vec lane_vec_apart(const lane_vec *i, const lane_vec *j) {
+  lane_vec apart;
+  for (int k = 0; k < PBF_DIM; ++k) apart.c[k] = i->c[k] - j->c[k];
+  return apart;
+}
+
+PBF_FN void torque_of_group(const int features, const pair_pass *p, const turn_pass *t, uint32_t g,
+                            lane sums[PBF_CURL_DIM]) {
+  const pbf_constants c = *p->constants;
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), was = lane_vec_load(&t->start, g * WIDTH);
+  const lane lambda_i = lane_load(t->lambda + g * WIDTH);
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const neighbor_table around = neighbors_in(b, p, t->lambda);
+    const vector_table were = vectors_in(b, p, &t->start, NULL);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    for (; list < end; list += WIDTH) {
+      const pair_lanes pair = pairs_listed(b, list, &x, &around);
+      const lane_vec was_j = vectors_at(&were, pair.j, 0).v;
+      const lane_vec was_ij = lane_vec_apart(&was, &was_j);
+      lane value, slope, lambdas = lambda_i + number_of(&around, &pair);
+      lanes_kernel(features, &c, pair.r2, &value, &slope);
+      if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(&c, value);
+      lanes_add_torque(sums, lambdas * slope, pair.x_ij.c, was_ij.c);
+    }
+  }
+}
+
+static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+  for (uint32_t g = first; g < last; ++g) {
+    lane sums[PBF_CURL_DIM];
+    for (int k = 0; k < PBF_CURL_DIM; ++k) sums[k] = lane_load(t->torque.c[k] + g * WIDTH);
+    torque_of_group(hot_features(p) & (PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR), p, t, g, sums);
+    for (int k = 0; k < PBF_CURL_DIM; ++k) lane_store(t->torque.c[k] + g * WIDTH, sums[k]);
+  }
+}
+
+static void turn_rate(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+    _Alignas(64) pbf_real moments[PBF_MOMENTS][WIDTH];
+    lane sums[PBF_MOMENTS];
+    memset(sums, 0, sizeof sums);
+    for (walk w = walk_group(&p->lists, g); w.left;) {
+      const block *b = walk_block(&w);
+      const neighbor_table around = neighbors_in(b, p, NULL);
+      const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+      for (; list < end; list += WIDTH) {
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        lanes_add_moments(&c, sums, pair.x_ij.c, pair.r2);
+      }
+    }
+    for (int k = 0; k < PBF_MOMENTS; ++k) lane_store(moments[k], sums[k]);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      pbf_real of[PBF_MOMENTS];
+      pbf_curl lacks, rate;
+      for (int k = 0; k < PBF_MOMENTS; ++k) of[k] = moments[k][l];
+      for (int k = 0; k < PBF_CURL_DIM; ++k) lacks.c[k] = c.torque_part * t->torque.c[k][i];
+      rate = pbf_turn_rate(of, lacks);
+      for (int k = 0; k < PBF_DIM; ++k) t->rate.c[k][i] = k < PBF_CURL_DIM ? rate.c[k] : 0;
+    }
+  }
+}
+
+static void turn(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), rate = lane_vec_load(&t->rate, g * WIDTH);
+    lane_vec sum = lane_vec_zero();
+    for (walk w = walk_group(&p->lists, g); w.left;) {
+      const block *b = walk_block(&w);
+      const neighbor_table around = neighbors_in(b, p, NULL);
+      const vector_table rates = vectors_in(b, p, &t->rate, NULL);
+      const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+      for (; list < end; list += WIDTH) {
+        const pair_lanes pair = pairs_listed(b, list, &x, &around);
+        lane_vec both = vectors_at(&rates, pair.j, 0).v;
+        for (int k = 0; k < PBF_DIM; ++k) both.c[k] = both.c[k] + rate.c[k];
+        lanes_add_turn(&c, sum.c, both.c, pair.x_ij.c, pair.r2);
+      }
+    }
+    const lane_values sums = lane_vec_values(&sum);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&t->velocity, i,
+                pbf_add_scaled(field_at(&t->velocity, i), 1, lane_value(&sums, l)));
+  }
+}
+
+#endif
