@@ -422,10 +422,10 @@ PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, 
 /* One loop for both kernels: it is asked for once a step. */
 static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
+  const int features = (hot_features(p) & PBF_FEATURE_POLY6) | (u->torque ? PBF_FEATURE_TORQUE : 0);
   for (uint32_t g = first; g < last; ++g) {
     const int near = lending_walls(p) && group_near_obstacles(p, g);
-    const lanes_pushes sums =
-        pushes_of_group(hot_features(p) & PBF_FEATURE_POLY6, &c, p, u->lambda, &u->flow, g);
+    const lanes_pushes sums = pushes_of_group(features, &c, p, u->lambda, &u->flow, g);
     lane_values end, start;
     for (int k = 0; k < PBF_CURL_DIM && u->torque; ++k) {
       pbf_real *torque = u->torque->c[k] + g * WIDTH;

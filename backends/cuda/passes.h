@@ -344,7 +344,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                         flow_ij.c);
   });
   if (i >= n.particles.count) return;
-  for (int k = 0; k < PBF_CURL_DIM && torques; ++k) torques[i].c[k] -= sums.torque[k];
+  if (FEATURES & PBF_FEATURE_TORQUE)
+    for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   for (int k = 0; k < PBF_DIM; ++k) {
     end.c[k] = sums.at[0][k];
     start.c[k] = sums.at[1][k];

@@ -318,9 +318,11 @@ static inline pbf_status undamp_flow(solver *s, const neighborhood &n,
     return status;
   return run_stage(&s->clock, s->stream, PBF_STAGE_UNDAMP, [&] {
     with_kernel(s->schedule.features, [&](auto features) {
-      undamp_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
-          n, obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params), s->other,
-          s->torques, s->velocities);
+      constexpr int F = decltype(features)::value;
+      auto kernel = s->torques ? undamp_kernel<F | PBF_FEATURE_TORQUE> : undamp_kernel<F>;
+      kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, obstacles, s->schedule.wall_density,
+                                                  (pbf_real)pbf_per_time_step(&s->params), s->other,
+                                                  s->torques, s->velocities);
     });
     return PBF_OK;
   });

@@ -26,6 +26,9 @@ enum {
   PBF_FEATURE_PRESSURE_GRID = 1 << 11,
   PBF_FEATURE_UNDAMPING = 1 << 12,
 
+  /* The undamping's pass sums up the torque that it exerts. */
+  PBF_FEATURE_TORQUE = 1 << 13,
+
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
   PBF_BUILT = ((1 << 13) - 1) & ~(PBF_WITHOUT)
 };

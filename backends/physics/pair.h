@@ -141,7 +141,8 @@ PBF_FN void PBF_PAIR(add_pushes)(int features, const pbf_constants *c, PBF_PAIR(
     PBF_LANE value, slope, at2 = PBF_LANE_(set)(0);
     for (int k = 0; k < PBF_DIM; ++k) at2 = PBF_LANE_(fma)(at[k], at[k], at2);
     PBF_PAIR(kernel)(features, c, at2, &value, &slope);
-    if (start && c->torque_part > 0) PBF_PAIR(add_torque)(sums->torque, lambdas * slope, x_ij, at);
+    if (start && (features & PBF_FEATURE_TORQUE))
+      PBF_PAIR(add_torque)(sums->torque, lambdas * slope, x_ij, at);
     for (int k = 0; k < PBF_DIM; ++k) {
       sums->at[start][k] = PBF_LANE_(fma)(lambdas * slope, at[k], sums->at[start][k]);
       at[k] = at[k] - back * flow_ij[k];

@@ -230,8 +230,9 @@ static inline void undamp(solver *s, const pbf_obstacles *o) {
     if (asleep(s, i)) continue;
     neighbor n = neighbors_of(&s->grid, i);
     while (next_neighbor(&s->grid, s->moved, c->h2, &n))
-      pbf_pair_add_pushes(s->schedule.features, c, &sums, s->lambda[i] + s->lambda[n.j], n.x_ij.c,
-                          n.r2, pbf_sub(s->flow[i], s->flow[n.j]).c);
+      pbf_pair_add_pushes(s->schedule.features | PBF_FEATURE_TORQUE, c, &sums,
+                          s->lambda[i] + s->lambda[n.j], n.x_ij.c, n.r2,
+                          pbf_sub(s->flow[i], s->flow[n.j]).c);
     memcpy(&end, sums.at[0], sizeof end);
     memcpy(&start, sums.at[1], sizeof start);
     change = pbf_sub(start, end);
