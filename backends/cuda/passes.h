@@ -6,6 +6,8 @@
 #include "physics/turn.h"
 #include "physics/undamp.h"
 
+constexpr bool PBF_UNDAMPING = (PBF_BUILT & PBF_FEATURE_UNDAMPING) != 0;
+
 /* The place of an iteration among those of the step. */
 struct iteration_place {
   bool first, second, last;

@@ -238,7 +238,7 @@ static inline pbf_status begin_watch(solver *s, watch_pass *pass) {
 }
 
 static inline void find_starts(solver *s, const sorted_particles &p) {
-  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->starts)
+  if (PBF_UNDAMPING && s->starts)
     start_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
         p, (pbf_real)s->params.time_step, s->starts);
 }
@@ -287,7 +287,7 @@ static inline pbf_status solve_density(solver *s, neighborhood *n, const step_ob
           return PBF_OK;
         }))
       return status;
-    if (has.runs[PBF_STAGE_TORQUE])
+    if (PBF_UNDAMPING && has.runs[PBF_STAGE_TORQUE])
       if (pbf_status status = add_torques(s, *n, extras.watch, place.first)) return status;
     if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_MOVE, [&] {
           if (images)
@@ -434,9 +434,9 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   exchange(&s->unrest, &s->other_unrest);
   s->ordered = false;
   s->time = time;
-  if (has.runs[PBF_STAGE_UNDAMP])
+  if (PBF_UNDAMPING && has.runs[PBF_STAGE_UNDAMP])
     if (pbf_status status = undamp_flow(s, n, obstacles)) return status;
-  if (has.runs[PBF_STAGE_TURN])
+  if (PBF_UNDAMPING && has.runs[PBF_STAGE_TURN])
     if (pbf_status status = turn_pairs(s, n)) return status;
   if (has.runs[PBF_STAGE_CURL])
     if (pbf_status status = confine_vorticity(s, n)) return status;

@@ -204,7 +204,7 @@ static void verify_pull(kind *k) {
 static void verify_torque(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   s.params.torque_correction = 1;
-  s.params.gravity[1] = -1;
+  s.params.gravity[1] = -0.5;
   verify(k, "torque-correction", &s, 10);
   s.params.undamping = 0.8;
   verify(k, "torque-correction-undamping", &s, 10);
