@@ -27,9 +27,8 @@ struct pbf_backend_solver {
   pbf_real *slack;     /* in very short steps only */
   pbf_deep deep;       /* in deep water only */
   pbf_vec *flow;       /* with undamping only */
-  pbf_curl
-      *torque; /* of a step's pushes, twice, and what rate makes up for it; with the torque's */
-  pbf_curl *turning;       /* correction only */
+  pbf_curl *torque;        /* of a step's pushes, twice; with the torque's correction only, as … */
+  pbf_curl *turning;       /* … the rates that make up for it */
   pbf_curl *curl;          /* with vorticity only */
   pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */

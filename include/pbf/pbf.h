@@ -252,11 +252,11 @@ typedef struct pbf_params {
                        would be noise, is damped as ever. Two passes over pairs a step. What a
                        pressure grid pushes is not corrected. 0, the default: none */
   double torque_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of the
-                       torque that pushes between particles exert, since they point as pairs stand
-                       in an iteration and not as at the step's start, goes back to the pairs
-                       around as velocity. At 1 the angular momentum of a fluid that nothing else
-                       touches is kept to rounding. A pass over pairs an iteration and two a step.
-                       0, the default: none */
+                               torque that pushes between particles exert, since they point as pairs
+                               stand in an iteration and not as at the step's start, goes back to
+                               the pairs around as velocity. At 1 the angular momentum of a fluid
+                               that nothing else touches is kept to rounding. A pass over pairs an
+                               iteration and two a step. 0, the default: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
