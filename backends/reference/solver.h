@@ -27,10 +27,10 @@ struct pbf_backend_solver {
   pbf_real *slack;     /* in very short steps only */
   pbf_deep deep;       /* in deep water only */
   pbf_vec *flow;       /* with undamping only */
-  pbf_curl *torque;        /* of a step's pushes, twice; with the torque's correction only, as … */
-  pbf_curl *turning;       /* … the rates that make up for it */
-  pbf_curl *curl;          /* with vorticity only */
-  pbf_real *pressure;      /* once it has been looked at */
+  pbf_curl *torque;    /* of a step's pushes, twice; with the torque's correction only, as … */
+  pbf_curl *turning;   /* … the rates that make up for it */
+  pbf_curl *curl;      /* with vorticity only */
+  pbf_real *pressure;  /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
   pbf_real *unrest;        /* where there is sleep, and then also … */
   pbf_real *held;          /* … lambda at the end of the last step, which sleepers keep */
