@@ -194,7 +194,7 @@ static void fetch_moved(const worker *w, range particles) {
 }
 
 /* Whether torques are made up for. */
-static int turns(const worker *w) {
+static int corrects_torque(const worker *w) {
   return (PBF_BUILT & PBF_FEATURE_UNDAMPING) && w->s->schedule.runs[PBF_STAGE_TURN];
 }
 
@@ -208,7 +208,7 @@ static void iterate(worker *w) {
   team_for(w->me, pair_pieces(w), watched ? watched_lambda_piece : lambda_piece,
            watched ? end_when_small : NULL, w);
   stage_end(w, PBF_STAGE_LAMBDA);
-  if (turns(w)) {
+  if (corrects_torque(w)) {
     team_for(w->me, pair_pieces(w), torque_piece, NULL, w);
     stage_end(w, PBF_STAGE_TORQUE);
   }
@@ -268,8 +268,12 @@ static void undamp_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  const undamp_pass u = {s->lambda, w->forces.inv_time_step,      w->b.spare[0],
-                         w->b.v,    turns(w) ? &s->torque : NULL, undamped_between};
+  const undamp_pass u = {s->lambda,
+                         w->forces.inv_time_step,
+                         w->b.spare[0],
+                         w->b.v,
+                         corrects_torque(w) ? &s->torque : NULL,
+                         undamped_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->undamp(&pairs, &u, g.first, g.last);
@@ -397,12 +401,12 @@ static outcome step_once(worker *w, double time, int sorted) {
   if (!find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return STEP_LACKS_MEMORY;
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
-  if (turns(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
+  if (corrects_torque(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
   if (is_deep(w)) carry_weight(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
   update_velocity(w);
   if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->schedule.runs[PBF_STAGE_UNDAMP]) undamp_flow(w);
-  if (turns(w)) turn_pairs(w);
+  if (corrects_torque(w)) turn_pairs(w);
   if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
   if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
     smooth_velocity(w);
