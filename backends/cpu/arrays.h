@@ -105,14 +105,24 @@ static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name)
   return 1;
 }
 
+/* Reals that begin as 0, `count` of them, and *array behind the first `front`. */
+static int keep_zeroed(solver *s, int wanted, pbf_real **array, uint64_t count, uint64_t front,
+                       const char *name) {
+  pbf_real *base = *array ? *array - front : NULL;
+  if (wanted && base) return 1;
+  pbf_memory_free(&s->memory, base);
+  *array = NULL;
+  if (!wanted) return 1;
+  base = pbf_memory_take(&s->memory, name, count, sizeof *base);
+  if (!base) return 0;
+  memset(base, 0, count * sizeof *base);
+  *array = base + front;
+  return 1;
+}
+
 /* Read as take_reals's are, also behind the last particle: no number must be none. */
 static int keep_added(solver *s, int wanted) {
-  pbf_real *base = s->added ? s->added - FIELD_FRONT : NULL;
-  int had = base != NULL;
-  if (!keep_reals(s, wanted, &base, "lambda added")) return 0;
-  if (base && !had) memset(base, 0, padded(s->capacity) * sizeof *base);
-  s->added = base ? base + FIELD_FRONT : NULL;
-  return 1;
+  return keep_zeroed(s, wanted, &s->added, padded(s->capacity), FIELD_FRONT, "lambda added");
 }
 
 static int keep_excess(solver *s, int wanted) {
@@ -145,37 +155,18 @@ static int keep_rest(solver *s, const pbf_schedule *has) {
          keep_flags(s, wanted, &s->calm, "calm", padded(s->capacity) / CALM_CHUNK + 1);
 }
 
-/* A field whose elements begin as 0. */
 static int keep_field(solver *s, int wanted, field *f, const char *name) {
-  pbf_real *base = f->c[0] ? f->c[0] - FIELD_FRONT : NULL;
-  if (wanted && base) return 1;
-  pbf_memory_free(&s->memory, base);
-  memset(f, 0, sizeof *f);
-  if (!wanted) return 1;
-  *f = take_field(s, name);
-  if (!f->c[0]) return 0;
-  memset(f->c[0] - FIELD_FRONT, 0, PBF_DIM * padded(s->capacity) * sizeof(pbf_real));
-  return 1;
-}
-
-static int keep_start_quads(solver *s, int wanted) {
-  pbf_real *base = s->quads[2] ? s->quads[2] - 4 * FIELD_FRONT : NULL;
-  if (wanted && base) return 1;
-  pbf_memory_free(&s->memory, base);
-  s->quads[2] = NULL;
-  if (!wanted) return 1;
-  uint64_t count = 4 * padded(s->capacity);
-  base = pbf_memory_take(&s->memory, "quads of the step's start", count, sizeof *base);
-  if (!base) return 0;
-  memset(base, 0, count * sizeof *base);
-  s->quads[2] = base + 4 * FIELD_FRONT;
-  return 1;
+  uint64_t each = padded(s->capacity);
+  int kept = keep_zeroed(s, wanted, &f->c[0], PBF_DIM * each, FIELD_FRONT, name);
+  for (int k = 1; k < PBF_DIM; ++k) f->c[k] = f->c[0] ? f->c[0] + k * each : NULL;
+  return kept;
 }
 
 static int keep_turning(solver *s, int wanted) {
   return keep_field(s, wanted, &s->start, "start of the step") &&
          keep_field(s, wanted, &s->torque, "torque") &&
-         keep_start_quads(s, wanted && s->kernels->pack);
+         keep_zeroed(s, wanted && s->kernels->pack, &s->quads[2], 4 * padded(s->capacity),
+                     4 * FIELD_FRONT, "quads of the step's start");
 }
 
 static int keep_arrays(solver *s, const pbf_schedule *has) {

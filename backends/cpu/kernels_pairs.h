@@ -305,8 +305,7 @@ PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
         lane value, slope;
         const pair_lanes pair = pairs_listed(b, list, &x, &around);
         const lane_vec v_j = vectors_at(&v_of, pair.j, 0).v;
-        lane_vec v_ji;
-        for (int a = 0; a < PBF_DIM; ++a) v_ji.c[a] = v_j.c[a] - v_i.c[a];
+        const lane_vec v_ji = lane_vec_apart(&v_j, &v_i);
         lanes_kernel(features, &c, pair.r2, &value, &slope);
         lanes_add_curl(sums, slope, pair.x_ij.c, v_ji.c);
       }
@@ -411,8 +410,7 @@ PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, 
     for (; list < end; list += WIDTH) {
       const pair_lanes pair = pairs_listed(b, list, &x, &around);
       const vector_lanes j = vectors_at(&flow_of, pair.j, 1);
-      lane_vec flow_ij;
-      for (int k = 0; k < PBF_DIM; ++k) flow_ij.c[k] = flow_i.c[k] - j.v.c[k];
+      const lane_vec flow_ij = lane_vec_apart(&flow_i, &j.v);
       lanes_add_pushes(features, c, &sums, lambda_i + j.number, pair.x_ij.c, pair.r2, flow_ij.c);
     }
   }

@@ -6,12 +6,6 @@
 #include "cpu/kernels_pairs.h"
 #include "physics/turn.h"
 
-PBF_FN lane_vec lane_vec_apart(const lane_vec *i, const lane_vec *j) {
-  lane_vec apart;
-  for (int k = 0; k < PBF_DIM; ++k) apart.c[k] = i->c[k] - j->c[k];
-  return apart;
-}
-
 PBF_FN void torque_of_group(const int features, const pair_pass *p, const turn_pass *t, uint32_t g,
                             lane sums[PBF_CURL_DIM]) {
   const pbf_constants c = *p->constants;
@@ -30,7 +24,7 @@ PBF_FN void torque_of_group(const int features, const pair_pass *p, const turn_p
       lane value, slope, lambdas = lambda_i + number_of(&around, &pair);
       lanes_kernel(features, &c, pair.r2, &value, &slope);
       if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(&c, value);
-      lanes_add_torque(sums, lambdas * slope, pair.x_ij.c, was_ij.c);
+      lanes_add_cross(sums, lambdas * slope, pair.x_ij.c, was_ij.c);
     }
   }
 }

@@ -43,6 +43,12 @@ PBF_FN lane lane_vec_dot(const lane_vec *a, const lane_vec *b) {
   return sum;
 }
 
+PBF_FN lane_vec lane_vec_apart(const lane_vec *a, const lane_vec *b) {
+  lane_vec apart;
+  for (int k = 0; k < PBF_DIM; ++k) apart.c[k] = a->c[k] - b->c[k];
+  return apart;
+}
+
 PBF_FN void lane_vec_add_scaled(lane_vec *a, lane s, const lane_vec *b) {
   for (int k = 0; k < PBF_DIM; ++k) a->c[k] = lane_fma(s, b->c[k], a->c[k]);
 }

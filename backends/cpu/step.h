@@ -127,17 +127,23 @@ static void start_piece(void *context, uint32_t piece) {
     memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
 }
 
-static void torque_piece(void *context, uint32_t piece) {
-  worker *w = context;
-  solver *s = w->s;
+/* One of turn.h's passes over the groups of a piece. */
+static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
+                       void (*pass)(const pair_pass *p, const turn_pass *t, uint32_t first,
+                                    uint32_t last)) {
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_now(w, s->quads[1]);
   const turn_pass turns = turns_of(w);
-  if (is_over(w)) return;
-  pairs.vectors = s->quads[2];
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->torque(&pairs, &turns, g.first, g.last);
+    pass(pairs, &turns, g.first, g.last);
+}
+
+static void torque_piece(void *context, uint32_t piece) {
+  const worker *w = context;
+  pair_pass pairs = pairs_now(w, w->s->quads[1]);
+  if (is_over(w)) return;
+  pairs.vectors = w->s->quads[2];
+  turn_awake(w, piece, &pairs, w->s->kernels->torque);
 }
 
 static void move_piece(void *context, uint32_t piece) {
@@ -280,6 +286,7 @@ static void undamp_piece(void *context, uint32_t piece) {
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
+/* Of mean velocities, or of rates. */
 static void flows_piece(void *context, uint32_t piece) {
   const worker *w = context;
   fill_quads(w->s, 1, &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
@@ -295,38 +302,23 @@ static void undamp_flow(worker *w) {
 }
 
 static void turn_rate_piece(void *context, uint32_t piece) {
-  worker *w = context;
-  solver *s = w->s;
-  range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  const turn_pass turns = turns_of(w);
-  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
-    s->kernels->turn_rate(&pairs, &turns, g.first, g.last);
+  const worker *w = context;
+  const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  turn_awake(w, piece, &pairs, w->s->kernels->turn_rate);
   keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
 }
 
-static void rates_piece(void *context, uint32_t piece) {
-  const worker *w = context;
-  fill_quads(w->s, 1, &w->b.spare[0], NULL, piece_sorted(w, piece));
-}
-
 static void turn_piece(void *context, uint32_t piece) {
-  worker *w = context;
-  solver *s = w->s;
-  range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
-  const turn_pass turns = turns_of(w);
-  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
-       g = awake_groups(w, g.last, r.last))
-    s->kernels->turn(&pairs, &turns, g.first, g.last);
+  const worker *w = context;
+  const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  turn_awake(w, piece, &pairs, w->s->kernels->turn);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
 static void turn_pairs(worker *w) {
   team_for(w->me, pair_pieces(w), turn_rate_piece, NULL, w);
   stage_end(w, PBF_STAGE_TURN_RATE);
-  pack_vectors(w, rates_piece);
+  pack_vectors(w, flows_piece);
   team_for(w->me, pair_pieces(w), turn_piece, NULL, w);
   stage_end(w, PBF_STAGE_TURN);
 }
@@ -399,9 +391,9 @@ static outcome step_once(worker *w, double time, int sorted) {
   if (!sorted) predict_and_sort(w);
   w->rest = w->b.spare_rest;
   if (!find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return STEP_LACKS_MEMORY;
+  if (corrects_torque(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
   stage_end(w, PBF_STAGE_NEIGHBORS);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
-  if (corrects_torque(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
   if (is_deep(w)) carry_weight(w);
   for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
   update_velocity(w);

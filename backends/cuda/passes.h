@@ -195,7 +195,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
         pbf_real value, slope, factor = here.lambda + other.lambda;
         pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
         if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-        pbf_pair_add_torque(torque.c, factor * slope, x_ij.c, start_ij.c);
+        pbf_pair_add_cross(torque.c, factor * slope, x_ij.c, start_ij.c);
       });
   if (i < n.particles.count) torques[i] = torque;
 }

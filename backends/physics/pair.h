@@ -90,30 +90,24 @@ PBF_FN PBF_LANE PBF_PAIR(scorr)(const pbf_constants *c, PBF_LANE value) {
   return power;
 }
 
+/* sum += factor a x b. For turn.h: a push `factor` * b where i is at a from j exerts this torque,
+ * twice what it is for either of the two. */
+PBF_FN void PBF_PAIR(add_cross)(PBF_LANE sum[PBF_CURL_DIM], PBF_LANE factor,
+                                const PBF_LANE a[PBF_DIM], const PBF_LANE b[PBF_DIM]) {
+#if PBF_DIM == 3
+  sum[0] = sum[0] + factor * (a[1] * b[2] - a[2] * b[1]);
+  sum[1] = sum[1] + factor * (a[2] * b[0] - a[0] * b[2]);
+  sum[2] = sum[2] + factor * (a[0] * b[1] - a[1] * b[0]);
+#else
+  sum[0] = sum[0] + factor * (a[0] * b[1] - a[1] * b[0]);
+#endif
+}
+
 /* One pair's part of the curl of the velocity (eq. 15): (v_j - v_i) x V grad_j W, with
  * V grad_j W = -slope (x_i - x_j). */
 PBF_FN void PBF_PAIR(add_curl)(PBF_LANE curl[PBF_CURL_DIM], PBF_LANE slope,
                                const PBF_LANE x_ij[PBF_DIM], const PBF_LANE v_ji[PBF_DIM]) {
-#if PBF_DIM == 3
-  curl[0] = curl[0] - slope * (v_ji[1] * x_ij[2] - v_ji[2] * x_ij[1]);
-  curl[1] = curl[1] - slope * (v_ji[2] * x_ij[0] - v_ji[0] * x_ij[2]);
-  curl[2] = curl[2] - slope * (v_ji[0] * x_ij[1] - v_ji[1] * x_ij[0]);
-#else
-  curl[0] = curl[0] - slope * (v_ji[0] * x_ij[1] - v_ji[1] * x_ij[0]);
-#endif
-}
-
-/* One pair's part of a torque: of a push `factor` * b where i is at a from j. Twice what it is for
- * either of the two. */
-PBF_FN void PBF_PAIR(add_torque)(PBF_LANE torque[PBF_CURL_DIM], PBF_LANE factor,
-                                 const PBF_LANE a[PBF_DIM], const PBF_LANE b[PBF_DIM]) {
-#if PBF_DIM == 3
-  torque[0] = torque[0] + factor * (a[1] * b[2] - a[2] * b[1]);
-  torque[1] = torque[1] + factor * (a[2] * b[0] - a[0] * b[2]);
-  torque[2] = torque[2] + factor * (a[0] * b[1] - a[1] * b[0]);
-#else
-  torque[0] = torque[0] + factor * (a[0] * b[1] - a[1] * b[0]);
-#endif
+  PBF_PAIR(add_cross)(curl, slope, x_ij, v_ji);
 }
 
 /* Sums of a pair's pushes: as they are at the step's end, and as they are where the flow, which
@@ -142,7 +136,7 @@ PBF_FN void PBF_PAIR(add_pushes)(int features, const pbf_constants *c, PBF_PAIR(
     for (int k = 0; k < PBF_DIM; ++k) at2 = PBF_LANE_(fma)(at[k], at[k], at2);
     PBF_PAIR(kernel)(features, c, at2, &value, &slope);
     if (start && (features & PBF_FEATURE_TORQUE))
-      PBF_PAIR(add_torque)(sums->torque, lambdas * slope, x_ij, at);
+      PBF_PAIR(add_cross)(sums->torque, lambdas * slope, x_ij, at);
     for (int k = 0; k < PBF_DIM; ++k) {
       sums->at[start][k] = PBF_LANE_(fma)(lambdas * slope, at[k], sums->at[start][k]);
       at[k] = at[k] - back * flow_ij[k];
@@ -172,9 +166,7 @@ PBF_FN void PBF_PAIR(add_turn)(const pbf_constants *c, PBF_LANE sum[PBF_DIM],
                                PBF_LANE r2) {
   const PBF_LANE weight = PBF_PAIR(turn_weight)(c, r2);
 #if PBF_DIM == 3
-  sum[0] = sum[0] + weight * (rates[1] * x_ij[2] - rates[2] * x_ij[1]);
-  sum[1] = sum[1] + weight * (rates[2] * x_ij[0] - rates[0] * x_ij[2]);
-  sum[2] = sum[2] + weight * (rates[0] * x_ij[1] - rates[1] * x_ij[0]);
+  PBF_PAIR(add_cross)(sum, weight, rates, x_ij);
 #else
   sum[0] = sum[0] - weight * rates[0] * x_ij[1];
   sum[1] = sum[1] + weight * rates[0] * x_ij[0];

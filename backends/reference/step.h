@@ -164,7 +164,7 @@ static inline void add_torques(solver *s) {
       pbf_real value, slope, factor = s->added[i] + s->added[n.j];
       pbf_pair_kernel(features, c, n.r2, &value, &slope);
       if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-      pbf_pair_add_torque(s->torque[i].c, factor * slope, n.x_ij.c, pbf_sub(s->x[i], s->x[n.j]).c);
+      pbf_pair_add_cross(s->torque[i].c, factor * slope, n.x_ij.c, pbf_sub(s->x[i], s->x[n.j]).c);
     }
   }
 }
