@@ -26,8 +26,8 @@ static void weigh_piece(void *context, uint32_t piece) {
   find_densities(w, piece, &w->obstacles, w->b.spare[2], s->quads[0], s->lambda);
   for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
        r = idle_particles(w, r.last, all.last))
-    for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = 1;
-  s->kernels->weigh(&s->deep, w->b.spare[2], s->lambda, all.first, all.last);
+    for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = w->constants.target;
+  s->kernels->weigh(&s->deep, w->constants.target, w->b.spare[2], s->lambda, all.first, all.last);
 }
 
 static void end_weighing(void *context) {

@@ -157,8 +157,8 @@ typedef struct kernels {
   void (*slack)(const pbf_constants *constants, pbf_real *density, uint32_t first, uint32_t last);
 
   /* The pressure grid's, over particles … */
-  void (*weigh)(const pbf_deep *deep, field x, const pbf_real *densities, uint32_t first,
-                uint32_t last);
+  void (*weigh)(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
+                uint32_t first, uint32_t last);
   void (*carry)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
                 uint32_t last);
   /* … and over nodes: kernels_deep.h. */

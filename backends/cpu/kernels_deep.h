@@ -47,15 +47,16 @@ PBF_FN void add_entries(const pbf_deep *deep, const uint32_t *cells, const int64
   }
 }
 
-static void weigh(const pbf_deep *deep, field x, const pbf_real *densities, uint32_t first,
-                  uint32_t last) {
+static void weigh(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
+                  uint32_t first, uint32_t last) {
   const pbf_coarse c = deep->grid;
   for (uint32_t count; first < last; first += count) {
     deep_places places;
     int64_t entries[DEEP_CHUNK], within[DEEP_CHUNK];
     count = deep_chunk(first, last);
     find_places(&c, &x, first, count, &places);
-    for (uint32_t l = 0; l < count; ++l) entries[l] = pbf_coarse_entry(densities[first + l]);
+    for (uint32_t l = 0; l < count; ++l)
+      entries[l] = pbf_coarse_entry(densities[first + l] - target);
     for (uint32_t l = 0; l < count; ++l) {
       double at[PBF_DIM];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];

@@ -43,7 +43,7 @@ static __attribute__((noinline)) int64_t excess_of(const pair_pass *p, const lan
   lane_store(densities, *density);
   for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
     if (!p->unrest || !pbf_is_idle(p->unrest[g * WIDTH + l]))
-      sum += pbf_excess(p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
+      sum += pbf_excess(p->constants, p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
   return sum;
 }
 

@@ -70,7 +70,7 @@ static void slack_piece(void *context, uint32_t piece) {
   solver *s = w->s;
   range r = piece_sorted(w, piece);
   find_densities(w, piece, &w->before, w->b.spare[0], s->quads[1], s->slack);
-  s->kernels->slack(&s->constants, s->slack, r.first, r.last);
+  s->kernels->slack(&w->constants, s->slack, r.first, r.last);
 }
 
 static void find_slack(worker *w) {
@@ -381,8 +381,7 @@ static outcome step_once(worker *w, double time, int sorted) {
   const double end = time + s->params.time_step;
   place_obstacles(s, end, &w->obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) place_obstacles(s, time, &w->before);
-  w->constants.most_change =
-      s->constants.most_change * pbf_part_of_change(&s->params, s->count, &s->schedule, end);
+  pbf_fit_to_room(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
   w->key = &w->b.spare[0];
   w->sorted_key = &w->b.spare[2];
   w->other = &w->b.spare[1];

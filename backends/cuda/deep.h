@@ -69,10 +69,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   if (i >= n.particles.count) return;
   if (images) density += images[i].density;
   if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
-  if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = 1;
+  if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
-  atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(density));
+  atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(density - c->target));
   atomicAdd(&a.places[cell], (unsigned long long)pbf_coarse_place_entry(at));
 }
 

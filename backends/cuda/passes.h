@@ -68,7 +68,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
                                                  slack, x, images);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
-               idle ? extras.watch.idle : pbf_excess(slack, sums.density));
+               idle ? extras.watch.idle : pbf_excess(c, slack, sums.density));
   if (idle) return;
   if (SLEEP && parts.first && pbf_is_asleep(unrest)) {
     extras.rest.kept[i].c[0] = points[i].lambda;

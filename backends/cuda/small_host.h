@@ -223,7 +223,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.lanes = small_lanes(s);
   scene.layout = small_layout_of(s);
   scene.constants = s->constants;
-  scene.constants.most_change *= pbf_part_of_change(&s->params, s->count, &has, time);
+  pbf_fit_to_room(&scene.constants, &s->constants, &s->params, s->count, &has, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
   scene.wall_density = has.wall_density;

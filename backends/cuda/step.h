@@ -416,7 +416,7 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   cell_grid grid = grid_over(&obstacles.walls, s->params.smoothing_radius,
                              grid_cell_limit(s->capacity), PBF_FINEST);
   neighborhood n = neighborhood_of(s, grid);
-  n.constants.most_change *= pbf_part_of_change(&s->params, s->count, &s->schedule, time);
+  pbf_fit_to_room(&n.constants, &s->constants, &s->params, s->count, &s->schedule, time);
   if (pbf_status status = wake_near(s, s->movers, obstacles)) return status;
   if (pbf_status status = run_stage(&s->clock, s->stream, PBF_STAGE_PREDICT,
                                     [&] { return launch_predict(s, state_of(s), grid, p); }))

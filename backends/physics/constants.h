@@ -15,6 +15,7 @@ typedef struct pbf_constants {
   pbf_real tiny2; /* r² below which a pair has no direction */
   pbf_real value_scale, gradient_scale, gradient_over_h;
   pbf_real epsilon;
+  pbf_real target;       /* density that the solve aims at: 1, or what overfull.h says */
   pbf_real rounding;     /* density error that may be rounding, see pbf_density_rounding */
   pbf_real omega;        /* of an iteration's moves; 1 where lambda adds up */
   pbf_real tension;      /* weight of densities below rest where lambda does not add up */
@@ -237,6 +238,7 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.gradient_scale = (pbf_real)d.gradient_scale;
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);
   c.epsilon = (pbf_real)d.epsilon;
+  c.target = 1;
   c.omega = (pbf_real)d.omega;
   /* Never 0, so that the lambda of a lone particle is finite, and moves nothing. */
   c.min_diagonal = (pbf_real)(fmax(params->min_diagonal, 1e-12) * d.diagonal);

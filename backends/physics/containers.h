@@ -10,12 +10,18 @@ static inline int pbf_is_container(const pbf_collider *collider) {
   return collider->inverted && collider->shape != PBF_COLLIDER_PLANE;
 }
 
-/* Of its room, in 2D an area. */
-static inline double pbf_container_volume(const pbf_collider *collider) {
-  const double r = collider->radius, disc = PBF_PI * r * r;
+/* How far beyond the centres that touch a wall fluid reaches: walls that lend no density let them
+ * come so near. */
+static inline double pbf_reach_beyond_walls(const pbf_params *params) {
+  return 0.5 * (1 - params->wall_density) * pbf_derive_spacing(params);
+}
+
+/* Of its room and what is up to `beyond` its walls, in 2D an area. */
+static inline double pbf_container_volume(const pbf_collider *collider, double beyond) {
+  const double r = collider->radius + beyond, disc = PBF_PI * r * r;
   double volume = 1;
   if (collider->shape == PBF_COLLIDER_BOX) {
-    for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * collider->half_extents[k];
+    for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * (collider->half_extents[k] + beyond);
     return volume;
   }
   volume = PBF_DIM == 3 ? 4.0 / 3 * disc * r : disc;
@@ -25,10 +31,13 @@ static inline double pbf_container_volume(const pbf_collider *collider) {
 }
 
 /* Of the smallest; infinite where there is none. */
-static inline double pbf_containers_volume(uint32_t count, const pbf_collider *colliders) {
+static inline double pbf_containers_volume(const pbf_params *params, uint32_t count,
+                                           const pbf_collider *colliders) {
+  const double beyond = pbf_reach_beyond_walls(params);
   double least = HUGE_VAL;
   for (uint32_t k = 0; k < count; ++k)
-    if (pbf_is_container(&colliders[k])) least = fmin(least, pbf_container_volume(&colliders[k]));
+    if (pbf_is_container(&colliders[k]))
+      least = fmin(least, pbf_container_volume(&colliders[k], beyond));
   return least;
 }
 
@@ -65,7 +74,7 @@ static inline double pbf_containers_depth(uint32_t count, const pbf_collider *co
   for (uint32_t k = 0; k < count; ++k) {
     if (!pbf_is_container(&colliders[k])) continue;
     pbf_solid s = pbf_solid_at(&colliders[k], 0, 0);
-    double part = fmin(fluid / pbf_container_volume(&colliders[k]), 1);
+    double part = fmin(fluid / pbf_container_volume(&colliders[k], 0), 1);
     depth = fmax(depth, 2 * pbf_solid_reach(&s, axis) * part);
   }
   return depth;

@@ -47,7 +47,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
   s.colliders = (int)colliders;
-  s.least_room = pbf_containers_volume(colliders, list);
+  s.least_room = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
   s.watched = params->tolerance > 0;

@@ -89,7 +89,7 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
  * in what is around it. `slack` is 0 or pbf_slack's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
-  pbf_real constraint = density - 1 - slack;
+  pbf_real constraint = density - c->target - slack;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
   if (constraint < 0) constraint *= c->tension;
   if (constraint > 0 && constraint < c->rounding) constraint = 0;
@@ -100,15 +100,15 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real dens
 
 /* What a step leaves of the density error at its start. */
 PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
-  pbf_real error = pbf_real_max(density - 1, 0);
+  pbf_real error = pbf_real_max(density - c->target, 0);
   return pbf_real_max(c->slack * error, c->most_slack * error - c->most_undone);
 }
 
 /* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers
  * is the same in any order. Above 64, and what is no number, it counts as 64, and as nothing. */
-PBF_FN int32_t pbf_excess(pbf_real slack, pbf_real density) {
+PBF_FN int32_t pbf_excess(const pbf_constants *c, pbf_real slack, pbf_real density) {
   const pbf_real most = 64, unit = (pbf_real)(1 << 24);
-  return (int32_t)(pbf_real_min(pbf_real_max(density - 1 - slack, 0), most) * unit);
+  return (int32_t)(pbf_real_min(pbf_real_max(density - c->target - slack, 0), most) * unit);
 }
 
 /* The part of a particle that does not solve, and so has no say in when the others have done. */

@@ -139,11 +139,11 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
 }
 
 static void bounded_step(solver *s, double time) {
-  const pbf_real most = s->constants.most_change;
-  s->constants.most_change *=
-      pbf_part_of_change(&s->params, s->count, &s->schedule, time + s->params.time_step);
+  const pbf_constants usual = s->constants;
+  pbf_fit_to_room(&s->constants, &usual, &s->params, s->count, &s->schedule,
+                  time + s->params.time_step);
   solver_step(s, time);
-  s->constants.most_change = most;
+  s->constants = usual;
 }
 
 static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {

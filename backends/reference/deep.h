@@ -4,10 +4,10 @@
 
 #include "common/deep.h"
 
-static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real density) {
+static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real density_error) {
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  deep->sums[cell] += pbf_coarse_entry(density);
+  deep->sums[cell] += pbf_coarse_entry(density_error);
   deep->places[cell] += pbf_coarse_place_entry(at);
 }
 

@@ -94,8 +94,8 @@ static inline void carry_weight(solver *s, const pbf_obstacles *o) {
   pbf_deep_begin(&s->deep, &s->params, s->capacity, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     uint32_t neighbors = 0;
-    pbf_real density = idle(s, i) ? 1 : density_at(s, o, s->moved, i, &neighbors);
-    deep_add(&s->deep, s->moved[i], density);
+    pbf_real density = idle(s, i) ? s->constants.target : density_at(s, o, s->moved, i, &neighbors);
+    deep_add(&s->deep, s->moved[i], density - s->constants.target);
   }
   deep_solve(&s->deep, o);
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -144,7 +144,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     pbf_real slack = s->slack ? s->slack[i] : 0;
     pbf_real lambda = pbf_lambda(c, slack, density, slope2, gradient);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
-      excess += pbf_excess(slack, density);
+      excess += pbf_excess(c, slack, density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       pbf_accelerate(c, density, lambda, &s->lambda[i], &s->added[i]);
     else

@@ -210,6 +210,20 @@ static void verify_torque(kind *k) {
   verify(k, "torque-correction-undamping", &s, 10);
 }
 
+/* In a box that is full at first and then too small: its lid comes down. */
+static void verify_overfull(kind *k) {
+  static const char *const names[3] = {"overfull", "overfull-short-steps", "overfull-deep"};
+  for (int c = 0; c < 3; ++c) {
+    scene s = accelerated_scene(k->dim, c == 1);
+    for (uint32_t axis = 0; axis < k->dim; ++axis)
+      s.params.domain_max[axis] = s.counts[axis] * s.spacing;
+    for (uint32_t axis = 0; axis < k->dim; ++axis) s.first[axis] = 0.5 * s.spacing;
+    s.params.wall_velocity[PBF_WALL_Y_MAX] = -0.02 * s.spacing / s.params.time_step;
+    if (c == 2) s.params.pressure_grid = 2, s.params.gravity[1] = -9.81;
+    verify(k, names[c], &s, 10);
+  }
+}
+
 static void verify_iterations(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   verify(k, "chebyshev-all-iterations", &s, 50);
@@ -299,6 +313,7 @@ int verify_all(const char *name) {
       verify_iterations(&k);
       verify_pull(&k);
       verify_torque(&k);
+      verify_overfull(&k);
       verify_mirrors(&k);
       verify_places(&k);
       verify_crowding(&k);
