@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the tables of error against run time into README.md and docs/accuracy.md, from the results
+"""Writes the tables of error against run time into README.md and docs/pareto.md, from the results
 of `pbf-bench pareto --json`, one a scene.
 
     bench/tools/pareto_table.py bench/results/epyc-2-cores/pareto-*.json
@@ -106,7 +106,7 @@ def short_table(results):
 def long_tables(results):
     lines = []
     for result in results:
-        lines += ["", f"### `{result['context']['scene']}`", "", f"{source(result)}."]
+        lines += ["", f"## `{result['context']['scene']}`", "", f"{source(result)}."]
         for figure in LONG:
             families = families_of(result, figure)
             title = next(error["title"] for error in result["errors"] if error["figure"] == figure)
@@ -121,7 +121,7 @@ def long_tables(results):
 def main(paths):
     results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
     write_table("README.md", "pareto", "\n".join(short_table(results)))
-    write_table("docs/accuracy.md", "pareto", "\n".join(long_tables(results)))
+    write_table("docs/pareto.md", "pareto", "\n".join(long_tables(results)))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes a table of docs/accuracy.md, `validation` unless told, from a result of bench/validate.
+"""Writes a table from a result of bench/validate: `validation` of docs/validation.md unless told, or one of
+docs/solver.md.
 
     bench/tools/validation_table.py out/validation.json [undamping]
 """
@@ -39,7 +40,7 @@ def table(result):
 
 def main(path, name="validation"):
     result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-    write_table("docs/accuracy.md", name, table(result))
+    write_table(f"docs/{'validation' if name == 'validation' else 'solver'}.md", name, table(result))
 
 
 if __name__ == "__main__":

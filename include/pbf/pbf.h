@@ -178,7 +178,7 @@ typedef struct pbf_params {
                         with weight 1 - separation (0: as in the paper, 1: never). With CHEBYSHEV
                         free surfaces never pull; fluid inside, which lacks little density, holds
                         together with 1 - separation of the weight of a column of 8 h, or of what
-                        its stiffness allows (docs/accuracy.md); without gravity nothing pulls */
+                        its stiffness allows (docs/solver.md); without gravity nothing pulls */
   double
       min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
                           keeps particles with few or coincident neighbours calm; 0: as in the paper */
