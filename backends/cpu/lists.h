@@ -190,7 +190,7 @@ static void pack_vectors(worker *w, void (*pack_piece)(void *context, uint32_t p
   if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_vectors, w);
 }
 
-/* The velocities of a piece's particles, smoothed by so much: 1 gives the mean around them. */
+/* The velocities of a piece's particles, smoothed by so much. */
 static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosity, field smoothed) {
   range groups = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);

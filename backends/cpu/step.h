@@ -260,7 +260,7 @@ static void update_velocity(worker *w) {
 
 static void flow_piece(void *context, uint32_t piece) {
   const worker *w = context;
-  smooth_velocities(w, piece, 1, w->b.spare[0]);
+  smooth_velocities(w, piece, PBF_TO_MEAN, w->b.spare[0]);
 }
 
 static pbf_vec undamped_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,

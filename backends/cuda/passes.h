@@ -324,7 +324,7 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     flow_kernel(neighborhood n, const pbf_vec *velocities, point *flow) {
   uint32_t i = thread_index();
-  pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, 1, i);
+  pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, PBF_TO_MEAN, i);
   if (i < n.particles.count) store(flow, i, point_at(v));
 }
 

@@ -246,9 +246,9 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.scorr_inv_w = (pbf_real)d.scorr_inv_w;
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_most_confinement(params));
-  c.viscosity = (pbf_real)params->viscosity;
+  c.viscosity = (pbf_real)fmin(params->viscosity, 1);
   c.flow_time = (pbf_real)(params->undamping * params->time_step);
-  c.most_flow2 = (pbf_real)(0.04 * d.h * d.h);
+  c.most_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part =
       (pbf_real)(params->time_step > 0 ? 0.5 * params->torque_correction / params->time_step : 0);
   c.scorr_n = (int)params->scorr_n;

@@ -6,10 +6,11 @@
  * angular momentum in a time unit. Along their direction at the step's start, as SHAKE has it
  * (Ryckaert, Ciccotti and Berendsen 1977), pushes would keep both. So once a step is solved,
  * velocities, not places, get the difference that the start would have made, but with the way from
- * there as the mean flow around the two has it, and not they themselves. The mean is eq. 17's with
- * a coefficient of 1. Pair by pair the difference is opposite and equal, so momentum is kept. Where
- * the flow parts two by more than a fifth of h in a step, ever less of it is undone: nothing
- * resolves such a flow. */
+ * there as the mean flow around the two has it, and not they themselves: each is left out of its
+ * own mean, or narrow kernels, of which most is its own, would give its noise back, and impacts
+ * would gain energy. Pair by pair the difference is opposite and equal, so momentum is kept. Where
+ * the flow moves two by more than a tenth of h to each other in a step, ever less of it is undone:
+ * nothing resolves such a flow. */
 #ifndef PBF_PHYSICS_UNDAMP_H
 #define PBF_PHYSICS_UNDAMP_H
 

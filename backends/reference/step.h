@@ -218,7 +218,7 @@ static inline void end_solve(solver *s, const pbf_obstacles *o) {
 
 static inline void find_flow(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i)
-    s->flow[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, 1, i);
+    s->flow[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, PBF_TO_MEAN, i);
 }
 
 static inline void undamp(solver *s, const pbf_obstacles *o) {

@@ -240,6 +240,26 @@ static void viscosity(void **state) {
   expect_no_gain(params);
 }
 
+/* 1 is the most that acts. */
+static void check_viscosity(uint32_t dimension, uint32_t precision) {
+  uint64_t hashes[2];
+  for (int k = 0; k < 2; ++k) {
+    pbf_params params = test_params();
+    params.viscosity = k == 0 ? 1 : 5;
+    pbf_solver *s = test_filled(dimension, precision, 100, 100);
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 5));
+    hashes[k] = test_hash(s);
+    pbf_destroy(s);
+  }
+  assert_int_equal(hashes[0], hashes[1]);
+}
+
+static void most_viscosity(void **state) {
+  (void)state;
+  test_for_each_kind(check_viscosity);
+}
+
 static void vorticity(void **state) {
   (void)state;
   pbf_params params = test_params();
@@ -284,13 +304,10 @@ static void viscous_crowds(void **state) {
 
 int main(void) {
   const struct CMUnitTest extremes[] = {
-      cmocka_unit_test(parameters_at_the_edges),
-      cmocka_unit_test(colliders_at_the_edges),
-      cmocka_unit_test(tiny_distances),
-      cmocka_unit_test(speeds_at_the_edges),
-      cmocka_unit_test(artificial_pressure),
-      cmocka_unit_test(viscosity),
-      cmocka_unit_test(vorticity),
+      cmocka_unit_test(parameters_at_the_edges), cmocka_unit_test(colliders_at_the_edges),
+      cmocka_unit_test(tiny_distances),          cmocka_unit_test(speeds_at_the_edges),
+      cmocka_unit_test(artificial_pressure),     cmocka_unit_test(viscosity),
+      cmocka_unit_test(most_viscosity),          cmocka_unit_test(vorticity),
       cmocka_unit_test(viscous_crowds),
   };
   return TEST_RUN(extremes);

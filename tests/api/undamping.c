@@ -160,6 +160,56 @@ static void check_basin(uint32_t dimension, uint32_t precision) {
              left[0], -loss, left[1]);
 }
 
+/* A block flies into a corner by 0.9 spacings a step. */
+static void throw_block(uint32_t precision, double spacings, uint32_t iterations) {
+  enum { WIDE = 20 };
+  const double spacing = 1.0 / WIDE;
+  pbf_params p = params_of(2, 1);
+  pbf_desc desc = test_desc(2, precision, WIDE * WIDE);
+  p.spacing = spacing;
+  p.smoothing_radius = spacings * spacing;
+  p.time_step = 0.9 * spacing;
+  p.iterations = iterations;
+  for (int k = 0; k < 3; ++k) p.domain_min[k] = 0, p.domain_max[k] = 2;
+  pbf_solver *s = test_create(&desc, &p);
+  void *x = calloc(2 * WIDE * WIDE, precision), *v = calloc(2 * WIDE * WIDE, precision);
+  assert_non_null(x);
+  assert_non_null(v);
+  for (uint32_t i = 0; i < WIDE * WIDE; ++i) {
+    test_put(x, 2 * i, precision, 0.2 + spacing * (i % WIDE + 0.5));
+    test_put(x, 2 * i + 1, precision, 0.2 + spacing * (i / WIDE + 0.5));
+    test_put(v, 2 * i, precision, -1);
+    test_put(v, 2 * i + 1, precision, -0.7);
+  }
+  assert_ok(pbf_add_particles(s, WIDE * WIDE, x, v, NULL));
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  double start = stats.kinetic_energy;
+  for (int k = 0; k < 10; ++k) {
+    assert_ok(pbf_step(s, 6));
+    assert_ok(pbf_get_stats(s, &stats));
+    if (!(stats.kinetic_energy < 1.02 * start))
+      fail_msg("h %g, %u iterations: a block ends with %g of its energy", spacings, iterations,
+               stats.kinetic_energy / start);
+  }
+  free(x);
+  free(v);
+  pbf_destroy(s);
+}
+
+static void check_impact(uint32_t dimension, uint32_t precision) {
+  if (dimension != 2) return;
+  throw_block(precision, 1.6, 4);
+  throw_block(precision, 2, 16);
+  throw_block(precision, 2.5, 16);
+}
+
+static void impacts_gain_nothing(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_impact);
+}
+
 static void free_rotation_is_kept(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub has no pairs");
@@ -183,6 +233,7 @@ int main(void) {
       cmocka_unit_test(free_rotation_is_kept),
       cmocka_unit_test(pairs_exert_no_torque),
       cmocka_unit_test(rotation_in_a_basin_is_kept),
+      cmocka_unit_test(impacts_gain_nothing),
   };
   return TEST_RUN(undamping);
 }
