@@ -108,8 +108,8 @@ static void viscosity_ends_at_the_mean(void **state) {
   (void)state;
   const struct {
     pbf_real viscosity, weight, share;
-  } rows[] = {{0, 0.8, 0},  {0.1, 0.8, 0.1}, {1, 0.8, 1}, {5, 0.8, 1},
-              {1, 4, 0.25}, {0.1, 4, 0.1},   {5, 0, 1},   {0.5, 100, 0.01}};
+  } rows[] = {{0, 0.8, 0},  {0.1, 0.8, 0.1}, {1, 0.8, 1}, {PBF_TO_MEAN, 0.8, 1.25},
+              {1, 4, 0.25}, {0.1, 4, 0.1},   {5, 0, 5},   {PBF_TO_MEAN, 100, 0.01}};
   for (size_t k = 0; k < sizeof rows / sizeof rows[0]; ++k) {
     pbf_vec v, sum;
     for (int a = 0; a < PBF_DIM; ++a) v.c[a] = 3 - a, sum.c[a] = 4 + 4 * a;
