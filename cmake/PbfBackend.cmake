@@ -12,6 +12,7 @@ function(pbf_add_backend name)
   target_compile_definitions(${target} PRIVATE PBF_BACKEND_NAME="${name}"
     PBF_BUILD_ID="${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}")
   target_link_libraries(${target} PRIVATE pbf_compile m)
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
 endfunction()
 
 function(pbf_add_plugin name)
@@ -60,5 +61,7 @@ function(pbf_add_variant out name variant)
   target_compile_definitions(${target} PRIVATE
     PBF_DIM=${dim} PBF_BITS=${bits} PBF_REAL=${real} PBF_VARIANT_API=${name}_${dim}d_f${bits})
   target_link_libraries(${target} PRIVATE pbf_compile)
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${pbf_backend_warnings}>")
+  set_property(GLOBAL APPEND PROPERTY PBF_VARIANT_OBJECTS $<TARGET_OBJECTS:${target}>)
   set(${out} $<TARGET_OBJECTS:${target}> PARENT_SCOPE)
 endfunction()

@@ -5,19 +5,26 @@ set(CMAKE_C_STANDARD 17)
 set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_C_EXTENSIONS ON)
 set(CMAKE_C_VISIBILITY_PRESET hidden)
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS ON)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-set(CMAKE_C_FLAGS_RELEASE "-O3")
-set(CMAKE_C_FLAGS_MINSIZEREL "-Os -fno-asynchronous-unwind-tables")
+foreach(language C CXX)
+  set(CMAKE_${language}_FLAGS_RELEASE "-O3")
+  set(CMAKE_${language}_FLAGS_MINSIZEREL "-Os -fno-asynchronous-unwind-tables")
+endforeach()
 if(PBF_STATIC)
   # A program's linker can drop the functions that it does not reach.
-  add_compile_options($<$<COMPILE_LANGUAGE:C>:-ffunction-sections> $<$<COMPILE_LANGUAGE:C>:-fdata-sections>)
+  add_compile_options("$<$<COMPILE_LANGUAGE:C,CXX>:-ffunction-sections;-fdata-sections>")
 endif()
 
 # No contraction: what must be bit-equal is; a fused multiply-add stands where it is written.
 target_compile_options(pbf_compile INTERFACE
   $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes
     -Wpointer-arith -Wvla -ffp-contract=off -fno-math-errno -fno-trapping-math>
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow>)
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -ffp-contract=off -fno-math-errno
+    -fno-trapping-math>)
 if(PBF_WERROR)
   target_compile_options(pbf_compile INTERFACE
     $<$<COMPILE_LANGUAGE:C,CXX>:-Werror> $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)

@@ -28,7 +28,6 @@ endif()
 
 set(CMAKE_CUDA_ARCHITECTURES ${PBF_CUDA_ARCHITECTURES})
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
-enable_language(CXX)
 enable_language(CUDA)
 set(PBF_CUDA_FOUND TRUE)
 

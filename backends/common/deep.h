@@ -31,7 +31,7 @@ static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, 
     return 1;
   }
   if (deep->sums) return 1;
-  deep->sums = pbf_memory_take(memory, "pressure grid", ARRAYS * limit, sizeof(double));
+  deep->sums = (int64_t *)pbf_memory_take(memory, "pressure grid", ARRAYS * limit, sizeof(double));
   if (!deep->sums) return 0;
   /* What lies behind the last node is read, and counts for nothing unless it is no number. */
   memset(deep->sums, 0, ARRAYS * limit * sizeof(double));

@@ -4,9 +4,22 @@
 
 #include "cpu/worker.h"
 
+/* Memory for whatever array it is for. */
+struct memory_taken {
+  void *data;
+  template <class Value>
+  operator Value *() const {
+    return static_cast<Value *>(data);
+  }
+};
+
+static memory_taken take_memory(pbf_memory *m, const char *name, uint64_t count, uint64_t element) {
+  return {pbf_memory_take(m, name, count, element)};
+}
+
 static field take_field(solver *s, const char *name) {
   field f;
-  pbf_real *base = pbf_memory_take(&s->memory, name, PBF_DIM * padded(s->capacity), sizeof *base);
+  pbf_real *base = take_memory(&s->memory, name, PBF_DIM * padded(s->capacity), sizeof *base);
   for (uint64_t k = 0; k < PBF_DIM; ++k)
     f.c[k] = base ? base + FIELD_FRONT + k * padded(s->capacity) : NULL;
   return f;
@@ -14,19 +27,19 @@ static field take_field(solver *s, const char *name) {
 
 /* Read by whole vectors from before its first element on, as a field is. */
 static pbf_real *take_reals(solver *s, const char *name) {
-  pbf_real *base = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof *base);
+  pbf_real *base = take_memory(&s->memory, name, padded(s->capacity), sizeof *base);
   return base ? base + FIELD_FRONT : NULL;
 }
 
 static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
-  return pbf_memory_take(&s->memory, name, count, sizeof(uint32_t));
+  return take_memory(&s->memory, name, count, sizeof(uint32_t));
 }
 
 /* 0 when one is lacking. The quad before the first particle's is nobody's. */
 static int take_quads(solver *s) {
   for (int k = 0; k < 2 && s->kernels->pack; ++k) {
-    pbf_real *base = pbf_memory_take(&s->memory, k ? "quads of lambda" : "quads",
-                                     4 * padded(s->capacity), sizeof *base);
+    pbf_real *base = take_memory(&s->memory, k ? "quads of lambda" : "quads",
+                                 4 * padded(s->capacity), sizeof *base);
     if (!base) return 0;
     s->quads[k] = base + 4 * FIELD_FRONT;
   }
@@ -41,11 +54,11 @@ static int take_pieces(solver *s) {
   s->first_cell = take_indices(s, "first cell of a range", ranges + 1);
   s->first_place = take_indices(s, "first place of a range", ranges + 1);
   s->first_group = take_indices(s, "first group of a piece", PAIR_PIECES * threads + 1);
-  s->boxes = pbf_memory_take(m, "box of a piece", PARTICLE_PIECES * threads, sizeof *s->boxes);
+  s->boxes = take_memory(m, "box of a piece", PARTICLE_PIECES * threads, sizeof *s->boxes);
   s->list_sizes =
-      pbf_memory_take(m, "list size of a piece", SEARCH_PIECES * threads, sizeof *s->list_sizes);
-  s->slab_counters = pbf_memory_take(m, "slabs taken", threads, sizeof *s->slab_counters);
-  s->team = pbf_memory_take(m, "team", team_bytes(s->threads), 1);
+      take_memory(m, "list size of a piece", SEARCH_PIECES * threads, sizeof *s->list_sizes);
+  s->slab_counters = take_memory(m, "slabs taken", threads, sizeof *s->slab_counters);
+  s->team = take_memory(m, "team", team_bytes(s->threads), 1);
   return s->team && s->sample && s->first_cell && s->first_place && s->first_group && s->boxes &&
          s->list_sizes && s->slab_counters;
 }
@@ -69,7 +82,7 @@ static int take_arrays(solver *s) {
   s->cell_end = take_indices(s, "cell end", cell_limit(s->capacity) + 1);
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
-  s->groups = pbf_memory_take(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
+  s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
   return s->memory.count == 16 && take_quads(s) && take_pieces(s);
 }
 
@@ -79,7 +92,7 @@ typedef struct clearing {
 } clearing;
 
 static void clear_part(void *context, uint32_t part) {
-  const clearing *c = context;
+  const clearing *c = static_cast<const clearing *>(context);
   for (uint32_t k = 0; k < c->s->memory.count; ++k) {
     const pbf_array *a = &c->s->memory.arrays[k];
     if (a->data == c->s->team) continue;
@@ -91,14 +104,14 @@ static void clear_part(void *context, uint32_t part) {
 
 /* Each thread writes its part first, so that the pages lie near it. */
 static void clear_arrays(void *context, member *me) {
-  clearing c = {context, me->threads};
+  clearing c = {static_cast<solver *>(context), me->threads};
   team_for(me, me->threads, clear_part, NULL, &c);
 }
 
 /* Takes or releases an array that only some parameters need. 0 when there is no memory. */
 static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name) {
   if (wanted && !*array)
-    *array = pbf_memory_take(&s->memory, name, padded(s->capacity), sizeof **array);
+    *array = take_memory(&s->memory, name, padded(s->capacity), sizeof **array);
   if (wanted) return *array != NULL;
   pbf_memory_free(&s->memory, *array);
   *array = NULL;
@@ -113,7 +126,7 @@ static int keep_zeroed(solver *s, int wanted, pbf_real **array, uint64_t count, 
   pbf_memory_free(&s->memory, base);
   *array = NULL;
   if (!wanted) return 1;
-  base = pbf_memory_take(&s->memory, name, count, sizeof *base);
+  base = take_memory(&s->memory, name, count, sizeof *base);
   if (!base) return 0;
   memset(base, 0, count * sizeof *base);
   *array = base + front;
@@ -127,8 +140,8 @@ static int keep_added(solver *s, int wanted) {
 
 static int keep_excess(solver *s, int wanted) {
   if (wanted && !s->excess)
-    s->excess = pbf_memory_take(&s->memory, "density error of a piece",
-                                (uint64_t)PAIR_PIECES * s->threads, sizeof *s->excess);
+    s->excess = take_memory(&s->memory, "density error of a piece",
+                            (uint64_t)PAIR_PIECES * s->threads, sizeof *s->excess);
   if (wanted) return s->excess != NULL;
   pbf_memory_free(&s->memory, s->excess);
   s->excess = NULL;
@@ -137,7 +150,7 @@ static int keep_excess(solver *s, int wanted) {
 
 /* Bytes that begin as 0. */
 static int keep_flags(solver *s, int wanted, uint8_t **array, const char *name, uint64_t count) {
-  if (wanted && !*array && (*array = pbf_memory_take(&s->memory, name, count, 1)))
+  if (wanted && !*array && (*array = take_memory(&s->memory, name, count, 1)))
     memset(*array, 0, count);
   if (wanted) return *array != NULL;
   pbf_memory_free(&s->memory, *array);

@@ -12,7 +12,7 @@ static int is_deep(const worker *w) {
 
 /* The grid changes when the step can no longer fail: until then it is that of the present state. */
 static void end_deep_search(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   end_search(w);
   if (!s->wanted.lacking) pbf_deep_begin(&s->deep, &s->params, s->capacity, &w->obstacles);
@@ -20,7 +20,7 @@ static void end_deep_search(void *context) {
 
 /* Sleepers out of reach of the awake pass for free of error. */
 static void weigh_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   find_densities(w, piece, &w->obstacles, w->b.spare[2], s->quads[0], s->lambda);
@@ -31,13 +31,13 @@ static void weigh_piece(void *context, uint32_t piece) {
 }
 
 static void end_weighing(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   find_solve(w->s, &w->obstacles);
   begin_solve(w->s, w->me->threads);
 }
 
 static void carry_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   help_solving(s);

@@ -4,6 +4,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum cpu_isa { CPU_SCALAR, CPU_SSE2, CPU_AVX2, CPU_AVX512, CPU_ISA_COUNT } cpu_isa;
 
 const char *cpu_isa_name(cpu_isa isa);
@@ -18,5 +22,9 @@ int cpu_isa_choose(cpu_isa *isa, char *error, size_t size);
 
 /* "AMD EPYC 9B45" or "CPU". */
 void cpu_brand(char *brand, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

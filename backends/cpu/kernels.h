@@ -41,7 +41,7 @@ typedef struct list_size {
 
 /* What the search reads and where it writes. */
 typedef struct search {
-  const grid *grid;
+  const struct grid *grid;
   pbf_real h2;
   field x;                  /* sorted */
   const uint32_t *cells;    /* of the sorted particles */
@@ -61,7 +61,7 @@ typedef struct walls_lent {
 typedef struct pair_pass {
   const pbf_constants *constants;
   int features;
-  lists lists;
+  struct lists lists;
   field x;                    /* sorted */
   const pbf_real *quads;      /* as pack makes them, of x and what move looks up */
   const pbf_real *vectors;    /* and of what else a pass looks up */

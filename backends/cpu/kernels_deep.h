@@ -29,7 +29,7 @@ PBF_FN void find_places(const pbf_coarse *c, const field *x, uint32_t first, uin
 }
 
 PBF_FN uint32_t deep_chunk(uint32_t first, uint32_t last) {
-  return last - first < DEEP_CHUNK ? last - first : DEEP_CHUNK;
+  return last - first < DEEP_CHUNK ? last - first : (uint32_t)DEEP_CHUNK;
 }
 
 /* Sorted particles come cell by cell: others are told of a cell once. */

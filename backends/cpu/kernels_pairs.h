@@ -2,8 +2,12 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
+#include "cpu/driver.h"
 #include "cpu/kernels_mirrors.h"
 #include "physics/fit.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/move.h"
+#include "physics/passes/viscosity.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
 PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
@@ -13,21 +17,20 @@ PBF_FN const pbf_obstacles *lending_walls(const pair_pass *p) {
 }
 
 PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
-  return n->count - g * WIDTH < WIDTH ? n->count - g * WIDTH : WIDTH;
+  return n->count - g * WIDTH < WIDTH ? n->count - g * WIDTH : (uint32_t)WIDTH;
 }
 
 /* ---- Density constraint -------------------------------------------------------------------- */
 
 /* Lambda of one group from its sums. */
-PBF_FN void lambda_group(const pbf_constants *c, const lane *density, const lane *slope2,
-                         const lane_values *gradients, const pbf_real *slack, pbf_real *lambda,
-                         pbf_real *added) {
-  _Alignas(64) pbf_real slopes2[WIDTH], densities[WIDTH], lambdas[WIDTH];
+template <class Pass>
+PBF_FN void lambda_group(const Pass &pass, const lane *density,
+                         const lane_sums<Pass::template sums> &sums, const pbf_real *slack,
+                         pbf_real *lambda, pbf_real *added) {
+  const pbf_constants *c = pass.c;
+  alignas(64) pbf_real densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
-  lane_store(slopes2, *slope2);
-  for (uint32_t l = 0; l < WIDTH; ++l)
-    lambdas[l] =
-        pbf_lambda(c, slack ? slack[l] : 0, densities[l], slopes2[l], lane_value(gradients, l));
+  for (uint32_t l = 0; l < WIDTH; ++l) lambdas[l] = pass.finish(sums[l], slack ? slack[l] : 0);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
     for (uint32_t l = 0; l < WIDTH; ++l)
       pbf_accelerate(c, densities[l], lambdas[l], &lambda[l], &added[l]);
@@ -49,41 +52,6 @@ static __attribute__((noinline)) int64_t excess_of(const pair_pass *p, const lan
 
 PBF_FN int64_t *asked_excess(const pair_pass *p) {
   return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->excess : NULL;
-}
-
-/* Sums are in units of the kernel's scales until their end. */
-PBF_FN void add_density(const int features, const pbf_constants *c, pair_sums *sums,
-                        const pair_lanes *p) {
-  lane value, slope;
-  lanes_scaled(features, c, lane_set(1), lane_set(1), p->r2, &value, &slope);
-  sums->density = sums->density + value;
-  sums->slope2 = lane_fma(slope * p->r2, slope, sums->slope2);
-  lane_vec_add_scaled(&sums->sum, slope, &p->x_ij);
-}
-
-/* Here and in move_sum the next round's distances are begun before the present one's terms: their
- * latency is the longest. */
-PBF_FN pair_sums density_of(const int features, const pbf_constants *c, const pair_pass *p,
-                            const lane_vec *x, uint32_t g) {
-  const lane scale = lane_set(pbf_slope_scale(features, c));
-  pair_sums sums = {lane_set(1), lane_set(0), lane_vec_zero()};
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
-    const neighbor_table around = neighbors_in(b, p, NULL);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    pair_lanes now = pairs_listed(b, list, x, &around);
-    while ((list += WIDTH) < end) {
-      const pair_lanes next = pairs_listed(b, list, x, &around);
-      add_density(features, c, &sums, &now);
-      now = next;
-    }
-    add_density(features, c, &sums, &now);
-  }
-  sums.density = sums.density * lane_set(c->value_scale);
-  sums.slope2 = sums.slope2 * scale * scale;
-  lane_vec_scale(&sums.sum, scale);
-  return sums;
 }
 
 static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
@@ -111,21 +79,31 @@ static __attribute__((noinline)) lane add_lent(const pair_pass *p, uint32_t g,
   return lane_load(lent.density);
 }
 
-PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
+template <class Features>
+PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
                           uint32_t first, uint32_t last) {
+  typedef lambda_pass<Features, SCALED_SUMS> pass_type;
   const pbf_constants c = *p->constants;
+  const pass_type pass = {&c, features};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    pair_sums sums;
-    if (!has_mirrors(p) || !sum_mirrored(p, NULL, g, &sums))
-      sums = density_of(features, &c, p, &x, g);
-    lane_values gradients = lane_vec_values(&sums.sum);
+    typename pass_type::template sums<lane> sums;
+    pair_sums mirrored;
+    if (has_mirrors(p) && sum_mirrored(p, NULL, g, &mirrored)) {
+      sums.density = mirrored.density;
+      sums.slope2 = mirrored.slope2;
+      for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = mirrored.sum.c[k];
+    } else {
+      sums = sums_of_group(pass, p, {}, {}, g);
+    }
     if (lending_walls(p) && group_near_obstacles(p, g)) {
+      lane_values gradients;
+      for (int k = 0; k < PBF_DIM; ++k) lane_store(gradients.c[k], sums.gradient.c[k]);
       const lane lent = add_lent(p, g, &gradients);
       sums.density = sums.density + lent;
+      for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = lane_load(gradients.c[k]);
     }
     if (asked_excess(p)) *p->excess += excess_of(p, &sums.density, g);
-    lambda_group(&c, &sums.density, &sums.slope2, &gradients,
+    lambda_group(pass, &sums.density, lane_sums<pass_type::template sums>(sums),
                  p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, added + g * WIDTH);
   }
 }
@@ -133,40 +111,9 @@ PBF_FN void lambda_groups(const int features, const pair_pass *p, pbf_real *lamb
 static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                    uint32_t last) {
   if (hot_features(p) & PBF_FEATURE_POLY6)
-    lambda_groups(PBF_FEATURE_POLY6, p, lambda, added, first, last);
+    lambda_groups(fixed<PBF_FEATURE_POLY6>{}, p, lambda, added, first, last);
   else
-    lambda_groups(0, p, lambda, added, first, last);
-}
-
-PBF_FN void add_move(const int features, const pbf_constants *c, lane_vec *sum, lane lambdas,
-                     const pair_lanes *p) {
-  lane value, slope;
-  lanes_scaled(features, c, lane_set(c->value_scale), lane_set(1), p->r2, &value, &slope);
-  if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(c, value);
-  lane_vec_add_scaled(sum, lambdas * slope, &p->x_ij);
-}
-
-/* Sum of eq. 12 or 14 for the particles of one group. */
-PBF_FN lane_vec move_sum(const int features, const pbf_constants *c, const pair_pass *p,
-                         const pbf_real *lambda, uint32_t g) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  const lane lambda_i = lane_load(lambda + g * WIDTH);
-  lane_vec sum = lane_vec_zero();
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
-    const neighbor_table around = neighbors_in(b, p, lambda);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    pair_lanes now = pairs_listed(b, list, &x, &around);
-    while ((list += WIDTH) < end) {
-      const pair_lanes next = pairs_listed(b, list, &x, &around);
-      add_move(features, c, &sum, lambda_i + number_of(&around, &now), &now);
-      now = next;
-    }
-    add_move(features, c, &sum, lambda_i + number_of(&around, &now), &now);
-  }
-  lane_vec_scale(&sum, lane_set(pbf_slope_scale(features, c)));
-  return sum;
+    lambda_groups(fixed<0>{}, p, lambda, added, first, last);
 }
 
 /* The walls' part of the change, by what lambda has left of it. */
@@ -177,17 +124,6 @@ PBF_FN void add_walls_to_change(const pair_pass *p, const pbf_real *lambda, uint
                                    field_at(&p->lent.gradient, i));
     set_lane(sums, l, sum);
   }
-}
-
-/* Where the iteration moves the particles of a group: from x* by its sums. */
-PBF_FN lane_values moved_group(const pbf_constants *c, const lane_values *from,
-                               const lane_values *sums) {
-  lane_values x;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec moved = pbf_move(c, lane_value(from, l), lane_value(sums, l));
-    set_lane(&x, l, moved);
-  }
-  return x;
 }
 
 PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
@@ -212,38 +148,45 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
   }
 }
 
-/* What pbf_push and pbf_velocity make of a group's velocities, by its moves and what walls and
- * colliders made of them. */
-PBF_FN void push_group(const pbf_constants *c, const move_pass *m, const lane_values *sums,
-                       const lane_values *moved, const lane_values *after, uint32_t first,
-                       uint32_t lanes) {
-  const lane inv_time_step = lane_set(m->inv_time_step),
-             push = lane_set(m->inv_time_step * c->omega);
+/* Of a group's velocities, by what walls and colliders made of its moves. */
+PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed,
+                             const lane_values *moved, const lane_values *after, uint32_t first,
+                             uint32_t lanes) {
+  const lane inv_time_step = lane_set(m->inv_time_step);
   for (int k = 0; k < PBF_DIM; ++k) {
-    lane v = lane_fma(push, lane_load(sums->c[k]), lane_load(m->velocity.c[k] + first));
-    v = lane_fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), v);
+    const lane v =
+        lane_fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), pushed.c[k]);
     if (lanes == WIDTH) {
       lane_store(m->velocity.c[k] + first, v);
     } else {
-      _Alignas(64) pbf_real values[WIDTH];
+      alignas(64) pbf_real values[WIDTH];
       lane_store(values, v);
       memcpy(m->velocity.c[k] + first, values, lanes * sizeof(pbf_real));
     }
   }
 }
 
-PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass *m, uint32_t first,
+template <class Pass>
+PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m, uint32_t first,
                         uint32_t last) {
-  const pbf_constants c = *p->constants;
+  const lookups of = {m->lambda, NULL};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    const lane_values xs = lane_vec_values(&x);
+    lane_vector<lane> x = load_vector(p->x, g * WIDTH), v = load_vector(m->velocity, g * WIDTH);
+    typename Pass::template sums<lane> sums;
     pair_sums mirrored;
-    if (!has_mirrors(p) || !sum_mirrored(p, m->lambda, g, &mirrored))
-      mirrored.sum = move_sum(features, &c, p, m->lambda, g);
-    lane_values sums = lane_vec_values(&mirrored.sum);
-    if (lending_walls(p) && group_near_obstacles(p, g)) add_walls_to_change(p, m->lambda, g, &sums);
-    const lane_values moved = moved_group(&c, &xs, &sums);
+    if (has_mirrors(p) && sum_mirrored(p, m->lambda, g, &mirrored))
+      for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = mirrored.sum.c[k];
+    else
+      sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
+    if (lending_walls(p) && group_near_obstacles(p, g)) {
+      lane_values change;
+      for (int k = 0; k < PBF_DIM; ++k) lane_store(change.c[k], sums.change.c[k]);
+      add_walls_to_change(p, m->lambda, g, &change);
+      for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
+    }
+    pass.finish(sums, m->inv_time_step, &x, &v);
+    lane_values moved;
+    for (int k = 0; k < PBF_DIM; ++k) lane_store(moved.c[k], x.c[k]);
     lane_values after = moved;
     uint32_t lanes = lanes_in_group(&p->lists, g);
     if (m->collide && pbf_solid_count(m->obstacles)) {
@@ -253,23 +196,30 @@ PBF_FN void move_groups(const int features, const pair_pass *p, const move_pass 
     } else if (m->collide) {
       clamp_group(m->obstacles, &after);
     }
-    push_group(&c, m, &sums, &moved, &after, g * WIDTH, lanes);
+    store_velocities(m, v, &moved, &after, g * WIDTH, lanes);
     store_lanes(&m->to, g * WIDTH, lanes, &after);
   }
+}
+
+template <class Features>
+PBF_FN void move_with(Features features, const pair_pass *p, const move_pass *m, uint32_t first,
+                      uint32_t last) {
+  const pbf_constants c = *p->constants;
+  move_groups(move_pass_of<Features, SCALED_SUMS>{&c, features}, p, m, first, last);
 }
 
 static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last) {
   enum { BOTH = PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR };
   if (BUILT_FOR_SIZE)
-    move_groups(hot_features(p) & BOTH, p, m, first, last);
+    move_with(hot_features(p) & BOTH, p, m, first, last);
   else if ((hot_features(p) & BOTH) == BOTH)
-    move_groups(BOTH, p, m, first, last);
+    move_with(fixed<BOTH>{}, p, m, first, last);
   else if (hot_features(p) & PBF_FEATURE_POLY6)
-    move_groups(PBF_FEATURE_POLY6, p, m, first, last);
+    move_with(fixed<PBF_FEATURE_POLY6>{}, p, m, first, last);
   else if (hot_features(p) & PBF_FEATURE_SCORR)
-    move_groups(PBF_FEATURE_SCORR, p, m, first, last);
+    move_with(fixed<PBF_FEATURE_SCORR>{}, p, m, first, last);
   else
-    move_groups(0, p, m, first, last);
+    move_with(fixed<0>{}, p, m, first, last);
 }
 
 /* ---- Velocity ------------------------------------------------------------------------------ */
@@ -359,40 +309,16 @@ static void confine(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], cons
   confine_groups(hot_features(p) & PBF_FEATURE_POLY6, p, curl, size, v, first, last);
 }
 
-PBF_FN void viscosity_groups(const int features, const pair_pass *p, field v, field smoothed,
-                             uint32_t first, uint32_t last) {
-  const pbf_constants c = *p->constants;
-  const lists n = p->lists;
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
-    lane_vec sum = lane_vec_zero();
-    lane weight = lane_set(0);
-    for (walk w = walk_group(&n, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const vector_table v_of = vectors_in(b, p, &v, NULL);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        const lane_vec v_j = vectors_at(&v_of, pair.j, 0).v;
-        lane value = lanes_density(features, &c, pair.r2);
-        weight += value;
-        for (int k = 0; k < PBF_DIM; ++k) sum.c[k] = lane_fma(value, v_j.c[k] - v_i.c[k], sum.c[k]);
-      }
-    }
-    lane_values sums = lane_vec_values(&sum);
-    pbf_real weights[WIDTH];
-    memcpy(weights, &weight, sizeof weights);
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i)
-      field_set(&smoothed, i,
-                pbf_smooth(c.viscosity, field_at(&v, i), lane_value(&sums, l), weights[l]));
-  }
-}
-
 /* One loop for both kernels: this one waits for memory. */
 static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last) {
-  viscosity_groups(hot_features(p) & PBF_FEATURE_POLY6, p, v, smoothed, first, last);
+  const pbf_constants c = *p->constants;
+  const viscosity_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<viscosity_pass<int>::sums> sums(
+        sums_of_group(pass, p, {NULL, &v}, {load_vector(v, g * WIDTH)}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&smoothed, i, pass.finish(sums[l], c.viscosity, field_at(&v, i)));
+  }
 }
 
 PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, const pair_pass *p,

@@ -89,7 +89,7 @@ static int next_window(const search *s, const run *r, candidates *c, neighbor_wi
 /* Puts windows together to blocks, and writes these one behind the other. */
 typedef struct builder {
   uint8_t *data;
-  room *room;
+  struct room *room;
   uint64_t begin, next; /* of the group's list, in units */
   uint32_t lacking;     /* 1: no room; only counts */
   uint32_t blocks;

@@ -1,4 +1,5 @@
 /* One lane: the scalar twin that the vector kernels are tested against. */
+#define LANES_SCALAR
 enum { WIDTH = 1 };
 typedef pbf_real lane;
 typedef uint32_t slots;

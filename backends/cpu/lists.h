@@ -21,14 +21,15 @@ static int grow_lists(solver *s) {
       s->threads == 1 ? 1 : units / (s->slab_units - s->wanted.largest) + 1 + s->threads;
   free_lists(s);
   if (slabs * s->slab_units > UINT32_MAX) return 0;
-  s->list_data = pbf_memory_take(&s->memory, "neighbor list", slabs * s->slab_units, LIST_UNIT);
+  s->list_data =
+      (uint8_t *)pbf_memory_take(&s->memory, "neighbor list", slabs * s->slab_units, LIST_UNIT);
   if (s->list_data) s->slabs = (uint32_t)slabs;
   return s->list_data != NULL;
 }
 
 /* The next slab, of those near the thread first; 0 when there is none. */
 static int next_slab(void *context, room *r) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   solver *s = w->s;
   uint32_t threads = w->me->threads;
   for (uint32_t k = 0; k < threads; ++k) {
@@ -53,7 +54,7 @@ static void list_size_add(list_size *all, list_size more) {
 
 /* `quads` are of x, and of what the pass looks up. */
 static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
-  static const uint8_t none[LIST_UNIT]; /* where nobody has a neighbour there are no lists */
+  static const uint8_t none[LIST_UNIT] = {0}; /* where nobody has a neighbour there are no lists */
   const solver *s = w->s;
   return (pair_pass){.constants = &w->constants,
                      .features = s->schedule.features,
@@ -90,7 +91,7 @@ static void find_shore(const worker *w, range groups) {
 }
 
 static void search_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = part_of(groups_of(s), piece, search_pieces(w));
   list_size all = {0};
@@ -104,7 +105,7 @@ static void search_piece(void *context, uint32_t piece) {
 
 /* The shore has lists of its own. */
 static void shore_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = part_of(groups_of(s), piece, search_pieces(w));
   uint64_t end = (uint64_t)r.last * s->kernels->width;
@@ -139,7 +140,7 @@ static void divide_groups(const worker *w) {
 }
 
 static void end_search(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   s->wanted = (list_size){0};
   for (uint32_t k = 0; k < search_pieces(w); ++k) list_size_add(&s->wanted, s->list_sizes[k]);
@@ -175,13 +176,13 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
 }
 
 static void velocities_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   fill_quads(w->s, 1, &w->b.v, NULL, piece_sorted(w, piece));
 }
 
 /* Nobody's vector is 0. The next sort puts nobody far away again. */
 static void end_vectors(void *context) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   w->s->quads[1][-4] = 0;
 }
 

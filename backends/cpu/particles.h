@@ -6,7 +6,7 @@
 #include "cpu/solver.h"
 
 static void append(solver *s, const pbf_particles *p) {
-  const pbf_real *x = p->positions, *v = p->velocities;
+  const pbf_real *x = (const pbf_real *)p->positions, *v = (const pbf_real *)p->velocities;
   for (int k = 0; k < PBF_DIM; ++k)
     for (uint32_t i = 0; i < p->count; ++i) {
       s->buffers.x.c[k][s->count + i] = x[(uint64_t)i * PBF_DIM + (uint32_t)k];

@@ -11,7 +11,7 @@
 static const field *around_of(const worker *w) { return &w->b.spare[0]; }
 
 static void unrest_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   const field *around = around_of(w);
   range all = piece_sorted(w, piece);
@@ -35,7 +35,7 @@ static void unrest_piece(void *context, uint32_t piece) {
 
 /* Where nobody sleeps nor is about to, nobody need know of what stirs. */
 static void stir_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range groups = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
@@ -46,7 +46,7 @@ static void stir_piece(void *context, uint32_t piece) {
 }
 
 static void settle_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   uint32_t sleepers = 0;
@@ -60,7 +60,7 @@ static void settle_piece(void *context, uint32_t piece) {
 }
 
 static void end_settling(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   s->asleep = atomic_exchange_explicit(&s->sleepers, 0, memory_order_relaxed);
   atomic_store_explicit(&s->drowsy, 0, memory_order_relaxed);
@@ -83,7 +83,7 @@ static int settle(worker *w) {
 /* ---- At its start -------------------------------------------------------------------------- */
 
 static void wake_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_particles(w, piece);
   for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;

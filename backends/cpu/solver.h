@@ -2,7 +2,7 @@
 #ifndef PBF_CPU_SOLVER_H
 #define PBF_CPU_SOLVER_H
 
-#include <stdatomic.h>
+#include "cpu/atomics.h"
 
 #include "common/deep.h"
 #include "cpu/isa.h"
@@ -23,8 +23,8 @@ typedef struct buffers {
   field spare[4]; /* prediction and its velocity, the same sorted; x*; what later stages need */
   uint32_t *ids;  /* of the state */
   uint32_t *spare_ids;
-  rest rest; /* of the state, and … */
-  rest spare_rest;
+  struct rest rest; /* of the state, and … */
+  struct rest spare_rest;
 } buffers;
 
 /* The smallest box around some particles. */
@@ -52,10 +52,10 @@ typedef struct deep_solve {
 struct pbf_backend_solver {
   pbf_memory memory;
   const pbf_backend_host *host;
-  const kernels *kernels;
+  const struct kernels *kernels;
   cpu_isa isa;
   uint32_t threads;
-  team *team;
+  struct team *team;
 
   pbf_params params;
   pbf_constants constants;
@@ -64,7 +64,7 @@ struct pbf_backend_solver {
   uint32_t capacity, count;
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
-  buffers buffers;
+  struct buffers buffers;
   pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
   pbf_real *added;     /* … what this iteration adds to it */
   pbf_real *quads[3];  /* of x* and of lambda: passes over pairs fill one and read the other; and of
@@ -73,7 +73,7 @@ struct pbf_backend_solver {
                           the torque's correction only */
   pbf_real *slack;     /* in very short steps only */
   pbf_deep deep;       /* in deep water only … */
-  deep_solve deep_solve;
+  struct deep_solve deep_solve;
   int unweighed;           /* 1: lambda is without what its grid added in the last step */
   pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
@@ -93,7 +93,7 @@ struct pbf_backend_solver {
   uint32_t *order;        /* sorted -> present index */
   uint32_t *cell_end;
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
-  grid grid;
+  struct grid grid;
 
   /* What threads tell each other from loop to loop, by piece. */
   box *boxes;

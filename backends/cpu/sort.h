@@ -7,7 +7,7 @@
 #include "cpu/sleepers.h"
 
 static void find_bounds(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_particles(w, piece);
   box b;
   for (int k = 0; k < PBF_DIM; ++k)
@@ -19,7 +19,7 @@ static void find_bounds(void *context, uint32_t piece) {
 /* The grid's box is that of the particles, as far as it lies in the domain, wherever its walls have
  * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. */
 static void make_grid(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   const pbf_walls *walls = &w->obstacles.walls;
   box all = w->s->boxes[0];
   for (uint32_t piece = 1; piece < particle_pieces(w); ++piece)
@@ -55,7 +55,7 @@ static void take_sample(const worker *w, range particles) {
 }
 
 static void find_cells(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_chunks(w, piece);
   const field x = grid_field(s->grid.axis, *w->key);
@@ -69,7 +69,7 @@ static void find_cells(void *context, uint32_t piece) {
 
 /* Ranges of cells such that all have about as many particles: quantiles of the sample. */
 static void divide_cells(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   uint32_t ranges = range_pieces(w), *sample = s->sample;
   for (uint32_t k = 1; k < ranges * SAMPLES_A_RANGE; ++k) {
@@ -96,7 +96,7 @@ static range piece_cells(const worker *w, uint32_t piece) {
         if ((s)->cells[i] - (range).first < (range).last - (range).first)
 
 static void count_cells(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range cells = piece_cells(w, piece);
   uint32_t *counts = s->cell_end, total = 0;
@@ -110,7 +110,7 @@ static void count_cells(void *context, uint32_t piece) {
 
 /* Turns numbers of particles into where they begin. */
 static void divide_places(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   uint32_t next = 0;
   for (uint32_t piece = 0; piece < range_pieces(w); ++piece) {
     uint32_t count = w->s->first_place[piece];
@@ -162,7 +162,7 @@ static void gather(const uint32_t *order, range places, const field *from, const
 }
 
 static void sort_range(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range places = {s->first_place[piece], s->first_place[piece + 1]};
   place_particles(s, piece_cells(w, piece), places, w->b.ids, w->b.spare_ids);

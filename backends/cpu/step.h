@@ -6,27 +6,21 @@
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
 #include "physics/overfull.h"
+#include "physics/step.h"
 #include "physics/undamp.h"
-
-/* What became of a step. */
-typedef enum outcome {
-  STEP_DONE,
-  STEP_DONE_ALL_ASLEEP,
-  STEP_LACKS_MEMORY /* for the neighbours; the state is as before */
-} outcome;
 
 typedef struct step_job {
   solver *s;
   double time;
   uint32_t steps, done;
-  int sorted;       /* the next step has come as far as that */
-  uint32_t reached; /* step, by the team's run, */
-  outcome last;     /* and how that ended */
-  buffers after;    /* it */
+  int sorted;        /* the next step has come as far as that */
+  uint32_t reached;  /* step, by the team's run, */
+  step_outcome last; /* and how that ended */
+  buffers after;     /* it */
 } step_job;
 
 static void predict_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range all = piece_particles(w, piece);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
@@ -58,7 +52,7 @@ static pair_pass pairs_now(const worker *w, const pbf_real *quads) {
 }
 
 static void backtrack_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_sorted(w, piece);
   w->s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], w->b.spare[0],
                            r.first, r.last);
@@ -66,7 +60,7 @@ static void backtrack_piece(void *context, uint32_t piece) {
 }
 
 static void slack_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_sorted(w, piece);
   find_densities(w, piece, &w->before, w->b.spare[0], s->quads[1], s->slack);
@@ -99,7 +93,7 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t pi
 }
 
 static void lambda_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   pair_pass pairs = pairs_now(w, w->s->quads[0]);
   find_lambda(w, &pairs, piece);
 }
@@ -117,7 +111,7 @@ static turn_pass turns_of(const worker *w) {
 }
 
 static void start_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_sorted(w, piece);
   s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], s->start, r.first,
@@ -139,7 +133,7 @@ static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
 }
 
 static void torque_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   pair_pass pairs = pairs_now(w, w->s->quads[1]);
   if (is_over(w)) return;
   pairs.vectors = w->s->quads[2];
@@ -147,7 +141,7 @@ static void torque_piece(void *context, uint32_t piece) {
 }
 
 static void move_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece), all = piece_sorted(w, piece);
   pair_pass pairs = pairs_now(w, s->quads[1]);
@@ -166,7 +160,7 @@ static void move_piece(void *context, uint32_t piece) {
 }
 
 static void watched_lambda_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   if (is_over(w)) return;
   pair_pass pairs = pairs_now(w, w->s->quads[0]);
   int64_t excess = 0;
@@ -177,7 +171,7 @@ static void watched_lambda_piece(void *context, uint32_t piece) {
 
 /* Once lambda is known, and with it the density error that the iteration has found. */
 static void end_when_small(void *context) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   int64_t sum = 0;
   if (is_over(w)) return;
@@ -187,7 +181,7 @@ static void end_when_small(void *context) {
 }
 
 static void watched_move_piece(void *context, uint32_t piece) {
-  if (!is_over(context)) move_piece(context, piece);
+  if (!is_over((const worker *)context)) move_piece(context, piece);
 }
 
 /* Where the solve has ended with an odd number of iterations to go, x* is in the other buffer. */
@@ -208,23 +202,8 @@ static int is_watched(const solver *s) {
   return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched;
 }
 
-static void iterate(worker *w) {
-  int watched = is_watched(w->s);
-  pbf_set_iteration(&w->constants, w->iteration);
-  team_for(w->me, pair_pieces(w), watched ? watched_lambda_piece : lambda_piece,
-           watched ? end_when_small : NULL, w);
-  stage_end(w, PBF_STAGE_LAMBDA);
-  if (corrects_torque(w)) {
-    team_for(w->me, pair_pieces(w), torque_piece, NULL, w);
-    stage_end(w, PBF_STAGE_TORQUE);
-  }
-  team_for(w->me, pair_pieces(w), watched ? watched_move_piece : move_piece, NULL, w);
-  swap_fields(&w->b.spare[0], &w->b.spare[1]);
-  stage_end(w, PBF_STAGE_MOVE);
-}
-
 static void velocity_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
   if (is_watched(s)) fetch_moved(w, all);
@@ -240,7 +219,7 @@ static void velocity_piece(void *context, uint32_t piece) {
 }
 
 static void count_skipped(void *context) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   if (w->s->timing) w->s->skipped += w->s->params.iterations - w->s->iterations;
 }
 
@@ -259,7 +238,7 @@ static void update_velocity(worker *w) {
 }
 
 static void flow_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   smooth_velocities(w, piece, PBF_TO_MEAN, w->b.spare[0]);
 }
 
@@ -270,7 +249,7 @@ static pbf_vec undamped_between(const pair_pass *p, const undamp_pass *u, uint32
 }
 
 static void undamp_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
@@ -288,43 +267,26 @@ static void undamp_piece(void *context, uint32_t piece) {
 
 /* Of mean velocities, or of rates. */
 static void flows_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   fill_quads(w->s, 1, &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
 }
 
-static void undamp_flow(worker *w) {
-  pack_vectors(w, velocities_piece);
-  team_for(w->me, pair_pieces(w), flow_piece, NULL, w);
-  stage_end(w, PBF_STAGE_FLOW);
-  pack_vectors(w, flows_piece);
-  team_for(w->me, pair_pieces(w), undamp_piece, NULL, w);
-  stage_end(w, PBF_STAGE_UNDAMP);
-}
-
 static void turn_rate_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
   turn_awake(w, piece, &pairs, w->s->kernels->turn_rate);
   keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
 }
 
 static void turn_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
   turn_awake(w, piece, &pairs, w->s->kernels->turn);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
-static void turn_pairs(worker *w) {
-  team_for(w->me, pair_pieces(w), turn_rate_piece, NULL, w);
-  stage_end(w, PBF_STAGE_TURN_RATE);
-  pack_vectors(w, flows_piece);
-  team_for(w->me, pair_pieces(w), turn_piece, NULL, w);
-  stage_end(w, PBF_STAGE_TURN);
-}
-
 static void curl_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
   pbf_real *sizes = spare_reals(w->s);
   pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
@@ -336,7 +298,7 @@ static void curl_piece(void *context, uint32_t piece) {
 }
 
 static void confine_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
@@ -346,35 +308,92 @@ static void confine_piece(void *context, uint32_t piece) {
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
-static void confine_vorticity(worker *w) {
-  pack_vectors(w, velocities_piece);
-  team_for(w->me, pair_pieces(w), curl_piece, NULL, w);
-  stage_end(w, PBF_STAGE_CURL);
-  team_for(w->me, pair_pieces(w), confine_piece, NULL, w);
-  stage_end(w, PBF_STAGE_CONFINE);
-}
-
 static void viscosity_piece(void *context, uint32_t piece) {
-  const worker *w = context;
+  const worker *w = static_cast<const worker *>(context);
   smooth_velocities(w, piece, w->constants.viscosity, w->b.spare[1]);
 }
 
-static void smooth_velocity(worker *w) {
-  pack_vectors(w, velocities_piece);
-  team_for(w->me, pair_pieces(w), viscosity_piece, NULL, w);
-  swap_fields(&w->b.v, &w->b.spare[1]);
-  stage_end(w, PBF_STAGE_VISCOSITY);
-}
+/* Stages as loops of the team, to which all its threads come. */
+struct executor {
+  worker *w;
+  bool sorted; /* the step has come as far as that */
 
-static void predict_and_sort(worker *w) {
-  if (sleep_is_on(w) && pbf_any_moves(w->s->movers))
-    team_for(w->me, particle_pieces(w), wake_piece, NULL, w);
-  team_for(w->me, particle_pieces(w), predict_piece, make_grid, w);
-  stage_end(w, PBF_STAGE_PREDICT);
-  sort_particles(w);
-}
+  void over_pairs(team_piece piece, team_last last = NULL) {
+    team_for(w->me, pair_pieces(w), piece, last, w);
+  }
+  void over_pairs(team_piece piece, pbf_stage stage) {
+    over_pairs(piece);
+    stage_end(w, stage);
+  }
 
-static outcome step_once(worker *w, double time, int sorted) {
+  bool wake() {
+    if (!sorted && sleep_is_on(w) && pbf_any_moves(w->s->movers))
+      team_for(w->me, particle_pieces(w), wake_piece, NULL, w);
+    return true; /* steps of none awake are not begun: steps_asleep */
+  }
+  void predict() {
+    if (sorted) return;
+    team_for(w->me, particle_pieces(w), predict_piece, make_grid, w);
+    stage_end(w, PBF_STAGE_PREDICT);
+  }
+  bool find_neighbors() {
+    if (!sorted) sort_particles(w);
+    w->rest = w->b.spare_rest;
+    if (!::find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return false;
+    if (corrects_torque(w)) over_pairs(start_piece);
+    stage_end(w, PBF_STAGE_NEIGHBORS);
+    return true;
+  }
+  void slack() { find_slack(w); }
+  void begin_solve() {}
+  void pressure_grid() { carry_weight(w); }
+  bool is_over(uint32_t) const { return false; } /* see ::is_over */
+  void begin_iteration(uint32_t k) {
+    w->iteration = k;
+    pbf_set_iteration(&w->constants, k);
+  }
+  void lambda(uint32_t) {
+    const int watched = is_watched(w->s);
+    over_pairs(watched ? watched_lambda_piece : lambda_piece, watched ? end_when_small : NULL);
+    stage_end(w, PBF_STAGE_LAMBDA);
+  }
+  void torque(uint32_t) { over_pairs(torque_piece, PBF_STAGE_TORQUE); }
+  void move(uint32_t k) {
+    over_pairs(is_watched(w->s) ? watched_move_piece : move_piece);
+    swap_fields(&w->b.spare[0], &w->b.spare[1]);
+    stage_end(w, PBF_STAGE_MOVE);
+    w->iteration = k + 1;
+  }
+  void velocity() { update_velocity(w); }
+  void flow() {
+    pack_vectors(w, velocities_piece);
+    over_pairs(flow_piece, PBF_STAGE_FLOW);
+  }
+  void undamp() {
+    pack_vectors(w, flows_piece);
+    over_pairs(undamp_piece, PBF_STAGE_UNDAMP);
+  }
+  void turn_rate() { over_pairs(turn_rate_piece, PBF_STAGE_TURN_RATE); }
+  void turn() {
+    pack_vectors(w, flows_piece);
+    over_pairs(turn_piece, PBF_STAGE_TURN);
+  }
+  void curl() {
+    pack_vectors(w, velocities_piece);
+    over_pairs(curl_piece, PBF_STAGE_CURL);
+  }
+  void confine() { over_pairs(confine_piece, PBF_STAGE_CONFINE); }
+  void viscosity() {
+    pack_vectors(w, velocities_piece);
+    over_pairs(viscosity_piece);
+    swap_fields(&w->b.v, &w->b.spare[1]);
+    stage_end(w, PBF_STAGE_VISCOSITY);
+  }
+  bool settle() { return ::settle(w); }
+  void end() {}
+};
+
+static step_outcome step_once(worker *w, double time, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   w->forces = pbf_forces_of(&s->params, time);
@@ -387,32 +406,20 @@ static outcome step_once(worker *w, double time, int sorted) {
   w->other = &w->b.spare[1];
   w->sorted_other = &w->b.spare[3];
   w->rest = w->b.rest;
-  if (!sorted) predict_and_sort(w);
-  w->rest = w->b.spare_rest;
-  if (!find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return STEP_LACKS_MEMORY;
-  if (corrects_torque(w)) team_for(w->me, pair_pieces(w), start_piece, NULL, w);
-  stage_end(w, PBF_STAGE_NEIGHBORS);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) find_slack(w);
-  if (is_deep(w)) carry_weight(w);
-  for (w->iteration = 0; w->iteration < s->params.iterations; ++w->iteration) iterate(w);
-  update_velocity(w);
-  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && s->schedule.runs[PBF_STAGE_UNDAMP]) undamp_flow(w);
-  if (corrects_torque(w)) turn_pairs(w);
-  if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && s->schedule.runs[PBF_STAGE_CURL]) confine_vorticity(w);
-  if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && s->schedule.runs[PBF_STAGE_VISCOSITY])
-    smooth_velocity(w);
-  return s->schedule.runs[PBF_STAGE_SLEEP] && settle(w) ? STEP_DONE_ALL_ASLEEP : STEP_DONE;
+  w->iteration = 0;
+  executor e = {w, sorted != 0};
+  return run_step(e, s->schedule);
 }
 
 /* A thread may begin when the others are at the end: what it begins with is not written here. */
 static void run_steps(void *context, member *me) {
-  step_job *job = context;
+  step_job *job = static_cast<step_job *>(context);
   worker w = worker_of(job->s, me);
-  outcome last = STEP_DONE;
-  for (w.step = job->done; w.step < job->steps && last == STEP_DONE;) {
+  step_outcome last = STEP_COMPLETE;
+  for (w.step = job->done; w.step < job->steps && last == STEP_COMPLETE;) {
     last = step_once(&w, job->time + w.step * job->s->params.time_step,
                      job->sorted && w.step == job->done);
-    if (last != STEP_LACKS_MEMORY) ++w.step;
+    if (last != STEP_SHORT_OF_MEMORY) ++w.step;
   }
   if (me->thread != 0) return;
   job->reached = w.step;
@@ -437,7 +444,7 @@ static void run_job(step_job *job) {
     if (job->reached > job->done)
       s->unweighed = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
     job->done = job->reached;
-    job->sorted = job->last == STEP_LACKS_MEMORY;
+    job->sorted = job->last == STEP_SHORT_OF_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
   if (job->done > before) s->pressure_scale = s->constants.pressure;
   s->now = job->time + job->done * step;

@@ -8,7 +8,7 @@
 #include "cpu/sort.h"
 
 static void density_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
   w->s->kernels->density(&pairs, spare_reals(w->s), w->s->cells, r.first, r.last);
@@ -16,14 +16,14 @@ static void density_piece(void *context, uint32_t piece) {
 
 /* The sorted lambda, for who looks it up. */
 static void sort_lambda_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_particles(w, piece);
   gather_reals(w->s->order, r, w->s->lambda, spare_reals(w->s));
   fill_quads(w->s, 0, &w->b.spare[2], spare_reals(w->s), r);
 }
 
 static void fit_lambda_piece(void *context, uint32_t piece) {
-  worker *w = context;
+  worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
   pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
   w->s->kernels->fit(&pairs, spare_reals(w->s), fitted_lambda(w->s), r.first, r.last);
@@ -40,12 +40,12 @@ static worker begin_survey(solver *s, member *me) {
 }
 
 static void survey_densities(void *context, member *me) {
-  worker w = begin_survey(context, me);
+  worker w = begin_survey((solver *)context, me);
   if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
 }
 
 static void survey_pressures(void *context, member *me) {
-  worker w = begin_survey(context, me);
+  worker w = begin_survey((solver *)context, me);
   team_for(me, particle_pieces(&w), sort_lambda_piece, NULL, &w);
   if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), fit_lambda_piece, NULL, &w);
 }

@@ -7,6 +7,10 @@
 #include <sched.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct team team;
 
 /* In a loop that waits for another thread: `looks` counts its turns from 1. Who has looked often
@@ -24,7 +28,7 @@ static inline void wait_a_little(unsigned *looks) {
 
 /* One thread's place in a running team. */
 typedef struct member {
-  team *team;
+  struct team *team;
   uint32_t thread, threads;
   uint32_t loops;  /* that this thread has come to */
   uint64_t pieces; /* in these loops */
@@ -56,5 +60,9 @@ void team_run(team *all, uint32_t threads, team_function function, void *context
 typedef void (*team_piece)(void *context, uint32_t piece);
 typedef void (*team_last)(void *context);
 void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,7 +6,7 @@
  * with his own part takes pieces from the end of another's. A loop is over when its pieces are
  * done, whether or not all threads have come. */
 #include <omp.h>
-#include <stdatomic.h>
+#include "cpu/atomics.h"
 
 #include "cpu/team.h"
 

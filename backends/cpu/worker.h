@@ -14,13 +14,13 @@ typedef struct range {
 typedef struct worker {
   solver *s;
   member *me;
-  buffers b; /* every thread swaps its own copy */
-  room room; /* for lists of neighbours */
+  buffers b;        /* every thread swaps its own copy */
+  struct room room; /* for lists of neighbours */
   pbf_forces forces;
   pbf_obstacles obstacles;                              /* at the end of the step */
   pbf_obstacles before;                                 /* at its start, for the slack alone */
   pbf_constants constants;                              /* of the iteration */
-  rest rest;                                            /* in the order of the stage */
+  struct rest rest;                                     /* in the order of the stage */
   uint32_t step, iteration;                             /* of this run */
   const field *key, *sorted_key, *other, *sorted_other; /* of the sort */
   double stage_begin;

@@ -8,6 +8,13 @@
 
 #include "pbf_build.h"
 
+/* Headers that are C as well as C++. */
+#if defined(__cplusplus) && !defined(__CUDACC__)
+#define _Alignas alignas
+#define _Static_assert static_assert
+#define restrict __restrict
+#endif
+
 enum {
   PBF_FEATURE_POLY6 = 1, /* poly6 density and spiky gradient; otherwise Wendland C2 */
   PBF_FEATURE_SCORR = 2, /* artificial pressure */

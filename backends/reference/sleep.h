@@ -2,7 +2,8 @@
 #ifndef PBF_REFERENCE_SLEEP_H
 #define PBF_REFERENCE_SLEEP_H
 
-#include "reference/solver.h"
+#include "physics/passes/viscosity.h"
+#include "reference/driver.h"
 
 static inline pbf_obstacles obstacles_at(const solver *s, double time) {
   pbf_obstacles o;
@@ -45,16 +46,9 @@ static inline void find_shore(solver *s) {
 
 /* v_i and what eq. 17 adds to it. */
 static inline pbf_vec smoothed_velocity(const solver *s, pbf_real viscosity, uint32_t i) {
-  const pbf_constants *c = &s->constants;
-  pbf_vec sum = {{0}};
-  pbf_real weight = 0;
-  neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-    pbf_real value = pbf_pair_density(s->schedule.features, c, n.r2);
-    weight += value;
-    sum = pbf_add_scaled(sum, value, pbf_sub(s->v[n.j], s->v[i]));
-  }
-  return pbf_smooth(viscosity, s->v[i], sum, weight);
+  const viscosity_pass<int> pass = {&s->constants, s->schedule.features};
+  return pass.finish(sums_around(s, pass, s->moved, {NULL, s->v}, {lanes_of(s->v[i])}, i),
+                     viscosity, s->v[i]);
 }
 
 static inline void stir_around(solver *s, uint32_t i) {

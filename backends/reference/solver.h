@@ -38,7 +38,7 @@ struct pbf_backend_solver {
   pbf_sleep sleep;
   pbf_movers movers;
   uint32_t *ids;
-  grid grid;
+  struct grid grid;
   uint32_t collider_count;
   double collider_time;
   double now; /* end of the last step: where walls stand for statistics */

@@ -5,7 +5,10 @@
 #include "physics/fit.h"
 #include "physics/turn.h"
 #include "physics/undamp.h"
-#include "reference/mirrors.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/move.h"
+#include "physics/step.h"
+#include "reference/driver.h"
 #include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
@@ -116,37 +119,23 @@ static inline void add_weight(solver *s) {
 /* Returns the density error, where it is wanted, in pbf_excess's units. */
 static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
+  const lambda_pass<int, SCALED_PAIRS> pass = {c, s->schedule.features};
   int64_t excess = 0;
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_real density = c->value_scale, slope2 = 0;
-    pbf_vec gradient = {{0}};
     if (idle(s, i)) {
       excess += pbf_idle_excess(&s->params);
       continue;
     }
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-      pbf_real value, slope;
-      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
-      density += value;
-      slope2 += slope * n.r2 * slope;
-      gradient = pbf_add_scaled(gradient, slope, n.x_ij);
-    }
-    add_walls(s, o, s->moved[i], &density, &gradient);
-    image m = images_of(s, o, s->moved, i);
-    while (next_image(s, s->moved, &m)) {
-      pbf_real value, slope;
-      pbf_pair_kernel(s->schedule.features, c, m.n.r2, &value, &slope);
-      density += c->wall_weight * value;
-      slope2 += c->wall_weight * slope * m.n.r2 * slope;
-      gradient = pbf_add_scaled(gradient, c->wall_weight * slope, m.n.x_ij);
-    }
-    pbf_real slack = s->slack ? s->slack[i] : 0;
-    pbf_real lambda = pbf_lambda(c, slack, density, slope2, gradient);
+    auto sums = sums_around(s, pass, s->moved, {}, {}, i);
+    pbf_vec gradient = vec_of(sums.gradient);
+    add_walls(s, o, s->moved[i], &sums.density, &gradient);
+    sums.gradient = lanes_of(gradient);
+    add_images(s, pass, o, s->moved, {}, {}, i, &sums);
+    pbf_real slack = s->slack ? s->slack[i] : 0, lambda = pass.finish(sums, slack);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
-      excess += pbf_excess(c, slack, density);
+      excess += pbf_excess(c, slack, sums.density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
-      pbf_accelerate(c, density, lambda, &s->lambda[i], &s->added[i]);
+      pbf_accelerate(c, sums.density, lambda, &s->lambda[i], &s->added[i]);
     else
       s->lambda[i] = lambda;
   }
@@ -171,37 +160,25 @@ static inline void add_torques(solver *s) {
 
 static inline void move(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
-  const pbf_real *lambda = s->schedule.accelerated ? s->added : s->lambda;
-  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
-  int features = s->schedule.features;
+  const move_pass_of<int, SCALED_PAIRS> pass = {c, s->schedule.features};
+  const lookups of = {s->schedule.accelerated ? s->added : s->lambda, NULL};
+  const pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_vec sum = {{0}};
     if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-      pbf_real value, slope;
-      pbf_pair_kernel(features, c, n.r2, &value, &slope);
-      pbf_real factor = lambda[i] + lambda[n.j];
-      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-      sum = pbf_add_scaled(sum, factor * slope, n.x_ij);
-    }
-    image m = images_of(s, o, s->moved, i);
-    while (next_image(s, s->moved, &m)) {
-      pbf_real value, slope, factor = lambda[i] + lambda[m.n.j];
-      pbf_pair_kernel(features, c, m.n.r2, &value, &slope);
-      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-      sum = pbf_add_scaled(sum, c->wall_weight * factor * slope, m.n.x_ij);
-    }
-    s->change[i] = sum;
+    auto sums = sums_around(s, pass, s->moved, of, {of.number[i]}, i);
+    add_images(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
+    s->change[i] = vec_of(sums.change);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
       pbf_lent lent = pbf_lent_at(c, &o->walls, o->count, o->solids, s->moved[i]);
-      s->change[i] = pbf_beside_lent(sum, lambda[i], &lent);
+      s->change[i] = pbf_beside_lent(s->change[i], of.number[i], &lent);
     }
   }
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    s->moved[i] = pbf_move(c, s->moved[i], s->change[i]);
-    s->v[i] = pbf_push(c, inv_time_step, s->v[i], s->change[i]);
+    auto x = lanes_of(s->moved[i]), v = lanes_of(s->v[i]);
+    pass.finish<pbf_real>({lanes_of(s->change[i])}, inv_time_step, &x, &v);
+    s->moved[i] = vec_of(x);
+    s->v[i] = vec_of(v);
   }
 }
 
@@ -307,56 +284,68 @@ static inline void apply_viscosity(solver *s) {
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
-static inline void solver_step(solver *s, double time) {
-  const pbf_schedule *has = &s->schedule;
-  pbf_obstacles obstacles = obstacles_at(s, time + s->params.time_step);
-  if (sleeps(s)) {
+/* Stages as loops over all particles. */
+struct executor {
+  solver *s;
+  double time;
+  pbf_obstacles obstacles, before; /* at the end of the step, and at its start */
+  int64_t limit;
+  bool over;
+
+  bool wake() {
+    if (!sleeps(s)) return true;
     wake_near(s, s->movers, time + s->params.time_step);
-    if (sleepers(s) == s->count) return;
+    return sleepers(s) < s->count;
   }
-  predict(s, time, &obstacles);
-  grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
-  if (sleeps(s)) find_shore(s);
-  if (has->runs[PBF_STAGE_SLACK]) {
-    const pbf_obstacles before = obstacles_at(s, time);
-    compute_slack(s, &before);
-  }
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && has->accelerated) {
-    memset(s->lambda, 0, s->count * sizeof *s->lambda);
-    memset(s->added, 0, s->count * sizeof *s->added);
+  void predict() { ::predict(s, time, &obstacles); }
+  bool find_neighbors() {
+    grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
+    if (sleeps(s)) find_shore(s);
     if (s->torque) memset(s->torque, 0, s->count * sizeof *s->torque);
+    return true;
   }
-  if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID])
-    carry_weight(s, &obstacles);
-  for (uint32_t i = 0; i < s->count; ++i)
-    if (idle(s, i)) s->lambda[i] = 0;
-  int64_t limit = has->watched ? pbf_excess_limit(&s->params, s->count) : -1;
-  int over = 0;
-  for (s->iterations = 0; s->iterations < s->params.iterations && !over; ++s->iterations) {
-    pbf_set_iteration(&s->constants, s->iterations);
-    over = compute_lambda(s, &obstacles) <= limit;
-    if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_TORQUE]) add_torques(s);
-    move(s, &obstacles);
-    if (has->collide_in_iteration) collide_moving(s, &obstacles);
+  void slack() { compute_slack(s, &before); }
+  void begin_solve() {
+    for (uint32_t i = 0; i < s->count; ++i)
+      if (idle(s, i) || s->schedule.accelerated) s->lambda[i] = 0;
+    if (s->schedule.accelerated) memset(s->added, 0, s->count * sizeof *s->added);
+    limit = s->schedule.watched ? pbf_excess_limit(&s->params, s->count) : -1;
+    over = false;
+    s->iterations = 0;
   }
-  end_solve(s, &obstacles);
-  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_UNDAMP]) {
-    find_flow(s);
-    undamp(s, &obstacles);
+  void pressure_grid() { carry_weight(s, &obstacles); }
+  bool is_over(uint32_t) const { return over; }
+  void begin_iteration(uint32_t k) { pbf_set_iteration(&s->constants, k); }
+  void lambda(uint32_t) { over = compute_lambda(s, &obstacles) <= limit; }
+  void torque(uint32_t) { add_torques(s); }
+  void move(uint32_t k) {
+    ::move(s, &obstacles);
+    if (s->schedule.collide_in_iteration) collide_moving(s, &obstacles);
+    s->iterations = k + 1;
   }
-  if ((PBF_BUILT & PBF_FEATURE_UNDAMPING) && has->runs[PBF_STAGE_TURN]) {
-    find_turn_rates(s);
-    turn(s);
+  void velocity() { end_solve(s, &obstacles); }
+  void flow() { find_flow(s); }
+  void undamp() { ::undamp(s, &obstacles); }
+  void turn_rate() { find_turn_rates(s); }
+  void turn() { ::turn(s); }
+  void curl() { compute_curl(s); }
+  void confine() { confine_vorticity(s); }
+  void viscosity() { apply_viscosity(s); }
+  bool settle() {
+    ::settle(s);
+    return false;
   }
-  if ((PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && has->runs[PBF_STAGE_GRID] && has->accelerated)
-    add_weight(s);
-  if ((PBF_BUILT & PBF_FEATURE_VORTICITY) && has->runs[PBF_STAGE_CURL]) {
-    compute_curl(s);
-    confine_vorticity(s);
+  void end() {
+    if (runs<PBF_FEATURE_PRESSURE_GRID>(s->schedule, PBF_STAGE_GRID) && s->schedule.accelerated)
+      add_weight(s);
+    memcpy(s->x, s->moved, s->count * sizeof *s->x);
   }
-  if ((PBF_BUILT & PBF_FEATURE_VISCOSITY) && has->runs[PBF_STAGE_VISCOSITY]) apply_viscosity(s);
-  if (has->runs[PBF_STAGE_SLEEP]) settle(s);
-  memcpy(s->x, s->moved, s->count * sizeof *s->x);
+};
+
+static inline void solver_step(solver *s, double time) {
+  executor e = {s, time, obstacles_at(s, time + s->params.time_step), obstacles_at(s, time),
+                0, false};
+  run_step(e, s->schedule);
 }
 
 #endif

@@ -10,9 +10,11 @@
 #include <stdarg.h>
 #include <stdlib.h>
 
+extern "C" {
 #include <cmocka.h>
 
 #include "allocator.h"
+}
 
 /* Optional features, one bit each. */
 enum {
@@ -47,22 +49,23 @@ static uint64_t entered[MOST_WATCHED];
 
 UNTOLD static const watched *watched_at(unsigned k);
 
+extern "C" {
 UNTOLD void __cyg_profile_func_enter(void *function, void *site);
 UNTOLD void __cyg_profile_func_exit(void *function, void *site);
+}
 
-void __cyg_profile_func_enter(void *function, void *site) {
+void __cyg_profile_func_enter(void *function, void *) {
   const watched *w;
-  (void)site;
   for (unsigned k = 0; (w = watched_at(k))->name; ++k)
     if (w->function == function) ++entered[k];
 }
 
-void __cyg_profile_func_exit(void *function, void *site) { (void)function, (void)site; }
+void __cyg_profile_func_exit(void *, void *) {}
 
 #define WATCH(function, feature) \
-  { #function, (void *)(uintptr_t)&function, feature, NULL }
+  { #function, (void *)&function, feature, NULL }
 #define WATCH_STAGE(function, feature, stage) \
-  { #function, (void *)(uintptr_t)&function, feature, stage }
+  { #function, (void *)&function, feature, stage }
 
 /* ---- The scene: a block in a corner, a sphere in its way ------------------------------------- */
 

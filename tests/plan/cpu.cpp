@@ -1,11 +1,11 @@
 /* The CPU solver, in scalar lanes and one thread: what it runs and holds. */
 #define PBF_VARIANT_API PBF_KERNELS_API
-#include "cpu/kernels.c"
+#include "cpu/kernels.cpp"
 #undef PBF_VARIANT_API
 #define PBF_VARIANT_API cpu_under_test
 #include "cpu/plugin.h"
-extern const pbf_backend_api cpu_under_test;
-#include "cpu/backend.c"
+extern "C" const pbf_backend_api cpu_under_test;
+#include "cpu/backend.cpp"
 
 /* Bytes that features take. */
 static uint64_t bytes_of(int features);
@@ -30,13 +30,13 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(update_velocity, NOTHING, "velocity"),
       WATCH_STAGE(curl, VORTICITY, "curl"),
       WATCH_STAGE(confine, VORTICITY, "confine"),
-      WATCH_STAGE(smooth_velocity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(executor::viscosity, VISCOSITY, "viscosity"),
       WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(settle, SLEEP, "sleep"),
       WATCH(viscosity, VISCOSITY | SLEEP),
       WATCH(pbf_unrest, SLEEP),
-      WATCH(lanes_poly6, POLY6),
-      WATCH(lanes_scorr, SCORR),
+      WATCH(poly6<pbf_real>, POLY6),
+      WATCH(artificial_pressure<pbf_real>, SCORR),
       WATCH(lanes_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
@@ -54,7 +54,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(seconds_now, TIMING),
       {NULL, NULL, 0, NULL},
   };
-  _Static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
   return &list[k];
 }
 

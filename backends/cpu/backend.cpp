@@ -16,10 +16,11 @@
 PBF_EACH_ISA(DECLARE)
 
 /* Of a set that the loops were built for. */
-static const kernels *kernels_for(cpu_isa isa) {
-#define OF_ISA(isa, ISA) [CPU_##ISA] = &KERNELS(isa),
-  static const kernels *const all[CPU_ISA_COUNT] = {PBF_EACH_ISA(OF_ISA)};
-  return all[isa];
+static const kernels *kernels_for(cpu_isa which) {
+#define DO_OF_ISA(isa, ISA) \
+  if (which == CPU_##ISA) return &KERNELS(isa);
+  PBF_EACH_ISA(DO_OF_ISA)
+  return NULL;
 }
 
 static pbf_status out_of_memory(const solver *s, const char *what) {
@@ -90,7 +91,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
     cpu_host->set_error(error);
     return PBF_ERROR_UNSUPPORTED;
   }
-  solver *s = desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
+  solver *s = (solver *)desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
   if (!s) {
     cpu_host->set_error("no memory for a solver");
     return PBF_ERROR_OUT_OF_MEMORY;
@@ -200,13 +201,14 @@ static pbf_status remove_all(solver *s) {
 
 static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   if (which == PBF_BACKEND_FIELD_REST) {
-    read_rest(s, rows, out);
+    read_rest(s, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!survey(s, survey_densities)) return no_memory_for_neighbors(s);
-    read_densities(s, rows, out);
+    read_densities(s, rows, (pbf_real *)out);
   } else {
-    read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, out);
+    read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
+                 (pbf_real *)out);
   }
   return PBF_OK;
 }
@@ -214,11 +216,12 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
   add_weight(s);
   if (which == PBF_BACKEND_FIELD_REST) {
-    write_rest(s, rows, in);
+    write_rest(s, rows, (const pbf_real *)in);
     return PBF_OK;
   }
   wake_all(s);
-  write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows, in);
+  write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
+                (const pbf_real *)in);
   return PBF_OK;
 }
 
@@ -226,7 +229,7 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   int is_id = which == PBF_FIELD_ID;
   const field *f = which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v;
   view->device_type = PBF_DEVICE_CPU;
-  view->element_type = is_id ? PBF_TYPE_UINT32 : sizeof(pbf_real);
+  view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
   view->components = is_id ? 1 : PBF_DIM;
   view->particle_stride = is_id ? sizeof(uint32_t) : sizeof(pbf_real);
   view->component_stride =
@@ -244,7 +247,7 @@ static pbf_status find_pressures(solver *s) {
 
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
   pbf_status status = find_pressures(s);
-  if (status == PBF_OK) read_pressure_rows(s, rows, out);
+  if (status == PBF_OK) read_pressure_rows(s, rows, (pbf_real *)out);
   return status;
 }
 
@@ -308,6 +311,8 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
   }
   return PBF_OK;
 }
+
+extern "C" const pbf_backend_api PBF_VARIANT_API;
 
 const pbf_backend_api PBF_VARIANT_API = {
     .struct_size = sizeof(pbf_backend_api),

@@ -82,25 +82,24 @@ static void destroy(solver *s) {
   allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
 }
 
-static int take_arrays(solver *s) {
-  pbf_memory *m = &s->memory;
+template <class Value>
+static bool take(solver *s, Value **array, const char *name, uint64_t count) {
+  return (*array = static_cast<Value *>(pbf_memory_take(&s->memory, name, count, sizeof(Value))));
+}
+
+static bool take_arrays(solver *s) {
   uint64_t n = s->capacity;
-  return (s->x = pbf_memory_take(m, "position", n, sizeof *s->x)) &&
-         (s->v = pbf_memory_take(m, "velocity", n, sizeof *s->v)) &&
-         (s->predicted = pbf_memory_take(m, "predicted", n, sizeof *s->predicted)) &&
-         (s->moved = pbf_memory_take(m, "moved", n, sizeof *s->moved)) &&
-         (s->change = pbf_memory_take(m, "change", n, sizeof *s->change)) &&
-         (s->lambda = pbf_memory_take(m, "lambda", n, sizeof *s->lambda)) &&
-         (s->ids = pbf_memory_take(m, "id", n, sizeof *s->ids)) &&
-         (s->grid.cell_of = pbf_memory_take(m, "cell", n, sizeof *s->grid.cell_of)) &&
-         (s->grid.list = pbf_memory_take(m, "cell list", n, sizeof *s->grid.list)) &&
-         (s->grid.start = pbf_memory_take(
-              m, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1, sizeof *s->grid.start));
+  return take(s, &s->x, "position", n) && take(s, &s->v, "velocity", n) &&
+         take(s, &s->predicted, "predicted", n) && take(s, &s->moved, "moved", n) &&
+         take(s, &s->change, "change", n) && take(s, &s->lambda, "lambda", n) &&
+         take(s, &s->ids, "id", n) && take(s, &s->grid.cell_of, "cell", n) &&
+         take(s, &s->grid.list, "cell list", n) &&
+         take(s, &s->grid.start, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1);
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
-  solver *s = desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
+  solver *s = (solver *)desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
   if (!s) {
     reference_host->set_error("no memory for a reference solver");
     return PBF_ERROR_OUT_OF_MEMORY;
@@ -233,9 +232,9 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
   if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
     return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   if (field == PBF_BACKEND_FIELD_REST)
-    read_rest(s, rows, out);
+    read_rest(s, rows, (pbf_real *)out);
   else if (field == PBF_FIELD_DENSITY)
-    read_densities(s, rows, out);
+    read_densities(s, rows, (pbf_real *)out);
   else
     memcpy(out, (field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first,
            rows->count * sizeof *s->x);
@@ -244,7 +243,7 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
 
 static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, const void *in) {
   if (field == PBF_BACKEND_FIELD_REST) {
-    write_rest(s, rows, in);
+    write_rest(s, rows, (const pbf_real *)in);
     return PBF_OK;
   }
   wake_all(s);
@@ -255,7 +254,7 @@ static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, c
 static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
   int is_id = field == PBF_FIELD_ID;
   view->device_type = PBF_DEVICE_CPU;
-  view->element_type = is_id ? PBF_TYPE_UINT32 : sizeof(pbf_real);
+  view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
   view->components = is_id ? 1 : PBF_DIM;
   view->particle_stride = is_id ? sizeof *s->ids : sizeof *s->x;
   view->component_stride = is_id ? sizeof *s->ids : sizeof(pbf_real);
@@ -266,7 +265,7 @@ static pbf_status map(solver *s, uint32_t field, pbf_view *view) {
 }
 
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
-  pbf_real *pressures = out;
+  pbf_real *pressures = (pbf_real *)out;
   sort_present(s);
   for (uint32_t k = 0; k < rows->count; ++k)
     pressures[k] = pbf_pressure(s->pressure_scale, fitted_lambda(s, rows->first + k));
@@ -318,6 +317,8 @@ static pbf_status describe(solver *s, pbf_backend_state *state) {
   snprintf(state->device_name, sizeof state->device_name, "one CPU thread");
   return PBF_OK;
 }
+
+extern "C" const pbf_backend_api PBF_VARIANT_API;
 
 const pbf_backend_api PBF_VARIANT_API = {
     .struct_size = sizeof(pbf_backend_api),

@@ -8,11 +8,12 @@
 /* Who asks for the mean of the velocities around a particle. */
 enum { VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_UNDAMPING };
 
-extern const kernels PBF_VARIANT_API;
+extern "C" const kernels PBF_VARIANT_API;
 
 const kernels PBF_VARIANT_API = {
     .width = WIDTH,
     .predict = predict,
+    .backtrack = backtrack,
     .bounds = bounds,
     .cells = cells,
     .collide = collide,
@@ -24,15 +25,14 @@ const kernels PBF_VARIANT_API = {
     .move = move,
     .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
-    .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
     .undamp = PBF_BUILT & PBF_FEATURE_UNDAMPING ? undamp : NULL,
     .torque = PBF_BUILT & PBF_FEATURE_UNDAMPING ? torque : NULL,
     .turn_rate = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn_rate : NULL,
     .turn = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn : NULL,
     .stir = PBF_BUILT & PBF_FEATURE_SLEEP ? stir : NULL,
+    .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,
-    .backtrack = backtrack,
     .slack = slack,
     .weigh = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? weigh : NULL,
     .carry = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? carry : NULL,

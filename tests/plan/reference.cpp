@@ -1,8 +1,8 @@
 /* The reference: what it runs and holds. */
 #define PBF_VARIANT_API reference_under_test
 #include "reference/plugin.h"
-extern const pbf_backend_api reference_under_test;
-#include "reference/backend.c"
+extern "C" const pbf_backend_api reference_under_test;
+#include "reference/backend.cpp"
 
 /* Bytes that features take. */
 static uint64_t bytes_of(int features);
@@ -12,7 +12,9 @@ static uint64_t bytes_of(int features) {
   return (features & CHEBYSHEV ? COUNT * sizeof(pbf_real) : 0) +
          (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0) +
          (features & SLEEP ? 2 * COUNT * sizeof(pbf_real) : 0) +
-         (features & SLEEP ? (uint64_t)fmax(COUNT, PBF_ALIGNMENT) : 0) +
+         (features & SLEEP
+              ? (uint64_t)(COUNT > int{PBF_ALIGNMENT} ? uint64_t{COUNT} : uint64_t{PBF_ALIGNMENT})
+              : 0) +
          (features & PRESSURE_GRID ? 11 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
 }
 
@@ -29,8 +31,8 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(settle, SLEEP, "sleep"),
       WATCH(pbf_unrest, SLEEP),
-      WATCH(pbf_pair_poly6, POLY6),
-      WATCH(pbf_pair_scorr, SCORR),
+      WATCH(poly6<pbf_real>, POLY6),
+      WATCH(artificial_pressure<pbf_real>, SCORR),
       WATCH(pbf_pair_add_curl, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
@@ -42,7 +44,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(add_to_stats, STATS),
       {NULL, NULL, 0, NULL},
   };
-  _Static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
   return &list[k];
 }
 

@@ -1,0 +1,96 @@
+/* The one loop over pairs: a particle in each lane, its neighbours one after another. What a pass
+ * does with them is in physics/passes/. */
+#ifndef PBF_CPU_DRIVER_H
+#define PBF_CPU_DRIVER_H
+
+#include "cpu/neighbors.h"
+#include "physics/passes/pass.h"
+
+namespace {
+
+#if !defined(LANES_SCALAR)
+template <>
+struct ops<lane> {
+  static PBF_IN lane set(pbf_real a) { return lane_set(a); }
+  static PBF_IN lane max(lane a, lane b) { return lane_max(a, b); }
+  static PBF_IN lane ramp(lane a, lane b) { return lane_ramp(a, b); }
+  static PBF_IN lane fma(lane a, lane b, lane c) { return lane_fma(a, b, c); }
+  static PBF_IN lane sqrt(lane a) { return lane_sqrt(a); }
+  static PBF_IN lane rsqrt(lane a) { return lane_rsqrt(a); }
+};
+#endif
+
+/* What passes look up of neighbours; null: nothing. */
+struct lookups {
+  const pbf_real *number;
+  const field *vector;
+};
+
+PBF_FN lane_vector<lane> load_vector(const field &f, uint32_t i) {
+  lane_vector<lane> a;
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_load(f.c[k] + i);
+  return a;
+}
+
+/* A loop whose next round's distances are begun before the present one's terms: their latency is
+ * the longest. */
+template <class Pass>
+PBF_FN typename Pass::template sums<lane> sums_of_group(
+    const Pass &pass, const pair_pass *p, const lookups &of,
+    const typename Pass::template own<lane> &own, uint32_t g) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  auto sums = pass.template begin<lane>();
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
+    vector_table vectors;
+    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, NULL);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
+      neighbor_of<lane> j;
+      for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = now.x_ij.c[k];
+      j.r2 = now.r2;
+      if (Pass::NUMBER) j.number = number_of(&around, &now);
+      if (Pass::VECTOR) {
+        const lane_vec v = vectors_at(&vectors, now.j, 0).v;
+        for (int k = 0; k < PBF_DIM; ++k) j.v.c[k] = v.c[k];
+      }
+      pass.pair(&sums, own, j);
+    };
+    pair_lanes now = pairs_listed(b, list, &x, &around);
+    while ((list += WIDTH) < end) {
+      const pair_lanes next = pairs_listed(b, list, &x, &around);
+      add(now);
+      now = next;
+    }
+    add(now);
+  }
+  pass.end(&sums);
+  return sums;
+}
+
+/* One lane's of any sums, which are of reals alone in both forms. */
+template <template <class> class Sums>
+struct lane_sums {
+  enum { COUNT = sizeof(Sums<pbf_real>) / sizeof(pbf_real) };
+  alignas(64) pbf_real values[COUNT][WIDTH];
+
+  /* Vector by vector: what is copied in smaller parts is waited for. */
+  PBF_IN explicit lane_sums(const Sums<lane> &sums) {
+    static_assert(sizeof values == sizeof sums, "sums are of reals alone");
+    const lane *of = reinterpret_cast<const lane *>(&sums);
+    for (int k = 0; k < COUNT; ++k) lane_store(values[k], of[k]);
+  }
+  /* Not by memcpy, which the compiler would not make vectors of. */
+  PBF_IN Sums<pbf_real> operator[](uint32_t l) const {
+    Sums<pbf_real> one;
+    pbf_real *of = reinterpret_cast<pbf_real *>(&one);
+    for (int k = 0; k < COUNT; ++k) of[k] = values[k][l];
+    return one;
+  }
+};
+
+}  // namespace
+
+#endif

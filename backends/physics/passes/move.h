@@ -1,0 +1,59 @@
+/* Lines 12 to 14 (eqs. 12 to 14): an iteration's move, and the velocity that explains it. */
+#ifndef PBF_PHYSICS_PASSES_MOVE_H
+#define PBF_PHYSICS_PASSES_MOVE_H
+
+#include "physics/passes/pass.h"
+#include "physics/stages.h"
+
+namespace {
+
+template <class Features, scaling SCALING>
+struct move_pass_of {
+  enum { NUMBER = 1 /* lambda */, VECTOR = 0 };
+  const pbf_constants *c;
+  Features features;
+
+  template <class L>
+  struct own {
+    L lambda;
+  };
+  template <class L>
+  struct sums {
+    lane_vector<L> change;
+  };
+
+  template <class L>
+  PBF_IN sums<L> begin() const {
+    return {lane_vector<L>::zero()};
+  }
+
+  template <class L, class Weight = unweighted>
+  PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j, Weight weight = {}) const {
+    L value, slope, lambdas = i.lambda + j.number;
+    kernel_and_slope(features, c, c->value_scale,
+                     SCALING == SCALED_SUMS ? 1 : pbf_slope_scale(features, c), j.r2, &value,
+                     &slope);
+    if (features & PBF_FEATURE_SCORR) lambdas = lambdas + artificial_pressure(c, value);
+    s->change.add_scaled(weight * lambdas * slope, j.x_ij);
+  }
+
+  template <class L>
+  PBF_IN void end(sums<L> *s) const {
+    if (SCALING == SCALED_SUMS) s->change.scale(ops<L>::set(pbf_slope_scale(features, c)));
+  }
+
+  /* Where x goes, once walls have had their say in the change; and its velocity. */
+  template <class L>
+  PBF_IN void finish(const sums<L> &s, pbf_real inv_time_step, lane_vector<L> *x,
+                     lane_vector<L> *v) const {
+    const L omega = ops<L>::set(c->omega), push = ops<L>::set(inv_time_step * c->omega);
+    for (int k = 0; k < PBF_DIM; ++k) {
+      x->c[k] = x->c[k] + omega * s.change.c[k];
+      v->c[k] = ops<L>::fma(push, s.change.c[k], v->c[k]);
+    }
+  }
+};
+
+}  // namespace
+
+#endif

@@ -1,0 +1,48 @@
+/* The one loop over pairs of this backend: a particle, and its neighbours one after another. What a
+ * pass does with them is in physics/passes/. */
+#ifndef PBF_REFERENCE_DRIVER_H
+#define PBF_REFERENCE_DRIVER_H
+
+#include "physics/passes/pass.h"
+#include "reference/mirrors.h"
+
+namespace {
+
+/* What passes look up of neighbours; null: nothing. */
+struct lookups {
+  const pbf_real *number;
+  const pbf_vec *vector;
+};
+
+PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const lookups &of) {
+  neighbor_of<pbf_real> j = {lanes_of(n.x_ij), n.r2, 0, {}};
+  if (of.number) j.number = of.number[n.j];
+  if (of.vector) j.v = lanes_of(of.vector[n.j]);
+  return j;
+}
+
+/* Particles at x, which s->grid was built from. */
+template <class Pass>
+static inline typename Pass::template sums<pbf_real> sums_around(
+    const solver *s, const Pass &pass, const pbf_vec *x, const lookups &of,
+    const typename Pass::template own<pbf_real> &own, uint32_t i) {
+  auto sums = pass.template begin<pbf_real>();
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) pass.pair(&sums, own, looked_up(n, of));
+  pass.end(&sums);
+  return sums;
+}
+
+/* Adds the images in walls that mirror the fluid. */
+template <class Pass>
+static inline void add_images(const solver *s, const Pass &pass, const pbf_obstacles *o,
+                              const pbf_vec *x, const lookups &of,
+                              const typename Pass::template own<pbf_real> &own, uint32_t i,
+                              typename Pass::template sums<pbf_real> *sums) {
+  image m = images_of(s, o, x, i);
+  while (next_image(s, x, &m)) pass.pair(sums, own, looked_up(m.n, of), s->constants.wall_weight);
+}
+
+}  // namespace
+
+#endif
