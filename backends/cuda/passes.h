@@ -2,7 +2,11 @@
 #ifndef PBF_CUDA_PASSES_H
 #define PBF_CUDA_PASSES_H
 
+#include "cuda/driver.h"
 #include "cuda/mirrors.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/move.h"
+#include "physics/passes/viscosity.h"
 #include "physics/turn.h"
 #include "physics/undamp.h"
 
@@ -58,14 +62,21 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
    * the other loads of the multiprocessor, a whole lambda by two thirds. */
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   pbf_real total = accelerated && !parts.first ? extras.total[own] : 0;
-  lambda_sums<FEATURES> sums;
-  for_points(n.particles, n.grid, n.lists, i,
-             [&](const point &other) { sums.add(c, pbf_sub(x, position_of(other))); });
+  const lambda_pass<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
+  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
   if (i >= n.particles.count) return;
   pbf_real slack = EXTRAS && PBF_CHEBYSHEV && parts.slack ? parts.slack[i] : 0;
   const image_sums *images = EXTRAS && PBF_MIRRORS && parts.images ? parts.images + i : nullptr;
-  pbf_real lambda = sums.template lambda<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density,
-                                                 slack, x, images);
+  pbf_vec gradient = vec_of(sums.gradient);
+  if (images) {
+    sums.density += images->density;
+    sums.slope2 += images->slope2;
+    gradient = pbf_add_scaled(gradient, 1, images->gradient);
+  }
+  if (EXTRAS && extras.wall_density)
+    add_walls<SOLIDS>(c, extras.obstacles, x, &sums.density, &gradient);
+  sums.gradient = lanes_of(gradient);
+  pbf_real lambda = pass.finish(sums, slack);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
                idle ? extras.watch.idle : pbf_excess(c, slack, sums.density));
@@ -148,18 +159,29 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   }
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
-  move_sum<FEATURES> sum;
-  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
-    sum.add(c, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
-  });
+  const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
+  auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
   if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
   if (SOLIDS != NO_SOLIDS && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
   const pbf_vec *images = EXTRAS && PBF_MIRRORS && end.images ? end.images + i : nullptr;
-  x = sum.template moved<SOLIDS>(c, extras.obstacles, EXTRAS && extras.wall_density,
-                                 end.collide + (last && end.collide_last), end.inv_time_step,
-                                 own.lambda, predicted, x, &v, images);
+  if (images) sums.change = lanes_of(pbf_add_scaled(vec_of(sums.change), 1, *images));
+  if (EXTRAS && extras.wall_density) {
+    pbf_lent lent = lent_at<SOLIDS>(c, extras.obstacles, x);
+    sums.change = lanes_of(pbf_beside_lent(vec_of(sums.change), own.lambda, &lent));
+  }
+  lane_vector<pbf_real> y = lanes_of(x), u = lanes_of(v);
+  pass.finish(sums, end.inv_time_step, &y, &u);
+  x = vec_of(y);
+  v = vec_of(u);
+  int collisions = end.collide + (last && end.collide_last);
+  if (SOLIDS == NO_SOLIDS) collisions = collisions > 0; /* walls push once */
+  for (; collisions > 0; --collisions) {
+    pbf_vec after = resolve<SOLIDS>(extras.obstacles, 0, predicted, x);
+    v = pbf_velocity(end.inv_time_step, v, x, after);
+    x = after;
+  }
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -305,18 +327,9 @@ static __device__ __forceinline__ pbf_vec smoothed_velocity(const neighborhood &
                                                             const pbf_vec *velocities,
                                                             pbf_real viscosity, uint32_t i) {
   uint32_t own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  const point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, own)), v = velocities[own], sum = {{0}};
-  pbf_real weight = 0;
-  for_points_with(n.particles, n.grid, n.lists, i, velocities,
-                  [&](const point &other, pbf_vec v_j) {
-                    pbf_vec x_ij = pbf_sub(x, position_of(other));
-                    pbf_real value = pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
-                    weight += value;
-                    sum = pbf_add_scaled(sum, value, pbf_sub(v_j, v));
-                  });
-  return pbf_smooth(viscosity, v, sum, weight);
+  const viscosity_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
+  return pass.finish(sums_around(pass, n, i, x, {lanes_of(v)}, velocities), viscosity, v);
 }
 
 /* The mean flow, from `velocities` to `flow`, as points, which are read at once. */

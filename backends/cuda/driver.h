@@ -1,0 +1,35 @@
+/* The one loop over pairs of this backend: a thread a particle, which writes to that particle. What
+ * a pass does with its neighbours is in physics/passes/. */
+#ifndef PBF_CUDA_DRIVER_H
+#define PBF_CUDA_DRIVER_H
+
+#include "cuda/lists.h"
+#include "physics/passes/pass.h"
+
+/* Vectors of what passes look up, as they lie in an array. */
+static __device__ __forceinline__ pbf_vec vector_in(const point &p) { return position_of(p); }
+static __device__ __forceinline__ pbf_vec vector_in(pbf_vec v) { return v; }
+static __device__ __forceinline__ pbf_vec vector_in(no_value) { return {{0}}; }
+
+/* Sums of particle i, which stands at x. `values`: of whatever the pass looks up beside places and
+ * lambdas. All threads of a warp call it. */
+template <class Pass, class Value>
+static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_around(
+    const Pass &pass, const neighborhood &n, uint32_t i, pbf_vec x,
+    const typename Pass::template own<pbf_real> &own, const Value *values) {
+  auto sums = pass.template begin<pbf_real>();
+  for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
+    neighbor_of<pbf_real> j;
+    j.x_ij = lanes_of(pbf_sub(x, position_of(other)));
+    pbf_real r2 = j.x_ij.c[0] * j.x_ij.c[0];
+    for (int k = 1; k < PBF_DIM; ++k) r2 += j.x_ij.c[k] * j.x_ij.c[k];
+    j.r2 = r2;
+    if (Pass::NUMBER) j.number = other.lambda;
+    if (Pass::VECTOR) j.v = lanes_of(vector_in(v));
+    pass.pair(&sums, own, j);
+  });
+  pass.end(&sums);
+  return sums;
+}
+
+#endif
