@@ -14,6 +14,7 @@ if grep -rlF --include='*.cmake' --include='*.pc' -e "$folder/first" -e "$build"
   echo "these files name where the tree was built or installed" >&2
   exit 1
 fi
+[ -n "$(find moved -name LICENSE)" ] || { echo "the licence is not installed" >&2; exit 1; }
 if [ -n "$(find moved -name libpbf.a)" ]; then
   home="" # the backends are linked in, and come from no file
 else
