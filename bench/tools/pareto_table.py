@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the tables of error against run time into README.md and docs/pareto.md, from the results
+"""Writes the tables of error against run time into README.md and docs/notes/error-against-time.md, from the results
 of `pbf-bench pareto --json`, one a scene.
 
     bench/tools/pareto_table.py bench/results/epyc-2-cores/pareto-*.json
@@ -121,7 +121,7 @@ def long_tables(results):
 def main(paths):
     results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
     write_table("README.md", "pareto", "\n".join(short_table(results)))
-    write_table("docs/pareto.md", "pareto", "\n".join(long_tables(results)))
+    write_table("docs/notes/error-against-time.md", "pareto", "\n".join(long_tables(results)))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Rivals of the density solve's acceleration: error against pairs of passes over neighbours.
 
     bench/tools/rivals.py measure BUILD RESULT.json    runs BUILD's pbf-bench, judges with pbf-check
-    bench/tools/rivals.py table RESULT.json            writes the tables in docs/solver.md
+    bench/tools/rivals.py table RESULT.json            writes the tables in docs/notes/solver-alternatives.md
 
 BUILD has bench/results/…/rivals.patch applied: one thread, `serial` only, methods chosen by the
 environment. RESULT.json is written after every run, and a run that it has is not done again.
@@ -283,10 +283,10 @@ def chebyshev_rows(data):
 
 def table(result):
     data = json.loads(result.read_text(encoding="utf-8"))
-    write_table("docs/solver.md", "rivals-own", "\n".join([
+    write_table("docs/notes/solver-alternatives.md", "rivals-own", "\n".join([
         "| iterations | dam break | drop | tank | 40 layers | 100 layers | dam: p99 | energy | tank: speed | 40: speed | ms |",
         "| --: " * 11 + "|"] + chebyshev_rows(data)))
-    write_table("docs/solver.md", "rivals", "\n".join([
+    write_table("docs/notes/solver-alternatives.md", "rivals", "\n".join([
         "| method | iterations | passes | dam: excess | drop | tank | 40 | 100 | dam: E1 | drop | tank | dam: p99 | energy | tank: speed | 40: speed |",
         "| --- " + "| --: " * 14 + "|"] + method_rows(data)))
 

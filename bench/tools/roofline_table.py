@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the roofline tables of docs/cuda.md from hardware counters, two steps and more of each scene:
+"""Writes the roofline tables of docs/notes/cuda.md from hardware counters, two steps and more of each scene:
 
     bench/tools/roofline_table.py bench/results/nvidia-h200 COMMIT
 
@@ -75,8 +75,8 @@ def table(path, commit):
 
 def main(folder, commit):
     folder = pathlib.Path(folder)
-    write_table("docs/cuda.md", "roofline", table(folder / "ncu-1m.csv", commit))
-    write_table("docs/cuda.md", "roofline-grid", table(folder / "ncu-1m-grid.csv", commit))
+    write_table("docs/notes/cuda.md", "roofline", table(folder / "ncu-1m.csv", commit))
+    write_table("docs/notes/cuda.md", "roofline-grid", table(folder / "ncu-1m-grid.csv", commit))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Sizes of the library as it ships: builds it trimmed in several ways, and measures.
 
     bench/tools/sizes.py measure FOLDER RESULT.json [BUILD ...]    builds in FOLDER: all, or these anew
-    bench/tools/sizes.py table RESULT.json                         writes the table in docs/trim.md
+    bench/tools/sizes.py table RESULT.json                         writes the table in docs/building.md
 
 Sizes are of stripped files. A static library has no size of its own in a program: there it is what
 examples/hello.c has with the library in it.
@@ -112,6 +112,6 @@ if __name__ == "__main__":
         measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]), arguments[3:])
     elif len(arguments) == 2 and arguments[0] == "table":
         result = json.loads(pathlib.Path(arguments[1]).read_text(encoding="utf-8"))
-        write_table("docs/trim.md", "sizes", table(result))
+        write_table("docs/building.md", "sizes", table(result))
     else:
         sys.exit(__doc__)

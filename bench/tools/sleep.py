@@ -2,7 +2,7 @@
 """What sleep saves, and what it changes: scenes that come to rest, awake and with sleep.
 
     bench/tools/sleep.py measure BUILD RESULT.json    runs BUILD's pbf-bench and pbf-check
-    bench/tools/sleep.py table RESULT.json            writes the table in docs/trim.md
+    bench/tools/sleep.py table RESULT.json            writes the table in docs/notes/sleep.md
 
 A span's time is the processor's for a run to its end less that for a run to its beginning (one step
 where that is 0), each the least of RUNS.
@@ -104,6 +104,6 @@ if __name__ == "__main__":
         measure(pathlib.Path(arguments[1]).resolve(), pathlib.Path(arguments[2]))
     elif len(arguments) == 2 and arguments[0] == "table":
         result = json.loads(pathlib.Path(arguments[1]).read_text(encoding="utf-8"))
-        write_table("docs/trim.md", "sleep", table(result))
+        write_table("docs/notes/sleep.md", "sleep", table(result))
     else:
         sys.exit(__doc__)

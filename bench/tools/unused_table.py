@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the table of docs/trim.md from results of bench/tools/unused.sh, one a backend.
+"""Writes the table of docs/notes/unused-features.md from results of bench/tools/unused.sh, one a backend.
 
     bench/tools/unused_table.py RESULT.json…
 """
@@ -45,7 +45,7 @@ def table(results):
 
 def main(paths):
     results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
-    write_table("docs/trim.md", "unused", table(results))
+    write_table("docs/notes/unused-features.md", "unused", table(results))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes a table from a result of bench/validate: `validation` of docs/validation.md unless told, or one of
-docs/solver.md.
+the notes.
 
     bench/tools/validation_table.py out/validation.json [undamping]
 """
@@ -9,6 +9,9 @@ import pathlib
 import sys
 
 from pages import write_table
+
+PAGES = {"validation": "docs/validation.md", "undamping": "docs/notes/implicit-damping.md",
+         "torque": "docs/notes/angular-momentum.md"}
 
 
 def number(value):
@@ -40,7 +43,7 @@ def table(result):
 
 def main(path, name="validation"):
     result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-    write_table(f"docs/{'validation' if name == 'validation' else 'solver'}.md", name, table(result))
+    write_table(PAGES[name], name, table(result))
 
 
 if __name__ == "__main__":

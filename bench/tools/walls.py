@@ -2,7 +2,7 @@
 """What walls make of the density errors: one law beside another, by pbf-check.
 
     bench/tools/walls.py measure PBF-BENCH NAME RESULT.json   runs the scenes on `reference`, keeps them under this name
-    bench/tools/walls.py table RESULT.json NAME…              writes the table in docs/solver.md, these side by side
+    bench/tools/walls.py table RESULT.json NAME…              writes the table in docs/notes/walls.md, these side by side
 
 PBF-BENCH may be of another commit, or be patched and switched by the environment.
 """
@@ -66,6 +66,6 @@ if __name__ == "__main__":
         measure(*sys.argv[2:])
     elif len(sys.argv) > 3 and sys.argv[1] == "table":
         result = json.loads(pathlib.Path(sys.argv[2]).read_text(encoding="utf-8"))
-        write_table("docs/solver.md", "walls", table(result, sys.argv[3:]))
+        write_table("docs/notes/walls.md", "walls", table(result, sys.argv[3:]))
     else:
         sys.exit(__doc__)
