@@ -6,8 +6,8 @@
 
 #include "insist.h"
 #include "liar.h"
-#include "plugin.h"
-#include "probe.h"
+#include "plugin/plugin.h"
+#include "plugin/probe.h"
 #include "status.h"
 #include "target.h"
 

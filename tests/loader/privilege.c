@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "privilege.h"
+#include "plugin/privilege.h"
 
 static void identities(void **state) {
   (void)state;

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "error.h"
-#include "ids.h"
+#include "solver/ids.h"
 #include "memory.h"
-#include "prestabilize.h"
+#include "solver/prestabilize.h"
 #include "separate.h"
 #include "values.h"
 

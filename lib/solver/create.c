@@ -7,7 +7,7 @@
 #include "error.h"
 #include "memory.h"
 #include "params.h"
-#include "select.h"
+#include "plugin/select.h"
 #include "structs.h"
 #include "text.h"
 

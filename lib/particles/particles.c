@@ -1,7 +1,7 @@
 /* Reading and overwriting rows of particles. */
 #include "error.h"
-#include "ids.h"
-#include "prestabilize.h"
+#include "solver/ids.h"
+#include "solver/prestabilize.h"
 #include "values.h"
 
 uint32_t pbf_element_size(const pbf_solver *solver) { return solver->kind.precision; }

@@ -2,7 +2,7 @@
 #ifndef PBF_LIB_VALUES_H
 #define PBF_LIB_VALUES_H
 
-#include "solver.h"
+#include "solver/solver.h"
 
 /* `first_row` is the number of the array's first row, for the sentence. Positions must be finite
  * and inside the domain as it is now; velocities finite. */

@@ -3,7 +3,7 @@
 #define PBF_LIB_SOLVER_H
 
 #include "check.h"
-#include "plugin.h"
+#include "plugin/plugin.h"
 
 enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
 

@@ -6,7 +6,7 @@
 #ifndef PBF_LIB_SNAPSHOT_H
 #define PBF_LIB_SNAPSHOT_H
 
-#include "solver.h"
+#include "solver/solver.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "a saved state is little-endian, as is the memory it is copied from");

@@ -3,7 +3,7 @@
 
 #include "error.h"
 #include "fnv.h"
-#include "ids.h"
+#include "solver/ids.h"
 #include "memory.h"
 #include "snapshot.h"
 

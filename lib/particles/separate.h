@@ -2,7 +2,7 @@
 #ifndef PBF_LIB_SEPARATE_H
 #define PBF_LIB_SEPARATE_H
 
-#include "solver.h"
+#include "solver/solver.h"
 
 /* Positions like those of a call, no two of which are the same. */
 typedef struct pbf_separated {

@@ -3,15 +3,15 @@
 #include <string.h>
 
 #include "collider.h"
-#include "colliders.h"
+#include "solver/colliders.h"
 #include "error.h"
 #include "fnv.h"
-#include "ids.h"
+#include "solver/ids.h"
 #include "memory.h"
 #include "params.h"
 #include "snapshot.h"
 #include "structs.h"
-#include "values.h"
+#include "particles/values.h"
 
 /* A saved state, read and checked, before anything of the solver changes. */
 typedef struct incoming {
