@@ -5,7 +5,7 @@
 
 #include <pbf/pbf.h>
 
-/* Looks for a known backend and adds what it finds, or why there is none, to the registry. */
+/* Looks for a known backend and adds what it finds, or why there is none, to the entries. */
 void pbf_discover_name(const char *name);
 
 /* After all known names. */

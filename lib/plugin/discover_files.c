@@ -6,21 +6,21 @@
 #include <stdio.h>
 #include <sys/stat.h>
 
+#include "entries.h"
 #include "error.h"
-#include "registry.h"
 #include "search.h"
 #include "text.h"
 
 /* Loads and lists one file; the first plugin of a name keeps it. */
 static pbf_status load(const char *path, const char *expected, pbf_plugin *plugin) {
   pbf_status status = pbf_plugin_load(path, expected, plugin);
-  const pbf_plugin *first = status == PBF_OK ? pbf_registry_usable(plugin->name) : NULL;
+  const pbf_plugin *first = status == PBF_OK ? pbf_entries_usable(plugin->name) : NULL;
   if (first) {
     status = PBF_ERROR_INVALID_ARGUMENT;
     snprintf(plugin->reason, sizeof plugin->reason, "its name \"%s\" is taken by %.180s",
              plugin->name, first->path);
   }
-  if (status == PBF_OK || !pbf_registry_of_path(plugin->path, 0)) pbf_registry_append(plugin);
+  if (status == PBF_OK || !pbf_entries_of_path(plugin->path, 0)) pbf_entries_append(plugin);
   return status;
 }
 
@@ -43,13 +43,13 @@ void pbf_discover_name(const char *name) {
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind != PBF_FOLDER_USABLE) continue;
     candidates += try_folder(folder, name);
-    if (pbf_registry_usable(name)) return;
+    if (pbf_entries_usable(name)) return;
     if (tried[0]) pbf_text_append(tried, sizeof tried, ":");
     pbf_text_append(tried, sizeof tried, folder);
   }
   char reason[256];
   snprintf(reason, sizeof reason, "no pbf_backend_%s.so in %s", name, tried);
-  if (!candidates) pbf_registry_append_failure(name, "", reason);
+  if (!candidates) pbf_entries_append_failure(name, "", reason);
 }
 
 void pbf_discover_end(void) {
@@ -57,18 +57,18 @@ void pbf_discover_end(void) {
   pbf_folder kind;
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind == PBF_FOLDER_NOT_ABSOLUTE)
-      pbf_registry_append_failure("", folder,
-                                  "a folder in PBF_BACKEND_PATH that is not absolute is left out");
+      pbf_entries_append_failure("", folder,
+                                 "a folder in PBF_BACKEND_PATH that is not absolute is left out");
     if (kind == PBF_FOLDER_TOO_LONG)
-      pbf_registry_append_failure("", "",
-                                  "a folder in PBF_BACKEND_PATH is longer than a path can be");
+      pbf_entries_append_failure("", "",
+                                 "a folder in PBF_BACKEND_PATH is longer than a path can be");
   }
 }
 
 pbf_status pbf_discover_path(const char *path) {
   pbf_plugin plugin;
-  if (pbf_registry_of_path(path, 1)) return PBF_OK;
-  if (pbf_registry_is_full()) {
+  if (pbf_entries_of_path(path, 1)) return PBF_OK;
+  if (pbf_entries_are_full()) {
     return pbf_fail(PBF_ERROR_CAPACITY, "%s: the list of backends is full with %d entries", path,
                     PBF_MOST_PLUGINS);
   }

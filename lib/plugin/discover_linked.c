@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "discover.h"
+#include "entries.h"
 #include "error.h"
 #include "pbf_linked.h"
-#include "registry.h"
 
 #define DECLARE(name) \
   pbf_status pbf_backend_negotiate_##name(const pbf_backend_host *host, pbf_backend_answer *answer);
@@ -24,10 +24,10 @@ void pbf_discover_name(const char *name) {
     pbf_plugin plugin = {0};
     snprintf(plugin.name, sizeof plugin.name, "%s", name);
     pbf_plugin_negotiate(linked[i].entry, name, &plugin);
-    pbf_registry_append(&plugin);
+    pbf_entries_append(&plugin);
     return;
   }
-  pbf_registry_append_failure(name, "", "built without it");
+  pbf_entries_append_failure(name, "", "built without it");
 }
 
 void pbf_discover_end(void) {}

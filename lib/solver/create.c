@@ -1,4 +1,4 @@
-/* Birth and death of a solver. */
+/* Creation of a solver, with the best backend that works. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -130,13 +130,4 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   pbf_solver_publish(memory);
   *solver = memory;
   return PBF_OK;
-}
-
-void pbf_solver_free(pbf_solver *solver) {
-  pbf_allocator allocator = solver->allocator;
-  solver->api.destroy(solver->backend);
-  pbf_memory_give(&allocator, solver->ids, (uint64_t)solver->capacity * sizeof *solver->ids);
-  pbf_memory_give(&allocator, solver->colliders,
-                  (uint64_t)solver->collider_count * sizeof *solver->colliders);
-  pbf_memory_give(&allocator, solver, sizeof *solver);
 }

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "error.h"
+#include "free.h"
 #include "solver.h"
 
 enum { BUCKETS = 64 };

@@ -60,9 +60,6 @@ void pbf_solver_publish(pbf_solver *solver);
 void pbf_solver_add_export(pbf_solver *solver);
 void pbf_solver_drop_export(pbf_solver *solver);
 
-/* Frees everything; in create.c. Called by whoever drops the last reference. */
-void pbf_solver_free(pbf_solver *solver);
-
 /* Fails with PBF_ERROR_STATE while a view is mapped or a tensor exported. */
 pbf_status pbf_check_unmapped(pbf_solver *solver);
 

@@ -1,0 +1,27 @@
+/* Every backend found and every candidate that failed, in the order of finding. The list only ever
+ * grows, and an entry never changes, so that pointers to entries stay good. All but pbf_entries_at
+ * are called with the registry's lock held. */
+#ifndef PBF_LIB_PLUGIN_ENTRIES_H
+#define PBF_LIB_PLUGIN_ENTRIES_H
+
+#include "plugin.h"
+
+enum { PBF_MOST_PLUGINS = 64 };
+
+uint32_t pbf_entries_count(void);
+
+/* `index` is below a count that the registry has given. */
+const pbf_plugin *pbf_entries_at(uint32_t index);
+
+/* The entry of that name that can be used, or null. */
+const pbf_plugin *pbf_entries_usable(const char *name);
+
+/* An entry of that path, of those that can be used or of those that can't; or null. */
+const pbf_plugin *pbf_entries_of_path(const char *path, int usable);
+
+/* A full list drops the entry: the caller has its sentence all the same. */
+int pbf_entries_are_full(void);
+void pbf_entries_append(const pbf_plugin *plugin);
+void pbf_entries_append_failure(const char *name, const char *path, const char *reason);
+
+#endif
