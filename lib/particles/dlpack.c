@@ -3,6 +3,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "solver/handles.h"
 #include "views.h"
 
 typedef struct exported {

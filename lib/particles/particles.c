@@ -1,10 +1,12 @@
 /* Reading and overwriting rows of particles. */
+#include "particles.h"
+
 #include "error.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
 #include "solver/ids.h"
 #include "solver/prestabilize.h"
 #include "values.h"
-
-uint32_t pbf_element_size(const pbf_solver *solver) { return solver->kind.precision; }
 
 static pbf_status check_rows(const pbf_solver *solver, uint32_t first, uint32_t count) {
   if (first <= solver->count && count <= solver->count - first) return PBF_OK;

@@ -3,10 +3,12 @@
 #include <string.h>
 
 #include "error.h"
-#include "solver/ids.h"
 #include "memory.h"
-#include "solver/prestabilize.h"
 #include "separate.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
+#include "solver/prestabilize.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;

@@ -6,6 +6,7 @@
 #include "fnv.h"
 #include "memory.h"
 #include "physics/motion.h"
+#include "solver/solver_time.h"
 
 /* A point that particles are at: a slot of a hash table with open addressing. */
 typedef struct place {

@@ -1,6 +1,6 @@
 /* Particles put at one and the same point: they would have no direction to part in. */
-#ifndef PBF_LIB_SEPARATE_H
-#define PBF_LIB_SEPARATE_H
+#ifndef PBF_LIB_PARTICLES_SEPARATE_H
+#define PBF_LIB_PARTICLES_SEPARATE_H
 
 #include "solver/solver.h"
 

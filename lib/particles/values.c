@@ -6,6 +6,7 @@
 
 #include "error.h"
 #include "params.h"
+#include "solver/solver_time.h"
 
 static double value_at(const void *values, uint64_t index, uint32_t precision) {
   return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]

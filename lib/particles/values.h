@@ -1,6 +1,6 @@
 /* Checks of the callers' particle arrays. */
-#ifndef PBF_LIB_VALUES_H
-#define PBF_LIB_VALUES_H
+#ifndef PBF_LIB_PARTICLES_VALUES_H
+#define PBF_LIB_PARTICLES_VALUES_H
 
 #include "solver/solver.h"
 

@@ -1,6 +1,9 @@
 #include "views.h"
 
 #include "error.h"
+#include "particles.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
 #include "structs.h"
 
 static pbf_status check_field(uint32_t field) {

@@ -1,5 +1,5 @@
-#ifndef PBF_LIB_VIEWS_H
-#define PBF_LIB_VIEWS_H
+#ifndef PBF_LIB_PARTICLES_VIEWS_H
+#define PBF_LIB_PARTICLES_VIEWS_H
 
 #include "solver/solver.h"
 

@@ -1,7 +1,7 @@
 /* Where backends come from: files (discover_files.c) or, in a static library, its own objects
  * (discover_linked.c); a build has one of the two. All is called with the registry's lock held. */
-#ifndef PBF_LIB_DISCOVER_H
-#define PBF_LIB_DISCOVER_H
+#ifndef PBF_LIB_PLUGIN_DISCOVER_H
+#define PBF_LIB_PLUGIN_DISCOVER_H
 
 #include <pbf/pbf.h>
 

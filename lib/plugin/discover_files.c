@@ -8,6 +8,7 @@
 
 #include "entries.h"
 #include "error.h"
+#include "plugin_file.h"
 #include "search.h"
 #include "text.h"
 

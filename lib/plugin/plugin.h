@@ -1,6 +1,6 @@
-/* One backend: asking it, checking every field of its answer, and, for plugins, loading it. */
-#ifndef PBF_LIB_PLUGIN_H
-#define PBF_LIB_PLUGIN_H
+/* One backend: asking it, and checking every field of its answer. */
+#ifndef PBF_LIB_PLUGIN_PLUGIN_H
+#define PBF_LIB_PLUGIN_PLUGIN_H
 
 #include <stddef.h>
 
@@ -15,7 +15,8 @@ typedef struct pbf_plugin {
   pbf_backend_api api;
 } pbf_plugin;
 
-/* Asks a backend by its entry function; plugin->path is the caller's. `expected` as below. */
+/* Asks a backend by its entry function; plugin->path is the caller's. `expected` is the name that
+ * it must give, null for any. */
 pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,
                                 pbf_plugin *plugin);
 
@@ -23,10 +24,6 @@ pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expe
 __attribute__((format(printf, 3, 4))) pbf_status pbf_plugin_refuse(pbf_plugin *plugin,
                                                                    pbf_status status,
                                                                    const char *format, ...);
-
-/* In plugin_file.c: loads the file for the life of the process. `expected` is the name that it must
- * give, null for any. On failure plugin->reason says why. Leaves pbf_last_error alone. */
-pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin);
 
 /* A table that a plugin gave, made complete: a plugin built against an older header has a shorter
  * one. Fails with the reason when a mandatory function is missing. */

@@ -1,11 +1,11 @@
 /* Plugins in files. */
+#include "plugin_file.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-
-#include "plugin.h"
 
 /* Opening a pipe or a device could wait for ever. */
 static pbf_status check_file(const char *path, pbf_plugin *plugin) {

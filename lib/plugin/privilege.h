@@ -1,5 +1,5 @@
-#ifndef PBF_LIB_PRIVILEGE_H
-#define PBF_LIB_PRIVILEGE_H
+#ifndef PBF_LIB_PLUGIN_PRIVILEGE_H
+#define PBF_LIB_PLUGIN_PRIVILEGE_H
 
 #include <sys/types.h>
 

@@ -1,5 +1,5 @@
-#ifndef PBF_LIB_PROBE_H
-#define PBF_LIB_PROBE_H
+#ifndef PBF_LIB_PLUGIN_PROBE_H
+#define PBF_LIB_PLUGIN_PROBE_H
 
 #include "desc.h"
 #include "plugin.h"

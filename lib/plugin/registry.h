@@ -1,6 +1,6 @@
 /* The list of backends as every thread may ask for it: the first question looks for them. */
-#ifndef PBF_LIB_REGISTRY_H
-#define PBF_LIB_REGISTRY_H
+#ifndef PBF_LIB_PLUGIN_REGISTRY_H
+#define PBF_LIB_PLUGIN_REGISTRY_H
 
 #include "plugin.h"
 

@@ -1,6 +1,6 @@
 /* Where plugins may lie: absolute folders only, never the working directory. */
-#ifndef PBF_LIB_SEARCH_H
-#define PBF_LIB_SEARCH_H
+#ifndef PBF_LIB_PLUGIN_SEARCH_H
+#define PBF_LIB_PLUGIN_SEARCH_H
 
 #include <stddef.h>
 #include <stdint.h>

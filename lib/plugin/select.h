@@ -1,6 +1,6 @@
 /* Which backends to try for a new solver, and in which order. */
-#ifndef PBF_LIB_SELECT_H
-#define PBF_LIB_SELECT_H
+#ifndef PBF_LIB_PLUGIN_SELECT_H
+#define PBF_LIB_PLUGIN_SELECT_H
 
 #include "desc.h"
 #include "plugin.h"

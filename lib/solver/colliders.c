@@ -3,10 +3,13 @@
 
 #include <string.h>
 
+#include "backend_call.h"
 #include "collider.h"
 #include "error.h"
+#include "handles.h"
 #include "memory.h"
 #include "physics/motion.h"
+#include "solver_time.h"
 #include "structs.h"
 
 uint64_t pbf_colliders_bytes(uint32_t count) { return (uint64_t)count * sizeof(pbf_collider); }

@@ -1,5 +1,5 @@
-#ifndef PBF_LIB_COLLIDERS_H
-#define PBF_LIB_COLLIDERS_H
+#ifndef PBF_LIB_SOLVER_COLLIDERS_H
+#define PBF_LIB_SOLVER_COLLIDERS_H
 
 #include "solver.h"
 

@@ -5,6 +5,7 @@
 
 #include "backend_call.h"
 #include "error.h"
+#include "handles.h"
 #include "memory.h"
 #include "params.h"
 #include "plugin/select.h"

@@ -3,8 +3,8 @@
 
 #include "solver.h"
 
-/* Frees the backend's solver and everything that the host keeps of it. Called by the call that drops the
- * last reference. */
+/* Frees the backend's solver and everything that the host keeps of it. Called by the call that
+ * drops the last reference. */
 void pbf_solver_free(pbf_solver *solver);
 
 #endif

@@ -1,12 +1,13 @@
 /* Which handles are alive, and who is inside which solver: one lock for both, so that a handle that
  * was destroyed is refused without looking into its memory. */
+#include "handles.h"
+
 #include <pthread.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "error.h"
 #include "free.h"
-#include "solver.h"
 
 enum { BUCKETS = 64 };
 

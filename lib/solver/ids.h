@@ -1,7 +1,7 @@
 /* Who is which row: ids ascend over the rows. While none was removed, id and row are the same and
  * nothing is stored. */
-#ifndef PBF_LIB_IDS_H
-#define PBF_LIB_IDS_H
+#ifndef PBF_LIB_SOLVER_IDS_H
+#define PBF_LIB_SOLVER_IDS_H
 
 #include "solver.h"
 

@@ -3,8 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "backend_call.h"
 #include "error.h"
 #include "physics/motion.h"
+#include "solver_time.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
  * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step undoes of

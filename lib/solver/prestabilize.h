@@ -1,6 +1,6 @@
 /* Starts that are too dense are moved apart before they are stepped. */
-#ifndef PBF_LIB_PRESTABILIZE_H
-#define PBF_LIB_PRESTABILIZE_H
+#ifndef PBF_LIB_SOLVER_PRESTABILIZE_H
+#define PBF_LIB_SOLVER_PRESTABILIZE_H
 
 #include "solver.h"
 

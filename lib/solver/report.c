@@ -3,8 +3,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "backend_call.h"
 #include "error.h"
+#include "handles.h"
 #include "ids.h"
+#include "solver_time.h"
 #include "structs.h"
 
 static void end_text(char *text, size_t size) { text[size - 1] = 0; }

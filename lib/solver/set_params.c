@@ -1,7 +1,9 @@
+#include "backend_call.h"
 #include "error.h"
+#include "handles.h"
 #include "params.h"
 #include "prestabilize.h"
-#include "solver.h"
+#include "solver_time.h"
 #include "structs.h"
 
 static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {

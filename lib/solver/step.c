@@ -1,9 +1,13 @@
+#include "step.h"
+
 #include <math.h>
 
+#include "backend_call.h"
 #include "error.h"
+#include "handles.h"
 #include "params.h"
 #include "prestabilize.h"
-#include "solver.h"
+#include "solver_time.h"
 
 static double time_after(const pbf_solver *solver, uint32_t steps) {
   return solver->time_base + (double)(solver->steps_since + steps) * solver->params.time_step;

@@ -1,8 +1,10 @@
 /* Hash of the state: step (8 bytes), count (4 bytes), ids, positions, velocities. */
 #include "error.h"
 #include "fnv.h"
-#include "solver/ids.h"
 #include "memory.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the hash is over little-endian bytes");
 

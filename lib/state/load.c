@@ -3,15 +3,19 @@
 #include <string.h>
 
 #include "collider.h"
-#include "solver/colliders.h"
 #include "error.h"
 #include "fnv.h"
-#include "solver/ids.h"
 #include "memory.h"
 #include "params.h"
-#include "snapshot.h"
-#include "structs.h"
 #include "particles/values.h"
+#include "snapshot.h"
+#include "solver/backend_call.h"
+#include "solver/colliders.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
+#include "solver/solver_time.h"
+#include "solver/step.h"
+#include "structs.h"
 
 /* A saved state, read and checked, before anything of the solver changes. */
 typedef struct incoming {

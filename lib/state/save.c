@@ -3,9 +3,11 @@
 
 #include "error.h"
 #include "fnv.h"
-#include "solver/ids.h"
 #include "memory.h"
 #include "snapshot.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
 
 static pbf_snapshot_header header_of(const pbf_solver *solver) {
   pbf_snapshot_header header = {

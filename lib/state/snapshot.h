@@ -3,8 +3,8 @@
  *   what the backend keeps of each particle where there is sleep | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
-#ifndef PBF_LIB_SNAPSHOT_H
-#define PBF_LIB_SNAPSHOT_H
+#ifndef PBF_LIB_STATE_SNAPSHOT_H
+#define PBF_LIB_STATE_SNAPSHOT_H
 
 #include "solver/solver.h"
 

@@ -6,7 +6,7 @@
 
 #include "insist.h"
 #include "liar.h"
-#include "plugin/plugin.h"
+#include "plugin/plugin_file.h"
 #include "plugin/probe.h"
 #include "status.h"
 #include "target.h"

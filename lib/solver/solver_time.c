@@ -1,4 +1,4 @@
-#include "solver.h"
+#include "solver_time.h"
 
 double pbf_solver_time(const pbf_solver *solver) {
   return solver->time_base + (double)solver->steps_since * solver->params.time_step;

@@ -1,0 +1,9 @@
+#ifndef PBF_LIB_PARTICLES_PARTICLES_H
+#define PBF_LIB_PARTICLES_PARTICLES_H
+
+#include "solver/solver.h"
+
+/* Fails where the backend, or the way in which it solves now, keeps no pressures. */
+pbf_status pbf_check_pressures(const pbf_solver *solver);
+
+#endif

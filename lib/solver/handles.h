@@ -1,0 +1,22 @@
+/* Live solvers: the calls that run in them and the references that keep them. */
+#ifndef PBF_LIB_SOLVER_HANDLES_H
+#define PBF_LIB_SOLVER_HANDLES_H
+
+#include "solver.h"
+
+/* Fails for null, for what is no live solver, and with PBF_ERROR_BUSY. Every success wants one
+ * pbf_leave, which gives `status` back. */
+pbf_status pbf_enter(pbf_solver *solver);
+pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
+
+/* Makes the handle valid, with one reference: the handle itself. */
+void pbf_solver_publish(pbf_solver *solver);
+
+/* An exported tensor keeps the solver's memory alive. */
+void pbf_solver_add_export(pbf_solver *solver);
+void pbf_solver_drop_export(pbf_solver *solver);
+
+/* Fails with PBF_ERROR_STATE while a view is mapped or a tensor exported. */
+pbf_status pbf_check_unmapped(pbf_solver *solver);
+
+#endif

@@ -1,0 +1,11 @@
+#ifndef PBF_LIB_SOLVER_SOLVER_TIME_H
+#define PBF_LIB_SOLVER_SOLVER_TIME_H
+
+#include "solver.h"
+
+double pbf_solver_time(const pbf_solver *solver);
+
+/* From now on steps have another length. */
+void pbf_solver_rebase_time(pbf_solver *solver);
+
+#endif
