@@ -5,8 +5,8 @@
 
 #include "common/deep.h"
 #include "cpu/grid.h"
+#include "physics/passes/predict.h"
 #include "physics/sleep.h"
-#include "physics/stages.h"
 
 /* Where the neighbours of a group, as many consecutive sorted particles as the vectors have lanes,
  * are listed: blocks.h. */

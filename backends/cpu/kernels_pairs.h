@@ -5,6 +5,8 @@
 #include "cpu/driver.h"
 #include "cpu/kernels_mirrors.h"
 #include "physics/fit.h"
+#include "physics/passes/confinement.h"
+#include "physics/passes/curl.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/viscosity.h"

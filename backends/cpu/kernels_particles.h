@@ -4,6 +4,9 @@
 
 #include "cpu/kernels_collide.h"
 #include "cpu/lane_vec.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/predict.h"
+#include "physics/passes/velocity.h"
 
 static void clamp_range(const pbf_walls *between, field x, uint32_t first, uint32_t last) {
   const pbf_walls walls = *between;

@@ -4,6 +4,7 @@
 
 #include "cpu/kernels_collide.h"
 #include "cpu/lane_vec.h"
+#include "physics/boundary.h"
 
 /* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
  * all. */

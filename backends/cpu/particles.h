@@ -4,6 +4,7 @@
 
 #include "common/rows.h"
 #include "cpu/solver.h"
+#include "physics/passes/lambda.h"
 
 static void append(solver *s, const pbf_particles *p) {
   const pbf_real *x = (const pbf_real *)p->positions, *v = (const pbf_real *)p->velocities;

@@ -6,6 +6,9 @@
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
 #include "physics/overfull.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/predict.h"
+#include "physics/passes/viscosity.h"
 #include "physics/step.h"
 #include "physics/undamp.h"
 

@@ -7,7 +7,7 @@
 #include <float.h>
 
 #include "pbf/pbf.h"
-#include "physics/stages.h"
+#include "physics/boundary.h"
 
 /* Walls and colliders of one step; `solids` is on the device. */
 struct step_obstacles {

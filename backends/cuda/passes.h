@@ -4,6 +4,8 @@
 
 #include "cuda/driver.h"
 #include "cuda/mirrors.h"
+#include "physics/passes/confinement.h"
+#include "physics/passes/curl.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/viscosity.h"

@@ -4,7 +4,6 @@
 
 #include "cuda/launch.h"
 #include "cuda/particles.h"
-#include "physics/stages.h"
 
 /* Rows first … first + count - 1; `ids` on the device, or null where row and id are the same. */
 struct row_range {

@@ -7,6 +7,7 @@
 #include "cuda/launch.h"
 #include "cuda/near_solids.h"
 #include "cuda/particles.h"
+#include "physics/passes/predict.h"
 #include "physics/sleep.h"
 
 /* Whether the build lets fluid sleep. */

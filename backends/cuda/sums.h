@@ -4,6 +4,9 @@
 #define PBF_CUDA_SUMS_H
 
 #include "cuda/sort.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/move.h"
+#include "physics/passes/velocity.h"
 #include "physics/scalar.h"
 
 /* Whether the build has the accelerated solve. */

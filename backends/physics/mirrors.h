@@ -1,10 +1,10 @@
 /* Domain walls as mirrors, where kernels are wide.
  *
- * What a wall lends by its distance alone (stages.h) holds the first two layers of a fluid. Kernels
- * that reach farther sum over so much of what lies behind it that its push, which is not the slope
- * of what it lends, does work: tanks at h = 3 spacings never rest, at 4 they boil. There each
- * particle has its neighbours' images, and its own, as neighbours instead: what a wall does is then
- * the slope of a constraint, as all else is, and a lattice between walls is one without end.
+ * What a wall lends by its distance alone (boundary.h) holds the first two layers of a fluid.
+ * Kernels that reach farther sum over so much of what lies behind it that its push, which is not
+ * the slope of what it lends, does work: tanks at h = 3 spacings never rest, at 4 they boil. There
+ * each particle has its neighbours' images, and its own, as neighbours instead: what a wall does is
+ * then the slope of a constraint, as all else is, and a lattice between walls is one without end.
  * Between walls nearer to each other than h, images would have images in reach; there the law
  * stays. */
 #ifndef PBF_PHYSICS_MIRRORS_H

@@ -12,7 +12,6 @@
 #define PBF_PHYSICS_TURN_H
 
 #include "physics/scalar.h"
-#include "physics/stages.h"
 
 /* The rate of a particle with these moments of the pairs around it, sums of weight x_k x_m, for a
  * torque that they are to have: tensor of inertia * rate = torque. Two alone can't be turned about

@@ -14,8 +14,8 @@
 #ifndef PBF_PHYSICS_UNDAMP_H
 #define PBF_PHYSICS_UNDAMP_H
 
+#include "physics/boundary.h"
 #include "physics/scalar.h"
-#include "physics/stages.h"
 
 /* What obstacles lend: the domain's walls, which don't turn, at x, and colliders at `at`, as they
  * stood `before` the step or after it. */

@@ -7,7 +7,6 @@
 #include "physics/scalar.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
-#include "physics/stages.h"
 #include "reference/grid.h"
 
 struct pbf_backend_solver {

@@ -3,11 +3,15 @@
 #define PBF_REFERENCE_STEP_H
 
 #include "physics/fit.h"
-#include "physics/turn.h"
-#include "physics/undamp.h"
+#include "physics/passes/confinement.h"
+#include "physics/passes/curl.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/predict.h"
+#include "physics/passes/velocity.h"
 #include "physics/step.h"
+#include "physics/turn.h"
+#include "physics/undamp.h"
 #include "reference/driver.h"
 #include "reference/sleep.h"
 

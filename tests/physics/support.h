@@ -8,10 +8,19 @@
 #include <stdint.h>
 #include <string.h>
 
+extern "C" {
 #include <cmocka.h>
+}
 
+#include "physics/boundary.h"
+#include "physics/passes/confinement.h"
+#include "physics/passes/curl.h"
+#include "physics/passes/lambda.h"
+#include "physics/passes/move.h"
+#include "physics/passes/predict.h"
+#include "physics/passes/velocity.h"
+#include "physics/passes/viscosity.h"
 #include "physics/scalar.h"
-#include "physics/stages.h"
 
 enum { CLOUD = 40 };
 

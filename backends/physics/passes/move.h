@@ -2,8 +2,22 @@
 #ifndef PBF_PHYSICS_PASSES_MOVE_H
 #define PBF_PHYSICS_PASSES_MOVE_H
 
+#include "physics/constants.h"
 #include "physics/passes/pass.h"
-#include "physics/stages.h"
+
+/* Factor on V grad W in the position change (line 13, eqs. 12 and 14) is
+ * lambda_i + lambda_j + s_ij; `sum` is the sum of these products over the others. Where lambda adds
+ * up it is the iteration's change of it that counts. */
+PBF_FN pbf_vec pbf_move(const pbf_constants *c, pbf_vec x, pbf_vec sum) {
+  return pbf_add_scaled(x, c->omega, sum);
+}
+
+/* Line 21, a move at a time: the velocity that explains it. Dividing x* - x by the time step would
+ * round away what a particle does not move in a step, and turn what positions round into speed. */
+PBF_FN pbf_vec pbf_push(const pbf_constants *c, pbf_real inv_time_step, pbf_vec velocity,
+                        pbf_vec sum) {
+  return pbf_add_scaled(velocity, inv_time_step * c->omega, sum);
+}
 
 namespace {
 

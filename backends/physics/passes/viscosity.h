@@ -2,8 +2,19 @@
 #ifndef PBF_PHYSICS_PASSES_VISCOSITY_H
 #define PBF_PHYSICS_PASSES_VISCOSITY_H
 
+#include "physics/constants.h"
 #include "physics/passes/pass.h"
-#include "physics/stages.h"
+
+/* A viscosity that leads to the mean velocity of the others. */
+#define PBF_TO_MEAN ((pbf_real)1e30)
+
+/* XSPH (eq. 17): v, and of `sum`, that of V W (v_j - v) over the others, as much as `viscosity`
+ * says, but no more than leads to their mean: with `weight`, the sum of V W, which is below 1 but
+ * in crowds. So no velocity ends beyond all of those around it, however viscous and dense. */
+PBF_FN pbf_vec pbf_smooth(pbf_real viscosity, pbf_vec v, pbf_vec sum, pbf_real weight) {
+  const pbf_real tiny = (pbf_real)1e-20;
+  return pbf_add_scaled(v, pbf_real_min(viscosity, 1 / pbf_real_max(weight, tiny)), sum);
+}
 
 namespace {
 

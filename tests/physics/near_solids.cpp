@@ -39,7 +39,7 @@ static pbf_solid random_solid(uint64_t *state) {
 
 typedef struct group {
   pbf_vec from[PARTICLES], x[PARTICLES];
-  swarm swarm;
+  swarm around;
 } group;
 
 static group random_group(uint64_t *state) {
@@ -58,7 +58,7 @@ static group random_group(uint64_t *state) {
       upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(g.x[i].c[k], g.from[i].c[k]));
     }
   }
-  g.swarm = swarm_between(lower, upper, pbf_real_sqrt(longest2));
+  g.around = swarm_between(lower, upper, pbf_real_sqrt(longest2));
   return g;
 }
 
@@ -80,7 +80,7 @@ static void who_is_not_met_does_nothing(void **state) {
     for (int carried = 0; carried < 2; ++carried) {
       static pbf_obstacles near;
       ++all[carried];
-      if (obstacles_on_way(&o, &g.swarm, carried ? motions : NULL, &near)) {
+      if (obstacles_on_way(&o, &g.around, carried ? motions : NULL, &near)) {
         ++met[carried];
         continue;
       }
@@ -108,7 +108,7 @@ static void who_is_not_near_lends_nothing(void **state) {
     o.count = 1;
     o.solids[0] = random_solid(&random);
     group g = random_group(&random);
-    found += obstacles_within(&o, &g.swarm, reach, &near);
+    found += obstacles_within(&o, &g.around, reach, &near);
     if (near.count) continue;
     for (int i = 0; i < PARTICLES; ++i)
       if (!(pbf_solid_distance(&o.solids[0], g.x[i], &normal) >= reach))

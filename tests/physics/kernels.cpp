@@ -25,7 +25,7 @@ typedef struct kernel_case {
 } kernel_case;
 
 static double value_at(double r, void *context) {
-  kernel_case *k = context;
+  const kernel_case *k = static_cast<const kernel_case *>(context);
   return pbf_pair_density(k->features, &k->c, r * r);
 }
 

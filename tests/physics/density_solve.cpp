@@ -122,7 +122,7 @@ static void apply_jacobi(double h, const double *in, double *out) {
           for (int e = -nz; e <= nz; ++e) {
             int other = (at[0] + a + SIDE) % SIDE + SIDE * ((at[1] + b + SIDE) % SIDE);
             if (PBF_DIM == 3) other += SIDE * SIDE * ((at[2] + e + SIDE) % SIDE);
-            double full[3] = {-a, -b, -e};
+            double full[3] = {-1.0 * a, -1.0 * b, -1.0 * e};
             pbf_vec d;
             for (int k = 0; k < PBF_DIM; ++k) d.c[k] = full[k];
             pbf_real r2 = pbf_dot(d, d), value, slope;
@@ -404,7 +404,7 @@ static void stiffness_of_a_lattice(void **state) {
   for (int i = -N; i <= N; ++i)
     for (int j = -N; j <= N; ++j)
       for (int k = PBF_DIM == 3 ? -N : 0; k <= (PBF_DIM == 3 ? N : 0); ++k) {
-        pbf_vec d = {{-i, -j}};
+        pbf_vec d = {{-1.0 * i, -1.0 * j}};
         if (PBF_DIM == 3) d.c[PBF_DIM - 1] = -k;
         if (!i && !j && !k) continue;
         if (i % 2 != 0) d.c[0] += 2 * e; /* planes across x, moved in turn to either side */
