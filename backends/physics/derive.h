@@ -8,6 +8,8 @@
 
 #include <pbf/pbf.h>
 
+#include "physics/spacing.h"
+
 #define PBF_PI 3.14159265358979323846
 
 /* Everything the pair terms need, in units of 1/h: V W = value_scale * shape(r/h). */
@@ -162,10 +164,6 @@ static inline double pbf_lattice_stiffness(uint32_t kernel, uint32_t dimension, 
 
 /* Jacobi is stable below 2 / largest eigenvalue; compression raises the eigenvalue a little. */
 #define PBF_SAFE_RELAXATION 1.5
-
-static inline double pbf_derive_spacing(const pbf_params *params) {
-  return params->spacing > 0 ? params->spacing : 0.5 * params->smoothing_radius;
-}
 
 /* Integral of the kernel over the half-space beyond a plane at the distance t h, by Simpson's rule:
  * a plane at height z cuts out  f(z) = 2 int W r dr (r from z to h; in 2D  2 int W dx), and this is

@@ -5,7 +5,9 @@
 
 #include "fnv.h"
 #include "memory.h"
-#include "physics/motion.h"
+#include "params.h"
+#include "physics/coincident.h"
+#include "physics/spacing.h"
 #include "solver/solver_time.h"
 
 /* A point that particles are at: a slot of a hash table with open addressing. */
@@ -63,45 +65,21 @@ static int find_places(places *p, uint32_t count) {
   return shared;
 }
 
-/* Where the particle `member` of `count` at one point goes from there; directions turn by the
- * golden angle. */
-static void separation(uint32_t dimension, double spacing, uint32_t member, uint32_t count,
-                       double offset[3]) {
-  const double golden_angle = 2.399963229728653;
-  uint32_t pair = member / 2, pairs = count / 2;
-  offset[0] = offset[1] = offset[2] = 0;
-  if (pair == pairs) return; /* the last of an odd number stays */
-  double angle = golden_angle * pair, height = dimension == 3 ? 1 - (pair + 0.5) / pairs : 0;
-  double radius = 0.25 * spacing * pow(pair + 1, 1.0 / dimension) * (member % 2 ? -1 : 1);
-  double across = radius * sqrt(1 - height * height);
-  offset[0] = across * cos(angle);
-  offset[1] = across * sin(angle);
-  offset[2] = radius * height;
-}
-
 static void move_apart(places *p, uint32_t count, double spacing, char *copy) {
   uint32_t dimension = p->solver->kind.dimension, size = pbf_element_size(p->solver);
-  double lower[3], upper[3], time = pbf_solver_time(p->solver);
-  for (int k = 0; k < 3; ++k) {
-    lower[k] = pbf_motion_wall(&p->solver->params, 2 * k, time);
-    upper[k] = pbf_motion_wall(&p->solver->params, 2 * k + 1, time);
-  }
+  pbf_box box = pbf_params_box(&p->solver->params, dimension, pbf_solver_time(p->solver));
   for (uint32_t i = 0; i < count; ++i) {
     double offset[3];
     place *there = place_of(p, i);
-    separation(dimension, spacing, there->seen++, there->count, offset);
+    pbf_coincident_offset(dimension, spacing, there->seen++, there->count, offset);
     for (uint32_t k = 0; k < dimension && there->count > 1; ++k) {
-      double value = fmin(component(p, i, k) + offset[k], upper[k]);
-      value = fmax(value, lower[k]);
+      double value = fmin(component(p, i, k) + offset[k], box.upper[k]);
+      value = fmax(value, box.lower[k]);
       float single = (float)value;
       memcpy(copy + i * p->point_bytes + k * size,
              size == sizeof single ? (void *)&single : (void *)&value, size);
     }
   }
-}
-
-static double spacing_of(const pbf_params *params) {
-  return params->spacing > 0 ? params->spacing : 0.5 * params->smoothing_radius;
 }
 
 pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_t count,
@@ -121,7 +99,7 @@ pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_
                              &separated->copy);
     if (status == PBF_OK) {
       memcpy(separated->copy, positions, separated->bytes);
-      move_apart(&p, count, spacing_of(&solver->params), separated->copy);
+      move_apart(&p, count, pbf_derive_spacing(&solver->params), separated->copy);
       separated->positions = separated->copy;
     }
   }

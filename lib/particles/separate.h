@@ -11,9 +11,8 @@ typedef struct pbf_separated {
   uint64_t bytes;
 } pbf_separated;
 
-/* Of the `count` positions, those at one point are moved apart about it, in pairs to opposite
- * sides, so that their centre stays: the first pair by a quarter of the spacing, later ones
- * farther, so that all of them fill a disc or ball. Fails with PBF_ERROR_OUT_OF_MEMORY. */
+/* Of the `count` positions, those at one point are set apart about it, as physics/coincident.h
+ * says. Fails with PBF_ERROR_OUT_OF_MEMORY. */
 pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_t count,
                         pbf_separated *separated);
 void pbf_separated_give(const pbf_solver *solver, pbf_separated *separated);

@@ -5,7 +5,7 @@
 
 #include "backend_call.h"
 #include "error.h"
-#include "physics/motion.h"
+#include "physics/prestabilization.h"
 #include "solver_time.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
@@ -25,10 +25,6 @@ static const double remainder_of_error = 0.25;
  * minutes. */
 static const double most_neighbors = 1000;
 
-/* A mean says nothing of a few in a place of their own: the largest error counts, too, as that of
- * one particle in so many. Flows have larger ones of their own only where they collide. */
-static const double largest_as_of = 25;
-
 /* In solver->placed: walls have jumped over fluid. Whatever its density is, it is to come back
  * without the velocity that a step would give it. */
 static const uint32_t behind_walls = UINT32_MAX;
@@ -37,7 +33,7 @@ static pbf_status look(pbf_solver *solver, pbf_stats *stats, double *error) {
   *stats = (pbf_stats){.struct_size = sizeof *stats};
   pbf_status status =
       pbf_backend_result(solver, solver->api.get_stats(solver->backend, stats), "get_stats");
-  *error = fmax(stats->density_error_mean, stats->density_error_max / largest_as_of);
+  *error = pbf_density_error(stats);
   return status;
 }
 
@@ -78,41 +74,18 @@ void pbf_note_placed(pbf_solver *solver, uint32_t count) {
   solver->placed += count < left ? count : left;
 }
 
-/* One that comes in where others are has an error of 1 there, and lends as much to them: fewer than
- * these don't raise the mean to what is asked for. */
-static int are_enough(const pbf_solver *solver) {
-  return 2.0 * solver->placed >= fmin(solver->params.prestabilization, 1) * solver->count;
-}
-
 pbf_status pbf_prestabilize(pbf_solver *solver) {
   if (solver->placed == 0) return PBF_OK;
-  int wanted = solver->params.prestabilization > 0 &&
-               solver->params.solver == PBF_SOLVER_CHEBYSHEV && solver->api.project &&
-               are_enough(solver);
+  const pbf_params *params = &solver->params;
+  int wanted = params->prestabilization > 0 && params->solver == PBF_SOLVER_CHEBYSHEV &&
+               solver->api.project && pbf_placed_can_matter(params, solver->placed, solver->count);
   pbf_status status = wanted ? project(solver) : PBF_OK;
   if (status == PBF_OK) solver->placed = 0;
   return status;
 }
 
-static int sizes_differ(const pbf_params *before, const pbf_params *after) {
-  return before->kernel != after->kernel || before->smoothing_radius != after->smoothing_radius ||
-         before->spacing != after->spacing || before->particle_volume != after->particle_volume ||
-         before->wall_density != after->wall_density;
-}
-
-/* By more than a wall that moves goes in a step. */
-static int walls_jump(const pbf_params *before, const pbf_params *after, uint32_t dimension,
-                      double time) {
-  double most = 0;
-  for (int wall = 0; wall < 2 * (int)dimension; ++wall) {
-    double way = pbf_motion_wall(after, wall, time) - pbf_motion_wall(before, wall, time);
-    most = fmax(most, wall % 2 ? -way : way);
-  }
-  return most > 0.5 * after->smoothing_radius;
-}
-
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
-  if (sizes_differ(&solver->params, params)) pbf_note_placed(solver, solver->count);
-  if (walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver)))
+  if (pbf_densities_change(&solver->params, params)) pbf_note_placed(solver, solver->count);
+  if (pbf_walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver)))
     solver->placed = behind_walls;
 }
