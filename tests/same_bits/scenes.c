@@ -1,4 +1,4 @@
-/* Prints a hash of the state after some steps for each of 64 scenes, which together run every
+/* Prints a hash of the state after some steps for each of 80 scenes, which together run every
  * stage: two builds that print the same lines compute the same bits. `run` compares two builds; the
  * backend comes from PBF_TEST_BACKEND, the instruction set from PBF_ISA. */
 #include <math.h>
@@ -184,6 +184,31 @@ static void run_others(uint32_t dimension, uint32_t precision, const char *backe
   run_scene(&s, backend);
 }
 
+/* Both corrections between obstacles that lend density, each one alone, and where particles sleep
+ * and the solve ends early. */
+static void run_corrections(uint32_t dimension, uint32_t precision, const char *backend) {
+  static const char *const names[4] = {"both corrections", "damping poly6", "torque scorr",
+                                       "corrections asleep"};
+  for (int kind = 0; kind < 4; ++kind) {
+    scene s = tank(names[kind], dimension, precision);
+    set_kernel(&s.params, kind);
+    s.params.undamping = kind == 2 ? 0 : 0.8;
+    s.params.torque_correction = kind == 1 ? 0 : 0.9;
+    if (kind == 3) {
+      s.params.tolerance = 2e-3;
+      s.params.iterations = 12;
+      s.params.sleep_speed = 0.2;
+      s.params.sleep_time = 0.05;
+      s.jitter = 0.02;
+      s.block[1] = 6;
+      s.steps = 60;
+    } else {
+      add_moving_box(&s);
+    }
+    run_scene(&s, backend);
+  }
+}
+
 static scene dam_break(const char *name, uint32_t precision, double h) {
   scene s = tank(name, 3, precision);
   s.block[0] = s.block[1] = 32;
@@ -223,6 +248,7 @@ int main(void) {
     for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4) {
       run_kernels(dimension, precision, backend);
       run_others(dimension, precision, backend);
+      run_corrections(dimension, precision, backend);
     }
   if (backend && strcmp(backend, "reference") != 0) run_large(backend);
   return 0;
