@@ -226,89 +226,30 @@ static void move(const pair_pass *p, const move_pass *m, uint32_t first, uint32_
 
 /* ---- Velocity ------------------------------------------------------------------------------ */
 
-/* Particles of the last group are fewer; what its other lanes hold is nobody's. */
-typedef struct lane_curls {
-  _Alignas(64) pbf_real c[PBF_CURL_DIM][WIDTH];
-} lane_curls;
-
-PBF_FN pbf_curl lane_curl(const lane_curls *curls, uint32_t l) {
-  pbf_curl curl;
-  for (int k = 0; k < PBF_CURL_DIM; ++k) curl.c[k] = curls->c[k][l];
-  return curl;
-}
-
-PBF_FN void curl_groups(const int features, const pair_pass *p, field v,
-                        pbf_real *const curl[PBF_CURL_DIM], pbf_real *size, uint32_t first,
-                        uint32_t last) {
-  const pbf_constants c = *p->constants;
-  const lists n = p->lists;
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), v_i = lane_vec_load(&v, g * WIDTH);
-    lane sums[PBF_CURL_DIM];
-    lane_curls curls;
-    memset(sums, 0, sizeof sums);
-    for (walk w = walk_group(&n, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const vector_table v_of = vectors_in(b, p, &v, NULL);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        lane value, slope;
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        const lane_vec v_j = vectors_at(&v_of, pair.j, 0).v;
-        const lane_vec v_ji = lane_vec_apart(&v_j, &v_i);
-        lanes_kernel(features, &c, pair.r2, &value, &slope);
-        lanes_add_curl(sums, slope, pair.x_ij.c, v_ji.c);
-      }
-    }
-    for (int k = 0; k < PBF_CURL_DIM; ++k) {
-      lane_store(curls.c[k], sums[k]);
-      lane_store(curl[k] + g * WIDTH, sums[k]);
-    }
-    for (uint32_t l = 0; l < WIDTH; ++l) size[g * WIDTH + l] = pbf_curl_size(lane_curl(&curls, l));
-  }
-}
-
 static void curl(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                  uint32_t first, uint32_t last) {
-  curl_groups(hot_features(p) & PBF_FEATURE_POLY6, p, v, curl, size, first, last);
-}
-
-PBF_FN void confine_groups(const int features, const pair_pass *p,
-                           pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size, field v,
-                           uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
-  const lists n = p->lists;
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  const curl_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    lane_vec eta = lane_vec_zero();
-    for (walk w = walk_group(&n, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const table size_of = table_of(size, b->first, 0);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        lane value, slope;
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        lanes_kernel(features, &c, pair.r2, &value, &slope);
-        lane_vec_add_scaled(&eta, table_at(&size_of, pair.j) * slope, &pair.x_ij);
-      }
-    }
-    lane_values etas = lane_vec_values(&eta);
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&n, g); ++l, ++i) {
-      pbf_curl curl_i;
-      for (int k = 0; k < PBF_CURL_DIM; ++k) curl_i.c[k] = curl[k][i];
-      pbf_vec change = pbf_confine(c.confinement, lane_value(&etas, l), curl_i);
-      field_set(&v, i, pbf_add_scaled(field_at(&v, i), 1, change));
-    }
+    const auto sums = sums_of_group(pass, p, {NULL, &v}, {load_vector(v, g * WIDTH)}, g);
+    const lane_sums<curl_pass<int>::sums> each(sums);
+    for (int k = 0; k < PBF_CURL_DIM; ++k) lane_store(curl[k] + g * WIDTH, sums.curl[k]);
+    for (uint32_t l = 0; l < WIDTH; ++l) size[g * WIDTH + l] = pbf_curl_size(pass.finish(each[l]));
   }
 }
 
 static void confine(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                     field v, uint32_t first, uint32_t last) {
-  confine_groups(hot_features(p) & PBF_FEATURE_POLY6, p, curl, size, v, first, last);
+  const pbf_constants c = *p->constants;
+  const confinement_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<confinement_pass<int>::sums> sums(sums_of_group(pass, p, {size, NULL}, {}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      pbf_curl curl_i;
+      for (int k = 0; k < PBF_CURL_DIM; ++k) curl_i.c[k] = curl[k][i];
+      field_set(&v, i, pass.finish(sums[l], curl_i, field_at(&v, i)));
+    }
+  }
 }
 
 /* One loop for both kernels: this one waits for memory. */

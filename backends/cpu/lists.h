@@ -191,6 +191,17 @@ static void pack_vectors(worker *w, void (*pack_piece)(void *context, uint32_t p
   if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_vectors, w);
 }
 
+/* Who is no neighbour is far away. */
+static void end_positions(void *context) {
+  const worker *w = static_cast<const worker *>(context);
+  w->s->quads[1][-4] = w->s->grid.far;
+}
+
+/* Or these positions, and a number of each. */
+static void pack_positions(worker *w, void (*pack_piece)(void *context, uint32_t piece)) {
+  if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_positions, w);
+}
+
 /* The velocities of a piece's particles, smoothed by so much. */
 static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosity, field smoothed) {
   range groups = piece_groups(w, piece);

@@ -300,11 +300,17 @@ static void curl_piece(void *context, uint32_t piece) {
   keep_still(w, piece_sorted(w, piece), &sizes, 1);
 }
 
+/* Positions, and the sizes of curls. */
+static void sizes_piece(void *context, uint32_t piece) {
+  const worker *w = static_cast<const worker *>(context);
+  fill_quads(w->s, 1, &w->b.x, spare_reals(w->s), piece_sorted(w, piece));
+}
+
 static void confine_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[1]);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->confine(&pairs, w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
@@ -385,7 +391,10 @@ struct executor {
     pack_vectors(w, velocities_piece);
     over_pairs(curl_piece, PBF_STAGE_CURL);
   }
-  void confine() { over_pairs(confine_piece, PBF_STAGE_CONFINE); }
+  void confine() {
+    pack_positions(w, sizes_piece);
+    over_pairs(confine_piece, PBF_STAGE_CONFINE);
+  }
   void viscosity() {
     pack_vectors(w, velocities_piece);
     over_pairs(viscosity_piece);

@@ -9,7 +9,15 @@
 /* Vectors of what passes look up, as they lie in an array. */
 static __device__ __forceinline__ pbf_vec vector_in(const point &p) { return position_of(p); }
 static __device__ __forceinline__ pbf_vec vector_in(pbf_vec v) { return v; }
-static __device__ __forceinline__ pbf_vec vector_in(no_value) { return {{0}}; }
+
+/* Numbers: those of an array of numbers, or else the lambda beside the place. */
+static __device__ __forceinline__ pbf_real number_in(const point &, pbf_real number) {
+  return number;
+}
+template <class Value>
+static __device__ __forceinline__ pbf_real number_in(const point &other, const Value &) {
+  return other.lambda;
+}
 
 /* Sums of particle i, which stands at x. `values`: of whatever the pass looks up beside places and
  * lambdas. All threads of a warp call it. */
@@ -24,8 +32,8 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_ar
     pbf_real r2 = j.x_ij.c[0] * j.x_ij.c[0];
     for (int k = 1; k < PBF_DIM; ++k) r2 += j.x_ij.c[k] * j.x_ij.c[k];
     j.r2 = r2;
-    if (Pass::NUMBER) j.number = other.lambda;
-    if (Pass::VECTOR) j.v = lanes_of(vector_in(v));
+    if constexpr (Pass::NUMBER) j.number = number_in(other, v);
+    if constexpr (Pass::VECTOR) j.v = lanes_of(vector_in(v));
     pass.pair(&sums, own, j);
   });
   pass.end(&sums);

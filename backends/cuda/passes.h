@@ -289,18 +289,11 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     curl_kernel(neighborhood n, const pbf_vec *velocities, pbf_curl *curls, pbf_real *sizes) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  const point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, own)), v = velocities[own];
-  pbf_curl curl = {{0}};
-  for_points_with(n.particles, n.grid, n.lists, i, velocities,
-                  [&](const point &other, pbf_vec v_j) {
-                    pbf_vec x_ij = pbf_sub(x, position_of(other));
-                    pbf_real value, slope;
-                    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-                    pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(v_j, v).c);
-                  });
+  const curl_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
+  auto sums = sums_around(pass, n, i, x, {lanes_of(v)}, velocities);
   if (i >= n.particles.count) return;
+  pbf_curl curl = pass.finish(sums);
   curls[i] = curl;
   sizes[i] = pbf_curl_size(curl);
 }
@@ -310,17 +303,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     confine_kernel(neighborhood n, const pbf_curl *curls, const pbf_real *sizes,
                    pbf_vec *velocities) {
   uint32_t i = thread_index();
-  const pbf_constants *c = &n.constants;
-  const point *points = n.particles.points;
-  pbf_vec x = position_of(load(points, min(i, n.particles.count - 1))), eta = {{0}};
-  for_points_with(n.particles, n.grid, n.lists, i, sizes, [&](const point &other, pbf_real size) {
-    pbf_vec x_ij = pbf_sub(x, position_of(other));
-    pbf_real value, slope;
-    pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-    eta = pbf_add_scaled(eta, size * slope, x_ij);
-  });
-  if (i < n.particles.count)
-    velocities[i] = pbf_add_scaled(velocities[i], 1, pbf_confine(c->confinement, eta, curls[i]));
+  const confinement_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
+  auto sums = sums_around(pass, n, i, x, {}, sizes);
+  if (i < n.particles.count) velocities[i] = pass.finish(sums, curls[i], velocities[i]);
 }
 
 /* v_i and what eq. 17 adds to it. All threads of a warp call it. */

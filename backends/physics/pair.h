@@ -103,13 +103,6 @@ PBF_FN void PBF_PAIR(add_cross)(PBF_LANE sum[PBF_CURL_DIM], PBF_LANE factor,
 #endif
 }
 
-/* One pair's part of the curl of the velocity (eq. 15): (v_j - v_i) x V grad_j W, with
- * V grad_j W = -slope (x_i - x_j). */
-PBF_FN void PBF_PAIR(add_curl)(PBF_LANE curl[PBF_CURL_DIM], PBF_LANE slope,
-                               const PBF_LANE x_ij[PBF_DIM], const PBF_LANE v_ji[PBF_DIM]) {
-  PBF_PAIR(add_cross)(curl, slope, x_ij, v_ji);
-}
-
 /* Sums of a pair's pushes: as they are at the step's end, and as they are where the flow, which
  * takes i from j by `flow_ij` a time unit, had the two at its start: undamp.h. Who does not push at
  * the end has no say in it. */

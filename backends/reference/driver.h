@@ -3,7 +3,7 @@
 #ifndef PBF_REFERENCE_DRIVER_H
 #define PBF_REFERENCE_DRIVER_H
 
-#include "physics/passes/pass.h"
+#include "physics/passes/curl.h"
 #include "reference/mirrors.h"
 
 namespace {
@@ -21,10 +21,19 @@ PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const lookups &of) {
   return j;
 }
 
+/* The size of each particle's curl. */
+struct curl_sizes {
+  const pbf_curl *curl;
+};
+
+PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const curl_sizes &of) {
+  return {lanes_of(n.x_ij), n.r2, pbf_curl_size(of.curl[n.j]), {}};
+}
+
 /* Particles at x, which s->grid was built from. */
-template <class Pass>
+template <class Pass, class Lookups = lookups>
 static inline typename Pass::template sums<pbf_real> sums_around(
-    const solver *s, const Pass &pass, const pbf_vec *x, const lookups &of,
+    const solver *s, const Pass &pass, const pbf_vec *x, const Lookups &of,
     const typename Pass::template own<pbf_real> &own, uint32_t i) {
   auto sums = pass.template begin<pbf_real>();
   neighbor n = neighbors_of(&s->grid, i);

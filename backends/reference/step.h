@@ -254,31 +254,21 @@ static inline void turn(solver *s) {
 }
 
 static inline void compute_curl(solver *s) {
-  const pbf_constants *c = &s->constants;
+  const curl_pass<int> pass = {&s->constants, s->schedule.features};
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_curl curl = {{0}};
-    neighbor n = neighbors_of(&s->grid, i);
-    while (!asleep(s, i) && next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-      pbf_real value, slope;
-      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
-      pbf_pair_add_curl(curl.c, slope, n.x_ij.c, pbf_sub(s->v[n.j], s->v[i]).c);
-    }
-    s->curl[i] = curl;
+    s->curl[i] = (pbf_curl){{0}};
+    if (asleep(s, i)) continue;
+    auto sums = sums_around(s, pass, s->moved, {NULL, s->v}, {lanes_of(s->v[i])}, i);
+    s->curl[i] = pass.finish(sums);
   }
 }
 
 static inline void confine_vorticity(solver *s) {
-  const pbf_constants *c = &s->constants;
+  const confinement_pass<int> pass = {&s->constants, s->schedule.features};
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_vec eta = {{0}};
     if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-      pbf_real value, slope;
-      pbf_pair_kernel(s->schedule.features, c, n.r2, &value, &slope);
-      eta = pbf_add_scaled(eta, pbf_curl_size(s->curl[n.j]) * slope, n.x_ij);
-    }
-    s->v[i] = pbf_add_scaled(s->v[i], 1, pbf_confine(c->confinement, eta, s->curl[i]));
+    auto sums = sums_around(s, pass, s->moved, curl_sizes{s->curl}, {}, i);
+    s->v[i] = pass.finish(sums, s->curl[i], s->v[i]);
   }
 }
 

@@ -42,19 +42,21 @@ static pbf_curl lattice_curl(velocity_field field) {
   double d;
   set_params_on_lattice(&c, &d);
   int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
-  pbf_curl curl = {{0}};
+  const curl_pass<int> pass = {&c, 0};
+  const pbf_vec zero = {{0}};
+  auto sums = pass.begin<pbf_real>();
   for (int i = -n; i <= n; ++i)
     for (int j = -n; j <= n; ++j)
       for (int k = -nz; k <= nz; ++k) {
         double at[3] = {d * i, d * j, d * k};
-        pbf_vec x = {{0}}, x_ij, zero = {{0}};
+        pbf_vec x = {{0}}, x_ij;
         for (int a = 0; a < PBF_DIM; ++a) x.c[a] = at[a], x_ij.c[a] = -at[a];
-        pbf_real r2 = pbf_dot(x, x), value, slope;
+        pbf_real r2 = pbf_dot(x, x);
         if (r2 == 0) continue;
-        pbf_pair_kernel(0, &c, r2, &value, &slope);
-        pbf_pair_add_curl(curl.c, slope, x_ij.c, pbf_sub(field(x), field(zero)).c);
+        pass.pair(&sums, {lanes_of(field(zero))}, {lanes_of(x_ij), r2, 0, lanes_of(field(x))});
       }
-  return curl;
+  pass.end(&sums);
+  return pass.finish(sums);
 }
 
 /* sum V x grad W = -1 up to the quadrature error of the lattice, so the curl comes out as curl v

@@ -37,7 +37,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_unrest, SLEEP),
       WATCH(poly6<pbf_real>, POLY6),
       WATCH(artificial_pressure<pbf_real>, SCORR),
-      WATCH(lanes_add_curl, VORTICITY),
+      WATCH(add_cross<pbf_real>, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_solid_at, COLLIDERS),
       WATCH(pbf_collide_on_way, COLLIDERS),

@@ -74,6 +74,25 @@ PBF_FN lane_vector<pbf_real> lanes_of(pbf_vec a) {
   return b;
 }
 
+PBF_FN pbf_curl curl_of(const pbf_real a[PBF_CURL_DIM]) {
+  pbf_curl b;
+  for (int k = 0; k < PBF_CURL_DIM; ++k) b.c[k] = a[k];
+  return b;
+}
+
+/* sum += factor a x b, of which there is one component in two dimensions. */
+template <class L>
+PBF_FN void add_cross(L sum[PBF_CURL_DIM], L factor, const lane_vector<L> &a,
+                      const lane_vector<L> &b) {
+  if constexpr (PBF_DIM == 3) {
+    sum[0] = sum[0] + factor * (a.c[1] * b.c[2] - a.c[2] * b.c[1]);
+    sum[1] = sum[1] + factor * (a.c[2] * b.c[0] - a.c[0] * b.c[2]);
+    sum[2] = sum[2] + factor * (a.c[0] * b.c[1] - a.c[1] * b.c[0]);
+  } else {
+    sum[0] = sum[0] + factor * (a.c[0] * b.c[1] - a.c[1] * b.c[0]);
+  }
+}
+
 /* A neighbour: where it is, and what the pass looks up. */
 template <class L>
 struct neighbor_of {
@@ -131,6 +150,14 @@ PBF_FN void kernel_and_slope(int features, const pbf_constants *c, pbf_real valu
     *value = wendland(ops<L>::set(value_scale), u);
     *slope = ops<L>::set(slope_scale) * (u * u * u);
   }
+}
+
+/* V grad_i W_ij is this times x_i - x_j. */
+template <class L>
+PBF_FN L kernel_slope(int features, const pbf_constants *c, L r2) {
+  L value, slope;
+  kernel_and_slope(features, c, c->value_scale, pbf_slope_scale(features, c), r2, &value, &slope);
+  return slope;
 }
 
 template <class L>
