@@ -77,4 +77,27 @@ static inline pbf_status launch_deep_solve(solver *s, const pbf_coarse &grid,
       "cudaLaunchKernelEx of the pressure grid");
 }
 
+/* The grid's equations and their solution, once the particles have been summed up. */
+static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
+  const pbf_coarse &grid = s->deep_grid;
+  deep_arrays arrays = deep_of(s);
+  uint32_t blocks = blocks_for(grid.nodes);
+  deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  deep_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  deep_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid)), PBF_BLOCK, 0, s->stream>>>(
+      grid, arrays);
+  return launch_deep_solve(s, grid, arrays);
+}
+
+/* Of the step that ends at `time`, between these walls and in the containers. */
+static inline pbf_coarse deep_grid_at(const solver *s, pbf_walls walls, double time) {
+  for (uint32_t k = 0; k < s->collider_count; ++k) {
+    pbf_solid solid = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+    walls = pbf_walls_within(walls, &solid);
+  }
+  return pbf_coarse_between(&s->params, &walls, pbf_coarse_limit(s->capacity));
+}
+
 #endif

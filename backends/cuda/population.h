@@ -3,10 +3,10 @@
 #ifndef PBF_CUDA_POPULATION_H
 #define PBF_CUDA_POPULATION_H
 
+#include "cuda/launches.h"
 #include "cuda/pressures.h"
 #include "cuda/rows.h"
 #include "cuda/stats.h"
-#include "cuda/step.h"
 
 static inline pbf_status copy_in(solver *s, void *to, const void *from, uint64_t bytes) {
   return pbf_cuda_check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s->stream),

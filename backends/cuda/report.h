@@ -4,6 +4,7 @@
 
 #include "cuda/population.h"
 #include "cuda/small_host.h"
+#include "cuda/step.h"
 
 static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stats *stats) {
   double per_particle = 1.0 / count;

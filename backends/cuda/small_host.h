@@ -2,9 +2,10 @@
 #ifndef PBF_CUDA_SMALL_HOST_H
 #define PBF_CUDA_SMALL_HOST_H
 
+#include "cuda/launches.h"
 #include "cuda/room.h"
 #include "cuda/small_owners.h"
-#include "cuda/step.h"
+#include "physics/overfull.h"
 
 /* ---- When it serves -------------------------------------------------------------------------- */
 

@@ -3,8 +3,7 @@
 #define PBF_CUDA_STEP_H
 
 #include "cuda/deep_host.h"
-#include "cuda/search.h"
-#include "cuda/solver.h"
+#include "cuda/launches.h"
 #include "physics/overfull.h"
 
 /* Launches of a stage each time that it runs. */
@@ -30,130 +29,6 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   }
 }
 
-static inline solids_met solids_of(const solver *s) {
-  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? solids_of(s->collider_count) : NO_SOLIDS;
-}
-
-/* Predicts and counts the particles of each cell. */
-static inline pbf_status launch_predict(solver *s, const unsorted_particles &from,
-                                        const cell_grid &grid, const prediction &p) {
-  if (pbf_status status = pbf_cuda_check(
-          cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
-          "cudaMemsetAsync"))
-    return status;
-  solids_met met = solids_of(s);
-  auto kernel = met == MANY_SOLIDS  ? predict_kernel<MANY_SOLIDS, false>
-                : met == FEW_SOLIDS ? predict_kernel<FEW_SOLIDS, false>
-                                    : predict_kernel<NO_SOLIDS, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.unrest)
-      kernel =
-          met == MANY_SOLIDS ? predict_kernel<MANY_SOLIDS, true> : predict_kernel<FEW_SOLIDS, true>;
-  kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
-                                                            scratch_of(s));
-  return PBF_OK;
-}
-
-/* Sorts the predicted particles into s->other. */
-static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
-                                     const neighborhood &n, const prediction &p) {
-  uint32_t blocks = blocks_for(s->count);
-  if (pbf_status status =
-          pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
-    return status;
-  scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
-  solids_met met = solids_of(s);
-  auto place = met == MANY_SOLIDS  ? place_kernel<MANY_SOLIDS, false>
-               : met == FEW_SOLIDS ? place_kernel<FEW_SOLIDS, false>
-                                   : place_kernel<NO_SOLIDS, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.unrest)
-      place = met == MANY_SOLIDS ? place_kernel<MANY_SOLIDS, true> : place_kernel<FEW_SOLIDS, true>;
-  place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
-  return PBF_OK;
-}
-
-static inline void launch_lists(solver *s, const neighborhood &n) {
-  uint32_t blocks = list_blocks(s->count);
-  size_t shared = list_shared(s->lists.chunks);
-  if (!PBF_SLEEP || !s->unrest) {
-    list_kernel<SEARCH_ALL><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(n.particles, n.grid,
-                                                                         s->constants.h2, s->lists);
-    return;
-  }
-  if constexpr (PBF_SLEEP) {
-    list_kernel<SEARCH_AWAKE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
-        n.particles, n.grid, s->constants.h2, s->lists);
-    shore_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
-    list_kernel<SEARCH_SHORE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
-        n.particles, n.grid, s->constants.h2, s->lists);
-  }
-}
-
-/* Sorts the present positions, also of those that sleep. */
-static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
-  prediction at_rest = {};
-  unsorted_particles from = state_of(s);
-  from.unrest = nullptr;
-  if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
-  return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
-}
-
-static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
-}
-
-/* What images in these walls add to the sums of the kernel that comes next. */
-template <class Terms>
-static inline void sum_images(solver *s, const neighborhood &n, const iteration_extras &extras,
-                              const pbf_walls &walls, const Terms &terms,
-                              typename Terms::sum *all) {
-  if constexpr (PBF_MIRRORS)
-    image_kernel<Terms><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
-        n, extras.watch, extras.rest.unrest, walls, terms, all);
-}
-
-/* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
- * nothing is mirrored. */
-static inline image_sums *images_between(const solver *s, const pbf_walls &walls) {
-  return walls.reach > 0 ? s->images : nullptr;
-}
-
-static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
-                                 const lambda_parts &parts) {
-  uint32_t blocks = blocks_for(s->count);
-  with_kernel(s->schedule.features, [&](auto features) {
-    constexpr int F = decltype(features)::value;
-    bool many = solids_of(s) == MANY_SOLIDS;
-    auto kernel = many            ? lambda_kernel<F, true, MANY_SOLIDS, false>
-                  : has_extras(s) ? lambda_kernel<F, true, FEW_SOLIDS, false>
-                                  : lambda_kernel<F, false, FEW_SOLIDS, false>;
-    if constexpr (PBF_SLEEP)
-      if (s->unrest)
-        kernel = many ? lambda_kernel<F, true, MANY_SOLIDS, true>
-                      : lambda_kernel<F, true, FEW_SOLIDS, true>;
-    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
-  });
-}
-
-static inline void launch_move(solver *s, const neighborhood &n, point *moved,
-                               const iteration_extras &extras, const move_end &end) {
-  uint32_t blocks = blocks_for(s->count);
-  with_features(s->schedule.features, [&](auto features) {
-    constexpr int F = decltype(features)::value;
-    solids_met met = solids_of(s);
-    auto kernel = met == MANY_SOLIDS  ? move_kernel<F, true, MANY_SOLIDS, false>
-                  : met == FEW_SOLIDS ? move_kernel<F, true, FEW_SOLIDS, false>
-                  : has_extras(s)     ? move_kernel<F, true, NO_SOLIDS, false>
-                                      : move_kernel<F, false, NO_SOLIDS, false>;
-    if constexpr (PBF_SLEEP)
-      if (s->unrest)
-        kernel = met == MANY_SOLIDS ? move_kernel<F, true, MANY_SOLIDS, true>
-                                    : move_kernel<F, true, FEW_SOLIDS, true>;
-    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
-  });
-}
-
 /* In the step that ends at `time`. */
 static inline pbf_status find_slack(solver *s, const neighborhood &n,
                                     const iteration_extras &extras, double time) {
@@ -172,29 +47,6 @@ static inline pbf_status find_slack(solver *s, const neighborhood &n,
     });
     return PBF_OK;
   });
-}
-
-/* The grid's equations and their solution, once the particles have been summed up. */
-static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
-  const pbf_coarse &grid = s->deep_grid;
-  deep_arrays arrays = deep_of(s);
-  uint32_t blocks = blocks_for(grid.nodes);
-  deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
-  deep_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid)), PBF_BLOCK, 0, s->stream>>>(
-      grid, arrays);
-  return launch_deep_solve(s, grid, arrays);
-}
-
-/* Of the step that ends at `time`, between these walls and in the containers. */
-static inline pbf_coarse deep_grid_at(const solver *s, pbf_walls walls, double time) {
-  for (uint32_t k = 0; k < s->collider_count; ++k) {
-    pbf_solid solid = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
-    walls = pbf_walls_within(walls, &solid);
-  }
-  return pbf_coarse_between(&s->params, &walls, pbf_coarse_limit(s->capacity));
 }
 
 static inline pbf_status carry_weight(solver *s, const neighborhood &n,
@@ -376,13 +228,6 @@ static inline pbf_status apply_viscosity(solver *s, const neighborhood &n) {
   return status;
 }
 
-static inline pbf_status wake_near(solver *s, pbf_movers movers, const step_obstacles &obstacles) {
-  if (!PBF_SLEEP || !s->unrest || !s->count || !pbf_any_moves(movers)) return PBF_OK;
-  wake_near_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->count, s->sleep, movers, obstacles, s->constants.h, s->unrest, s->tally);
-  return pbf_cuda_check_launch("wake_near_kernel");
-}
-
 /* The marks take the points that the solve has left behind. */
 static inline pbf_status settle(solver *s, const neighborhood &n) {
   uint32_t blocks = blocks_for(s->count);
@@ -443,29 +288,6 @@ static inline pbf_status run_step(solver *s, double time, const pbf_solid *solid
   if (has.runs[PBF_STAGE_VISCOSITY])
     if (pbf_status status = apply_viscosity(s, n)) return status;
   return PBF_SLEEP && has.runs[PBF_STAGE_SLEEP] ? settle(s, n) : PBF_OK;
-}
-
-/* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads
- * them in one go. */
-static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
-  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_solid);
-  if (!bytes) return PBF_OK;
-  pbf_solid *placed =
-      static_cast<pbf_solid *>(s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_solid)));
-  if (!placed) {
-    pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
-    return PBF_ERROR_OUT_OF_MEMORY;
-  }
-  for (uint32_t k = 0; k < steps; ++k)
-    for (uint32_t c = 0; c < s->collider_count; ++c)
-      placed[k * s->collider_count + c] = pbf_solid_at(
-          &s->colliders[c], time + k * s->params.time_step - s->collider_time, s->params.time_step);
-  /* From pageable memory, which the copy has read when it returns. */
-  pbf_status status =
-      pbf_cuda_check(cudaMemcpyAsync(s->solids, placed, bytes, cudaMemcpyHostToDevice, s->stream),
-                     "cudaMemcpyAsync of the colliders");
-  s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_solid));
-  return status;
 }
 
 #endif
