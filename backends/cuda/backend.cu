@@ -2,11 +2,11 @@
 #include "common/without.h"
 #include "cuda/plugin.h"
 
+#include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/report.h"
 #include "cuda/room.h"
 #include "cuda/small_host.h"
-#include "cuda/step.h"
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
 
@@ -291,7 +291,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s); ++k, ++*done) {
       if (pbf_status status =
-              run_step(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
+              step_once(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
         return status;
       s->pressure_scale = s->constants.pressure;
     }
@@ -307,20 +307,14 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   const pbf_params params = s->params;
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
-  pbf_real *slack = s->slack;
-  void *deep_room = s->deep_room;
   s->params = pbf_projection_of(&params, iterations);
   s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
-  s->slack = nullptr;
-  s->deep_room = nullptr;
   pbf_status status = place_solids(s, time, 1);
-  if (status == PBF_OK) status = run_step(s, time, s->solids);
+  if (status == PBF_OK) status = step_once(s, time, s->solids);
   s->params = params;
   s->schedule = schedule;
   s->constants = constants;
-  s->slack = slack;
-  s->deep_room = deep_room;
   s->pressure_scale = 0;
   s->time = time;
   return status;

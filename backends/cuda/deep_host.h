@@ -77,6 +77,15 @@ static inline pbf_status launch_deep_solve(solver *s, const pbf_coarse &grid,
       "cudaLaunchKernelEx of the pressure grid");
 }
 
+/* Before the particles are summed up. */
+static inline pbf_status clear_deep(solver *s, const deep_arrays &arrays) {
+  return pbf_cuda_check(
+      cudaMemsetAsync(arrays.control, 0,
+                      sizeof *arrays.control + 2 * s->deep_grid.nodes * sizeof *arrays.sums,
+                      s->stream),
+      "cudaMemsetAsync");
+}
+
 /* The grid's equations and their solution, once the particles have been summed up. */
 static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
   const pbf_coarse &grid = s->deep_grid;

@@ -2,9 +2,9 @@
 #ifndef PBF_CUDA_REPORT_H
 #define PBF_CUDA_REPORT_H
 
+#include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/small_host.h"
-#include "cuda/step.h"
 
 static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stats *stats) {
   double per_particle = 1.0 / count;

@@ -28,16 +28,14 @@ static inline pbf_status clock_start(stage_clock *clock) {
   return status;
 }
 
-/* Runs `launches`, a function that launches the stage's kernels, and checks them. */
-template <class Launches>
-static pbf_status run_stage(stage_clock *clock, cudaStream_t stream, pbf_stage stage,
-                            Launches launches) {
-  if (clock->begin)
-    if (pbf_status status =
-            pbf_cuda_check(cudaEventRecord(clock->begin, stream), "cudaEventRecord"))
-      return status;
-  if (pbf_status status = launches()) return status;
-  if (pbf_status status = pbf_cuda_check_launch(pbf_stage_name(stage))) return status;
+/* Before a stage's launches, … */
+static inline pbf_status clock_begin(stage_clock *clock, cudaStream_t stream) {
+  if (!clock->begin) return PBF_OK;
+  return pbf_cuda_check(cudaEventRecord(clock->begin, stream), "cudaEventRecord");
+}
+
+/* … and after them. */
+static inline pbf_status clock_end(stage_clock *clock, cudaStream_t stream, pbf_stage stage) {
   if (!clock->begin) return PBF_OK;
   float milliseconds = 0;
   cudaEventRecord(clock->end, stream);

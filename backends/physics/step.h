@@ -25,8 +25,8 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.wake()) return STEP_OF_NONE_AWAKE; /* who is near what moves */
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
-  if (runs<PBF_FEATURE_CHEBYSHEV>(has, PBF_STAGE_SLACK)) e.slack();
   e.begin_solve();
+  if (runs<PBF_FEATURE_CHEBYSHEV>(has, PBF_STAGE_SLACK)) e.slack();
   if (runs<PBF_FEATURE_PRESSURE_GRID>(has, PBF_STAGE_GRID)) e.pressure_grid();
   for (uint32_t k = 0; k < has.runs[PBF_STAGE_LAMBDA] && !e.is_over(k); ++k) {
     e.begin_iteration(k);

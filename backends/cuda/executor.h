@@ -1,0 +1,296 @@
+/* A step as launches, one after another in the solver's stream; the host never waits. */
+#ifndef PBF_CUDA_EXECUTOR_H
+#define PBF_CUDA_EXECUTOR_H
+
+#include "cuda/deep_host.h"
+#include "cuda/launches.h"
+#include "physics/overfull.h"
+#include "physics/step.h"
+
+/* Launches of a stage each time that it runs. */
+static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
+  const uint32_t images = s->images ? 1 : 0; /* what they add */
+  switch (stage) {
+    case PBF_STAGE_PREDICT:
+      return 2; /* with the clearing of the cells */
+    case PBF_STAGE_NEIGHBORS:
+      return PBF_CUDA_SCAN_LAUNCHES + 3 + (s->starts ? 1 : 0);
+    case PBF_STAGE_VELOCITY:
+      return 0; /* the last move's end */
+    case PBF_STAGE_GRID:
+      return 7 + images; /* with the clearing of sums and of what blocks tell each other */
+    case PBF_STAGE_SLACK:
+    case PBF_STAGE_LAMBDA:
+    case PBF_STAGE_MOVE:
+      return 1 + images;
+    case PBF_STAGE_SLEEP:
+      return 5; /* with the shore's, among those of the neighbours */
+    default:
+      return 1;
+  }
+}
+
+/* The stages of physics/step.h. Once a call has failed, the later stages launch nothing. */
+struct executor {
+  solver *s;
+  double time; /* at which the step ends */
+  prediction prediction_inputs;
+  neighborhood n;
+  iteration_extras extras;
+  iteration_place place;
+  point *moved;       /* where a move goes */
+  image_sums *images; /* where walls mirror the fluid, else null */
+  pbf_status status;  /* of the first call that failed */
+
+  /* Between these colliders. */
+  executor(solver *of, double end, const pbf_solid *solids) : s(of), time(end) {
+    const pbf_schedule &has = s->schedule;
+    extras = {{pbf_walls_at(&s->params, time), (int)s->collider_count, solids},
+              has.wall_density,
+              s->total,
+              {},
+              {}};
+    if (PBF_SLEEP && s->unrest)
+      extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
+    prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
+                         has.collide_after_prediction};
+    n = neighborhood_of(s, grid_over(&walls(), s->params.smoothing_radius,
+                                     grid_cell_limit(s->capacity), PBF_FINEST));
+    pbf_fit_to_room(&n.constants, &s->constants, &s->params, s->count, &has, time);
+    moved = s->points;
+    images = images_between(s, walls());
+    status = PBF_OK;
+  }
+
+  const pbf_walls &walls() const { return extras.obstacles.walls; }
+
+  /* Runs launches(), which puts into `status` what they can tell at once. */
+  template <class Launches>
+  void run(pbf_stage stage, Launches launches) {
+    if (status == PBF_OK) status = clock_begin(&s->clock, s->stream);
+    if (status == PBF_OK) launches();
+    if (status == PBF_OK) status = pbf_cuda_check_launch(pbf_stage_name(stage));
+    if (status == PBF_OK) status = clock_end(&s->clock, s->stream, stage);
+  }
+
+  /* A thread a particle. */
+  template <class... Parameters, class... Arguments>
+  void launch(void (*kernel)(Parameters...), const Arguments &...arguments) {
+    kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(arguments...);
+  }
+
+  bool wake() {
+    status = wake_near(s, s->movers, extras.obstacles);
+    return true; /* the device alone knows whether all sleep: its kernels then do nothing */
+  }
+
+  void predict() {
+    run(PBF_STAGE_PREDICT,
+        [&] { status = launch_predict(s, state_of(s), n.grid, prediction_inputs); });
+  }
+
+  bool find_neighbors() {
+    run(PBF_STAGE_NEIGHBORS, [&] {
+      status = launch_sort(s, state_of(s), n, prediction_inputs);
+      launch_lists(s, n);
+      if (PBF_UNDAMPING && s->starts)
+        launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
+    });
+    return true; /* a particle whose list has no room walks the cells */
+  }
+
+  void begin_solve() {
+    if (status != PBF_OK || !s->schedule.watched) return;
+    extras.watch = {s->watch, (long long)pbf_excess_limit(&s->params, s->count),
+                    pbf_idle_excess(&s->params), 0};
+    if (PBF_SLEEP && s->unrest) {
+      clear_watch_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
+      status = pbf_cuda_check_launch("clear_watch_kernel");
+    } else {
+      status = pbf_cuda_check(cudaMemsetAsync(s->watch, 0, sizeof *s->watch, s->stream),
+                              "cudaMemsetAsync");
+    }
+  }
+
+  /* Between the walls, and the colliders, of the step's start. */
+  void slack() {
+    const pbf_walls before = pbf_walls_at(&s->params, time - s->params.time_step);
+    const pbf_real time_step = (pbf_real)s->params.time_step;
+    const bool mirrored = images_between(s, before) != nullptr;
+    run(PBF_STAGE_SLACK, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        constexpr int F = decltype(features)::value;
+        if (mirrored)
+          sum_images(s, n, extras, before, images_at_start<F>{n.particles.velocities, time_step},
+                     s->slack);
+        launch(slack_kernel<F>, n, extras, before, time_step, mirrored, s->slack);
+      });
+    });
+  }
+
+  void pressure_grid() {
+    run(PBF_STAGE_GRID, [&] {
+      s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
+      s->deep_grid = deep_grid_at(s, walls(), time);
+      const deep_arrays arrays = deep_of(s);
+      status = clear_deep(s, arrays);
+      if (status != PBF_OK) return;
+      with_kernel(s->schedule.features, [&](auto features) {
+        constexpr int F = decltype(features)::value;
+        if (images) sum_images(s, n, extras, walls(), images_of_lambda<F>{}, images);
+        launch(weigh_kernel<F>, n, extras, images, s->deep_grid, arrays);
+      });
+      status = solve_deep(s, extras.obstacles);
+      if (status != PBF_OK) return;
+      launch(carry_kernel, n.particles, s->deep_grid, arrays, (pbf_real)(1 / s->params.time_step));
+    });
+  }
+
+  /* The device alone knows: kernels after the solve's end do nothing. */
+  bool is_over(uint32_t) const { return false; }
+
+  void begin_iteration(uint32_t k) {
+    place = {k == 0, k == 1, k + 1 == s->params.iterations};
+    extras.watch.iteration = k;
+    pbf_set_iteration(&n.constants, k);
+  }
+
+  void lambda(uint32_t) {
+    run(PBF_STAGE_LAMBDA, [&] {
+      if (images)
+        with_kernel(s->schedule.features, [&](auto features) {
+          sum_images(s, n, extras, walls(), images_of_lambda<decltype(features)::value>{}, images);
+        });
+      const bool slack = s->schedule.runs[PBF_STAGE_SLACK];
+      launch_lambda(s, n, extras, {place.first, slack ? s->slack : nullptr, images});
+    });
+  }
+
+  void torque(uint32_t) {
+    run(PBF_STAGE_TORQUE, [&] {
+      with_features(s->schedule.features, [&](auto features) {
+        launch(torque_kernel<decltype(features)::value>, n, extras.watch, place.first, s->starts,
+               s->torques);
+      });
+    });
+  }
+
+  /* Lambda is known: in its images' memory are those of moves. */
+  void move(uint32_t) {
+    pbf_vec *image_moves = reinterpret_cast<pbf_vec *>(images);
+    run(PBF_STAGE_MOVE, [&] {
+      if (images)
+        with_features(s->schedule.features, [&](auto features) {
+          sum_images(s, n, extras, walls(), images_of_move<decltype(features)::value>{},
+                     image_moves);
+        });
+      launch_move(s, n, moved, extras,
+                  {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
+                   s->schedule.collide_after_solve, s->velocities, image_moves});
+    });
+    exchange(&n.particles.points, &moved);
+  }
+
+  /* The last move's end has made it. From here the old state gives way to the new one. */
+  void velocity() {
+    if (status != PBF_OK) return;
+    if (n.particles.points == s->other) exchange(&s->points, &s->other);
+    exchange(&s->ids, &s->other_ids);
+    exchange(&s->unrest, &s->other_unrest);
+    s->ordered = false;
+    s->time = time;
+  }
+
+  /* Mean velocities take the points that the solve has left behind, … */
+  void flow() {
+    run(PBF_STAGE_FLOW, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(flow_kernel<decltype(features)::value>, n, s->velocities, s->other);
+      });
+    });
+  }
+
+  void undamp() {
+    run(PBF_STAGE_UNDAMP, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        constexpr int F = decltype(features)::value;
+        launch(s->torques ? undamp_kernel<F | PBF_FEATURE_TORQUE> : undamp_kernel<F>, n,
+               extras.obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params),
+               s->other, s->torques, s->velocities);
+      });
+    });
+  }
+
+  /* … as do rates, … */
+  void turn_rate() {
+    run(PBF_STAGE_TURN_RATE, [&] { launch(turn_rate_kernel, n, s->torques, s->other); });
+  }
+
+  void turn() {
+    run(PBF_STAGE_TURN, [&] { launch(turn_kernel, n, s->other, s->velocities); });
+  }
+
+  /* … the sizes of curls … */
+  pbf_real *curl_sizes() const { return reinterpret_cast<pbf_real *>(s->other); }
+
+  void curl() {
+    run(PBF_STAGE_CURL, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(curl_kernel<decltype(features)::value>, n, s->velocities, s->curls, curl_sizes());
+      });
+    });
+  }
+
+  void confine() {
+    run(PBF_STAGE_CONFINE, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(confine_kernel<decltype(features)::value>, n, s->curls, curl_sizes(), s->velocities);
+      });
+    });
+  }
+
+  /* The smoothed velocities become the velocities by an exchange of the arrays. */
+  void viscosity() {
+    run(PBF_STAGE_VISCOSITY, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
+      });
+      exchange(&s->velocities, &s->smoothed);
+    });
+  }
+
+  /* … and the marks. */
+  bool settle() {
+    uint8_t *room = reinterpret_cast<uint8_t *>(s->other);
+    const sleep_marks marks = {room, room + s->capacity};
+    run(PBF_STAGE_SLEEP, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(unrest_kernel<decltype(features)::value>, n, s->velocities, s->sleep, s->unrest,
+               s->tally, marks);
+      });
+      launch(stir_kernel, n, s->tally, marks);
+      launch(settle_kernel, s->count, s->sleep, s->unrest, s->velocities, s->tally, marks,
+             s->all_asleep, s->epoch);
+    });
+    return false; /* the device tells the host: all_asleep */
+  }
+
+  /* The grid's part of lambda is added where pressures are asked for. */
+  void end() {}
+};
+
+/* The step that ends at `time`, between these colliders. */
+static inline pbf_status step_once(solver *s, double time, const pbf_solid *solids) {
+  executor e(s, time, solids);
+  run_step(e, s->schedule);
+  return e.status;
+}
+
+/* Whether no step has anything to do: a look, without waiting. A step launched for want of having
+ * seen it changes nothing, so that results do not depend on when it is seen. */
+static inline bool all_asleep(const solver *s) {
+  return PBF_SLEEP && s->unrest && !pbf_any_moves(s->movers) &&
+         *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch;
+}
+
+#endif
