@@ -6,7 +6,7 @@
 #include "cuda/population.h"
 #include "cuda/report.h"
 #include "cuda/room.h"
-#include "cuda/small_host.h"
+#include "cuda/small/host.h"
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
 

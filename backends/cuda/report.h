@@ -4,7 +4,7 @@
 
 #include "cuda/executor.h"
 #include "cuda/population.h"
-#include "cuda/small_host.h"
+#include "cuda/small/host.h"
 
 static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stats *stats) {
   double per_particle = 1.0 / count;

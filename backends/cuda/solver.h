@@ -12,7 +12,7 @@
 #include "cuda/passes.h"
 #include "cuda/scan.h"
 #include "cuda/sleep.h"
-#include "cuda/small_kernel.h"
+#include "cuda/small/kernel.h"
 #include "cuda/status.h"
 #include "cuda/timing.h"
 #include "physics/schedule.h"

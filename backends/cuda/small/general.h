@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_SMALL_GENERAL_H
 #define PBF_CUDA_SMALL_GENERAL_H
 
-#include "cuda/small.h"
+#include "cuda/small/scene.h"
 
 /* Sorted particles carry their number in the order of ids in place of the id. */
 struct general_room {

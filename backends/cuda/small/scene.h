@@ -1,20 +1,20 @@
 /* Small scenes: all steps of a call in one launch. A step of 30,000 particles is a matter of
  * latency: a launch takes longer than its work. Here a particle stays with the same few threads of
  * a resident grid. A block keeps in shared memory all that its particles need: the particles in the
- * cells around them (small_tile.h), the lists (small_search.h), positions and lambdas. After every
+ * cells around them (tile.h), the lists (search.h), positions and lambdas. After every
  * pass it publishes its own values and fetches its neighbours' (exchange.h), so that it waits for
  * its neighbours alone; all blocks meet once a step, between the filling of the cells and the
  * search. The particles are in the order of their ids, so that the order of every sum is a matter
- * of cells and ids, as everywhere; which block has which particle (small_owners.h) changes no bit.
+ * of cells and ids, as everywhere; which block has which particle (owners.h) changes no bit.
  *
  * Cells and lists have room for what fluids do. When one overflows, all blocks learn of it, and do
  * this step over by general_step, which has no limits and takes its time. A block whose particles
  * are too far apart for its shared memory reads neighbours from memory in this step instead. */
-#ifndef PBF_CUDA_SMALL_H
-#define PBF_CUDA_SMALL_H
+#ifndef PBF_CUDA_SMALL_SCENE_H
+#define PBF_CUDA_SMALL_SCENE_H
 
 #include "cuda/barrier.h"
-#include "cuda/exchange.h"
+#include "cuda/small/exchange.h"
 #include "cuda/lists.h"
 #include "cuda/sums.h"
 

@@ -1,10 +1,10 @@
 /* The host's side of small scenes: when their kernel serves, its memory, its launches. */
-#ifndef PBF_CUDA_SMALL_HOST_H
-#define PBF_CUDA_SMALL_HOST_H
+#ifndef PBF_CUDA_SMALL_SCENE_HOST_H
+#define PBF_CUDA_SMALL_SCENE_HOST_H
 
 #include "cuda/launches.h"
 #include "cuda/room.h"
-#include "cuda/small_owners.h"
+#include "cuda/small/owners.h"
 #include "physics/overfull.h"
 
 /* ---- When it serves -------------------------------------------------------------------------- */

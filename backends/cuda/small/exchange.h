@@ -5,8 +5,8 @@
  * Nobody is ahead of a neighbour by more than one publication, as each needs the other's last one.
  * So positions, which are read until the pass is over, have two words that take turns; a lambda has
  * one: the next follows the positions that it made. */
-#ifndef PBF_CUDA_EXCHANGE_H
-#define PBF_CUDA_EXCHANGE_H
+#ifndef PBF_CUDA_SMALL_EXCHANGE_H
+#define PBF_CUDA_SMALL_EXCHANGE_H
 
 #include <stdint.h>
 

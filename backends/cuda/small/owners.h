@@ -5,7 +5,7 @@
 #ifndef PBF_CUDA_SMALL_OWNERS_H
 #define PBF_CUDA_SMALL_OWNERS_H
 
-#include "cuda/small_kernel.h"
+#include "cuda/small/kernel.h"
 
 struct owner_grid {
   pbf_vec origin;

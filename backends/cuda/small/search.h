@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_SMALL_SEARCH_H
 #define PBF_CUDA_SMALL_SEARCH_H
 
-#include "cuda/small_tile.h"
+#include "cuda/small/tile.h"
 
 /* A thread's list in shared memory: slots, or particles where the block reads from memory. While
  * it grows, entries are written in any case, and written over if they do not count. */

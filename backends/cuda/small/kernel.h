@@ -2,8 +2,8 @@
 #ifndef PBF_CUDA_SMALL_KERNEL_H
 #define PBF_CUDA_SMALL_KERNEL_H
 
-#include "cuda/small_general.h"
-#include "cuda/small_search.h"
+#include "cuda/small/general.h"
+#include "cuda/small/search.h"
 
 /* Sums over the threads of a particle, all values at a time; each thread gets the same bits. */
 template <int N>

@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_SMALL_TILE_H
 #define PBF_CUDA_SMALL_TILE_H
 
-#include "cuda/small.h"
+#include "cuda/small/scene.h"
 
 /* A block's dynamic shared memory. */
 struct small_tile {
