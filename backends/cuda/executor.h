@@ -2,7 +2,7 @@
 #ifndef PBF_CUDA_EXECUTOR_H
 #define PBF_CUDA_EXECUTOR_H
 
-#include "cuda/deep_host.h"
+#include "cuda/pressure_grid_host.h"
 #include "cuda/launches.h"
 #include "physics/overfull.h"
 #include "physics/step.h"

@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_PRESSURES_H
 #define PBF_CUDA_PRESSURES_H
 
-#include "cuda/deep.h"
+#include "cuda/pressure_grid.h"
 #include "cuda/passes.h"
 #include "cuda/sort.h"
 #include "physics/fit.h"

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "cuda/context.h"
-#include "cuda/deep_solve.h"
+#include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
 #include "cuda/passes.h"
 #include "cuda/scan.h"

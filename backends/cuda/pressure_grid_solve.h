@@ -2,12 +2,12 @@
  * there, lambda is in the shared memory of one block or of a cluster, and blocks hand on what their
  * neighbours need: an iteration waits for shared memory alone. Larger grids are in memory, and
  * their blocks meet at a barrier of all. */
-#ifndef PBF_CUDA_DEEP_SOLVE_H
-#define PBF_CUDA_DEEP_SOLVE_H
+#ifndef PBF_CUDA_PRESSURE_GRID_SOLVE_H
+#define PBF_CUDA_PRESSURE_GRID_SOLVE_H
 
 #include <cooperative_groups.h>
 
-#include "cuda/deep.h"
+#include "cuda/pressure_grid.h"
 
 enum {
   DEEP_THREADS = 512,

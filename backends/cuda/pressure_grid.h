@@ -1,7 +1,7 @@
 /* Deep water: the pressure of the fluid's weight on a coarse grid (physics/coarse.h), before the
  * iterations. */
-#ifndef PBF_CUDA_DEEP_H
-#define PBF_CUDA_DEEP_H
+#ifndef PBF_CUDA_PRESSURE_GRID_H
+#define PBF_CUDA_PRESSURE_GRID_H
 
 #include "cuda/barrier.h"
 #include "cuda/passes.h"

@@ -1,6 +1,6 @@
 /* How the pressure grid's solve is launched. */
-#ifndef PBF_CUDA_DEEP_HOST_H
-#define PBF_CUDA_DEEP_HOST_H
+#ifndef PBF_CUDA_PRESSURE_GRID_HOST_H
+#define PBF_CUDA_PRESSURE_GRID_HOST_H
 
 #include "cuda/solver.h"
 
