@@ -53,28 +53,6 @@ static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *nam
   return pbf_backend_result(solver, status, "write");
 }
 
-pbf_status pbf_get_positions(pbf_solver *solver, uint32_t first, uint32_t count, void *positions) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver,
-                   read_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions));
-}
-
-pbf_status pbf_get_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
-                              void *velocities) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver,
-                   read_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities));
-}
-
-pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count, void *densities) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver,
-                   read_rows(solver, PBF_FIELD_DENSITY, "densities", first, count, densities));
-}
-
 pbf_status pbf_check_pressures(const pbf_solver *solver) {
   if (!solver->api.read_pressures)
     return pbf_fail(PBF_ERROR_UNSUPPORTED, "the backend \"%s\" keeps no pressures",
@@ -86,29 +64,52 @@ pbf_status pbf_check_pressures(const pbf_solver *solver) {
                   solver->params.solver);
 }
 
-pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures) {
+pbf_status pbf_read_all(pbf_solver *solver, uint32_t field, void *out) {
+  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  return read_backend(solver, field, &rows, out);
+}
+
+static pbf_status get_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
+                           uint32_t count, void *out) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  status = pbf_check_pressures(solver);
-  if (status == PBF_OK)
-    status = read_rows(solver, PBF_FIELD_PRESSURE, "pressures", first, count, pressures);
+  if (field == PBF_FIELD_PRESSURE) status = pbf_check_pressures(solver);
+  if (status == PBF_OK) status = read_rows(solver, field, name, first, count, out);
   return pbf_leave(solver, status);
+}
+
+static pbf_status set_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
+                           uint32_t count, const void *in) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, write_rows(solver, field, name, first, count, in));
+}
+
+pbf_status pbf_get_positions(pbf_solver *solver, uint32_t first, uint32_t count, void *positions) {
+  return get_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions);
+}
+
+pbf_status pbf_get_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                              void *velocities) {
+  return get_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities);
+}
+
+pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count, void *densities) {
+  return get_rows(solver, PBF_FIELD_DENSITY, "densities", first, count, densities);
+}
+
+pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures) {
+  return get_rows(solver, PBF_FIELD_PRESSURE, "pressures", first, count, pressures);
 }
 
 pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,
                              const void *positions) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver,
-                   write_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions));
+  return set_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions);
 }
 
 pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
                               const void *velocities) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver,
-                   write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities));
+  return set_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities);
 }
 
 static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {

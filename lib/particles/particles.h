@@ -6,4 +6,7 @@
 /* Fails where the backend, or the way in which it solves now, keeps no pressures. */
 pbf_status pbf_check_pressures(const pbf_solver *solver);
 
+/* Reads a field (PBF_BACKEND_FIELD_REST, too) of all particles, ascending by id. */
+pbf_status pbf_read_all(pbf_solver *solver, uint32_t field, void *out);
+
 #endif

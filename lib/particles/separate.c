@@ -9,6 +9,7 @@
 #include "physics/coincident.h"
 #include "physics/spacing.h"
 #include "solver/solver_time.h"
+#include "values.h"
 
 /* A point that particles are at: a slot of a hash table with open addressing. */
 typedef struct place {
@@ -18,22 +19,15 @@ typedef struct place {
 
 typedef struct places {
   const pbf_solver *solver;
-  const char *positions;
+  const void *positions;
   uint64_t point_bytes;
   place *slots;
   uint64_t mask;
 } places;
 
 static double component(const places *p, uint32_t i, uint32_t k) {
-  const char *point = p->positions + i * p->point_bytes;
-  if (pbf_element_size(p->solver) == sizeof(float)) {
-    float value;
-    memcpy(&value, point + k * sizeof value, sizeof value);
-    return (double)value;
-  }
-  double value;
-  memcpy(&value, point + k * sizeof value, sizeof value);
-  return value;
+  const pbf_check_kind *kind = &p->solver->kind;
+  return pbf_value_at(p->positions, (uint64_t)i * kind->dimension + k, kind->precision);
 }
 
 static int same_point(const places *p, uint32_t i, uint32_t j) {
@@ -84,7 +78,7 @@ static void move_apart(places *p, uint32_t count, double spacing, char *copy) {
 
 pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_t count,
                         pbf_separated *separated) {
-  uint64_t point_bytes = (uint64_t)pbf_element_size(solver) * solver->kind.dimension, slots = 2;
+  uint64_t point_bytes = pbf_point_bytes(solver), slots = 2;
   while (slots < 2 * (uint64_t)count) slots *= 2;
   void *memory;
   *separated = (pbf_separated){.positions = positions};

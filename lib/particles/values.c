@@ -8,7 +8,7 @@
 #include "params.h"
 #include "solver/solver_time.h"
 
-static double value_at(const void *values, uint64_t index, uint32_t precision) {
+double pbf_value_at(const void *values, uint64_t index, uint32_t precision) {
   return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
                                   : ((const double *)values)[index];
 }
@@ -23,7 +23,7 @@ pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32
 /* `count` where all are. */
 static uint64_t first_not_finite(const pbf_solver *solver, const void *values, uint64_t count) {
   uint64_t i = 0;
-  while (i < count && isfinite(value_at(values, i, solver->kind.precision))) ++i;
+  while (i < count && isfinite(pbf_value_at(values, i, solver->kind.precision))) ++i;
   return i;
 }
 
@@ -34,7 +34,7 @@ pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, c
   if (i == total) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
                   (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension),
-                  value_at(values, i, solver->kind.precision));
+                  pbf_value_at(values, i, solver->kind.precision));
 }
 
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
@@ -42,7 +42,7 @@ pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, 
   uint64_t i = first_not_finite(solver, values, count);
   if (i == count) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %g; it must be finite", name, i,
-                  value_at(values, i, solver->kind.precision));
+                  pbf_value_at(values, i, solver->kind.precision));
 }
 
 /* Backends clamp to the walls in the particles' precision, so that is where the walls are. */
@@ -60,7 +60,7 @@ pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *posi
     double lower = as_stored(box.lower[axis], precision);
     double upper = as_stored(box.upper[axis], precision);
     for (uint32_t row = 0; row < count; ++row) {
-      double x = value_at(positions, (uint64_t)row * dimension + axis, precision);
+      double x = pbf_value_at(positions, (uint64_t)row * dimension + axis, precision);
       if (x >= lower && x <= upper) continue;
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                       "positions[%u][%u] is %.9g; it must be inside the domain, %.9g … %.9g",

@@ -15,6 +15,9 @@ pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, c
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
                                     uint64_t count);
 
+/* Number `index` of an array of the precision. */
+double pbf_value_at(const void *values, uint64_t index, uint32_t precision);
+
 /* Not null and aligned to its elements. */
 pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size);
 

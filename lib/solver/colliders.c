@@ -12,8 +12,6 @@
 #include "solver_time.h"
 #include "structs.h"
 
-uint64_t pbf_colliders_bytes(uint32_t count) { return (uint64_t)count * sizeof(pbf_collider); }
-
 /* Every struct of the array has the size of the first. */
 static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
                           pbf_collider *ours) {

@@ -3,7 +3,9 @@
 
 #include "solver.h"
 
-uint64_t pbf_colliders_bytes(uint32_t count);
+static inline uint64_t pbf_colliders_bytes(uint32_t count) {
+  return (uint64_t)count * sizeof(pbf_collider);
+}
 
 /* Hands checked colliders, whose poses hold at `time`, to the backend. */
 pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,

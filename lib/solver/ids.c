@@ -20,10 +20,6 @@ int pbf_ids_find(const pbf_solver *solver, uint32_t id, uint32_t *row) {
   return low < solver->count && pbf_ids_of_row(solver, low) == id;
 }
 
-uint64_t pbf_ids_bytes(const pbf_solver *solver) {
-  return (uint64_t)solver->capacity * sizeof *solver->ids;
-}
-
 pbf_status pbf_ids_store(pbf_solver *solver) {
   void *memory;
   if (solver->ids) return PBF_OK;

@@ -13,7 +13,9 @@ int pbf_ids_find(const pbf_solver *solver, uint32_t id, uint32_t *row);
 /* Stores the ids from now on. */
 pbf_status pbf_ids_store(pbf_solver *solver);
 
-uint64_t pbf_ids_bytes(const pbf_solver *solver);
+static inline uint64_t pbf_ids_bytes(const pbf_solver *solver) {
+  return (uint64_t)solver->capacity * sizeof *solver->ids;
+}
 
 pbf_rows pbf_ids_rows(const pbf_solver *solver, uint32_t first, uint32_t count);
 

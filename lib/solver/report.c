@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "backend_call.h"
+#include "colliders.h"
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
@@ -86,7 +87,7 @@ pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings) {
 
 /* The backend knows nothing of what the host holds. */
 static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
-  plan->bytes += sizeof *solver + solver->collider_count * sizeof *solver->colliders;
+  plan->bytes += sizeof *solver + pbf_colliders_bytes(solver->collider_count);
   if (!solver->ids) return;
   plan->bytes += pbf_ids_bytes(solver);
   plan->bytes_per_particle += sizeof *solver->ids;

@@ -1,19 +1,23 @@
+#include "set_params.h"
+
 #include "backend_call.h"
-#include "error.h"
 #include "handles.h"
 #include "params.h"
 #include "prestabilize.h"
 #include "solver_time.h"
 #include "structs.h"
 
+pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
+  pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
+  pbf_status status = solver->api.set_params(solver->backend, &clean);
+  return pbf_backend_result(solver, status, "set_params");
+}
+
 static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   pbf_params params;
   pbf_status status = pbf_struct_in(&pbf_kind_params, theirs, &params);
   if (status == PBF_OK) status = pbf_params_check(&params, solver->kind, pbf_solver_time(solver));
-  if (status != PBF_OK) return status;
-  pbf_params clean = pbf_params_for_backend(&params, solver->kind.dimension);
-  status =
-      pbf_backend_result(solver, solver->api.set_params(solver->backend, &clean), "set_params");
+  if (status == PBF_OK) status = pbf_params_to_backend(solver, &params);
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
   pbf_note_params(solver, &params);

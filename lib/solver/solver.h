@@ -51,4 +51,9 @@ struct pbf_solver {
 /* Bytes of one component of a position. */
 static inline uint32_t pbf_element_size(const pbf_solver *solver) { return solver->kind.precision; }
 
+/* Bytes of a position, and of a velocity. */
+static inline uint64_t pbf_point_bytes(const pbf_solver *solver) {
+  return (uint64_t)solver->kind.dimension * pbf_element_size(solver);
+}
+
 #endif

@@ -2,7 +2,7 @@
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
-#include "solver/backend_call.h"
+#include "particles/particles.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
 
@@ -10,16 +10,14 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the hash is over litt
 
 static pbf_status add_field(pbf_solver *solver, uint32_t field, void *scratch, uint64_t bytes,
                             uint64_t *hash) {
-  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
-  pbf_status status = solver->api.read(solver->backend, field, &rows, scratch);
-  if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
-  *hash = pbf_fnv(*hash, scratch, bytes);
-  return PBF_OK;
+  pbf_status status = pbf_read_all(solver, field, scratch);
+  if (status == PBF_OK) *hash = pbf_fnv(*hash, scratch, bytes);
+  return status;
 }
 
 static pbf_status add_particles(pbf_solver *solver, uint64_t *hash) {
   void *scratch;
-  uint64_t bytes = (uint64_t)solver->count * solver->kind.dimension * pbf_element_size(solver);
+  uint64_t bytes = solver->count * pbf_point_bytes(solver);
   if (solver->count == 0) return PBF_OK;
   pbf_status status = pbf_memory_take(&solver->allocator, bytes, "a copy to hash", &scratch);
   if (status != PBF_OK) return status;

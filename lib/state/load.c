@@ -7,12 +7,14 @@
 #include "fnv.h"
 #include "memory.h"
 #include "params.h"
+#include "particles/particles.h"
 #include "particles/values.h"
 #include "snapshot.h"
 #include "solver/backend_call.h"
 #include "solver/colliders.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "solver/set_params.h"
 #include "solver/solver_time.h"
 #include "solver/step.h"
 #include "structs.h"
@@ -166,7 +168,7 @@ static pbf_status take(const pbf_solver *solver, uint64_t size, void *pointer) {
 
 static pbf_status take_memory(const pbf_solver *solver, incoming *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  in->old_bytes = (uint64_t)solver->count * solver->kind.dimension * pbf_element_size(solver);
+  in->old_bytes = solver->count * pbf_point_bytes(solver);
   if (solver->params.sleep_speed > 0)
     in->old_rest_bytes =
         (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS * pbf_element_size(solver);
@@ -205,20 +207,11 @@ static pbf_status read_state(const pbf_solver *solver, incoming *in) {
 
 static pbf_status read_old(pbf_solver *solver, incoming *in) {
   if (solver->count == 0) return PBF_OK;
-  const pbf_backend_api *api = &solver->api;
-  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
-  pbf_status status = api->read(solver->backend, PBF_FIELD_POSITION, &rows, in->old_positions);
-  if (status == PBF_OK)
-    status = api->read(solver->backend, PBF_FIELD_VELOCITY, &rows, in->old_velocities);
+  pbf_status status = pbf_read_all(solver, PBF_FIELD_POSITION, in->old_positions);
+  if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_VELOCITY, in->old_velocities);
   if (status == PBF_OK && in->old_rest)
-    status = api->read(solver->backend, PBF_BACKEND_FIELD_REST, &rows, in->old_rest);
-  return pbf_backend_result(solver, status, "read");
-}
-
-static pbf_status set_params(pbf_solver *solver, const pbf_params *params) {
-  pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
-  pbf_status status = solver->api.set_params(solver->backend, &clean);
-  return pbf_backend_result(solver, status, "set_params");
+    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, in->old_rest);
+  return status;
 }
 
 static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids,
@@ -250,7 +243,7 @@ static void restore_particles(pbf_solver *solver, const incoming *in) {
 static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status) {
   char why[PBF_SENTENCE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
-  set_params(solver, &solver->params);
+  pbf_params_to_backend(solver, &solver->params);
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
                            solver->collider_time);
   restore_particles(solver, in);
@@ -260,7 +253,7 @@ static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status
 
 static pbf_status give_to_backend(pbf_solver *solver, incoming *in) {
   pbf_status status = read_old(solver, in);
-  if (status == PBF_OK) status = set_params(solver, &in->params);
+  if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
   if (status != PBF_OK) return status;
   status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
                                     in->header.collider_time);

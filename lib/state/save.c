@@ -4,10 +4,10 @@
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
+#include "particles/particles.h"
 #include "snapshot.h"
-#include "solver/backend_call.h"
+#include "solver/colliders.h"
 #include "solver/handles.h"
-#include "solver/ids.h"
 
 static pbf_snapshot_header header_of(const pbf_solver *solver) {
   pbf_snapshot_header header = {
@@ -40,11 +40,9 @@ static void put(void *buffer, uint64_t offset, const void *data, uint64_t size) 
 /* By way of aligned memory: the caller's buffer may begin anywhere. */
 static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, void *buffer,
                              uint64_t offset, uint64_t bytes) {
-  pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
-  pbf_status status = solver->api.read(solver->backend, field, &rows, scratch);
-  if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
-  put(buffer, offset, scratch, bytes);
-  return PBF_OK;
+  pbf_status status = pbf_read_all(solver, field, scratch);
+  if (status == PBF_OK) put(buffer, offset, scratch, bytes);
+  return status;
 }
 
 static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
@@ -69,8 +67,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
   memset(buffer, 0, layout.size);
   put(buffer, 0, header, sizeof *header);
   put(buffer, layout.params, &solver->params, sizeof solver->params);
-  put(buffer, layout.colliders, solver->colliders,
-      (uint64_t)solver->collider_count * sizeof *solver->colliders);
+  put(buffer, layout.colliders, solver->colliders, pbf_colliders_bytes(solver->collider_count));
   if (header->has_ids)
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
   pbf_status status = write_particles(solver, header, &layout, buffer);
