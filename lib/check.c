@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "text.h"
 
 const char *pbf_check_finite(double value, uint32_t precision) {
   if (!isfinite(value)) return "finite";
@@ -35,10 +36,10 @@ pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const vo
     memcpy(&value, (const unsigned char *)object + rule->offset + i * sizeof value, sizeof value);
     const char *demand = objection(value, rule->range, kind.precision);
     if (!demand) continue;
-    char index[16] = "";
+    char index[16] = "", number[PBF_NUMBER_SIZE];
     if (rule->components > 1) snprintf(index, sizeof index, "[%u]", i);
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.%s%s is %.9g; it must be %s", label, rule->name,
-                    index, value, demand);
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.%s%s is %s; it must be %s", label, rule->name,
+                    index, pbf_text_number(number, value), demand);
   }
   return PBF_OK;
 }

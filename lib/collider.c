@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "error.h"
+#include "text.h"
 
 #define COUNT(member, most, hint) \
   { #member, offsetof(pbf_collider, member), 0, most, hint }
@@ -56,11 +57,14 @@ static pbf_status check_orientation(const pbf_collider *collider, const char *la
                                     pbf_check_kind kind) {
   const double *q = collider->orientation;
   double length = norm(q, 4);
+  char number[5][PBF_NUMBER_SIZE];
   if (!(fabs(length - 1) <= quaternion_tolerance)) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g), of norm %.9g; it must be a unit "
-                    "quaternion x, y, z, w to within %g",
-                    label, q[0], q[1], q[2], q[3], length, quaternion_tolerance);
+                    "%s.orientation is (%s, %s, %s, %s), of norm %s; it must be a unit quaternion "
+                    "x, y, z, w to within %g",
+                    label, pbf_text_number(number[0], q[0]), pbf_text_number(number[1], q[1]),
+                    pbf_text_number(number[2], q[2]), pbf_text_number(number[3], q[3]),
+                    pbf_text_number(number[4], length), quaternion_tolerance);
   }
   if (kind.dimension == 2 && (q[0] != 0 || q[1] != 0)) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

@@ -7,6 +7,7 @@
 #include "error.h"
 #include "params.h"
 #include "solver/solver_time.h"
+#include "text.h"
 
 double pbf_value_at(const void *values, uint64_t index, uint32_t precision) {
   return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
@@ -31,18 +32,20 @@ pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, c
                                    uint32_t count, uint32_t first_row) {
   uint32_t dimension = solver->kind.dimension;
   uint64_t total = (uint64_t)count * dimension, i = first_not_finite(solver, values, total);
+  char number[PBF_NUMBER_SIZE];
   if (i == total) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %g; it must be finite", name,
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %s; it must be finite", name,
                   (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension),
-                  pbf_value_at(values, i, solver->kind.precision));
+                  pbf_text_number(number, pbf_value_at(values, i, solver->kind.precision)));
 }
 
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
                                     uint64_t count) {
   uint64_t i = first_not_finite(solver, values, count);
+  char number[PBF_NUMBER_SIZE];
   if (i == count) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %g; it must be finite", name, i,
-                  pbf_value_at(values, i, solver->kind.precision));
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %s; it must be finite", name, i,
+                  pbf_text_number(number, pbf_value_at(values, i, solver->kind.precision)));
 }
 
 /* Backends clamp to the walls in the particles' precision, so that is where the walls are. */

@@ -146,6 +146,18 @@ static void bad_numbers(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+static void nan_is_spelled(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(2, PBF_FLOAT32, 4, 8);
+  const float nans[] = {NAN, -NAN};
+  for (int i = 0; i < 2; ++i) {
+    float x[] = {0.5f, nans[i]};
+    assert_fails(pbf_add_particles(s, 1, x, NULL, NULL), PBF_ERROR_INVALID_ARGUMENT,
+                 "positions[0][1] is NaN; it must be finite");
+  }
+  pbf_destroy(s);
+}
+
 static void bad_numbers_are_refused(void **state) {
   (void)state;
   test_for_each_kind(bad_numbers);
@@ -229,6 +241,7 @@ int main(void) {
       cmocka_unit_test(refused_removals),
       cmocka_unit_test(above_capacity),
       cmocka_unit_test(bad_numbers_are_refused),
+      cmocka_unit_test(nan_is_spelled),
       cmocka_unit_test(the_wall_itself_is_inside),
       cmocka_unit_test(coincident_particles),
       cmocka_unit_test(nothing_at_all),

@@ -284,15 +284,15 @@ static void two_dimensions_ignore_the_third(void **state) {
 }
 
 static const real_case collider_reals[] = {
-    {"colliders[1].position[1] is nan", C(position[1]), NAN},
+    {"colliders[1].position[1] is NaN", C(position[1]), NAN},
     {"colliders[1].velocity[0] is inf", C(velocity[0]), INFINITY},
-    {"colliders[1].angular_velocity[2] is", C(angular_velocity[2]), NAN},
+    {"colliders[1].angular_velocity[2] is NaN;", C(angular_velocity[2]), -NAN},
     {"colliders[1].radius is 0; it must be above 0", C(radius), 0},
     {"colliders[1].radius is -1", C(radius), -1},
     {"colliders[1].half_length is -1", C(half_length), -1},
     {"of norm 1.00001", C(orientation[3]), 1.00001},
     {"of norm 0;", C(orientation[3]), 0},
-    {"colliders[1].orientation is (nan", C(orientation[0]), NAN},
+    {"colliders[1].orientation is (NaN, 0, 0, 1), of norm NaN;", C(orientation[0]), -NAN},
     {"colliders[1].axis has length 0", C(axis[1]), 0},
     {"colliders[1].axis[1] is", C(axis[1]), NAN},
 };
