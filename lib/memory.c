@@ -22,11 +22,11 @@ static void default_release(void *user, void *memory, uint64_t size, uint64_t al
 const pbf_allocator pbf_default_allocator = {sizeof(pbf_allocator), 0, NULL, default_allocate,
                                              default_release};
 
-/* Nobody's allocator needs to know what an allocation of nothing means. */
+/* Allocators need not know what an allocation of 0 bytes means. */
 static uint64_t at_least_one(uint64_t size) { return size ? size : 1; }
 
-pbf_status pbf_memory_take(const pbf_allocator *allocator, uint64_t size, const char *purpose,
-                           void **memory) {
+pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
+                               void **memory) {
   size = at_least_one(size);
   *memory = allocator->allocate(allocator->user, size, ALIGNMENT);
   if (*memory) return PBF_OK;
@@ -34,6 +34,6 @@ pbf_status pbf_memory_take(const pbf_allocator *allocator, uint64_t size, const 
                   purpose);
 }
 
-void pbf_memory_give(const pbf_allocator *allocator, void *memory, uint64_t size) {
+void pbf_memory_free(const pbf_allocator *allocator, void *memory, uint64_t size) {
   if (memory) allocator->release(allocator->user, memory, at_least_one(size), ALIGNMENT);
 }

@@ -7,10 +7,10 @@
 extern const pbf_allocator pbf_default_allocator;
 
 /* Fails with a sentence that says what the memory was for. A size of 0 is allowed. */
-pbf_status pbf_memory_take(const pbf_allocator *allocator, uint64_t size, const char *purpose,
-                           void **memory);
+pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
+                               void **memory);
 
-/* Null is a no-op; `size` is the one it was taken with. */
-void pbf_memory_give(const pbf_allocator *allocator, void *memory, uint64_t size);
+/* Null is a no-op; `size` is the one it was allocated with. */
+void pbf_memory_free(const pbf_allocator *allocator, void *memory, uint64_t size);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct exported {
 static void delete_tensor(DLManagedTensor *tensor) {
   exported *own = tensor->manager_ctx;
   pbf_solver *solver = own->solver;
-  pbf_memory_give(&solver->allocator, own, sizeof *own);
+  pbf_memory_free(&solver->allocator, own, sizeof *own);
   pbf_solver_drop_export(solver);
 }
 
@@ -64,7 +64,7 @@ static pbf_status export(pbf_solver *solver, uint32_t field, DLManagedTensor **t
   pbf_status status = pbf_view_of(solver, field, &view);
   if (status == PBF_OK) status = check_strides(solver, &view);
   if (status == PBF_OK)
-    status = pbf_memory_take(&solver->allocator, sizeof(exported), "a tensor", &memory);
+    status = pbf_memory_allocate(&solver->allocator, sizeof(exported), "a tensor", &memory);
   if (status != PBF_OK) return status;
   fill(memory, solver, &view);
   pbf_solver_add_export(solver);

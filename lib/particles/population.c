@@ -47,11 +47,11 @@ static pbf_status add_to_backend(pbf_solver *solver, const pbf_particles *partic
 }
 
 /* The new ids, in the solver's own array where there is one: its end is free. */
-static pbf_status take_new_ids(const pbf_solver *solver, uint32_t count, uint32_t **ids) {
+static pbf_status allocate_new_ids(const pbf_solver *solver, uint32_t count, uint32_t **ids) {
   void *memory = solver->ids ? solver->ids + solver->count : NULL;
   if (!memory) {
-    pbf_status status = pbf_memory_take(&solver->allocator, (uint64_t)count * sizeof **ids,
-                                        "the new particles' ids", &memory);
+    pbf_status status = pbf_memory_allocate(&solver->allocator, (uint64_t)count * sizeof **ids,
+                                            "the new particles' ids", &memory);
     if (status != PBF_OK) return status;
   }
   *ids = memory;
@@ -59,21 +59,21 @@ static pbf_status take_new_ids(const pbf_solver *solver, uint32_t count, uint32_
   return PBF_OK;
 }
 
-static void give_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids) {
-  if (!solver->ids) pbf_memory_give(&solver->allocator, ids, (uint64_t)count * sizeof *ids);
+static void free_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids) {
+  if (!solver->ids) pbf_memory_free(&solver->allocator, ids, (uint64_t)count * sizeof *ids);
 }
 
 static pbf_status append(pbf_solver *solver, uint32_t count, const void *positions,
                          const void *velocities) {
   uint32_t *ids;
-  pbf_status status = take_new_ids(solver, count, &ids);
+  pbf_status status = allocate_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
   pbf_separated separated;
   status = pbf_separate(solver, positions, count, &separated);
   const pbf_particles particles = {sizeof particles, count, ids, separated.positions, velocities};
   if (status == PBF_OK) status = add_to_backend(solver, &particles);
-  pbf_separated_give(solver, &separated);
-  give_new_ids(solver, count, ids);
+  pbf_separated_free(solver, &separated);
+  free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;
   pbf_note_placed(solver, count);
@@ -110,22 +110,22 @@ typedef struct leaving {
   uint64_t id_bytes;
 } leaving;
 
-static void give_leaving(const pbf_solver *solver, leaving *gone) {
-  pbf_memory_give(&solver->allocator, gone->bits, gone->bytes);
-  pbf_memory_give(&solver->allocator, gone->ids, gone->id_bytes);
+static void free_leaving(const pbf_solver *solver, leaving *gone) {
+  pbf_memory_free(&solver->allocator, gone->bits, gone->bytes);
+  pbf_memory_free(&solver->allocator, gone->ids, gone->id_bytes);
 }
 
-static pbf_status take_leaving(const pbf_solver *solver, uint32_t count, leaving *gone) {
+static pbf_status allocate_leaving(const pbf_solver *solver, uint32_t count, leaving *gone) {
   void *bits = NULL, *ids = NULL;
   *gone = (leaving){.bytes = ((uint64_t)solver->count + 63) / 64 * 8,
                     .id_bytes = (uint64_t)count * sizeof *gone->ids};
-  pbf_status status = pbf_memory_take(&solver->allocator, gone->bytes, "a set of rows", &bits);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, gone->bytes, "a set of rows", &bits);
   if (status != PBF_OK) return status;
   gone->bits = bits;
   memset(bits, 0, gone->bytes);
-  status = pbf_memory_take(&solver->allocator, gone->id_bytes, "a list of ids", &ids);
+  status = pbf_memory_allocate(&solver->allocator, gone->id_bytes, "a list of ids", &ids);
   gone->ids = ids;
-  if (status != PBF_OK) give_leaving(solver, gone);
+  if (status != PBF_OK) free_leaving(solver, gone);
   return status;
 }
 
@@ -179,11 +179,11 @@ static pbf_status remove_some(pbf_solver *solver, uint32_t count, const uint32_t
     return pbf_fail(PBF_ERROR_NOT_FOUND, "count is %u; the solver holds %u particles", count,
                     solver->count);
   }
-  status = take_leaving(solver, count, &gone);
+  status = allocate_leaving(solver, count, &gone);
   if (status != PBF_OK) return status;
   status = mark(solver, count, ids, &gone);
   if (status == PBF_OK) status = remove_marked(solver, count, &gone);
-  give_leaving(solver, &gone);
+  free_leaving(solver, &gone);
   return status;
 }
 

@@ -82,25 +82,25 @@ pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_
   while (slots < 2 * (uint64_t)count) slots *= 2;
   void *memory;
   *separated = (pbf_separated){.positions = positions};
-  pbf_status status = pbf_memory_take(&solver->allocator, slots * sizeof(place),
-                                      "a table of the new positions", &memory);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, slots * sizeof(place),
+                                          "a table of the new positions", &memory);
   if (status != PBF_OK) return status;
   memset(memory, 0, slots * sizeof(place));
   places p = {solver, positions, point_bytes, memory, slots - 1};
   if (find_places(&p, count)) {
     separated->bytes = count * point_bytes;
-    status = pbf_memory_take(&solver->allocator, separated->bytes, "a copy of the new positions",
-                             &separated->copy);
+    status = pbf_memory_allocate(&solver->allocator, separated->bytes,
+                                 "a copy of the new positions", &separated->copy);
     if (status == PBF_OK) {
       memcpy(separated->copy, positions, separated->bytes);
       move_apart(&p, count, pbf_derive_spacing(&solver->params), separated->copy);
       separated->positions = separated->copy;
     }
   }
-  pbf_memory_give(&solver->allocator, memory, slots * sizeof(place));
+  pbf_memory_free(&solver->allocator, memory, slots * sizeof(place));
   return status;
 }
 
-void pbf_separated_give(const pbf_solver *solver, pbf_separated *separated) {
-  pbf_memory_give(&solver->allocator, separated->copy, separated->bytes);
+void pbf_separated_free(const pbf_solver *solver, pbf_separated *separated) {
+  pbf_memory_free(&solver->allocator, separated->copy, separated->bytes);
 }

@@ -15,6 +15,6 @@ typedef struct pbf_separated {
  * says. Fails with PBF_ERROR_OUT_OF_MEMORY. */
 pbf_status pbf_separate(const pbf_solver *solver, const void *positions, uint32_t count,
                         pbf_separated *separated);
-void pbf_separated_give(const pbf_solver *solver, pbf_separated *separated);
+void pbf_separated_free(const pbf_solver *solver, pbf_separated *separated);
 
 #endif

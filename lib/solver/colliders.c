@@ -51,7 +51,7 @@ static pbf_status check_array(uint32_t count, const pbf_collider *colliders) {
 
 void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
                            double time) {
-  pbf_memory_give(&solver->allocator, solver->colliders,
+  pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver->collider_count));
   solver->colliders = colliders;
   solver->collider_count = count;
@@ -63,15 +63,15 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   double now = pbf_solver_time(solver);
   pbf_status status = check_array(count, theirs);
   if (status == PBF_OK && count > 0)
-    status =
-        pbf_memory_take(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+    status = pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders",
+                                 &memory);
   if (status != PBF_OK) return status;
   status = copy_in(solver, count, theirs, memory);
   if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
     pbf_colliders_replace(solver, count, memory, now);
   } else {
-    pbf_memory_give(&solver->allocator, memory, pbf_colliders_bytes(count));
+    pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
   }
   return status;
 }

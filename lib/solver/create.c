@@ -121,11 +121,11 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   pbf_status status = pbf_desc_check(desc, &checked);
   if (status == PBF_OK) status = check_params(params, &checked, &ours);
   if (status == PBF_OK)
-    status = pbf_memory_take(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
+    status = pbf_memory_allocate(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
   if (status != PBF_OK) return status;
   status = fill(memory, &checked, &ours);
   if (status != PBF_OK) {
-    pbf_memory_give(&checked.allocator, memory, sizeof(pbf_solver));
+    pbf_memory_free(&checked.allocator, memory, sizeof(pbf_solver));
     return status;
   }
   pbf_solver_publish(memory);

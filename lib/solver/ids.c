@@ -24,7 +24,7 @@ pbf_status pbf_ids_store(pbf_solver *solver) {
   void *memory;
   if (solver->ids) return PBF_OK;
   pbf_status status =
-      pbf_memory_take(&solver->allocator, pbf_ids_bytes(solver), "the particles' ids", &memory);
+      pbf_memory_allocate(&solver->allocator, pbf_ids_bytes(solver), "the particles' ids", &memory);
   if (status != PBF_OK) return status;
   uint32_t *ids = memory;
   for (uint32_t row = 0; row < solver->count; ++row) ids[row] = row;

@@ -19,11 +19,11 @@ static pbf_status add_particles(pbf_solver *solver, uint64_t *hash) {
   void *scratch;
   uint64_t bytes = solver->count * pbf_point_bytes(solver);
   if (solver->count == 0) return PBF_OK;
-  pbf_status status = pbf_memory_take(&solver->allocator, bytes, "a copy to hash", &scratch);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, bytes, "a copy to hash", &scratch);
   if (status != PBF_OK) return status;
   status = add_field(solver, PBF_FIELD_POSITION, scratch, bytes, hash);
   if (status == PBF_OK) status = add_field(solver, PBF_FIELD_VELOCITY, scratch, bytes, hash);
-  pbf_memory_give(&solver->allocator, scratch, bytes);
+  pbf_memory_free(&solver->allocator, scratch, bytes);
   return status;
 }
 

@@ -158,43 +158,44 @@ static pbf_status read_particles(const pbf_solver *solver, incoming *in) {
                                   in->header.count * (uint64_t)PBF_BACKEND_REST_COMPONENTS);
 }
 
-static pbf_status take(const pbf_solver *solver, uint64_t size, void *pointer) {
+static pbf_status allocate(const pbf_solver *solver, uint64_t size, void *pointer) {
   void *memory;
   if (size == 0) return PBF_OK;
-  pbf_status status = pbf_memory_take(&solver->allocator, size, "loading a state", &memory);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, size, "loading a state", &memory);
   if (status == PBF_OK) memcpy(pointer, &memory, sizeof memory);
   return status;
 }
 
-static pbf_status take_memory(const pbf_solver *solver, incoming *in) {
+static pbf_status allocate_memory(const pbf_solver *solver, incoming *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   in->old_bytes = solver->count * pbf_point_bytes(solver);
   if (solver->params.sleep_speed > 0)
     in->old_rest_bytes =
         (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS * pbf_element_size(solver);
-  pbf_status status = take(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
-  if (status == PBF_OK) status = take(solver, pbf_ids_bytes(solver), &in->ids);
-  if (status == PBF_OK) status = take(solver, bytes, &in->positions);
-  if (status == PBF_OK) status = take(solver, bytes, &in->velocities);
-  if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_positions);
-  if (status == PBF_OK) status = take(solver, in->old_bytes, &in->old_velocities);
-  if (status == PBF_OK) status = take(solver, pbf_snapshot_rest_bytes(&in->header), &in->rest);
-  if (status == PBF_OK) status = take(solver, in->old_rest_bytes, &in->old_rest);
+  pbf_status status =
+      allocate(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
+  if (status == PBF_OK) status = allocate(solver, pbf_ids_bytes(solver), &in->ids);
+  if (status == PBF_OK) status = allocate(solver, bytes, &in->positions);
+  if (status == PBF_OK) status = allocate(solver, bytes, &in->velocities);
+  if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_positions);
+  if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_velocities);
+  if (status == PBF_OK) status = allocate(solver, pbf_snapshot_rest_bytes(&in->header), &in->rest);
+  if (status == PBF_OK) status = allocate(solver, in->old_rest_bytes, &in->old_rest);
   return status;
 }
 
 /* Whatever the solver has not taken over. */
-static void give_memory(const pbf_solver *solver, incoming *in) {
+static void free_memory(const pbf_solver *solver, incoming *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  pbf_memory_give(&solver->allocator, in->colliders,
+  pbf_memory_free(&solver->allocator, in->colliders,
                   pbf_colliders_bytes(in->header.collider_count));
-  pbf_memory_give(&solver->allocator, in->ids, pbf_ids_bytes(solver));
-  pbf_memory_give(&solver->allocator, in->positions, bytes);
-  pbf_memory_give(&solver->allocator, in->velocities, bytes);
-  pbf_memory_give(&solver->allocator, in->old_positions, in->old_bytes);
-  pbf_memory_give(&solver->allocator, in->old_velocities, in->old_bytes);
-  pbf_memory_give(&solver->allocator, in->rest, pbf_snapshot_rest_bytes(&in->header));
-  pbf_memory_give(&solver->allocator, in->old_rest, in->old_rest_bytes);
+  pbf_memory_free(&solver->allocator, in->ids, pbf_ids_bytes(solver));
+  pbf_memory_free(&solver->allocator, in->positions, bytes);
+  pbf_memory_free(&solver->allocator, in->velocities, bytes);
+  pbf_memory_free(&solver->allocator, in->old_positions, in->old_bytes);
+  pbf_memory_free(&solver->allocator, in->old_velocities, in->old_bytes);
+  pbf_memory_free(&solver->allocator, in->rest, pbf_snapshot_rest_bytes(&in->header));
+  pbf_memory_free(&solver->allocator, in->old_rest, in->old_rest_bytes);
 }
 
 static pbf_status read_state(const pbf_solver *solver, incoming *in) {
@@ -278,7 +279,7 @@ static void take_over(pbf_solver *solver, incoming *in) {
   uint32_t *old_ids = solver->ids;
   solver->ids = in->header.has_ids ? in->ids : NULL;
   in->ids = in->header.has_ids ? old_ids : in->ids;
-  if (!in->header.has_ids) pbf_memory_give(&solver->allocator, old_ids, pbf_ids_bytes(solver));
+  if (!in->header.has_ids) pbf_memory_free(&solver->allocator, old_ids, pbf_ids_bytes(solver));
 }
 
 static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
@@ -288,11 +289,11 @@ static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
   if (!buffer) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "buffer is null");
   status = check_envelope(solver, buffer, size, &in);
   if (status != PBF_OK) return status;
-  status = take_memory(solver, &in);
+  status = allocate_memory(solver, &in);
   if (status == PBF_OK) status = read_state(solver, &in);
   if (status == PBF_OK) status = give_to_backend(solver, &in);
   if (status == PBF_OK) take_over(solver, &in);
-  give_memory(solver, &in);
+  free_memory(solver, &in);
   return status;
 }
 

@@ -51,14 +51,14 @@ static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header 
   uint64_t bytes = pbf_snapshot_field_bytes(header), rest = pbf_snapshot_rest_bytes(header);
   if (solver->count == 0) return PBF_OK;
   uint64_t room = rest > bytes ? rest : bytes;
-  pbf_status status = pbf_memory_take(&solver->allocator, room, "a copy to save", &scratch);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, room, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
     status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
   if (status == PBF_OK && rest > 0)
     status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->rest, rest);
-  pbf_memory_give(&solver->allocator, scratch, room);
+  pbf_memory_free(&solver->allocator, scratch, room);
   return status;
 }
 
