@@ -33,10 +33,10 @@ typedef struct pbf_count_rule {
   size_t offset;
   uint32_t least;
   uint32_t most;
-  const char *hint; /* appended to the range in the sentence; may be empty */
+  const char *hint; /* appended to the range in the message; may be empty */
 } pbf_count_rule;
 
-/* `object` is the struct, `label` what the sentence calls it. */
+/* `object` is the struct, `label` what the message calls it. */
 pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const void *object,
                           pbf_check_kind kind);
 pbf_status pbf_check_count(const pbf_count_rule *rule, const char *label, const void *object);

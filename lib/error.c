@@ -4,26 +4,26 @@
 #include <stdio.h>
 #include <string.h>
 
-static _Thread_local char last_sentence[PBF_SENTENCE_SIZE];
-static _Thread_local char plugin_sentence[PBF_SENTENCE_SIZE];
+static _Thread_local char last_message[PBF_MESSAGE_SIZE];
+static _Thread_local char plugin_message[PBF_MESSAGE_SIZE];
 
 pbf_status pbf_fail(pbf_status status, const char *format, ...) {
-  /* The arguments may point into the sentence that is about to be replaced. */
-  char sentence[PBF_SENTENCE_SIZE];
+  /* The arguments may point into the message that is about to be replaced. */
+  char message[PBF_MESSAGE_SIZE];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(sentence, sizeof sentence, format, arguments);
+  vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
-  memcpy(last_sentence, sentence, sizeof sentence);
+  memcpy(last_message, message, sizeof message);
   return status;
 }
 
-const char *pbf_last_error(void) { return last_sentence; }
+const char *pbf_last_error(void) { return last_message; }
 
-void pbf_plugin_sentence_set(const char *sentence) {
-  snprintf(plugin_sentence, sizeof plugin_sentence, "%s", sentence ? sentence : "");
+void pbf_plugin_message_set(const char *message) {
+  snprintf(plugin_message, sizeof plugin_message, "%s", message ? message : "");
 }
 
-void pbf_plugin_sentence_clear(void) { plugin_sentence[0] = 0; }
+void pbf_plugin_message_clear(void) { plugin_message[0] = 0; }
 
-const char *pbf_plugin_sentence(void) { return plugin_sentence; }
+const char *pbf_plugin_message(void) { return plugin_message; }

@@ -6,7 +6,7 @@
 
 extern const pbf_allocator pbf_default_allocator;
 
-/* Fails with a sentence that says what the memory was for. A size of 0 is allowed. */
+/* Fails with a message that says what the memory was for. A size of 0 is allowed. */
 pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
                                void **memory);
 

@@ -4,7 +4,7 @@
 
 #include "solver/solver.h"
 
-/* `first_row` is the number of the array's first row, for the sentence. Positions must be finite
+/* `first_row` is the number of the array's first row, for the message. Positions must be finite
  * and inside the domain as it is now; velocities finite. */
 pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
                                       uint32_t count, uint32_t first_row);

@@ -19,7 +19,7 @@ const pbf_plugin *pbf_entries_usable(const char *name);
 /* An entry of that path, of those that can be used or of those that can't; or null. */
 const pbf_plugin *pbf_entries_of_path(const char *path, int usable);
 
-/* A full list drops the entry: the caller has its sentence all the same. */
+/* A full list drops the entry: the caller has its message all the same. */
 int pbf_entries_are_full(void);
 void pbf_entries_append(const pbf_plugin *plugin);
 void pbf_entries_append_failure(const char *name, const char *path, const char *reason);

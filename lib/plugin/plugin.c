@@ -12,7 +12,7 @@ static const pbf_backend_host host = {
     .struct_size = sizeof(pbf_backend_host),
     .abi_min = PBF_BACKEND_ABI_VERSION,
     .abi_max = PBF_BACKEND_ABI_VERSION,
-    .set_error = pbf_plugin_sentence_set,
+    .set_error = pbf_plugin_message_set,
 };
 
 pbf_status pbf_plugin_refuse(pbf_plugin *plugin, pbf_status status, const char *format, ...) {
@@ -119,12 +119,12 @@ static pbf_status check_answer(const pbf_backend_answer *answer, const char *exp
 pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,
                                 pbf_plugin *plugin) {
   pbf_backend_answer answer = {.struct_size = sizeof answer};
-  pbf_plugin_sentence_clear();
+  pbf_plugin_message_clear();
   pbf_status status = entry(&host, &answer);
   if (status == PBF_OK) return check_answer(&answer, expected, plugin);
-  const char *sentence = pbf_plugin_sentence();
-  if (!sentence[0]) sentence = "it gave no reason";
+  const char *message = pbf_plugin_message();
+  if (!message[0]) message = "it gave no reason";
   return pbf_plugin_refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
                            "it refused to work with version %u … %u of the plugin ABI: %s",
-                           host.abi_min, host.abi_max, sentence);
+                           host.abi_min, host.abi_max, message);
 }

@@ -48,7 +48,7 @@ static void insert(pbf_candidates *candidates, const pbf_plugin *plugin, int32_t
 }
 
 static pbf_status check_known(const char *name) {
-  char known[PBF_SENTENCE_SIZE / 2] = "auto";
+  char known[PBF_MESSAGE_SIZE / 2] = "auto";
   const pbf_plugin *plugin;
   for (uint32_t i = 0; (plugin = pbf_registry_entry(i)); ++i) {
     if (strcmp(plugin->name, name) == 0) return PBF_OK;
@@ -82,7 +82,7 @@ static void consider(const pbf_plugin *plugin, const pbf_checked_desc *checked,
 }
 
 pbf_status pbf_select(const pbf_checked_desc *checked, pbf_candidates *candidates) {
-  char all[PBF_SENTENCE_SIZE - 128] = "";
+  char all[PBF_MESSAGE_SIZE - 128] = "";
   memset(candidates, 0, sizeof *candidates);
   candidates->named = strcmp(checked->backend, "auto") != 0;
   if (candidates->named) {

@@ -47,7 +47,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, cons
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;
   solver->backend = NULL;
-  pbf_plugin_sentence_clear();
+  pbf_plugin_message_clear();
   pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
   if (status != PBF_OK) return pbf_backend_verdict(plugin, status, "create", why, size);
   return adopt(plugin, table, solver, why, size);
@@ -58,22 +58,22 @@ static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, 
   if (!reason[0]) return;
   solver->fell_back = candidates->named && strcmp(solver->plugin->name, asked) != 0;
   pbf_text_append(solver->fallback_reason, sizeof solver->fallback_reason, reason);
-  char message[PBF_SENTENCE_SIZE];
+  char message[PBF_MESSAGE_SIZE];
   snprintf(message, sizeof message, "the backend \"%s\" serves instead of another: %s",
            solver->plugin->name, reason);
   solver->log(solver->log_user, PBF_LOG_WARNING, message);
 }
 
-/* The best one that works; the sentence of the first that failed when none does. */
+/* Creates the best one that works; fails with the message of the first when none does. */
 static pbf_status create_backend(pbf_solver *solver, const pbf_checked_desc *checked) {
   pbf_candidates candidates;
   pbf_status status = pbf_select(checked, &candidates);
   if (status != PBF_OK) return status;
-  char first_why[PBF_SENTENCE_SIZE] = "";
+  char first_why[PBF_MESSAGE_SIZE] = "";
   pbf_status first = PBF_OK;
   for (uint32_t i = 0; i < candidates.count; ++i) {
     const pbf_plugin *plugin = candidates.plugins[i];
-    char why[PBF_SENTENCE_SIZE] = "";
+    char why[PBF_MESSAGE_SIZE] = "";
     status = create_with(plugin, solver, &checked->desc, why, sizeof why);
     if (status == PBF_OK) {
       note_fallback(solver, &candidates, checked->backend);

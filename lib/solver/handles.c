@@ -51,7 +51,7 @@ pbf_status pbf_enter(pbf_solver *solver) {
   pthread_mutex_lock(&lock);
   pbf_status status = enter_locked(solver);
   pthread_mutex_unlock(&lock);
-  if (status == PBF_OK) pbf_plugin_sentence_clear();
+  if (status == PBF_OK) pbf_plugin_message_clear();
   return status;
 }
 

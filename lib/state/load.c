@@ -42,7 +42,7 @@ static pbf_status reject(const char *what) {
   return pbf_fail(PBF_ERROR_DATA, "the saved state %s; pbf_load takes what pbf_save wrote", what);
 }
 
-/* Says that the sentence of a check is about the saved state. */
+/* Says that the message of a check is about the saved state. */
 static pbf_status reject_by_check(pbf_status status) {
   if (status == PBF_OK || status == PBF_ERROR_OUT_OF_MEMORY) return status;
   return pbf_fail(PBF_ERROR_DATA, "the saved state holds a bad value: %.1500s", pbf_last_error());
@@ -234,7 +234,7 @@ static pbf_status replace_rest(pbf_solver *solver, uint32_t count, const uint32_
   return pbf_backend_result(solver, status, "write");
 }
 
-/* As far as a failing device lets it: its sentence is kept, this one's are not. */
+/* As far as a failing device lets it: its message is kept, this one's are not. */
 static void restore_particles(pbf_solver *solver, const incoming *in) {
   for (uint32_t row = 0; row < solver->count; ++row) in->ids[row] = pbf_ids_of_row(solver, row);
   replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
@@ -242,7 +242,7 @@ static void restore_particles(pbf_solver *solver, const incoming *in) {
 }
 
 static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status) {
-  char why[PBF_SENTENCE_SIZE];
+  char why[PBF_MESSAGE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
   pbf_params_to_backend(solver, &solver->params);
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
