@@ -47,14 +47,14 @@ pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const vo
 pbf_status pbf_check_count(const pbf_count_rule *rule, const char *label, const void *object) {
   uint32_t value;
   memcpy(&value, (const unsigned char *)object + rule->offset, sizeof value);
-  if (value >= rule->least && value <= rule->most) return PBF_OK;
+  if (value >= rule->min && value <= rule->max) return PBF_OK;
   char range[48];
-  if (rule->least == rule->most) {
-    snprintf(range, sizeof range, "%u", rule->least);
-  } else if (rule->most == UINT32_MAX) {
-    snprintf(range, sizeof range, "at least %u", rule->least);
+  if (rule->min == rule->max) {
+    snprintf(range, sizeof range, "%u", rule->min);
+  } else if (rule->max == UINT32_MAX) {
+    snprintf(range, sizeof range, "at least %u", rule->min);
   } else {
-    snprintf(range, sizeof range, "%u … %u", rule->least, rule->most);
+    snprintf(range, sizeof range, "%u … %u", rule->min, rule->max);
   }
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.%s is %u; it must be %s%s", label, rule->name,
                   value, range, rule->hint);

@@ -31,8 +31,8 @@ typedef struct pbf_real_rule {
 typedef struct pbf_count_rule {
   const char *name;
   size_t offset;
-  uint32_t least;
-  uint32_t most;
+  uint32_t min;
+  uint32_t max;
   const char *hint; /* appended to the range in the message; may be empty */
 } pbf_count_rule;
 

@@ -6,8 +6,8 @@
 #include "error.h"
 #include "text.h"
 
-#define COUNT(member, most, hint) \
-  { #member, offsetof(pbf_collider, member), 0, most, hint }
+#define COUNT(member, max, hint) \
+  { #member, offsetof(pbf_collider, member), 0, max, hint }
 #define REAL(member, components, range) \
   { #member, offsetof(pbf_collider, member), components, range }
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))

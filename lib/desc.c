@@ -10,17 +10,17 @@
 #include "structs.h"
 
 /* More threads than any machine has: a larger number is a negative one, or garbage. */
-enum { MOST_THREADS = 65536 };
+enum { MAX_THREADS = 65536 };
 
-#define RULE(member, least, most, hint) \
-  { #member, offsetof(pbf_desc, member), least, most, hint }
+#define RULE(member, min, max, hint) \
+  { #member, offsetof(pbf_desc, member), min, max, hint }
 
 static const pbf_count_rule rules[] = {
     RULE(api_version, 1, PBF_API_VERSION, ", the PBF_API_VERSION of pbf.h"),
     RULE(dimension, 2, 3, ""),
     RULE(capacity, 1, PBF_MAX_CAPACITY, ""),
     RULE(strict, 0, 1, ""),
-    RULE(threads, 0, MOST_THREADS, "; 0 takes as many as the machine offers"),
+    RULE(threads, 0, MAX_THREADS, "; 0 takes as many as the machine offers"),
 };
 
 static pbf_status check_numbers(const pbf_desc *desc) {

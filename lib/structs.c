@@ -5,7 +5,7 @@
 #include "error.h"
 
 /* Far above any struct to come: a larger size is memory that nobody initialised. */
-enum { LARGEST_SIZE = 65536 };
+enum { MAX_SIZE = 65536 };
 
 #define THROUGH(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
 #define KIND(type, last) \
@@ -24,7 +24,7 @@ const pbf_struct_kind pbf_kind_info = KIND(pbf_info, fallback_reason);
 const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, reason);
 
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
-  if (size >= kind->first_size && size <= LARGEST_SIZE) return PBF_OK;
+  if (size >= kind->first_size && size <= MAX_SIZE) return PBF_OK;
   return pbf_fail(PBF_ERROR_STRUCT_SIZE, "%s.struct_size is %u; it must be sizeof(%s), here %u",
                   kind->name, size, kind->name, kind->size);
 }

@@ -71,7 +71,7 @@ pbf_status pbf_discover_path(const char *path) {
   if (pbf_entries_of_path(path, 1)) return PBF_OK;
   if (pbf_entries_are_full()) {
     return pbf_fail(PBF_ERROR_CAPACITY, "%s: the list of backends is full with %d entries", path,
-                    PBF_MOST_PLUGINS);
+                    PBF_MAX_PLUGINS);
   }
   pbf_status status = load(path, NULL, &plugin);
   return status == PBF_OK ? PBF_OK : pbf_fail(status, "%s: %s", path, plugin.reason);

@@ -4,7 +4,7 @@
 
 #include "text.h"
 
-static pbf_plugin entries[PBF_MOST_PLUGINS];
+static pbf_plugin entries[PBF_MAX_PLUGINS];
 static uint32_t entry_count;
 
 uint32_t pbf_entries_count(void) { return entry_count; }
@@ -26,7 +26,7 @@ const pbf_plugin *pbf_entries_of_path(const char *path, int usable) {
   return NULL;
 }
 
-int pbf_entries_are_full(void) { return entry_count == PBF_MOST_PLUGINS; }
+int pbf_entries_are_full(void) { return entry_count == PBF_MAX_PLUGINS; }
 
 void pbf_entries_append(const pbf_plugin *plugin) {
   if (!pbf_entries_are_full()) entries[entry_count++] = *plugin;

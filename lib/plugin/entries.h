@@ -6,7 +6,7 @@
 
 #include "plugin.h"
 
-enum { PBF_MOST_PLUGINS = 64 };
+enum { PBF_MAX_PLUGINS = 64 };
 
 uint32_t pbf_entries_count(void);
 

@@ -71,7 +71,7 @@ static void consider(const pbf_plugin *plugin, const pbf_checked_desc *checked,
   int is_named = strcmp(plugin->name, checked->backend) == 0;
   if (candidates->named && checked->desc.strict && !is_named) return;
   pbf_probe_result probe = pbf_probe(plugin, &checked->desc);
-  if (probe.score > 0 && candidates->count < PBF_MOST_CANDIDATES) {
+  if (probe.score > 0 && candidates->count < PBF_MAX_CANDIDATES) {
     insert(candidates, plugin, probe.score, checked->backend);
     return;
   }

@@ -5,12 +5,12 @@
 #include "desc.h"
 #include "plugin.h"
 
-enum { PBF_MOST_CANDIDATES = 64 };
+enum { PBF_MAX_CANDIDATES = 64 };
 
 typedef struct pbf_candidates {
   uint32_t count;
-  const pbf_plugin *plugins[PBF_MOST_CANDIDATES]; /* best first */
-  int32_t scores[PBF_MOST_CANDIDATES];
+  const pbf_plugin *plugins[PBF_MAX_CANDIDATES]; /* best first */
+  int32_t scores[PBF_MAX_CANDIDATES];
   uint32_t named;   /* 1: the caller asked for one by name */
   char reason[512]; /* why the named one is not among them, or why nothing is */
 } pbf_candidates;

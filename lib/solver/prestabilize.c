@@ -15,15 +15,15 @@
 /* The cells are sorted and the error is looked at anew for each pass. What must rise by tens of
  * layers wants hundreds: a pass carries over a few. PATIENCE passes that gain next to nothing are
  * the end, as where there is more fluid than room. */
-enum { ITERATIONS = 8, MOST_PASSES = 400, PATIENCE = 8 };
-static const double least_gain = 0.01;
+enum { ITERATIONS = 8, MAX_PASSES = 400, PATIENCE = 8 };
+static const double min_gain = 0.01;
 
 /* Of the error that makes a start wanting: what is left is less than steps leave. */
 static const double remainder_of_error = 0.25;
 
 /* With more than that it is no fluid that has been placed badly, but overload: its pairs would take
  * minutes. */
-static const double most_neighbors = 1000;
+static const double max_neighbors_mean = 1000;
 
 /* In solver->placed: walls have jumped over fluid. Whatever its density is, it is to come back
  * without the velocity that a step would give it. */
@@ -48,21 +48,21 @@ static void warn(const pbf_solver *solver, double error) {
 }
 
 static pbf_status project(pbf_solver *solver) {
-  double wanted = solver->params.prestabilization, most = wanted, best = INFINITY, error;
+  double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
   pbf_stats now;
-  for (int pass = 0, stalled = 0; pass < MOST_PASSES; ++pass) {
+  for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
     pbf_status status = look(solver, &now, &error);
     int is_due = pass == 0 && solver->placed == behind_walls;
-    if (status != PBF_OK || (error <= most && !is_due)) return status;
-    int gains = error < (1 - least_gain) * best;
+    if (status != PBF_OK || (error <= max_error && !is_due)) return status;
+    int gains = error < (1 - min_gain) * best;
     stalled = gains ? 0 : stalled + 1;
     if (gains) best = error;
-    if (now.neighbors_mean > most_neighbors || stalled == PATIENCE) break;
+    if (now.neighbors_mean > max_neighbors_mean || stalled == PATIENCE) break;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
     if (status != PBF_OK) return status;
     ++solver->generation;
-    most = remainder_of_error * wanted;
+    max_error = remainder_of_error * wanted;
   }
   if (now.density_error_mean > wanted) warn(solver, now.density_error_mean);
   return PBF_OK;

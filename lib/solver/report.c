@@ -57,11 +57,11 @@ pbf_status pbf_set_timing(pbf_solver *solver, uint32_t enabled) {
 }
 
 static pbf_status check_length(const pbf_solver *solver, const char *what, uint32_t count,
-                               uint32_t most) {
-  if (count <= most) return PBF_OK;
+                               uint32_t max) {
+  if (count <= max) return PBF_OK;
   return pbf_fail(PBF_ERROR_PLUGIN,
                   "the backend \"%s\" says it has %u %s, above the %u there can be",
-                  solver->plugin->name, count, what, most);
+                  solver->plugin->name, count, what, max);
 }
 
 static pbf_status get_timings(pbf_solver *solver, pbf_timings *theirs) {
