@@ -2,9 +2,9 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "coincident.h"
 #include "error.h"
 #include "memory.h"
-#include "separate.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
@@ -68,11 +68,11 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   uint32_t *ids;
   pbf_status status = allocate_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
-  pbf_separated separated;
-  status = pbf_separate(solver, positions, count, &separated);
-  const pbf_particles particles = {sizeof particles, count, ids, separated.positions, velocities};
+  pbf_distinct distinct;
+  status = pbf_distinct_positions(solver, positions, count, &distinct);
+  const pbf_particles particles = {sizeof particles, count, ids, distinct.positions, velocities};
   if (status == PBF_OK) status = add_to_backend(solver, &particles);
-  pbf_separated_free(solver, &separated);
+  pbf_distinct_free(solver, &distinct);
   free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;
