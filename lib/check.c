@@ -15,9 +15,9 @@ const char *pbf_check_finite(double value, uint32_t precision) {
 }
 
 /* Null when the value will do, else what it must be. */
-static const char *objection(double value, pbf_range range, uint32_t precision) {
-  const char *demand = pbf_check_finite(value, precision);
-  if (demand) return demand;
+static const char *unmet_requirement(double value, pbf_range range, uint32_t precision) {
+  const char *requirement = pbf_check_finite(value, precision);
+  if (requirement) return requirement;
   if (range == PBF_AT_LEAST_ZERO && value < 0) return "at least 0";
   if (range == PBF_FRACTION && (value < 0 || value > 1)) return "from 0 to 1";
   if (range == PBF_ABOVE_ZERO && value <= 0) return "above 0";
@@ -34,12 +34,12 @@ pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const vo
   for (uint32_t i = 0; i < used; ++i) {
     double value;
     memcpy(&value, (const unsigned char *)object + rule->offset + i * sizeof value, sizeof value);
-    const char *demand = objection(value, rule->range, kind.precision);
-    if (!demand) continue;
+    const char *requirement = unmet_requirement(value, rule->range, kind.precision);
+    if (!requirement) continue;
     char index[16] = "", number[PBF_NUMBER_SIZE];
     if (rule->components > 1) snprintf(index, sizeof index, "[%u]", i);
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.%s%s is %s; it must be %s", label, rule->name,
-                    index, pbf_text_number(number, value), demand);
+                    index, pbf_text_number(number, value), requirement);
   }
   return PBF_OK;
 }

@@ -4,7 +4,7 @@
 
 #include "error.h"
 
-/* Far above any struct to come: a larger size is memory that nobody initialised. */
+/* Far above any struct to come: a larger size is uninitialised memory. */
 enum { MAX_SIZE = 65536 };
 
 #define THROUGH(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))

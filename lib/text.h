@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Appends as much of `piece` as there is room for. */
-static inline void pbf_text_append(char *text, size_t size, const char *piece) {
-  size_t used = strlen(text), room = size - used - 1, length = strlen(piece);
-  if (length > room) length = room;
-  memcpy(text + used, piece, length);
+/* Appends as much of `addition` as fits. */
+static inline void pbf_text_append(char *text, size_t size, const char *addition) {
+  size_t used = strlen(text), available = size - used - 1, length = strlen(addition);
+  if (length > available) length = available;
+  memcpy(text + used, addition, length);
   text[used + length] = 0;
 }
 

@@ -1,4 +1,4 @@
-/* Particles come and go. */
+/* Adding and removing particles. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@
 
 static const uint64_t id_end = UINT64_C(1) << 32;
 
-static pbf_status check_room(const pbf_solver *solver, uint32_t count) {
+static pbf_status check_capacity(const pbf_solver *solver, uint32_t count) {
   if (count > solver->capacity - solver->count) {
     return pbf_fail(PBF_ERROR_CAPACITY,
                     "count is %u; the solver holds %u particles and desc.capacity is %u", count,
@@ -46,7 +46,7 @@ static pbf_status add_to_backend(pbf_solver *solver, const pbf_particles *partic
   return pbf_backend_result(solver, status, "add_particles");
 }
 
-/* The new ids, in the solver's own array where there is one: its end is free. */
+/* The new ids, in the unused end of the solver's own array where there is one. */
 static pbf_status allocate_new_ids(const pbf_solver *solver, uint32_t count, uint32_t **ids) {
   void *memory = solver->ids ? solver->ids + solver->count : NULL;
   if (!memory) {
@@ -86,7 +86,7 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
                       const void *velocities, uint32_t *first_id) {
   uint64_t first = solver->next_id;
   pbf_status status = pbf_check_unmapped(solver);
-  if (status == PBF_OK) status = check_room(solver, count);
+  if (status == PBF_OK) status = check_capacity(solver, count);
   if (status == PBF_OK && count > 0) {
     status = check_new(solver, count, positions, velocities);
     if (status == PBF_OK) status = append(solver, count, positions, velocities);
@@ -102,75 +102,76 @@ pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *pos
   return pbf_leave(solver, add(solver, count, positions, velocities, first_id));
 }
 
-/* Rows that go, a bit each; as they are walked in order, so are the ids. */
-typedef struct leaving {
+/* The rows to remove, a bit each, and their ids in the order of the rows. */
+typedef struct removal {
   uint64_t *bits;
   uint64_t bytes;
   uint32_t *ids;
   uint64_t id_bytes;
-} leaving;
+} removal;
 
-static void free_leaving(const pbf_solver *solver, leaving *gone) {
-  pbf_memory_free(&solver->allocator, gone->bits, gone->bytes);
-  pbf_memory_free(&solver->allocator, gone->ids, gone->id_bytes);
+static void free_removal(const pbf_solver *solver, removal *removed) {
+  pbf_memory_free(&solver->allocator, removed->bits, removed->bytes);
+  pbf_memory_free(&solver->allocator, removed->ids, removed->id_bytes);
 }
 
-static pbf_status allocate_leaving(const pbf_solver *solver, uint32_t count, leaving *gone) {
+static pbf_status allocate_removal(const pbf_solver *solver, uint32_t count, removal *removed) {
   void *bits = NULL, *ids = NULL;
-  *gone = (leaving){.bytes = ((uint64_t)solver->count + 63) / 64 * 8,
-                    .id_bytes = (uint64_t)count * sizeof *gone->ids};
-  pbf_status status = pbf_memory_allocate(&solver->allocator, gone->bytes, "a set of rows", &bits);
+  *removed = (removal){.bytes = ((uint64_t)solver->count + 63) / 64 * 8,
+                       .id_bytes = (uint64_t)count * sizeof *removed->ids};
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, removed->bytes, "a set of rows", &bits);
   if (status != PBF_OK) return status;
-  gone->bits = bits;
-  memset(bits, 0, gone->bytes);
-  status = pbf_memory_allocate(&solver->allocator, gone->id_bytes, "a list of ids", &ids);
-  gone->ids = ids;
-  if (status != PBF_OK) free_leaving(solver, gone);
+  removed->bits = bits;
+  memset(bits, 0, removed->bytes);
+  status = pbf_memory_allocate(&solver->allocator, removed->id_bytes, "a list of ids", &ids);
+  removed->ids = ids;
+  if (status != PBF_OK) free_removal(solver, removed);
   return status;
 }
 
-static int is_leaving(const leaving *gone, uint32_t row) {
-  return (int)(gone->bits[row / 64] >> row % 64 & 1);
+static int is_removed(const removal *removed, uint32_t row) {
+  return (int)(removed->bits[row / 64] >> row % 64 & 1);
 }
 
 static pbf_status mark(const pbf_solver *solver, uint32_t count, const uint32_t *ids,
-                       leaving *gone) {
+                       removal *removed) {
   for (uint32_t i = 0; i < count; ++i) {
     uint32_t row;
     if (!pbf_ids_find(solver, ids[i], &row)) {
       return pbf_fail(PBF_ERROR_NOT_FOUND, "ids[%u] is %u; no particle has this id", i, ids[i]);
     }
-    if (is_leaving(gone, row)) {
+    if (is_removed(removed, row)) {
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ids[%u] is %u, which stands twice", i, ids[i]);
     }
-    gone->bits[row / 64] |= UINT64_C(1) << row % 64;
+    removed->bits[row / 64] |= UINT64_C(1) << row % 64;
   }
   uint32_t found = 0;
   for (uint32_t row = 0; row < solver->count; ++row) {
-    if (is_leaving(gone, row)) gone->ids[found++] = pbf_ids_of_row(solver, row);
+    if (is_removed(removed, row)) removed->ids[found++] = pbf_ids_of_row(solver, row);
   }
   return PBF_OK;
 }
 
-static void close_gaps(pbf_solver *solver, const leaving *gone) {
+static void compact_ids(pbf_solver *solver, const removal *removed) {
   uint32_t kept = 0;
   for (uint32_t row = 0; row < solver->count; ++row) {
-    if (!is_leaving(gone, row)) solver->ids[kept++] = solver->ids[row];
+    if (!is_removed(removed, row)) solver->ids[kept++] = solver->ids[row];
   }
   solver->count = kept;
   ++solver->generation;
 }
 
-static pbf_status remove_marked(pbf_solver *solver, uint32_t count, const leaving *gone) {
+static pbf_status remove_marked(pbf_solver *solver, uint32_t count, const removal *removed) {
   pbf_status status = pbf_ids_store(solver);
   if (status != PBF_OK) return status;
-  status = solver->api.remove_particles(solver->backend, count, gone->ids);
-  if (status == PBF_OK) close_gaps(solver, gone);
+  status = solver->api.remove_particles(solver->backend, count, removed->ids);
+  if (status == PBF_OK) compact_ids(solver, removed);
   return pbf_backend_result(solver, status, "remove_particles");
 }
 
-static pbf_status remove_some(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
-  leaving gone;
+static pbf_status remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
+  removal removed;
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || count == 0) return status;
   status = pbf_values_check_pointer("ids", ids, sizeof *ids);
@@ -179,16 +180,16 @@ static pbf_status remove_some(pbf_solver *solver, uint32_t count, const uint32_t
     return pbf_fail(PBF_ERROR_NOT_FOUND, "count is %u; the solver holds %u particles", count,
                     solver->count);
   }
-  status = allocate_leaving(solver, count, &gone);
+  status = allocate_removal(solver, count, &removed);
   if (status != PBF_OK) return status;
-  status = mark(solver, count, ids, &gone);
-  if (status == PBF_OK) status = remove_marked(solver, count, &gone);
-  free_leaving(solver, &gone);
+  status = mark(solver, count, ids, &removed);
+  if (status == PBF_OK) status = remove_marked(solver, count, &removed);
+  free_removal(solver, &removed);
   return status;
 }
 
 pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, remove_some(solver, count, ids));
+  return pbf_leave(solver, remove_particles(solver, count, ids));
 }

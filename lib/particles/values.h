@@ -11,7 +11,7 @@ pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *posi
 pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
                                    uint32_t count, uint32_t first_row);
 
-/* `count` numbers that are nobody's coordinates: finite. */
+/* `count` numbers that need only be finite. */
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
                                     uint64_t count);
 

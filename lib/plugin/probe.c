@@ -8,7 +8,7 @@ static void refuse(pbf_probe_result *result, const char *reason) {
   snprintf(result->reason, sizeof result->reason, "%s", reason);
 }
 
-static void distrust(pbf_probe_result *result) {
+static void sanitize(pbf_probe_result *result) {
   result->device_name[sizeof result->device_name - 1] = 0;
   result->reason[sizeof result->reason - 1] = 0;
   if (result->score < 0) result->score = 0;
@@ -34,6 +34,6 @@ pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc) {
       .threads = desc->threads,
   };
   plugin->api.probe(&workload, &result);
-  distrust(&result);
+  sanitize(&result);
   return result;
 }

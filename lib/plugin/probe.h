@@ -4,8 +4,8 @@
 #include "desc.h"
 #include "plugin.h"
 
-/* The plugin's own judgement, with every field in range; score 0 with a reason for a candidate that
- * did not load. */
+/* What the plugin's probe answers, with every field in range; score 0 with a reason for a candidate
+ * that did not load. */
 pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc);
 
 #endif

@@ -21,9 +21,9 @@ static int file_by_map(char *path, size_t size) {
   if (!maps) return 0;
   uintptr_t here = (uintptr_t)&file_by_map;
   char *line = NULL;
-  size_t room = 0;
+  size_t line_size = 0;
   int found = 0;
-  while (!found && getline(&line, &room, maps) > 0) {
+  while (!found && getline(&line, &line_size, maps) > 0) {
     uintptr_t first, end;
     if (sscanf(line, "%" SCNxPTR "-%" SCNxPTR, &first, &end) != 2) continue;
     const char *name = strchr(line, '/');
@@ -49,8 +49,8 @@ static int own_folder(char *folder, size_t size) {
   return snprintf(folder, size, "%s", file) < (int)size;
 }
 
-/* Piece `*index` of a list with colons; counts *index down by the pieces there are. */
-static pbf_folder piece(const char *list, uint32_t *index, char *folder, size_t size) {
+/* Entry `*index` of a list with colons; counts *index down by the entries there are. */
+static pbf_folder list_entry(const char *list, uint32_t *index, char *folder, size_t size) {
   while (*list) {
     size_t length = strcspn(list, ":");
     if (length > 0 && (*index)-- == 0) {
@@ -67,7 +67,7 @@ static pbf_folder piece(const char *list, uint32_t *index, char *folder, size_t 
 pbf_folder pbf_search_folder(uint32_t index, char *folder, size_t size) {
   folder[0] = 0;
   const char *list = pbf_search_environment();
-  pbf_folder found = list ? piece(list, &index, folder, size) : PBF_FOLDER_END;
+  pbf_folder found = list ? list_entry(list, &index, folder, size) : PBF_FOLDER_END;
   if (found != PBF_FOLDER_END) return found;
   if (index > 1 || !own_folder(folder, size)) return PBF_FOLDER_END;
   if (index == 0) return PBF_FOLDER_USABLE;

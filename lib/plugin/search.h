@@ -1,4 +1,4 @@
-/* Where plugins may lie: absolute folders only, never the working directory. */
+/* Folders of plugins: absolute ones only, never the working directory. */
 #ifndef PBF_LIB_PLUGIN_SEARCH_H
 #define PBF_LIB_PLUGIN_SEARCH_H
 
@@ -8,7 +8,7 @@
 typedef enum pbf_folder {
   PBF_FOLDER_END,
   PBF_FOLDER_USABLE,
-  PBF_FOLDER_NOT_ABSOLUTE, /* a piece of PBF_BACKEND_PATH that is not searched */
+  PBF_FOLDER_NOT_ABSOLUTE, /* an entry of PBF_BACKEND_PATH that is not searched */
   PBF_FOLDER_TOO_LONG      /* likewise */
 } pbf_folder;
 

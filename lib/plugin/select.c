@@ -24,27 +24,27 @@ static int is_before(const pbf_plugin *a, int32_t score_a, const pbf_plugin *b, 
   return last_a != last_b ? last_b : score_a > score_b;
 }
 
-static void insert_at(pbf_candidates *candidates, uint32_t place, const pbf_plugin *plugin,
+static void insert_at(pbf_candidates *candidates, uint32_t position, const pbf_plugin *plugin,
                       int32_t score) {
-  for (uint32_t i = candidates->count++; i > place; --i) {
+  for (uint32_t i = candidates->count++; i > position; --i) {
     candidates->plugins[i] = candidates->plugins[i - 1];
     candidates->scores[i] = candidates->scores[i - 1];
   }
-  candidates->plugins[place] = plugin;
-  candidates->scores[place] = score;
+  candidates->plugins[position] = plugin;
+  candidates->scores[position] = score;
 }
 
 /* Equal scores keep the order of finding. The named one stands first. */
 static void insert(pbf_candidates *candidates, const pbf_plugin *plugin, int32_t score,
                    const char *name) {
-  uint32_t place = 0;
+  uint32_t position = 0;
   if (strcmp(plugin->name, name) != 0) {
-    while (place < candidates->count &&
-           (strcmp(candidates->plugins[place]->name, name) == 0 ||
-            !is_before(plugin, score, candidates->plugins[place], candidates->scores[place])))
-      ++place;
+    while (position < candidates->count &&
+           (strcmp(candidates->plugins[position]->name, name) == 0 ||
+            !is_before(plugin, score, candidates->plugins[position], candidates->scores[position])))
+      ++position;
   }
-  insert_at(candidates, place, plugin, score);
+  insert_at(candidates, position, plugin, score);
 }
 
 static pbf_status check_known(const char *name) {

@@ -15,8 +15,7 @@ typedef struct pbf_candidates {
   char reason[512]; /* why the named one is not among them, or why nothing is */
 } pbf_candidates;
 
-/* PBF_ERROR_NOT_FOUND for a name that nobody knows, PBF_ERROR_UNAVAILABLE when no candidate is
- * left. */
+/* PBF_ERROR_NOT_FOUND for a name of no backend, PBF_ERROR_UNAVAILABLE when no candidate is left. */
 pbf_status pbf_select(const pbf_checked_desc *checked, pbf_candidates *candidates);
 
 /* For a candidate that failed later. */

@@ -5,8 +5,8 @@
 #include "error.h"
 #include "status.h"
 
-pbf_status pbf_backend_verdict(const pbf_plugin *plugin, pbf_status status, const char *function,
-                               char *why, size_t size) {
+pbf_status pbf_backend_check_status(const pbf_plugin *plugin, pbf_status status,
+                                    const char *function, char *why, size_t size) {
   const char *message = pbf_plugin_message();
   if (status == PBF_OK) return PBF_OK;
   if (!pbf_status_is_known(status)) {
@@ -26,6 +26,6 @@ pbf_status pbf_backend_verdict(const pbf_plugin *plugin, pbf_status status, cons
 pbf_status pbf_backend_result(const pbf_solver *solver, pbf_status status, const char *function) {
   char why[PBF_MESSAGE_SIZE];
   if (status == PBF_OK) return PBF_OK;
-  status = pbf_backend_verdict(solver->plugin, status, function, why, sizeof why);
+  status = pbf_backend_check_status(solver->plugin, status, function, why, sizeof why);
   return pbf_fail(status, "%s", why);
 }

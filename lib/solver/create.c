@@ -12,13 +12,13 @@
 #include "structs.h"
 #include "text.h"
 
-static void silence(void *user, int32_t level, const char *message) {
+static void ignore_message(void *user, int32_t level, const char *message) {
   (void)user, (void)level, (void)message;
 }
 
-/* Without a good table nothing can free what a lying plugin may have made. */
-static pbf_status adopt(const pbf_plugin *plugin, const pbf_backend_api *table, pbf_solver *solver,
-                        char *why, size_t size) {
+/* Without a valid table nothing can free what a faulty plugin may have created. */
+static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api *table,
+                                pbf_solver *solver, char *why, size_t size) {
   char reason[256] = "it gave no solver";
   pbf_status status = PBF_ERROR_PLUGIN;
   if (solver->backend) status = pbf_plugin_copy_table(table, &solver->api, reason, sizeof reason);
@@ -49,8 +49,8 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, cons
   solver->backend = NULL;
   pbf_plugin_message_clear();
   pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
-  if (status != PBF_OK) return pbf_backend_verdict(plugin, status, "create", why, size);
-  return adopt(plugin, table, solver, why, size);
+  if (status != PBF_OK) return pbf_backend_check_status(plugin, status, "create", why, size);
+  return check_created(plugin, table, solver, why, size);
 }
 
 static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, const char *asked) {
@@ -93,7 +93,7 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
   const pbf_desc *desc = &checked->desc;
   memset(solver, 0, sizeof *solver);
   solver->allocator = checked->allocator;
-  solver->log = desc->log ? desc->log : silence;
+  solver->log = desc->log ? desc->log : ignore_message;
   solver->log_user = desc->log_user;
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;

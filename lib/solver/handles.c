@@ -1,5 +1,5 @@
-/* Which handles are alive, and who is inside which solver: one lock for both, so that a handle that
- * was destroyed is refused without looking into its memory. */
+/* Which handles are valid, and in which solvers a call runs: one lock for both, so that a handle
+ * that was destroyed is refused without looking into its memory. */
 #include "handles.h"
 
 #include <pthread.h>
@@ -37,11 +37,11 @@ static pbf_status enter_locked(pbf_solver *solver) {
                     "solver is %p, which pbf_create did not give or pbf_destroy has taken back",
                     (void *)solver);
   }
-  if (solver->inside) {
+  if (solver->in_call) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this solver; a solver belongs to one thread at a time");
   }
-  solver->inside = 1;
+  solver->in_call = 1;
   ++solver->references;
   return PBF_OK;
 }
@@ -57,7 +57,7 @@ pbf_status pbf_enter(pbf_solver *solver) {
 
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status) {
   pthread_mutex_lock(&lock);
-  solver->inside = 0;
+  solver->in_call = 0;
   drop_reference(solver);
   return status;
 }

@@ -4,8 +4,8 @@
 
 #include "solver.h"
 
-/* Fails for null, for what is no live solver, and with PBF_ERROR_BUSY. Every success wants one
- * pbf_leave, which gives `status` back. */
+/* Begins a call. Fails for null, for a pointer to no live solver, and with PBF_ERROR_BUSY. After a
+ * success the call ends with one pbf_leave, which returns `status`. */
 pbf_status pbf_enter(pbf_solver *solver);
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
 

@@ -1,4 +1,4 @@
-/* Who is which row: ids ascend over the rows. While none was removed, id and row are the same and
+/* The ids of the rows, which ascend. While no particle was removed, id and row are the same and
  * nothing is stored. */
 #ifndef PBF_LIB_SOLVER_IDS_H
 #define PBF_LIB_SOLVER_IDS_H

@@ -11,10 +11,10 @@ struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
   uint32_t references; /* the handle, a running call, every exported tensor */
-  uint32_t inside;     /* 1: a call is running */
+  uint32_t in_call;    /* 1: a call is running */
   uint32_t exported;   /* tensors whose deleter has not run */
 
-  /* Of the call that is inside. */
+  /* Belongs to the running call. */
   pbf_allocator allocator;
   pbf_log_fn log;
   void *log_user;
@@ -35,9 +35,9 @@ struct pbf_solver {
 
   uint32_t count;
   uint64_t next_id;
-  uint32_t *ids; /* ascending, room for capacity; null while they are 0 … count - 1 */
+  uint32_t *ids; /* ascending, `capacity` long; null while they are 0 … count - 1 */
 
-  /* time = time_base + steps_since * time_step: no sum of roundings. */
+  /* time = time_base + steps_since * time_step: rounding errors do not add up. */
   uint64_t step;
   uint64_t steps_since;
   double time_base;

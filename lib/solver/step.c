@@ -13,8 +13,8 @@ static double time_after(const pbf_solver *solver, uint32_t steps) {
   return solver->time_base + (double)(solver->steps_since + steps) * solver->params.time_step;
 }
 
-/* How many of the steps come before moving walls have met. */
-static uint32_t steps_with_room(const pbf_solver *solver, uint32_t steps) {
+/* How many of the steps end before moving walls meet. */
+static uint32_t steps_before_walls_meet(const pbf_solver *solver, uint32_t steps) {
   uint32_t dimension = solver->kind.dimension;
   if (!pbf_params_walls_move(&solver->params, dimension)) return steps;
   for (uint32_t i = 0; i < steps; ++i) {
@@ -64,13 +64,13 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
                     "steps is %u, after which the time would not be finite; it is %.9g now", steps,
                     pbf_solver_time(solver));
   }
-  uint32_t room = steps_with_room(solver, steps);
-  if (room > 0) status = advance(solver, room);
-  if (status != PBF_OK || room == steps) return status;
+  uint32_t possible = steps_before_walls_meet(solver, steps);
+  if (possible > 0) status = advance(solver, possible);
+  if (status != PBF_OK || possible == steps) return status;
   return pbf_fail(PBF_ERROR_STATE,
                   "step %u of %u would end at time %.9g, when the moving walls have left no room "
                   "between them; change params.wall_… first",
-                  room + 1, steps, time_after(solver, 1));
+                  possible + 1, steps, time_after(solver, 1));
 }
 
 pbf_status pbf_step(pbf_solver *solver, uint32_t steps) {

@@ -37,7 +37,7 @@ static void put(void *buffer, uint64_t offset, const void *data, uint64_t size) 
   if (size) memcpy((unsigned char *)buffer + offset, data, size);
 }
 
-/* By way of aligned memory: the caller's buffer may begin anywhere. */
+/* By way of aligned memory: the caller's buffer need not be aligned. */
 static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, void *buffer,
                              uint64_t offset, uint64_t bytes) {
   pbf_status status = pbf_read_all(solver, field, scratch);
@@ -50,15 +50,16 @@ static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header 
   void *scratch;
   uint64_t bytes = pbf_snapshot_field_bytes(header), rest = pbf_snapshot_rest_bytes(header);
   if (solver->count == 0) return PBF_OK;
-  uint64_t room = rest > bytes ? rest : bytes;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, room, "a copy to save", &scratch);
+  uint64_t scratch_bytes = rest > bytes ? rest : bytes;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, scratch_bytes, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
     status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
   if (status == PBF_OK && rest > 0)
     status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->rest, rest);
-  pbf_memory_free(&solver->allocator, scratch, room);
+  pbf_memory_free(&solver->allocator, scratch, scratch_bytes);
   return status;
 }
 
