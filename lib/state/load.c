@@ -20,23 +20,23 @@
 #include "structs.h"
 
 /* A saved state, read and checked, before anything of the solver changes. */
-typedef struct incoming {
+typedef struct saved_state {
   pbf_snapshot_header header;
   pbf_snapshot_layout layout;
   const unsigned char *buffer;
   pbf_params params;
   double time;
   pbf_collider *colliders; /* null when there are none */
-  uint32_t *ids;           /* room for capacity */
+  uint32_t *ids;           /* `capacity` long */
   void *positions;
   void *velocities;
-  void *rest; /* null where nothing sleeps */
-  /* What the backend holds now, to give it back should it fail half-way. */
+  void *sleep_state; /* null where nothing sleeps */
+  /* What the backend holds now, to be restored when it fails half-way. */
   void *old_positions;
   void *old_velocities;
-  void *old_rest;
-  uint64_t old_bytes, old_rest_bytes;
-} incoming;
+  void *old_sleep_state;
+  uint64_t old_bytes, old_sleep_bytes;
+} saved_state;
 
 static pbf_status reject(const char *what) {
   return pbf_fail(PBF_ERROR_DATA, "the saved state %s; pbf_load takes what pbf_save wrote", what);
@@ -63,8 +63,8 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   if (header->size != size) return reject("is cut short or has something behind it");
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
-  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 || header->has_rest > 1 ||
-      header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
+  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
+      header->has_sleep_state > 1 || header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
       pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -75,7 +75,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
 }
 
 static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, uint64_t size,
-                                 incoming *in) {
+                                 saved_state *in) {
   uint64_t checksum;
   if (size < sizeof in->header + sizeof checksum) return reject("is cut short");
   memcpy(&in->header, buffer, sizeof in->header);
@@ -102,11 +102,11 @@ static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *
   return pbf_struct_in(kind, stored, ours);
 }
 
-static pbf_status read_params(const pbf_solver *solver, incoming *in) {
+static pbf_status read_params(const pbf_solver *solver, saved_state *in) {
   pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
                                   in->header.params_size, &in->params);
   if (status != PBF_OK) return status;
-  if (in->header.has_rest != (in->params.sleep_speed > 0))
+  if (in->header.has_sleep_state != (in->params.sleep_speed > 0))
     return reject("contradicts itself in what sleeps");
   in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
   if (!isfinite(in->time) || !isfinite(in->header.collider_time))
@@ -114,7 +114,7 @@ static pbf_status read_params(const pbf_solver *solver, incoming *in) {
   return pbf_params_check(&in->params, solver->kind, in->time);
 }
 
-static pbf_status read_colliders(const pbf_solver *solver, incoming *in) {
+static pbf_status read_colliders(const pbf_solver *solver, saved_state *in) {
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
         in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
@@ -126,7 +126,7 @@ static pbf_status read_colliders(const pbf_solver *solver, incoming *in) {
   return PBF_OK;
 }
 
-static pbf_status read_ids(incoming *in) {
+static pbf_status read_ids(saved_state *in) {
   uint32_t count = in->header.count;
   if (!in->header.has_ids) {
     for (uint32_t row = 0; row < count; ++row) in->ids[row] = row;
@@ -141,7 +141,7 @@ static pbf_status read_ids(incoming *in) {
   return PBF_OK;
 }
 
-static pbf_status read_particles(const pbf_solver *solver, incoming *in) {
+static pbf_status read_particles(const pbf_solver *solver, saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   if (bytes == 0) return PBF_OK;
   memcpy(in->positions, in->buffer + in->layout.positions, bytes);
@@ -151,10 +151,10 @@ static pbf_status read_particles(const pbf_solver *solver, incoming *in) {
       pbf_values_check_finite(solver, "positions", in->positions, in->header.count, 0);
   if (status == PBF_OK)
     status = pbf_values_check_finite(solver, "velocities", in->velocities, in->header.count, 0);
-  uint64_t rest_bytes = pbf_snapshot_rest_bytes(&in->header);
-  if (status != PBF_OK || rest_bytes == 0) return status;
-  memcpy(in->rest, in->buffer + in->layout.rest, rest_bytes);
-  return pbf_values_check_numbers(solver, "rest", in->rest,
+  uint64_t sleep_bytes = pbf_snapshot_sleep_bytes(&in->header);
+  if (status != PBF_OK || sleep_bytes == 0) return status;
+  memcpy(in->sleep_state, in->buffer + in->layout.sleep_state, sleep_bytes);
+  return pbf_values_check_numbers(solver, "sleep_state", in->sleep_state,
                                   in->header.count * (uint64_t)PBF_BACKEND_REST_COMPONENTS);
 }
 
@@ -166,11 +166,11 @@ static pbf_status allocate(const pbf_solver *solver, uint64_t size, void *pointe
   return status;
 }
 
-static pbf_status allocate_memory(const pbf_solver *solver, incoming *in) {
+static pbf_status allocate_memory(const pbf_solver *solver, saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   in->old_bytes = solver->count * pbf_point_bytes(solver);
   if (solver->params.sleep_speed > 0)
-    in->old_rest_bytes =
+    in->old_sleep_bytes =
         (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS * pbf_element_size(solver);
   pbf_status status =
       allocate(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
@@ -179,13 +179,14 @@ static pbf_status allocate_memory(const pbf_solver *solver, incoming *in) {
   if (status == PBF_OK) status = allocate(solver, bytes, &in->velocities);
   if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_positions);
   if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_velocities);
-  if (status == PBF_OK) status = allocate(solver, pbf_snapshot_rest_bytes(&in->header), &in->rest);
-  if (status == PBF_OK) status = allocate(solver, in->old_rest_bytes, &in->old_rest);
+  if (status == PBF_OK)
+    status = allocate(solver, pbf_snapshot_sleep_bytes(&in->header), &in->sleep_state);
+  if (status == PBF_OK) status = allocate(solver, in->old_sleep_bytes, &in->old_sleep_state);
   return status;
 }
 
-/* Whatever the solver has not taken over. */
-static void free_memory(const pbf_solver *solver, incoming *in) {
+/* All that the solver does not own by now. */
+static void free_memory(const pbf_solver *solver, saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   pbf_memory_free(&solver->allocator, in->colliders,
                   pbf_colliders_bytes(in->header.collider_count));
@@ -194,11 +195,11 @@ static void free_memory(const pbf_solver *solver, incoming *in) {
   pbf_memory_free(&solver->allocator, in->velocities, bytes);
   pbf_memory_free(&solver->allocator, in->old_positions, in->old_bytes);
   pbf_memory_free(&solver->allocator, in->old_velocities, in->old_bytes);
-  pbf_memory_free(&solver->allocator, in->rest, pbf_snapshot_rest_bytes(&in->header));
-  pbf_memory_free(&solver->allocator, in->old_rest, in->old_rest_bytes);
+  pbf_memory_free(&solver->allocator, in->sleep_state, pbf_snapshot_sleep_bytes(&in->header));
+  pbf_memory_free(&solver->allocator, in->old_sleep_state, in->old_sleep_bytes);
 }
 
-static pbf_status read_state(const pbf_solver *solver, incoming *in) {
+static pbf_status read_state(const pbf_solver *solver, saved_state *in) {
   pbf_status status = read_params(solver, in);
   if (status == PBF_OK) status = read_colliders(solver, in);
   if (status == PBF_OK) status = read_ids(in);
@@ -206,12 +207,12 @@ static pbf_status read_state(const pbf_solver *solver, incoming *in) {
   return reject_by_check(status);
 }
 
-static pbf_status read_old(pbf_solver *solver, incoming *in) {
+static pbf_status read_previous(pbf_solver *solver, saved_state *in) {
   if (solver->count == 0) return PBF_OK;
   pbf_status status = pbf_read_all(solver, PBF_FIELD_POSITION, in->old_positions);
   if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_VELOCITY, in->old_velocities);
-  if (status == PBF_OK && in->old_rest)
-    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, in->old_rest);
+  if (status == PBF_OK && in->old_sleep_state)
+    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, in->old_sleep_state);
   return status;
 }
 
@@ -226,22 +227,23 @@ static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const ui
 }
 
 /* After the particles, which it belongs to; null where nothing sleeps. */
-static pbf_status replace_rest(pbf_solver *solver, uint32_t count, const uint32_t *ids,
-                               const void *rest) {
+static pbf_status write_sleep_state(pbf_solver *solver, uint32_t count, const uint32_t *ids,
+                                    const void *sleep_state) {
   const pbf_rows rows = {sizeof rows, 0, count, count, ids};
-  if (!rest || count == 0) return PBF_OK;
-  pbf_status status = solver->api.write(solver->backend, PBF_BACKEND_FIELD_REST, &rows, rest);
+  if (!sleep_state || count == 0) return PBF_OK;
+  pbf_status status =
+      solver->api.write(solver->backend, PBF_BACKEND_FIELD_REST, &rows, sleep_state);
   return pbf_backend_result(solver, status, "write");
 }
 
-/* As far as a failing device lets it: its message is kept, this one's are not. */
-static void restore_particles(pbf_solver *solver, const incoming *in) {
+/* As far as a failing device lets it; its message is kept. */
+static void restore_particles(pbf_solver *solver, const saved_state *in) {
   for (uint32_t row = 0; row < solver->count; ++row) in->ids[row] = pbf_ids_of_row(solver, row);
   replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
-  replace_rest(solver, solver->count, in->ids, in->old_rest);
+  write_sleep_state(solver, solver->count, in->ids, in->old_sleep_state);
 }
 
-static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status) {
+static pbf_status roll_back(pbf_solver *solver, const saved_state *in, pbf_status status) {
   char why[PBF_MESSAGE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
   pbf_params_to_backend(solver, &solver->params);
@@ -252,20 +254,21 @@ static pbf_status undo(pbf_solver *solver, const incoming *in, pbf_status status
   return pbf_fail(status, "%s", why);
 }
 
-static pbf_status give_to_backend(pbf_solver *solver, incoming *in) {
-  pbf_status status = read_old(solver, in);
+static pbf_status write_to_backend(pbf_solver *solver, saved_state *in) {
+  pbf_status status = read_previous(solver, in);
   if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
   if (status != PBF_OK) return status;
   status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
                                     in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
-  if (status == PBF_OK) status = replace_rest(solver, in->header.count, in->ids, in->rest);
+  if (status == PBF_OK)
+    status = write_sleep_state(solver, in->header.count, in->ids, in->sleep_state);
   if (status == PBF_OK) status = pbf_solver_tell_time(solver, in->time);
-  return status == PBF_OK ? PBF_OK : undo(solver, in, status);
+  return status == PBF_OK ? PBF_OK : roll_back(solver, in, status);
 }
 
-static void take_over(pbf_solver *solver, incoming *in) {
+static void commit(pbf_solver *solver, saved_state *in) {
   solver->params = in->params;
   solver->count = in->header.count;
   solver->next_id = in->header.next_id;
@@ -283,7 +286,7 @@ static void take_over(pbf_solver *solver, incoming *in) {
 }
 
 static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
-  incoming in = {0};
+  saved_state in = {0};
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK) return status;
   if (!buffer) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "buffer is null");
@@ -291,8 +294,8 @@ static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
   if (status != PBF_OK) return status;
   status = allocate_memory(solver, &in);
   if (status == PBF_OK) status = read_state(solver, &in);
-  if (status == PBF_OK) status = give_to_backend(solver, &in);
-  if (status == PBF_OK) take_over(solver, &in);
+  if (status == PBF_OK) status = write_to_backend(solver, &in);
+  if (status == PBF_OK) commit(solver, &in);
   free_memory(solver, &in);
   return status;
 }

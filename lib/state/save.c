@@ -21,7 +21,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .collider_count = solver->collider_count,
       .count = solver->count,
       .has_ids = solver->ids != NULL,
-      .has_rest = solver->params.sleep_speed > 0,
+      .has_sleep_state = solver->params.sleep_speed > 0,
       .placed = solver->placed,
       .next_id = solver->next_id,
       .step = solver->step,
@@ -48,17 +48,18 @@ static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, 
 static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
                                   const pbf_snapshot_layout *layout, void *buffer) {
   void *scratch;
-  uint64_t bytes = pbf_snapshot_field_bytes(header), rest = pbf_snapshot_rest_bytes(header);
+  uint64_t bytes = pbf_snapshot_field_bytes(header), sleep_bytes = pbf_snapshot_sleep_bytes(header);
   if (solver->count == 0) return PBF_OK;
-  uint64_t scratch_bytes = rest > bytes ? rest : bytes;
+  uint64_t scratch_bytes = sleep_bytes > bytes ? sleep_bytes : bytes;
   pbf_status status =
       pbf_memory_allocate(&solver->allocator, scratch_bytes, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
     status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
-  if (status == PBF_OK && rest > 0)
-    status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->rest, rest);
+  if (status == PBF_OK && sleep_bytes > 0)
+    status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->sleep_state,
+                        sleep_bytes);
   pbf_memory_free(&solver->allocator, scratch, scratch_bytes);
   return status;
 }

@@ -6,9 +6,9 @@ uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header) {
   return (uint64_t)header->count * header->dimension * header->precision;
 }
 
-uint64_t pbf_snapshot_rest_bytes(const pbf_snapshot_header *header) {
+uint64_t pbf_snapshot_sleep_bytes(const pbf_snapshot_header *header) {
   uint64_t numbers = (uint64_t)header->count * PBF_BACKEND_REST_COMPONENTS;
-  return header->has_rest ? numbers * header->precision : 0;
+  return header->has_sleep_state ? numbers * header->precision : 0;
 }
 
 /* All factors are 32-bit: nothing here can overflow. */
@@ -20,8 +20,8 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
   layout.ids = layout.colliders + padded((uint64_t)header->collider_size * header->collider_count);
   layout.positions = layout.ids + (header->has_ids ? padded((uint64_t)header->count * 4) : 0);
   layout.velocities = layout.positions + field;
-  layout.rest = layout.velocities + field;
-  layout.checksum = layout.rest + padded(pbf_snapshot_rest_bytes(header));
+  layout.sleep_state = layout.velocities + field;
+  layout.checksum = layout.sleep_state + padded(pbf_snapshot_sleep_bytes(header));
   layout.size = layout.checksum + 8;
   return layout;
 }

@@ -26,7 +26,7 @@ typedef struct pbf_snapshot_header {
   uint32_t collider_count;
   uint32_t count;
   uint32_t has_ids;
-  uint32_t has_rest;
+  uint32_t has_sleep_state;
   uint32_t placed;
   uint32_t reserved;
   uint64_t next_id;
@@ -39,7 +39,7 @@ typedef struct pbf_snapshot_header {
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
-  uint64_t params, colliders, ids, positions, velocities, rest, checksum, size;
+  uint64_t params, colliders, ids, positions, velocities, sleep_state, checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
@@ -48,6 +48,6 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
 uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header);
 
 /* Bytes of PBF_BACKEND_FIELD_REST, or 0. */
-uint64_t pbf_snapshot_rest_bytes(const pbf_snapshot_header *header);
+uint64_t pbf_snapshot_sleep_bytes(const pbf_snapshot_header *header);
 
 #endif
