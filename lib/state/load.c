@@ -1,15 +1,9 @@
-#include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
-#include "collider.h"
 #include "error.h"
-#include "fnv.h"
 #include "memory.h"
-#include "params.h"
 #include "particles/particles.h"
-#include "particles/values.h"
-#include "snapshot.h"
+#include "saved_state.h"
 #include "solver/backend_call.h"
 #include "solver/colliders.h"
 #include "solver/handles.h"
@@ -17,202 +11,44 @@
 #include "solver/set_params.h"
 #include "solver/solver_time.h"
 #include "solver/step.h"
-#include "structs.h"
 
-/* A saved state, read and checked, before anything of the solver changes. */
-typedef struct saved_state {
-  pbf_snapshot_header header;
-  pbf_snapshot_layout layout;
-  const unsigned char *buffer;
-  pbf_params params;
-  double time;
-  pbf_collider *colliders; /* null when there are none */
-  uint32_t *ids;           /* `capacity` long */
+/* What the backend holds before the load, to be restored when it fails half-way. */
+typedef struct previous_state {
   void *positions;
   void *velocities;
   void *sleep_state; /* null where nothing sleeps */
-  /* What the backend holds now, to be restored when it fails half-way. */
-  void *old_positions;
-  void *old_velocities;
-  void *old_sleep_state;
-  uint64_t old_bytes, old_sleep_bytes;
-} saved_state;
+  uint64_t bytes, sleep_bytes;
+} previous_state;
 
-static pbf_status reject(const char *what) {
-  return pbf_fail(PBF_ERROR_DATA, "the saved state %s; pbf_load takes what pbf_save wrote", what);
+static void free_previous(const pbf_solver *solver, previous_state *previous) {
+  pbf_memory_free(&solver->allocator, previous->positions, previous->bytes);
+  pbf_memory_free(&solver->allocator, previous->velocities, previous->bytes);
+  pbf_memory_free(&solver->allocator, previous->sleep_state, previous->sleep_bytes);
 }
 
-/* Says that the message of a check is about the saved state. */
-static pbf_status reject_by_check(pbf_status status) {
-  if (status == PBF_OK || status == PBF_ERROR_OUT_OF_MEMORY) return status;
-  return pbf_fail(PBF_ERROR_DATA, "the saved state holds a bad value: %.1500s", pbf_last_error());
-}
-
-static pbf_status check_kind(const pbf_solver *solver, const pbf_snapshot_header *header) {
-  if (header->dimension == solver->kind.dimension && header->precision == solver->kind.precision)
-    return PBF_OK;
-  return pbf_fail(
-      PBF_ERROR_DATA, "the saved state is %uD with numbers of %u bytes; this solver is %uD with %u",
-      header->dimension, header->precision, solver->kind.dimension, solver->kind.precision);
-}
-
-static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_header *header,
-                               uint64_t size) {
-  if (header->version != PBF_SNAPSHOT_VERSION || header->header_size != sizeof *header)
-    return reject("is of a version that this library does not know");
-  if (header->size != size) return reject("is cut short or has something behind it");
-  pbf_status status = check_kind(solver, header);
-  if (status != PBF_OK) return status;
-  if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->has_sleep_state > 1 || header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
-      pbf_snapshot_layout_of(header).size != size)
-    return reject("contradicts itself in its sizes");
-  int has_ids_rightly = header->has_ids || header->next_id == header->count;
-  if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
-      header->steps_since > header->step)
-    return reject("contradicts itself in its counts");
-  return PBF_OK;
-}
-
-static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, uint64_t size,
-                                 saved_state *in) {
-  uint64_t checksum;
-  if (size < sizeof in->header + sizeof checksum) return reject("is cut short");
-  memcpy(&in->header, buffer, sizeof in->header);
-  if (memcmp(in->header.magic, PBF_SNAPSHOT_MAGIC, sizeof in->header.magic) != 0)
-    return reject("does not begin as one");
-  pbf_status status = check_header(solver, &in->header, size);
-  if (status != PBF_OK) return status;
-  in->buffer = buffer;
-  in->layout = pbf_snapshot_layout_of(&in->header);
-  memcpy(&checksum, in->buffer + in->layout.checksum, sizeof checksum);
-  if (pbf_fnv(PBF_FNV_START, buffer, in->layout.checksum) != checksum)
-    return reject("is damaged: its checksum does not fit");
-  if (in->header.count <= solver->capacity) return PBF_OK;
-  return pbf_fail(PBF_ERROR_CAPACITY,
-                  "the saved state has %u particles; desc.capacity of this solver is %u",
-                  in->header.count, solver->capacity);
-}
-
-/* A struct at its stored size, of which no byte beyond the buffer is looked at. */
-static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *stored,
-                              uint32_t size, void *ours) {
-  if (size < sizeof(uint32_t) || pbf_struct_size(stored) != size)
-    return reject("contradicts itself in the size of a struct");
-  return pbf_struct_in(kind, stored, ours);
-}
-
-static pbf_status read_params(const pbf_solver *solver, saved_state *in) {
-  pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
-                                  in->header.params_size, &in->params);
-  if (status != PBF_OK) return status;
-  if (in->header.has_sleep_state != (in->params.sleep_speed > 0))
-    return reject("contradicts itself in what sleeps");
-  in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
-  if (!isfinite(in->time) || !isfinite(in->header.collider_time))
-    return reject("has a time that is not finite");
-  return pbf_params_check(&in->params, solver->kind, in->time);
-}
-
-static pbf_status read_colliders(const pbf_solver *solver, saved_state *in) {
-  for (uint32_t i = 0; i < in->header.collider_count; ++i) {
-    const unsigned char *stored =
-        in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
-    pbf_status status =
-        read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
-    if (status == PBF_OK) status = pbf_collider_check(&in->colliders[i], i, solver->kind);
-    if (status != PBF_OK) return status;
-  }
-  return PBF_OK;
-}
-
-static pbf_status read_ids(saved_state *in) {
-  uint32_t count = in->header.count;
-  if (!in->header.has_ids) {
-    for (uint32_t row = 0; row < count; ++row) in->ids[row] = row;
-    return PBF_OK;
-  }
-  if (count > 0) memcpy(in->ids, in->buffer + in->layout.ids, (uint64_t)count * sizeof *in->ids);
-  for (uint32_t row = 1; row < count; ++row) {
-    if (in->ids[row] <= in->ids[row - 1]) return reject("has ids that do not ascend");
-  }
-  if (count > 0 && in->ids[count - 1] >= in->header.next_id)
-    return reject("has ids that were never given");
-  return PBF_OK;
-}
-
-static pbf_status read_particles(const pbf_solver *solver, saved_state *in) {
-  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  if (bytes == 0) return PBF_OK;
-  memcpy(in->positions, in->buffer + in->layout.positions, bytes);
-  memcpy(in->velocities, in->buffer + in->layout.velocities, bytes);
-  /* Not asked to be inside the domain: a change of parameters may have left them outside. */
+static pbf_status allocate_previous(const pbf_solver *solver, previous_state *previous) {
+  static const char purpose[] = "the state before a load";
+  const pbf_allocator *allocator = &solver->allocator;
+  uint64_t sleep_numbers = (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS;
+  previous->bytes = solver->count * pbf_point_bytes(solver);
+  previous->sleep_bytes = sleep_numbers * pbf_element_size(solver);
   pbf_status status =
-      pbf_values_check_finite(solver, "positions", in->positions, in->header.count, 0);
+      pbf_memory_allocate(allocator, previous->bytes, purpose, &previous->positions);
   if (status == PBF_OK)
-    status = pbf_values_check_finite(solver, "velocities", in->velocities, in->header.count, 0);
-  uint64_t sleep_bytes = pbf_snapshot_sleep_bytes(&in->header);
-  if (status != PBF_OK || sleep_bytes == 0) return status;
-  memcpy(in->sleep_state, in->buffer + in->layout.sleep_state, sleep_bytes);
-  return pbf_values_check_numbers(solver, "sleep_state", in->sleep_state,
-                                  in->header.count * (uint64_t)PBF_BACKEND_REST_COMPONENTS);
-}
-
-static pbf_status allocate(const pbf_solver *solver, uint64_t size, void *pointer) {
-  void *memory;
-  if (size == 0) return PBF_OK;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, size, "loading a state", &memory);
-  if (status == PBF_OK) memcpy(pointer, &memory, sizeof memory);
+    status = pbf_memory_allocate(allocator, previous->bytes, purpose, &previous->velocities);
+  if (status == PBF_OK && solver->params.sleep_speed > 0)
+    status = pbf_memory_allocate(allocator, previous->sleep_bytes, purpose, &previous->sleep_state);
   return status;
 }
 
-static pbf_status allocate_memory(const pbf_solver *solver, saved_state *in) {
-  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  in->old_bytes = solver->count * pbf_point_bytes(solver);
-  if (solver->params.sleep_speed > 0)
-    in->old_sleep_bytes =
-        (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS * pbf_element_size(solver);
-  pbf_status status =
-      allocate(solver, pbf_colliders_bytes(in->header.collider_count), &in->colliders);
-  if (status == PBF_OK) status = allocate(solver, pbf_ids_bytes(solver), &in->ids);
-  if (status == PBF_OK) status = allocate(solver, bytes, &in->positions);
-  if (status == PBF_OK) status = allocate(solver, bytes, &in->velocities);
-  if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_positions);
-  if (status == PBF_OK) status = allocate(solver, in->old_bytes, &in->old_velocities);
-  if (status == PBF_OK)
-    status = allocate(solver, pbf_snapshot_sleep_bytes(&in->header), &in->sleep_state);
-  if (status == PBF_OK) status = allocate(solver, in->old_sleep_bytes, &in->old_sleep_state);
-  return status;
-}
-
-/* All that the solver does not own by now. */
-static void free_memory(const pbf_solver *solver, saved_state *in) {
-  uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  pbf_memory_free(&solver->allocator, in->colliders,
-                  pbf_colliders_bytes(in->header.collider_count));
-  pbf_memory_free(&solver->allocator, in->ids, pbf_ids_bytes(solver));
-  pbf_memory_free(&solver->allocator, in->positions, bytes);
-  pbf_memory_free(&solver->allocator, in->velocities, bytes);
-  pbf_memory_free(&solver->allocator, in->old_positions, in->old_bytes);
-  pbf_memory_free(&solver->allocator, in->old_velocities, in->old_bytes);
-  pbf_memory_free(&solver->allocator, in->sleep_state, pbf_snapshot_sleep_bytes(&in->header));
-  pbf_memory_free(&solver->allocator, in->old_sleep_state, in->old_sleep_bytes);
-}
-
-static pbf_status read_state(const pbf_solver *solver, saved_state *in) {
-  pbf_status status = read_params(solver, in);
-  if (status == PBF_OK) status = read_colliders(solver, in);
-  if (status == PBF_OK) status = read_ids(in);
-  if (status == PBF_OK) status = read_particles(solver, in);
-  return reject_by_check(status);
-}
-
-static pbf_status read_previous(pbf_solver *solver, saved_state *in) {
+static pbf_status read_previous(pbf_solver *solver, previous_state *previous) {
+  *previous = (previous_state){0};
   if (solver->count == 0) return PBF_OK;
-  pbf_status status = pbf_read_all(solver, PBF_FIELD_POSITION, in->old_positions);
-  if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_VELOCITY, in->old_velocities);
-  if (status == PBF_OK && in->old_sleep_state)
-    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, in->old_sleep_state);
+  pbf_status status = allocate_previous(solver, previous);
+  if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_POSITION, previous->positions);
+  if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_VELOCITY, previous->velocities);
+  if (status == PBF_OK && previous->sleep_state)
+    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, previous->sleep_state);
   return status;
 }
 
@@ -237,38 +73,50 @@ static pbf_status write_sleep_state(pbf_solver *solver, uint32_t count, const ui
 }
 
 /* As far as a failing device lets it; its message is kept. */
-static void restore_particles(pbf_solver *solver, const saved_state *in) {
-  for (uint32_t row = 0; row < solver->count; ++row) in->ids[row] = pbf_ids_of_row(solver, row);
-  replace_particles(solver, solver->count, in->ids, in->old_positions, in->old_velocities);
-  write_sleep_state(solver, solver->count, in->ids, in->old_sleep_state);
+static void restore_particles(pbf_solver *solver, const previous_state *previous, uint32_t *ids) {
+  uint32_t count = solver->count;
+  for (uint32_t row = 0; row < count; ++row) ids[row] = pbf_ids_of_row(solver, row);
+  replace_particles(solver, count, ids, previous->positions, previous->velocities);
+  write_sleep_state(solver, count, ids, previous->sleep_state);
 }
 
-static pbf_status roll_back(pbf_solver *solver, const saved_state *in, pbf_status status) {
+/* `ids` is memory for the ids of `capacity` particles. */
+static pbf_status roll_back(pbf_solver *solver, const previous_state *previous, uint32_t *ids,
+                            pbf_status status) {
   char why[PBF_MESSAGE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
   pbf_params_to_backend(solver, &solver->params);
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
                            solver->collider_time);
-  restore_particles(solver, in);
+  restore_particles(solver, previous, ids);
   pbf_solver_tell_time(solver, pbf_solver_time(solver));
   return pbf_fail(status, "%s", why);
 }
 
-static pbf_status write_to_backend(pbf_solver *solver, saved_state *in) {
-  pbf_status status = read_previous(solver, in);
-  if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
-  if (status != PBF_OK) return status;
-  status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
-                                    in->header.collider_time);
+static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in) {
+  pbf_status status = pbf_colliders_to_backend(solver, in->header.collider_count, in->colliders,
+                                               in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
   if (status == PBF_OK)
     status = write_sleep_state(solver, in->header.count, in->ids, in->sleep_state);
   if (status == PBF_OK) status = pbf_solver_tell_time(solver, in->time);
-  return status == PBF_OK ? PBF_OK : roll_back(solver, in, status);
+  return status;
 }
 
-static void commit(pbf_solver *solver, saved_state *in) {
+static pbf_status replace_state(pbf_solver *solver, pbf_saved_state *in) {
+  previous_state previous;
+  pbf_status status = read_previous(solver, &previous);
+  if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
+  if (status == PBF_OK) {
+    status = write_to_backend(solver, in);
+    if (status != PBF_OK) status = roll_back(solver, &previous, in->ids, status);
+  }
+  free_previous(solver, &previous);
+  return status;
+}
+
+static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->params = in->params;
   solver->count = in->header.count;
   solver->next_id = in->header.next_id;
@@ -286,17 +134,15 @@ static void commit(pbf_solver *solver, saved_state *in) {
 }
 
 static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
-  saved_state in = {0};
+  pbf_saved_state in;
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK) return status;
   if (!buffer) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "buffer is null");
-  status = check_envelope(solver, buffer, size, &in);
+  status = pbf_saved_state_read(solver, buffer, size, &in);
   if (status != PBF_OK) return status;
-  status = allocate_memory(solver, &in);
-  if (status == PBF_OK) status = read_state(solver, &in);
-  if (status == PBF_OK) status = write_to_backend(solver, &in);
+  status = replace_state(solver, &in);
   if (status == PBF_OK) commit(solver, &in);
-  free_memory(solver, &in);
+  pbf_saved_state_free(solver, &in);
   return status;
 }
 

@@ -1,0 +1,27 @@
+/* A saved state, read from a buffer and checked, before anything of the solver changes. */
+#ifndef PBF_LIB_STATE_SAVED_STATE_H
+#define PBF_LIB_STATE_SAVED_STATE_H
+
+#include "snapshot.h"
+
+typedef struct pbf_saved_state {
+  pbf_snapshot_header header;
+  pbf_snapshot_layout layout;
+  const unsigned char *buffer;
+  pbf_params params;
+  double time;
+  pbf_collider *colliders; /* null when there are none */
+  uint32_t *ids;           /* `capacity` long */
+  void *positions;
+  void *velocities;
+  void *sleep_state; /* null where nothing sleeps */
+} pbf_saved_state;
+
+/* Fails with PBF_ERROR_DATA for what pbf_save did not write, and unless the solver can hold it. */
+pbf_status pbf_saved_state_read(const pbf_solver *solver, const void *buffer, uint64_t size,
+                                pbf_saved_state *in);
+
+/* Whatever a solver is to own must be null in `in` by now. */
+void pbf_saved_state_free(const pbf_solver *solver, pbf_saved_state *in);
+
+#endif
