@@ -1,4 +1,4 @@
-/* Checks of single numbers by table: one row says a field's name, place and range. */
+/* Checks of single numbers by table: a row has a field's name, offset and range. */
 #ifndef PBF_LIB_CHECK_H
 #define PBF_LIB_CHECK_H
 

@@ -3,7 +3,7 @@
 
 #include <pbf/pbf.h>
 
-/* A checked description with its allocator beside it; desc.allocator is not to be followed. */
+/* A checked description with a copy of its allocator; desc.allocator is not to be followed. */
 typedef struct pbf_checked_desc {
   pbf_desc desc;
   pbf_allocator allocator;

@@ -3,14 +3,14 @@
 
 #include <sys/types.h>
 
-/* What the kernel says of the process that decides whose environment it may trust. */
+/* What decides whether a process may trust its environment, as the kernel reports it. */
 typedef struct pbf_identity {
   unsigned long at_secure; /* getauxval(AT_SECURE) */
   uid_t user, effective_user;
   gid_t group, effective_group;
 } pbf_identity;
 
-/* 1 when the process has rights that whoever started it lacks. */
+/* 1 when the process has rights that its caller lacks. */
 int pbf_is_elevated(const pbf_identity *identity);
 
 pbf_identity pbf_identity_of_process(void);

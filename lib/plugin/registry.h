@@ -1,4 +1,4 @@
-/* The list of backends as every thread may ask for it: the first question looks for them. */
+/* The list of backends, for any thread. The first call searches for them. */
 #ifndef PBF_LIB_PLUGIN_REGISTRY_H
 #define PBF_LIB_PLUGIN_REGISTRY_H
 

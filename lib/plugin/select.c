@@ -34,7 +34,7 @@ static void insert_at(pbf_candidates *candidates, uint32_t position, const pbf_p
   candidates->scores[position] = score;
 }
 
-/* Equal scores keep the order of finding. The named one stands first. */
+/* Equal scores keep the order of finding. The named one comes first. */
 static void insert(pbf_candidates *candidates, const pbf_plugin *plugin, int32_t score,
                    const char *name) {
   uint32_t position = 0;

@@ -9,27 +9,27 @@
 #include "solver_time.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
- * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step undoes of
- * an error becomes velocity, error times h / dt, which is nothing that anybody has asked for. */
+ * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step corrects of
+ * an error becomes velocity, error times h / dt, which is unphysical.
+ * physics/prestabilization.h measures; here is when and how often the backend projects. */
 
-/* The cells are sorted and the error is looked at anew for each pass. What must rise by tens of
- * layers wants hundreds: a pass carries over a few. PATIENCE passes that gain next to nothing are
- * the end, as where there is more fluid than room. */
-enum { ITERATIONS = 8, MAX_PASSES = 400, PATIENCE = 8 };
+/* Cells are sorted and the error is measured anew for each pass. Fluid that must rise by tens of
+ * layers needs hundreds of passes, for one moves it by a few. MAX_STALLED passes that gain next to
+ * nothing are the end, as where there is more fluid than free volume. */
+enum { ITERATIONS = 8, MAX_PASSES = 400, MAX_STALLED = 8 };
 static const double min_gain = 0.01;
 
-/* Of the error that makes a start wanting: what is left is less than steps leave. */
-static const double remainder_of_error = 0.25;
+/* The error at which the passes end, of the one at which they begin: less than steps leave. */
+static const double remaining_part = 0.25;
 
-/* With more than that it is no fluid that has been placed badly, but overload: its pairs would take
- * minutes. */
+/* With more neighbours the passes would take minutes; no fluid is meant to be so dense. */
 static const double max_neighbors_mean = 1000;
 
-/* In solver->placed: walls have jumped over fluid. Whatever its density is, it is to come back
- * without the velocity that a step would give it. */
-static const uint32_t behind_walls = UINT32_MAX;
+/* In solver->placed: walls have jumped over particles. Whatever their density is, they are moved
+ * back by a projection, without the velocity that a step would give them. */
+static const uint32_t walls_have_jumped = UINT32_MAX;
 
-static pbf_status look(pbf_solver *solver, pbf_stats *stats, double *error) {
+static pbf_status measure(pbf_solver *solver, pbf_stats *stats, double *error) {
   *stats = (pbf_stats){.struct_size = sizeof *stats};
   pbf_status status =
       pbf_backend_result(solver, solver->api.get_stats(solver->backend, stats), "get_stats");
@@ -49,28 +49,28 @@ static void warn(const pbf_solver *solver, double error) {
 
 static pbf_status project(pbf_solver *solver) {
   double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
-  pbf_stats now;
+  pbf_stats stats;
   for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
-    pbf_status status = look(solver, &now, &error);
-    int is_due = pass == 0 && solver->placed == behind_walls;
+    pbf_status status = measure(solver, &stats, &error);
+    int is_due = pass == 0 && solver->placed == walls_have_jumped;
     if (status != PBF_OK || (error <= max_error && !is_due)) return status;
-    int gains = error < (1 - min_gain) * best;
-    stalled = gains ? 0 : stalled + 1;
-    if (gains) best = error;
-    if (now.neighbors_mean > max_neighbors_mean || stalled == PATIENCE) break;
+    int improves = error < (1 - min_gain) * best;
+    stalled = improves ? 0 : stalled + 1;
+    if (improves) best = error;
+    if (stats.neighbors_mean > max_neighbors_mean || stalled == MAX_STALLED) break;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
     if (status != PBF_OK) return status;
     ++solver->generation;
-    max_error = remainder_of_error * wanted;
+    max_error = remaining_part * wanted;
   }
-  if (now.density_error_mean > wanted) warn(solver, now.density_error_mean);
+  if (stats.density_error_mean > wanted) warn(solver, stats.density_error_mean);
   return PBF_OK;
 }
 
 void pbf_note_placed(pbf_solver *solver, uint32_t count) {
-  if (solver->placed == behind_walls) return;
-  uint32_t left = behind_walls - 1 - solver->placed;
+  if (solver->placed == walls_have_jumped) return;
+  uint32_t left = walls_have_jumped - 1 - solver->placed;
   solver->placed += count < left ? count : left;
 }
 
@@ -87,5 +87,5 @@ pbf_status pbf_prestabilize(pbf_solver *solver) {
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
   if (pbf_densities_change(&solver->params, params)) pbf_note_placed(solver, solver->count);
   if (pbf_walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver)))
-    solver->placed = behind_walls;
+    solver->placed = walls_have_jumped;
 }

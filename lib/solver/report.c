@@ -85,7 +85,7 @@ pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings) {
   return pbf_leave(solver, get_timings(solver, timings));
 }
 
-/* The backend knows nothing of what the host holds. */
+/* The backend does not count what the host holds. */
 static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
   plan->bytes += sizeof *solver + pbf_colliders_bytes(solver->collider_count);
   if (!solver->ids) return;

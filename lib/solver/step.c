@@ -35,7 +35,7 @@ static pbf_status run_backend(pbf_solver *solver, double time, uint32_t steps, u
   return pbf_backend_result(solver, status, "step");
 }
 
-pbf_status pbf_solver_tell_time(pbf_solver *solver, double time) {
+pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   uint32_t done = 0;
   return run_backend(solver, time, 0, &done);
 }
@@ -47,7 +47,7 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
     status = pbf_prestabilize(solver);
     if (status == PBF_OK) status = run_backend(solver, pbf_solver_time(solver), steps, &done);
   } else {
-    status = pbf_solver_tell_time(solver, time_after(solver, steps));
+    status = pbf_time_to_backend(solver, time_after(solver, steps));
     done = status == PBF_OK ? steps : 0;
   }
   solver->step += done;

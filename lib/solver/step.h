@@ -3,8 +3,8 @@
 
 #include "solver.h"
 
-/* Tells the backend what the time is, for where walls and colliders stand in densities and
- * statistics: after any change of it that was no step of the backend's. */
-pbf_status pbf_solver_tell_time(pbf_solver *solver, double time);
+/* Hands the time to the backend, which needs it to place walls and colliders for densities and
+ * statistics: after any change of it that was no step of the backend. */
+pbf_status pbf_time_to_backend(pbf_solver *solver, double time);
 
 #endif

@@ -89,7 +89,7 @@ static pbf_status roll_back(pbf_solver *solver, const previous_state *previous, 
   pbf_colliders_to_backend(solver, solver->collider_count, solver->colliders,
                            solver->collider_time);
   restore_particles(solver, previous, ids);
-  pbf_solver_tell_time(solver, pbf_solver_time(solver));
+  pbf_time_to_backend(solver, pbf_solver_time(solver));
   return pbf_fail(status, "%s", why);
 }
 
@@ -100,7 +100,7 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
   if (status == PBF_OK)
     status = write_sleep_state(solver, in->header.count, in->ids, in->sleep_state);
-  if (status == PBF_OK) status = pbf_solver_tell_time(solver, in->time);
+  if (status == PBF_OK) status = pbf_time_to_backend(solver, in->time);
   return status;
 }
 

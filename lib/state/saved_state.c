@@ -18,7 +18,7 @@ static pbf_status reject(const char *what) {
   return pbf_fail(PBF_ERROR_DATA, "the saved state %s; pbf_load takes what pbf_save wrote", what);
 }
 
-/* Says that the message of a check is about the saved state. */
+/* Makes the message of a check one about the saved state. */
 static pbf_status reject_by_check(pbf_status status) {
   if (status == PBF_OK || status == PBF_ERROR_OUT_OF_MEMORY) return status;
   return pbf_fail(PBF_ERROR_DATA, "the saved state holds a bad value: %.1500s", pbf_last_error());
