@@ -206,7 +206,8 @@ class Painter {
 };
 
 void append(void *context, void *bytes, int size) {
-  static_cast<std::string *>(context)->append(static_cast<char *>(bytes), static_cast<size_t>(size));
+  static_cast<std::string *>(context)->append(static_cast<char *>(bytes),
+                                              static_cast<size_t>(size));
 }
 
 }  // namespace

@@ -42,9 +42,8 @@ void one_feature_at_a_time(void **) {
   assert_true(row_of(rows, "+ chebyshev")["bytes_per_particle"] > bare["bytes_per_particle"]);
   for (const char *looks : {"+ timing", "+ stats"})
     assert_true(row_of(rows, looks)["state"] == bare["state"]);
-  for (const char *acts :
-       {"+ scorr", "+ vorticity", "+ viscosity", "+ wall_density", "+ chebyshev", "+ undamping",
-        "+ torque correction"})
+  for (const char *acts : {"+ scorr", "+ vorticity", "+ viscosity", "+ wall_density", "+ chebyshev",
+                           "+ undamping", "+ torque correction"})
     assert_true(row_of(rows, acts)["state"] != bare["state"]);
   expect_contains(read_text(folder + "/ablation.html"), "<td>+ wall_density</td>");
 }
