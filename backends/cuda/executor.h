@@ -30,6 +30,9 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   }
 }
 
+/* Internal linkage: its functions have the same names in the units of other variants. */
+namespace {
+
 /* The stages of physics/step.h. Once a call has failed, the later stages launch nothing. */
 struct executor {
   solver *s;
@@ -278,6 +281,8 @@ struct executor {
   /* The grid's part of lambda is added where pressures are asked for. */
   void end() {}
 };
+
+}  // namespace
 
 /* The step that ends at `time`, between these colliders. */
 static inline pbf_status step_once(solver *s, double time, const pbf_solid *solids) {
