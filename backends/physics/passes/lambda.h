@@ -73,6 +73,12 @@ PBF_FN pbf_real pbf_pressure(pbf_real scale, pbf_real total) {
 
 namespace {
 
+template <class L>
+struct lambda_sums {
+  L density, slope2;
+  lane_vector<L> gradient;
+};
+
 template <class Features, scaling SCALING>
 struct lambda_pass {
   enum { NUMBER = 0, VECTOR = 0 };
@@ -82,10 +88,7 @@ struct lambda_pass {
   template <class L>
   struct own {};
   template <class L>
-  struct sums {
-    L density, slope2;
-    lane_vector<L> gradient;
-  };
+  using sums = lambda_sums<L>;
 
   PBF_IN pbf_real value_scale() const { return SCALING == SCALED_SUMS ? 1 : c->value_scale; }
   PBF_IN pbf_real slope_scale() const {
@@ -98,13 +101,16 @@ struct lambda_pass {
     return {ops<L>::set(value_scale()), ops<L>::set(0), lane_vector<L>::zero()};
   }
 
+  /* Returns the pair's kernel, of which a driver may have another use. */
   template <class L, class Weight = unweighted>
-  PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j, Weight weight = {}) const {
+  PBF_IN pair_kernel<L> pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j,
+                             Weight weight = {}) const {
     L value, slope;
     kernel_and_slope(features, c, value_scale(), slope_scale(), j.r2, &value, &slope);
     s->density = s->density + weight * value;
     s->slope2 = ops<L>::fma(weight * slope * j.r2, slope, s->slope2);
     s->gradient.add_scaled(weight * slope, j.x_ij);
+    return {value, slope};
   }
 
   template <class L>

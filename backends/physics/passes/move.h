@@ -21,6 +21,11 @@ PBF_FN pbf_vec pbf_push(const pbf_constants *c, pbf_real inv_time_step, pbf_vec 
 
 namespace {
 
+template <class L>
+struct move_sums {
+  lane_vector<L> change;
+};
+
 template <class Features, scaling SCALING>
 struct move_pass_of {
   enum { NUMBER = 1 /* lambda */, VECTOR = 0 };
@@ -32,9 +37,7 @@ struct move_pass_of {
     L lambda;
   };
   template <class L>
-  struct sums {
-    lane_vector<L> change;
-  };
+  using sums = move_sums<L>;
 
   template <class L>
   PBF_IN sums<L> begin() const {
@@ -49,6 +52,16 @@ struct move_pass_of {
                      &slope);
     if (features & PBF_FEATURE_SCORR) lambdas = lambdas + artificial_pressure(c, value);
     s->change.add_scaled(weight * lambdas * slope, j.x_ij);
+  }
+
+  /* pair() in two parts, for a driver that keeps V grad W until lambda is known. */
+  template <class L>
+  PBF_IN void add_artificial_pressure(sums<L> *s, L value, const lane_vector<L> &gradient) const {
+    if (features & PBF_FEATURE_SCORR) s->change.add_scaled(artificial_pressure(c, value), gradient);
+  }
+  template <class L>
+  PBF_IN void add_lambdas(sums<L> *s, L lambdas, const lane_vector<L> &gradient) const {
+    s->change.add_scaled(lambdas, gradient);
   }
 
   template <class L>

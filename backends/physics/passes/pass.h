@@ -108,6 +108,12 @@ PBF_FN L operator*(unweighted, L a) {
   return a;
 }
 
+/* V W of a pair, and the slope that times x_i - x_j is V grad W. */
+template <class L>
+struct pair_kernel {
+  L value, slope;
+};
+
 /* Where a kernel's scales come in: in each pair, or once in the sums, which is faster and rounds
  * otherwise. */
 enum scaling { SCALED_PAIRS, SCALED_SUMS };
