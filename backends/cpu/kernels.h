@@ -151,7 +151,7 @@ typedef struct kernels {
   /* `neighbors` null: nobody counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);
-  /* What fit.h makes of numbers that the particles have. */
+  /* What passes/pressure_fit.h makes of numbers that the particles have. */
   void (*fit)(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
               uint32_t last);
   void (*slack)(const pbf_constants *constants, pbf_real *density, uint32_t first, uint32_t last);

@@ -4,11 +4,11 @@
 
 #include "cpu/driver.h"
 #include "cpu/kernels_mirrors.h"
-#include "physics/fit.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/pressure_fit.h"
 #include "physics/passes/viscosity.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
@@ -392,37 +392,14 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   density_groups(hot_features(p) & PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
 }
 
-/* A group's lines from its sums, which are of reals alone in both forms. */
-PBF_FN void fit_group(const lanes_fit *sums, const pbf_real *own, pbf_real *fitted) {
-  enum { SUMS = sizeof(pbf_fit) / sizeof(pbf_real) };
-  pbf_real lanes[SUMS][WIDTH], one[SUMS];
-  pbf_fit fit;
-  memcpy(lanes, sums, sizeof lanes);
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    for (int k = 0; k < SUMS; ++k) one[k] = lanes[k][l];
-    memcpy(&fit, one, sizeof fit);
-    fitted[l] = pbf_fitted(&fit, own[l]);
-  }
-}
-
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
                 uint32_t last) {
   const pbf_constants c = *p->constants;
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  const pressure_fit_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    lanes_fit sums;
-    memset(&sums, 0, sizeof sums);
-    for (walk w = walk_group(&p->lists, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, numbers);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        lanes_add_to_fit(&c, &sums, pair.x_ij.c, pair.r2, number_of(&around, &pair));
-      }
-    }
-    fit_group(&sums, numbers + g * WIDTH, fitted + g * WIDTH);
+    const lane_sums<pressure_fit_pass::sums> sums(sums_of_group(pass, p, {numbers, NULL}, {}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < WIDTH; ++l, ++i)
+      fitted[i] = pass.finish(sums[l], numbers[i]);
   }
 }
 

@@ -40,4 +40,36 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_ar
   return sums;
 }
 
+/* Calls visit(neighbour) for those of particle i nearer than h, whose numbers are lambdas; without
+ * lists. */
+template <class Visit>
+static __device__ __forceinline__ void for_present_neighbors(const neighborhood &n, uint32_t i,
+                                                             Visit visit) {
+  const sorted_particles &p = n.particles;
+  pbf_vec x = position_of(load(p.points, i));
+  grid_view view = grid_look(n.grid, x);
+  for (int row = 0; row < PBF_ROWS; ++row) {
+    uint32_t first, last;
+    if (!grid_reach(n.grid, view, row, &first, &last)) continue;
+    uint32_t end = p.cell_start[last + 1];
+    for (uint32_t j = p.cell_start[first]; j < end; ++j) {
+      point other = load(p.points, j);
+      pbf_vec x_ij = pbf_sub(x, position_of(other));
+      pbf_real r2 = pbf_dot(x_ij, x_ij);
+      if (j != i && r2 < n.constants.h2)
+        visit(neighbor_of<pbf_real>{lanes_of(x_ij), r2, other.lambda, {}});
+    }
+  }
+}
+
+/* Its sums over these. */
+template <class Pass>
+static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_present(
+    const Pass &pass, const neighborhood &n, uint32_t i) {
+  auto sums = pass.template begin<pbf_real>();
+  for_present_neighbors(n, i, [&](const neighbor_of<pbf_real> &j) { pass.pair(&sums, {}, j); });
+  pass.end(&sums);
+  return sums;
+}
+
 #endif

@@ -369,27 +369,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = v;
 }
 
-/* Calls visit(point, x_i - x_j, r²) for the neighbours of particle i nearer than h; without lists.
- */
-template <class Visit>
-static __device__ __forceinline__ void for_present_neighbors(const neighborhood &n, uint32_t i,
-                                                             Visit visit) {
-  const sorted_particles &p = n.particles;
-  pbf_vec x = position_of(load(p.points, i));
-  grid_view view = grid_look(n.grid, x);
-  for (int row = 0; row < PBF_ROWS; ++row) {
-    uint32_t first, last;
-    if (!grid_reach(n.grid, view, row, &first, &last)) continue;
-    uint32_t end = p.cell_start[last + 1];
-    for (uint32_t j = p.cell_start[first]; j < end; ++j) {
-      point other = load(p.points, j);
-      pbf_vec x_ij = pbf_sub(x, position_of(other));
-      pbf_real r2 = pbf_dot(x_ij, x_ij);
-      if (j != i && r2 < n.constants.h2) visit(other, x_ij, r2);
-    }
-  }
-}
-
 /* rho/rho0, but for what walls and colliders lend, and the number of neighbours nearer than h. */
 template <int FEATURES>
 static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, const pbf_walls &walls,
@@ -397,8 +376,9 @@ static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, con
   const pbf_constants *c = &n.constants;
   const wall_images images = images_at(walls, position_of(load(n.particles.points, i)));
   pbf_real density = c->value_scale + image_density<FEATURES>(c, images, {{0}});
-  for_present_neighbors(n, i, [&](const point &, pbf_vec x_ij, pbf_real r2) {
-    density += pbf_pair_density(FEATURES, c, r2) + image_density<FEATURES>(c, images, x_ij);
+  for_present_neighbors(n, i, [&](const neighbor_of<pbf_real> &j) {
+    density +=
+        pbf_pair_density(FEATURES, c, j.r2) + image_density<FEATURES>(c, images, vec_of(j.x_ij));
     ++*neighbors;
   });
   return density;

@@ -1,12 +1,12 @@
 /* Pressures of the last step, where somebody reads them: lambda and what the pressure grid adds to
- * it, fitted to the particles around (physics/fit.h). */
+ * it, fitted to the particles around (passes/pressure_fit.h). */
 #ifndef PBF_CUDA_PRESSURES_H
 #define PBF_CUDA_PRESSURES_H
 
 #include "cuda/pressure_grid.h"
 #include "cuda/passes.h"
 #include "cuda/sort.h"
-#include "physics/fit.h"
+#include "physics/passes/pressure_fit.h"
 
 /* Of the last step: that of the iterations, and of the grid in deep water. */
 struct pressure_source {
@@ -49,12 +49,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     fit_pressures_kernel(neighborhood n, pbf_real scale, const uint32_t *present, pbf_real *out) {
   uint32_t k = thread_index();
   if (k >= n.particles.count) return;
+  const pressure_fit_pass pass = {&n.constants};
   const pbf_real own = n.particles.points[k].lambda;
-  pbf_fit fit = {};
-  for_present_neighbors(n, k, [&](const point &other, pbf_vec x_ij, pbf_real r2) {
-    pbf_pair_add_to_fit(&n.constants, &fit, x_ij.c, r2, other.lambda);
-  });
-  out[present[k]] = pbf_pressure(scale, pbf_fitted(&fit, own));
+  out[present[k]] = pbf_pressure(scale, pass.finish(sums_present(pass, n, k), own));
 }
 
 #endif

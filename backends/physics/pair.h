@@ -166,30 +166,6 @@ PBF_FN void PBF_PAIR(add_turn)(const pbf_constants *c, PBF_LANE sum[PBF_DIM],
 #endif
 }
 
-/* Sums over the neighbours of a particle of which one number each is known: a straight line through
- * these by least squares, fit.h. Places count from the particle, in units of h. */
-typedef struct PBF_PAIR(fit) {
-  PBF_LANE weight, value, at[PBF_DIM], value_at[PBF_DIM], square[PBF_DIM * (PBF_DIM + 1) / 2];
-} PBF_PAIR(fit);
-
-/* Counts a neighbour by Wendland's kernel, and not at all where its number is 0: it has none. */
-PBF_FN void PBF_PAIR(add_to_fit)(const pbf_constants *c, PBF_PAIR(fit) * fit,
-                                 const PBF_LANE x_ij[PBF_DIM], PBF_LANE r2, PBF_LANE number) {
-  PBF_LANE size = PBF_LANE_(max)(number, -number) * PBF_LANE_(set)((pbf_real)1e20);
-  PBF_LANE known = -PBF_LANE_(max)(-size, PBF_LANE_(set)(-1)), at[PBF_DIM];
-  PBF_LANE weight = PBF_PAIR(wendland)(known, PBF_PAIR(closeness)(c, PBF_LANE_(sqrt)(r2)));
-  fit->weight = fit->weight + weight;
-  fit->value = PBF_LANE_(fma)(weight, number, fit->value);
-  for (int k = 0, pair = 0; k < PBF_DIM; ++k) {
-    at[k] = weight * x_ij[k] * PBF_LANE_(set)(-c->inv_h);
-    fit->at[k] = fit->at[k] + at[k];
-    fit->value_at[k] = PBF_LANE_(fma)(at[k], number, fit->value_at[k]);
-    for (int m = 0; m <= k; ++m, ++pair)
-      fit->square[pair] =
-          PBF_LANE_(fma)(at[k], x_ij[m] * PBF_LANE_(set)(-c->inv_h), fit->square[pair]);
-  }
-}
-
 #undef PBF_LANE
 #undef PBF_LANE_
 #undef PBF_PAIR

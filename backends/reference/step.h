@@ -2,12 +2,12 @@
 #ifndef PBF_REFERENCE_STEP_H
 #define PBF_REFERENCE_STEP_H
 
-#include "physics/fit.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/predict.h"
+#include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
 #include "physics/step.h"
 #include "physics/turn.h"
@@ -80,12 +80,8 @@ static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, u
 
 /* Lambda of the last step where particle i stands, positions sorted into s->grid. */
 static inline pbf_real fitted_lambda(const solver *s, uint32_t i) {
-  const pbf_constants *c = &s->constants;
-  pbf_fit fit = {0};
-  neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->x, c->h2, &n))
-    pbf_pair_add_to_fit(c, &fit, n.x_ij.c, n.r2, s->lambda[n.j]);
-  return pbf_fitted(&fit, s->lambda[i]);
+  const pressure_fit_pass pass = {&s->constants};
+  return pass.finish(sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i), s->lambda[i]);
 }
 
 /* From the positions at the start of the step, between the obstacles of that time. */

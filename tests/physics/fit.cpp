@@ -1,6 +1,6 @@
 /* The line through numbers of the particles around, against normal equations solved another way,
  * and where it is known. */
-#include "physics/fit.h"
+#include "physics/passes/pressure_fit.h"
 #include "support.h"
 
 enum { TERMS = PBF_DIM + 1 };
@@ -12,12 +12,14 @@ static pbf_constants constants(void) {
 
 static pbf_real fit_at(const pbf_constants *c, const pbf_vec *x, const pbf_real *numbers, int count,
                        int i) {
-  pbf_fit fit = {0};
+  const pressure_fit_pass pass = {c};
+  auto sums = pass.begin<pbf_real>();
   for (int j = 0; j < count; ++j) {
     pbf_vec x_ij = pbf_sub(x[i], x[j]);
-    if (j != i) pbf_pair_add_to_fit(c, &fit, x_ij.c, pbf_dot(x_ij, x_ij), numbers[j]);
+    if (j != i) pass.pair(&sums, {}, {lanes_of(x_ij), pbf_dot(x_ij, x_ij), numbers[j], {}});
   }
-  return pbf_fitted(&fit, numbers[i]);
+  pass.end(&sums);
+  return pass.finish(sums, numbers[i]);
 }
 
 /* The first unknown of a symmetric system, by Gauss and Jordan with the largest pivot. */
