@@ -21,27 +21,28 @@ typedef struct pbf_deep {
   uint32_t count;     /* of so many; unless every node is looked at */
 } pbf_deep;
 
-/* Takes the memory or releases it. 0 when there is none. */
-static inline int pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, int wanted, uint32_t capacity) {
+/* Words of 8 bytes in all arrays. */
+static inline uint64_t pbf_deep_words(uint32_t capacity) {
   enum { ARRAYS = 11 };
+  return ARRAYS * (uint64_t)pbf_coarse_limit(capacity);
+}
+
+/* Takes the memory or releases it; false when there is none. What lies behind the last node is
+ * read, and counts for nothing unless it is no number: it begins as 0. */
+static inline bool pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, bool wanted, const char *name,
+                                 uint32_t capacity) {
+  bool taken = wanted && !deep->sums;
+  if (!pbf_memory_keep(memory, wanted, name, pbf_deep_words(capacity), 0, &deep->sums))
+    return false;
+  if (!taken) return true;
   uint64_t limit = pbf_coarse_limit(capacity);
-  if (!wanted) {
-    pbf_memory_free(memory, deep->sums);
-    deep->sums = NULL;
-    return 1;
-  }
-  if (deep->sums) return 1;
-  deep->sums = (int64_t *)pbf_memory_take(memory, "pressure grid", ARRAYS * limit, sizeof(double));
-  if (!deep->sums) return 0;
-  /* What lies behind the last node is read, and counts for nothing unless it is no number. */
-  memset(deep->sums, 0, ARRAYS * limit * sizeof(double));
   deep->places = deep->sums + limit;
   double *next = (double *)deep->places;
   double **const arrays[] = {&deep->rooms, &deep->parts,   &deep->weights, &deep->depths,
                              &deep->right, &deep->inverse, &deep->lambda,  &deep->before};
   for (unsigned k = 0; k < sizeof arrays / sizeof arrays[0]; ++k) *arrays[k] = next += limit;
   deep->runs = (pbf_deep_run *)(next + limit);
-  return 1;
+  return true;
 }
 
 /* Before particles add to the sums. */

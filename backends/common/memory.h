@@ -48,6 +48,24 @@ static inline void *pbf_memory_take(pbf_memory *memory, const char *name, uint64
   return data;
 }
 
+/* Takes or releases an array, as `wanted` says: `count` elements that begin as 0, with *array
+ * behind the first `front` of them. Returns false when there is no memory. */
+template <class Element>
+static inline bool pbf_memory_keep(pbf_memory *memory, bool wanted, const char *name,
+                                   uint64_t count, uint64_t front, Element **array) {
+  if (wanted == (*array != NULL)) return true;
+  if (!wanted) {
+    pbf_memory_free(memory, *array - front);
+    *array = NULL;
+    return true;
+  }
+  Element *base = (Element *)pbf_memory_take(memory, name, count, sizeof(Element));
+  if (!base) return false;
+  memset(base, 0, count * sizeof(Element));
+  *array = base + front;
+  return true;
+}
+
 /* Adds the arrays to the plan; sums up its bytes. */
 static inline void pbf_memory_plan(const pbf_memory *memory, uint32_t capacity, pbf_plan *plan) {
   for (uint32_t k = 0; k < memory->count && plan->array_count < PBF_MAX_ARRAYS; ++k) {

@@ -1,4 +1,5 @@
-/* The arrays of a solver: those that it has for life, and those that only some parameters need. */
+/* The arrays of a solver: those that it has for life, and those of some scenes only. Part of
+ * backend.cpp. */
 #ifndef PBF_CPU_ARRAYS_H
 #define PBF_CPU_ARRAYS_H
 
@@ -108,85 +109,57 @@ static void clear_arrays(void *context, member *me) {
   team_for(me, me->threads, clear_part, NULL, &c);
 }
 
-/* Takes or releases an array that only some parameters need. 0 when there is no memory. */
-static int keep_reals(solver *s, int wanted, pbf_real **array, const char *name) {
-  if (wanted && !*array)
-    *array = take_memory(&s->memory, name, padded(s->capacity), sizeof **array);
-  if (wanted) return *array != NULL;
-  pbf_memory_free(&s->memory, *array);
-  *array = NULL;
-  return 1;
+/* How much of an optional array there is: elements, and how many of them lie before the first. */
+struct extent {
+  uint64_t count, front;
+};
+
+/* Read by whole vectors from before the first element to behind the last, as a field is. */
+static extent reals(const solver *s) { return {padded(s->capacity), FIELD_FRONT}; }
+
+static extent vectors(const solver *s) { return {PBF_DIM * padded(s->capacity), FIELD_FRONT}; }
+
+/* None where loops over pairs read no quads. */
+static extent quads(const solver *s) {
+  if (!s->kernels->pack) return {0, 0};
+  return {4 * padded(s->capacity), 4 * FIELD_FRONT};
 }
 
-/* Reals that begin as 0, `count` of them, and *array behind the first `front`. */
-static int keep_zeroed(solver *s, int wanted, pbf_real **array, uint64_t count, uint64_t front,
-                       const char *name) {
-  pbf_real *base = *array ? *array - front : NULL;
-  if (wanted && base) return 1;
-  pbf_memory_free(&s->memory, base);
-  *array = NULL;
-  if (!wanted) return 1;
-  base = take_memory(&s->memory, name, count, sizeof *base);
-  if (!base) return 0;
-  memset(base, 0, count * sizeof *base);
-  *array = base + front;
-  return 1;
-}
+static extent chunks(const solver *s) { return {padded(s->capacity) / CALM_CHUNK + 1, 0}; }
 
-/* Read as take_reals's are, also behind the last particle: no number must be none. */
-static int keep_added(solver *s, int wanted) {
-  return keep_zeroed(s, wanted, &s->added, padded(s->capacity), FIELD_FRONT, "lambda added");
-}
+static extent pieces(const solver *s) { return {(uint64_t)PAIR_PIECES * s->threads, 0}; }
 
-static int keep_excess(solver *s, int wanted) {
-  if (wanted && !s->excess)
-    s->excess = take_memory(&s->memory, "density error of a piece",
-                            (uint64_t)PAIR_PIECES * s->threads, sizeof *s->excess);
-  if (wanted) return s->excess != NULL;
-  pbf_memory_free(&s->memory, s->excess);
-  s->excess = NULL;
-  return 1;
-}
+static extent grid_words(const solver *s) { return {pbf_deep_words(s->capacity), 0}; }
 
-/* Bytes that begin as 0. */
-static int keep_flags(solver *s, int wanted, uint8_t **array, const char *name, uint64_t count) {
-  if (wanted && !*array && (*array = take_memory(&s->memory, name, count, 1)))
-    memset(*array, 0, count);
-  if (wanted) return *array != NULL;
-  pbf_memory_free(&s->memory, *array);
-  *array = NULL;
-  return 1;
-}
+/* An entry of physics/arrays.def. */
+struct optional_array {
+  solver *s;
+  const char *name;
+  bool wanted;
 
-static int keep_rest(solver *s, const pbf_schedule *has) {
-  int wanted = has->runs[PBF_STAGE_SLEEP] != 0;
-  rest *now = &s->buffers.rest, *spare = &s->buffers.spare_rest;
-  return keep_reals(s, wanted, &now->unrest, "unrest") &&
-         keep_reals(s, wanted, &now->lambda, "lambda asleep") &&
-         keep_reals(s, wanted, &spare->unrest, "sorted unrest") &&
-         keep_reals(s, wanted, &spare->lambda, "sorted lambda asleep") &&
-         keep_flags(s, wanted, &s->calm, "calm", padded(s->capacity) / CALM_CHUNK + 1);
-}
+  /* Takes or releases it; false when there is no memory. */
+  template <class Element>
+  bool keep(Element **array, extent e) const {
+    return pbf_memory_keep(&s->memory, wanted && e.count, name, e.count, e.front, array);
+  }
+  bool keep(field *f, extent e) const {
+    bool kept = keep(&f->c[0], e);
+    for (int k = 1; k < PBF_DIM; ++k) f->c[k] = f->c[0] ? f->c[k - 1] + e.count / PBF_DIM : NULL;
+    return kept;
+  }
+  bool keep(pbf_deep *deep, extent) const {
+    return pbf_deep_keep(&s->memory, deep, wanted, name, s->capacity);
+  }
+  bool keep() const { return true; } /* other backends' */
+};
 
-static int keep_field(solver *s, int wanted, field *f, const char *name) {
-  uint64_t each = padded(s->capacity);
-  int kept = keep_zeroed(s, wanted, &f->c[0], PBF_DIM * each, FIELD_FRONT, name);
-  for (int k = 1; k < PBF_DIM; ++k) f->c[k] = f->c[0] ? f->c[0] + k * each : NULL;
-  return kept;
-}
-
-static int keep_turning(solver *s, int wanted) {
-  return keep_field(s, wanted, &s->start, "start of the step") &&
-         keep_field(s, wanted, &s->torque, "torque") &&
-         keep_zeroed(s, wanted && s->kernels->pack, &s->quads[2], 4 * padded(s->capacity),
-                     4 * FIELD_FRONT, "quads of the step's start");
-}
-
-static int keep_arrays(solver *s, const pbf_schedule *has) {
-  return keep_added(s, has->accelerated) &&
-         keep_reals(s, has->runs[PBF_STAGE_SLACK] != 0, &s->slack, "slack") && keep_rest(s, has) &&
-         keep_excess(s, has->watched) && keep_turning(s, has->runs[PBF_STAGE_TURN] != 0) &&
-         pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity);
+static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+#define PBF_ARRAY(name, wanted, holders) \
+  if (!optional_array{s, name, (wanted) != 0}.keep(holders)) return false;
+#define PBF_CPU(type, member, extent) &s->member, extent(s)
+#define PBF_CPU_BUFFER(type, member, extent) &s->buffers.member, extent(s)
+#include "physics/arrays.def"
+  return true;
 }
 
 #endif

@@ -52,10 +52,10 @@ static void allow_sleep(solver *s, int changes, int before) {
 }
 
 /* Takes what a schedule needs before anything else changes: it may fail. */
-static pbf_status take_schedule(solver *s, const pbf_schedule *schedule) {
+static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const pbf_params *params) {
   add_weight(s);
-  if (!keep_arrays(s, schedule)) {
-    keep_arrays(s, &s->schedule);
+  if (!keep_arrays(s, *schedule, *params)) {
+    keep_arrays(s, s->schedule, s->params);
     return out_of_memory(s, "the arrays of an optional stage");
   }
   return PBF_OK;
@@ -65,7 +65,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
-  status = take_schedule(s, &schedule);
+  status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = memcmp(&s->params, params, sizeof *params) != 0;
@@ -125,7 +125,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
-  status = take_schedule(s, &schedule);
+  status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
   changed.solids |= s->movers.solids;
@@ -252,7 +252,7 @@ static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
-  if (!keep_reals(s, 1, &s->pressure, "pressure"))
+  if (!pbf_memory_keep(&s->memory, true, "pressure", padded(s->capacity), 0, &s->pressure))
     return out_of_memory(s, "a view of the pressures");
   pbf_status status = find_pressures(s);
   if (status != PBF_OK) return status;

@@ -46,7 +46,7 @@ static void carry_piece(void *context, uint32_t piece) {
        r = awake_particles(w, r.last, all.last))
     s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.spare[2], w->b.spare[3], r.first,
                       r.last);
-  fill_quads(s, 0, &w->b.spare[2], NULL, all);
+  fill_quads(s, s->quads[0], &w->b.spare[2], NULL, all);
 }
 
 /* What the weight presses together is undone. */

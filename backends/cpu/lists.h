@@ -67,7 +67,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                      .vectors = s->quads[1],
                      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
                      .slack = s->slack,
-                     .unrest = sleep_is_on(w) ? w->rest.unrest : NULL};
+                     .unrest = sleep_is_on(w) ? w->unrest : NULL};
 }
 
 static void list_neighbors(worker *w, range groups, list_size *all) {
@@ -87,7 +87,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 static void find_shore(const worker *w, range groups) {
   const solver *s = w->s;
   pair_pass pairs = pairs_at(w, *w->sorted_key, s->quads[0]);
-  s->kernels->stir(&pairs, w->rest.unrest, s->calm, s->order, groups.first, groups.last);
+  s->kernels->stir(&pairs, w->unrest, s->calm, s->order, groups.first, groups.last);
 }
 
 static void search_piece(void *context, uint32_t piece) {
@@ -111,7 +111,7 @@ static void shore_piece(void *context, uint32_t piece) {
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
-    if (s->order[i] == STIRRED && pbf_is_asleep(w->rest.unrest[i])) w->rest.unrest[i] = pbf_shore();
+    if (s->order[i] == STIRRED && pbf_is_asleep(w->unrest[i])) w->unrest[i] = pbf_shore();
   for (uint32_t g = r.first; g < r.last; ++g)
     if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_shore()))
       list_neighbors(w, (range){g, g + 1}, &s->list_sizes[piece]);
@@ -177,7 +177,7 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
 
 static void velocities_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, 1, &w->b.v, NULL, piece_sorted(w, piece));
+  fill_quads(w->s, w->s->quads[1], &w->b.v, NULL, piece_sorted(w, piece));
 }
 
 /* Nobody's vector is 0. The next sort puts nobody far away again. */

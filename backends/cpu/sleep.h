@@ -22,11 +22,11 @@ static void unrest_piece(void *context, uint32_t piece) {
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) {
       pbf_vec v = field_at(around, i);
-      w->rest.unrest[i] = pbf_unrest(&s->sleep, w->rest.unrest[i], v);
-      around->c[0][i] = pbf_stirs(&s->sleep, w->rest.unrest[i], v);
+      w->unrest[i] = pbf_unrest(&s->sleep, w->unrest[i], v);
+      around->c[0][i] = pbf_stirs(&s->sleep, w->unrest[i], v);
     }
   for (uint32_t i = all.first; i < all.last; ++i) {
-    if (!(w->rest.unrest[i] < s->sleep.still2)) continue;
+    if (!(w->unrest[i] < s->sleep.still2)) continue;
     mark_calm(s, i, 1);
     ++drowsy;
   }
@@ -51,8 +51,8 @@ static void settle_piece(void *context, uint32_t piece) {
   range all = piece_sorted(w, piece);
   uint32_t sleepers = 0;
   for (uint32_t i = all.first; i < all.last; ++i) {
-    w->rest.unrest[i] = pbf_settle(&s->sleep, w->rest.unrest[i], s->cells[i] != 0);
-    sleepers += (uint32_t)pbf_is_asleep(w->rest.unrest[i]);
+    w->unrest[i] = pbf_settle(&s->sleep, w->unrest[i], s->cells[i] != 0);
+    sleepers += (uint32_t)pbf_is_asleep(w->unrest[i]);
     if (i % CALM_CHUNK == 0 || i == all.first) mark_calm(s, i, 0);
   }
   keep_still(w, all, w->b.v.c, PBF_DIM);
@@ -91,27 +91,25 @@ static void wake_piece(void *context, uint32_t piece) {
     for (uint32_t i = r.first; i < r.last; ++i)
       if (pbf_moves_near(s->movers, &w->obstacles.walls, pbf_solid_count(&w->obstacles),
                          w->obstacles.solids, s->constants.h, field_at(&w->b.x, i)))
-        w->rest.unrest[i] = pbf_woken(&s->sleep);
+        w->unrest[i] = pbf_woken(&s->sleep);
 }
 
 /* ---- Between steps ------------------------------------------------------------------------- */
 
-static int sleeps(const solver *s) {
-  return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->buffers.rest.unrest;
-}
+static int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->buffers.unrest; }
 
 /* Particles first … count - 1 are new. */
 static void greet(solver *s, uint32_t first) {
   if (!sleeps(s)) return;
   for (uint32_t i = first; i < s->count; ++i) {
-    s->buffers.rest.unrest[i] = pbf_newcomer(&s->sleep);
-    s->buffers.rest.lambda[i] = 0;
+    s->buffers.unrest[i] = pbf_newcomer(&s->sleep);
+    s->buffers.sleeping_lambda[i] = 0;
   }
 }
 
 static void wake_all(solver *s) {
   if (!sleeps(s) || !s->asleep) return;
-  pbf_real *unrest = s->buffers.rest.unrest;
+  pbf_real *unrest = s->buffers.unrest;
   for (uint32_t i = 0; i < s->count; ++i)
     if (pbf_is_asleep(unrest[i])) unrest[i] = pbf_woken(&s->sleep);
   s->asleep = 0;
@@ -124,7 +122,7 @@ static int wake_near(solver *s, pbf_movers movers, double time) {
   if (!sleeps(s) || !s->asleep || !pbf_any_moves(movers)) return 0;
   place_obstacles(s, time, &obstacles);
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_real *unrest = &s->buffers.rest.unrest[i];
+    pbf_real *unrest = &s->buffers.unrest[i];
     if (!pbf_is_asleep(*unrest) ||
         !pbf_moves_near(movers, &obstacles.walls, pbf_solid_count(&obstacles), obstacles.solids,
                         s->constants.h, field_at(&s->buffers.x, i)))

@@ -6,7 +6,7 @@
 #include "cpu/worker.h"
 
 static inline int sleep_is_on(const worker *w) {
-  return (PBF_BUILT & PBF_FEATURE_SLEEP) && w->rest.unrest;
+  return (PBF_BUILT & PBF_FEATURE_SLEEP) && w->unrest;
 }
 
 /* The first particle of first … last - 1 whose unrest is below a bound, or is not, or last. */
@@ -20,8 +20,8 @@ static inline uint32_t find_rest(const pbf_real *unrest, uint32_t first, uint32_
 static inline range particles_at_rest(const worker *w, uint32_t first, uint32_t last,
                                       pbf_real bound, int below) {
   if (!sleep_is_on(w)) return (range){below ? last : first, last};
-  first = find_rest(w->rest.unrest, first, last, bound, below);
-  return (range){first, find_rest(w->rest.unrest, first, last, bound, !below)};
+  first = find_rest(w->unrest, first, last, bound, below);
+  return (range){first, find_rest(w->unrest, first, last, bound, !below)};
 }
 
 static inline range awake_particles(const worker *w, uint32_t first, uint32_t last) {
@@ -41,7 +41,7 @@ static inline range idle_particles(const worker *w, uint32_t first, uint32_t las
 static inline int is_group_below(const worker *w, uint32_t g, pbf_real bound) {
   uint32_t width = w->s->kernels->width, count = w->s->count;
   uint32_t begin = g * width, end = count - begin < width ? count : begin + width;
-  return find_rest(w->rest.unrest, begin, end, bound, 0) == end;
+  return find_rest(w->unrest, begin, end, bound, 0) == end;
 }
 
 /* The first of these groups of which that is not so, in a row. */
@@ -73,7 +73,7 @@ static inline void mark_calm(solver *s, uint32_t i, uint8_t calm) {
 static inline void mark_sleepers(const worker *w, range r) {
   if (!sleep_is_on(w) || !w->s->asleep) return;
   for (uint32_t i = r.first; i < r.last; ++i)
-    if (pbf_is_asleep(w->b.spare_rest.unrest[i])) mark_calm(w->s, i, 1);
+    if (pbf_is_asleep(w->b.sorted_unrest[i])) mark_calm(w->s, i, 1);
 }
 
 /* Sleepers among these particles stay where they were … */
@@ -95,7 +95,7 @@ static inline void keep_still(const worker *w, range r, pbf_real *const *values,
 /* Those that have just woken begin at rest. */
 static inline void calm_woken(const worker *w, range r, const field *v) {
   for (uint32_t i = r.first; i < r.last && sleep_is_on(w); ++i)
-    if (pbf_just_woke(&w->s->sleep, w->rest.unrest[i])) field_set(v, i, (pbf_vec){{0}});
+    if (pbf_just_woke(&w->s->sleep, w->unrest[i])) field_set(v, i, (pbf_vec){{0}});
 }
 
 /* Out of reach of the awake nobody pushes. Returns how many these are. */
@@ -112,9 +112,9 @@ static inline uint32_t clear_idle(const worker *w, range r) {
 
 /* After the solve: sleepers keep the lambda, and so the pressure, of when they were last awake. */
 static inline void keep_lambda(const worker *w, range r) {
-  pbf_real *lambda = w->s->lambda, *kept = w->rest.lambda;
+  pbf_real *lambda = w->s->lambda, *kept = w->sleeping_lambda;
   for (uint32_t i = r.first; i < r.last && sleep_is_on(w); ++i)
-    if (pbf_is_asleep(w->rest.unrest[i]))
+    if (pbf_is_asleep(w->unrest[i]))
       lambda[i] = kept[i];
     else
       kept[i] = lambda[i];

@@ -11,20 +11,16 @@
 #include "physics/schedule.h"
 #include "physics/sleep.h"
 
-/* Sleep, where there is any: null otherwise. */
-typedef struct rest {
-  pbf_real *unrest;
-  pbf_real *lambda; /* at the end of a step: what sleepers keep */
-} rest;
-
 /* Fields change their parts from stage to stage, so that nothing is copied back. */
 typedef struct buffers {
   field x, v;     /* the state */
   field spare[4]; /* prediction and its velocity, the same sorted; x*; what later stages need */
   uint32_t *ids;  /* of the state */
   uint32_t *spare_ids;
-  struct rest rest; /* of the state, and … */
-  struct rest spare_rest;
+
+#define PBF_ARRAY(name, wanted, holders) holders
+#define PBF_CPU_BUFFER(type, member, extent) type member;
+#include "physics/arrays.def"
 } buffers;
 
 /* The smallest box around some particles. */
@@ -65,24 +61,21 @@ struct pbf_backend_solver {
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
   struct buffers buffers;
-  pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *added;     /* … what this iteration adds to it */
-  pbf_real *quads[3];  /* of x* and of lambda: passes over pairs fill one and read the other; and of
-                          `start` */
-  field start, torque; /* turn.h: where particles were, and what pushes have exerted so far; with
-                          the torque's correction only */
-  pbf_real *slack;     /* in very short steps only */
-  pbf_deep deep;       /* in deep water only … */
+#define PBF_ARRAY(name, wanted, holders) holders
+#define PBF_CPU(type, member, extent) type member;
+#include "physics/arrays.def"
+
   struct deep_solve deep_solve;
+  pbf_real *lambda;        /* of this iteration, or of all of a step: accelerated */
+  pbf_real *quads[2];      /* of x* and of lambda: passes over pairs fill one and read the other */
   int unweighed;           /* 1: lambda is without what its grid added in the last step */
   pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
 
   pbf_sleep sleep;
   pbf_movers movers;
-  uint8_t *calm;      /* of CALM_CHUNK sorted particles each: 1 while any of them can be stirred */
-  uint32_t asleep;    /* at the end of the last step, or 0 since somebody woke */
-  atomic_uint drowsy; /* who sleeps or is still enough to: counted in each step, */
+  uint32_t asleep;        /* at the end of the last step, or 0 since somebody woke */
+  atomic_uint drowsy;     /* who sleeps or is still enough to: counted in each step, */
   atomic_uint sleepers;   /* as are these */
   atomic_uint all_asleep; /* 1: the run ends, since all sleep, */
   uint32_t all_asleep_at; /* with this step */
@@ -102,7 +95,6 @@ struct pbf_backend_solver {
   uint32_t *first_place; /* of the particles of each range, and the end */
   list_size *list_sizes;
   uint32_t *first_group; /* of each piece of a pass over pairs, and the end */
-  int64_t *excess;       /* density error of such a piece; with a tolerance only */
 
   /* Lists of neighbours lie in slabs of one size. */
   group *groups;

@@ -169,10 +169,10 @@ static void sort_range(void *context, uint32_t piece) {
   order_by_id(s, places, w->b.spare_ids);
   gather(s->order, places, w->key, w->sorted_key);
   if (w->other) gather(s->order, places, w->other, w->sorted_other);
-  fill_quads(s, 0, w->sorted_key, NULL, places);
+  fill_quads(s, s->quads[0], w->sorted_key, NULL, places);
   if (sleep_is_on(w)) {
-    gather_reals(s->order, places, w->b.rest.unrest, w->b.spare_rest.unrest);
-    gather_reals(s->order, places, w->b.rest.lambda, w->b.spare_rest.lambda);
+    gather_reals(s->order, places, w->b.unrest, w->b.sorted_unrest);
+    gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
   mark_sleepers(w, places);
 }

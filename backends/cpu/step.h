@@ -59,7 +59,7 @@ static void backtrack_piece(void *context, uint32_t piece) {
   range r = piece_sorted(w, piece);
   w->s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], w->b.spare[0],
                            r.first, r.last);
-  fill_quads(w->s, 1, &w->b.spare[0], NULL, r);
+  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, r);
 }
 
 static void slack_piece(void *context, uint32_t piece) {
@@ -91,7 +91,7 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t pi
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
   uint32_t idle = clear_idle(w, all);
-  fill_quads(s, 1, &pairs->x, pushes_of(s), all);
+  fill_quads(s, s->quads[1], &pairs->x, pushes_of(s), all);
   return idle;
 }
 
@@ -119,7 +119,7 @@ static void start_piece(void *context, uint32_t piece) {
   range r = piece_sorted(w, piece);
   s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], s->start, r.first,
                         r.last);
-  fill_quads(s, 2, &s->start, NULL, r);
+  fill_quads(s, s->start_quads, &s->start, NULL, r);
   for (int k = 0; k < PBF_CURL_DIM; ++k)
     memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
 }
@@ -139,7 +139,7 @@ static void torque_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
   pair_pass pairs = pairs_now(w, w->s->quads[1]);
   if (is_over(w)) return;
-  pairs.vectors = w->s->quads[2];
+  pairs.vectors = w->s->start_quads;
   turn_awake(w, piece, &pairs, w->s->kernels->torque);
 }
 
@@ -159,7 +159,7 @@ static void move_piece(void *context, uint32_t piece) {
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
   keep_places(w, all, &w->b.spare[2], &w->b.spare[0]);
-  fill_quads(s, 0, &w->b.spare[0], NULL, all);
+  fill_quads(s, s->quads[0], &w->b.spare[0], NULL, all);
 }
 
 static void watched_lambda_piece(void *context, uint32_t piece) {
@@ -218,7 +218,7 @@ static void velocity_piece(void *context, uint32_t piece) {
   keep_still(w, all, w->b.spare[3].c, PBF_DIM);
   calm_woken(w, all, &w->b.spare[3]);
   keep_lambda(w, all);
-  if (s->schedule.collide_after_solve) fill_quads(s, 0, &w->b.spare[1], NULL, all);
+  if (s->schedule.collide_after_solve) fill_quads(s, s->quads[0], &w->b.spare[1], NULL, all);
 }
 
 static void count_skipped(void *context) {
@@ -229,14 +229,11 @@ static void count_skipped(void *context) {
 /* From here nothing can fail, and the old state gives way to the new one. */
 static void update_velocity(worker *w) {
   team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
-  swap_fields(&w->b.x, &w->b.spare[1]);
-  swap_fields(&w->b.v, &w->b.spare[3]);
-  uint32_t *ids = w->b.ids;
-  w->b.ids = w->b.spare_ids;
-  w->b.spare_ids = ids;
-  rest asleep = w->b.rest;
-  w->b.rest = w->b.spare_rest;
-  w->b.spare_rest = asleep;
+  exchange(&w->b.x, &w->b.spare[1]);
+  exchange(&w->b.v, &w->b.spare[3]);
+  exchange(&w->b.ids, &w->b.spare_ids);
+  exchange(&w->b.unrest, &w->b.sorted_unrest);
+  exchange(&w->b.sleeping_lambda, &w->b.sorted_sleeping_lambda);
   stage_end(w, PBF_STAGE_VELOCITY);
 }
 
@@ -271,7 +268,7 @@ static void undamp_piece(void *context, uint32_t piece) {
 /* Of mean velocities, or of rates. */
 static void flows_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, 1, &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
+  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
 }
 
 static void turn_rate_piece(void *context, uint32_t piece) {
@@ -303,7 +300,7 @@ static void curl_piece(void *context, uint32_t piece) {
 /* Positions, and the sizes of curls. */
 static void sizes_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, 1, &w->b.x, spare_reals(w->s), piece_sorted(w, piece));
+  fill_quads(w->s, w->s->quads[1], &w->b.x, spare_reals(w->s), piece_sorted(w, piece));
 }
 
 static void confine_piece(void *context, uint32_t piece) {
@@ -347,7 +344,8 @@ struct executor {
   }
   bool find_neighbors() {
     if (!sorted) sort_particles(w);
-    w->rest = w->b.spare_rest;
+    w->unrest = w->b.sorted_unrest;
+    w->sleeping_lambda = w->b.sorted_sleeping_lambda;
     if (!::find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return false;
     if (corrects_torque(w)) over_pairs(start_piece);
     stage_end(w, PBF_STAGE_NEIGHBORS);
@@ -369,7 +367,7 @@ struct executor {
   void torque(uint32_t) { over_pairs(torque_piece, PBF_STAGE_TORQUE); }
   void move(uint32_t k) {
     over_pairs(is_watched(w->s) ? watched_move_piece : move_piece);
-    swap_fields(&w->b.spare[0], &w->b.spare[1]);
+    exchange(&w->b.spare[0], &w->b.spare[1]);
     stage_end(w, PBF_STAGE_MOVE);
     w->iteration = k + 1;
   }
@@ -398,7 +396,7 @@ struct executor {
   void viscosity() {
     pack_vectors(w, velocities_piece);
     over_pairs(viscosity_piece);
-    swap_fields(&w->b.v, &w->b.spare[1]);
+    exchange(&w->b.v, &w->b.spare[1]);
     stage_end(w, PBF_STAGE_VISCOSITY);
   }
   bool settle() { return ::settle(w); }
@@ -417,7 +415,8 @@ static step_outcome step_once(worker *w, double time, int sorted) {
   w->sorted_key = &w->b.spare[2];
   w->other = &w->b.spare[1];
   w->sorted_other = &w->b.spare[3];
-  w->rest = w->b.rest;
+  w->unrest = w->b.unrest;
+  w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
   executor e = {w, sorted != 0};
   return run_step(e, s->schedule);

@@ -19,7 +19,7 @@ static void sort_lambda_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_particles(w, piece);
   gather_reals(w->s->order, r, w->s->lambda, spare_reals(w->s));
-  fill_quads(w->s, 0, &w->b.spare[2], spare_reals(w->s), r);
+  fill_quads(w->s, w->s->quads[0], &w->b.spare[2], spare_reals(w->s), r);
 }
 
 static void fit_lambda_piece(void *context, uint32_t piece) {

@@ -20,7 +20,7 @@ typedef struct worker {
   pbf_obstacles obstacles;                              /* at the end of the step */
   pbf_obstacles before;                                 /* at its start, for the slack alone */
   pbf_constants constants;                              /* of the iteration */
-  struct rest rest;                                     /* in the order of the stage */
+  pbf_real *unrest, *sleeping_lambda;                   /* in the order of the stage */
   uint32_t step, iteration;                             /* of this run */
   const field *key, *sorted_key, *other, *sorted_other; /* of the sort */
   double stage_begin;
@@ -112,15 +112,16 @@ static inline void place_obstacles(const solver *s, double time, pbf_obstacles *
 }
 
 /* Quads of these sorted particles, where loops over pairs read any (neighbors.h). */
-static inline void fill_quads(const solver *s, int k, const field *x, const pbf_real *number,
-                              range r) {
-  if (s->kernels->pack) s->kernels->pack(*x, number, s->quads[k], r.first, r.last);
+static inline void fill_quads(const solver *s, pbf_real *quads, const field *x,
+                              const pbf_real *number, range r) {
+  if (s->kernels->pack) s->kernels->pack(*x, number, quads, r.first, r.last);
 }
 
-static inline void swap_fields(field *a, field *b) {
-  field c = *a;
+template <class Buffer>
+static inline void exchange(Buffer *a, Buffer *b) {
+  Buffer kept = *a;
   *a = *b;
-  *b = c;
+  *b = kept;
 }
 
 #endif

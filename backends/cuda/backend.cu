@@ -5,7 +5,6 @@
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/report.h"
-#include "cuda/room.h"
 #include "cuda/small/host.h"
 
 static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
@@ -56,38 +55,10 @@ static pbf_status take_lists(solver *s, uint32_t chunks, bool small) {
   return PBF_OK;
 }
 
-static pbf_status take_for_schedule(solver *s, const pbf_schedule &has, bool small, bool mirrors,
-                                    uint64_t n) {
+static pbf_status take_for_scene(solver *s, const pbf_schedule &has, const pbf_params &params,
+                                 bool small) {
   if (pbf_status status = take_for_small(s, small)) return status;
-  if (pbf_status status =
-          take_if(s, has.runs[PBF_STAGE_CURL], "curl", n * sizeof(pbf_curl), &s->curls))
-    return status;
-  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_TURN], "start of the step",
-                                  (n + PBF_SPARE_POINTS) * sizeof(point), &s->starts))
-    return status;
-  if (pbf_status status =
-          take_if(s, has.runs[PBF_STAGE_TURN], "torque", n * sizeof(pbf_curl), &s->torques))
-    return status;
-  if (pbf_status status = take_if(s, has.runs[PBF_STAGE_VISCOSITY], "smoothed velocity",
-                                  n * sizeof(pbf_vec), &s->smoothed))
-    return status;
-  if (pbf_status status =
-          take_if(s, has.accelerated, "lambda total", n * sizeof(pbf_real), &s->total))
-    return status;
-  if (pbf_status status =
-          take_if(s, has.runs[PBF_STAGE_SLACK], "slack", n * sizeof(pbf_real), &s->slack))
-    return status;
-  if (pbf_status status = take_if(s, mirrors, "sums of images", n * sizeof(image_sums), &s->images))
-    return status;
-  if (pbf_status status = take_if(s, PBF_DEEP && has.runs[PBF_STAGE_GRID], "pressure grid",
-                                  deep_bytes(s->capacity), &s->deep_room))
-    return status;
-  if (pbf_status status =
-          take_if(s, has.watched, "watch over the solve", sizeof *s->watch, &s->watch))
-    return status;
-  if (pbf_status status = take_for_sleep(s, has.runs[PBF_STAGE_SLEEP], n)) return status;
-  return take_if(s, has.colliders > 0, "colliders",
-                 STEPS_AHEAD * PBF_MAX_COLLIDERS * sizeof(pbf_solid), &s->solids);
+  return keep_arrays(s, has, params);
 }
 
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
@@ -106,12 +77,11 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
-  bool mirrors = pbf_may_mirror(params), mirrored = s->images != nullptr;
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
-  if (pbf_status status = take_for_schedule(s, schedule, small, mirrors, s->capacity)) {
-    take_for_schedule(s, s->schedule, was_small, mirrored, s->capacity);
+  if (pbf_status status = take_for_scene(s, schedule, *params, small)) {
+    take_for_scene(s, s->schedule, s->params, was_small);
     return status;
   }
   if (was_small && !small)

@@ -52,19 +52,16 @@ struct solver {
   void *list_room; /* the lists, before them the sort's scratch; or what a small scene has */
   uint64_t list_bytes;
 
-  pbf_real *total;       /* lambda that has added up: accelerated only */
-  pbf_real *slack;       /* in very short steps only */
-  image_sums *images;    /* where walls may mirror the fluid only; their moves, too */
-  void *deep_room;       /* in deep water only */
+#define PBF_ARRAY(name, wanted, holders) holders
+#define PBF_CUDA(type, member, elements) type member;
+#include "physics/arrays.def"
+
   uint32_t deep_cluster; /* most blocks of a cluster; 0: it has none */
   pbf_coarse deep_grid;  /* of the last step, … */
   double deep_scale;     /* … as is this, of lambda */
-  solve_watch *watch;    /* with a tolerance only */
-  pbf_real *unrest;      /* where fluid sleeps only, as all of these */
-  pbf_real *other_unrest;
-  sleep_tally *tally;
-  uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that */
-  uint64_t epoch;       /* between two events that may wake somebody */
+  uint64_t *all_asleep;  /* in the host's memory: the epoch in which the device found that; with
+                            sleep only */
+  uint64_t epoch;        /* between two events that may wake somebody */
   pbf_sleep sleep;
   pbf_movers movers;
   pbf_real *pressures;               /* once they have been looked at */
@@ -75,11 +72,6 @@ struct solver {
   uint16_t *owners;
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
-  pbf_curl *curls; /* with vorticity only */
-  point *starts;   /* turn.h: where particles were, with the torque's correction only, as is … */
-  pbf_curl *torques; /* … what pushes have exerted so far */
-  pbf_vec *smoothed; /* with viscosity only */
-  pbf_solid *solids; /* with colliders only: STEPS_AHEAD times their number */
   uint32_t collider_count;
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];

@@ -4,6 +4,7 @@
 #include "common/without.h"
 #include "common/views.h"
 #include "physics/overfull.h"
+#include "reference/arrays.h"
 #include "reference/plugin.h"
 #include "reference/step.h"
 
@@ -15,34 +16,6 @@ static pbf_status out_of_memory(const solver *s, const char *what) {
   return PBF_ERROR_OUT_OF_MEMORY;
 }
 
-/* Takes or releases an array that only some parameters need. */
-static int keep_array(solver *s, int wanted, void **array, const char *name, uint64_t element) {
-  if (wanted && !*array) *array = pbf_memory_take(&s->memory, name, s->capacity, element);
-  if (wanted) return *array != NULL;
-  pbf_memory_free(&s->memory, *array);
-  *array = NULL;
-  return 1;
-}
-
-static int keep_arrays(solver *s, const pbf_schedule *has) {
-  int sleep = has->runs[PBF_STAGE_SLEEP] != 0;
-  return keep_array(s, has->runs[PBF_STAGE_CURL] != 0, (void **)&s->curl, "curl",
-                    sizeof *s->curl) &&
-         keep_array(s, has->runs[PBF_STAGE_FLOW] != 0, (void **)&s->flow, "mean velocity",
-                    sizeof *s->flow) &&
-         keep_array(s, has->runs[PBF_STAGE_TURN] != 0, (void **)&s->torque, "torque",
-                    sizeof *s->torque) &&
-         keep_array(s, has->runs[PBF_STAGE_TURN] != 0, (void **)&s->turning, "turn rate",
-                    sizeof *s->turning) &&
-         keep_array(s, has->runs[PBF_STAGE_SLACK] != 0, (void **)&s->slack, "slack",
-                    sizeof *s->slack) &&
-         pbf_deep_keep(&s->memory, &s->deep, has->runs[PBF_STAGE_GRID] != 0, s->capacity) &&
-         keep_array(s, has->accelerated, (void **)&s->added, "lambda added", sizeof *s->added) &&
-         keep_array(s, sleep, (void **)&s->unrest, "unrest", sizeof *s->unrest) &&
-         keep_array(s, sleep, (void **)&s->held, "lambda asleep", sizeof *s->held) &&
-         keep_array(s, sleep, (void **)&s->stirred, "stirred", sizeof *s->stirred);
-}
-
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
@@ -52,9 +25,9 @@ static void allow_sleep(solver *s, int changes, int before) {
 }
 
 /* Takes what a schedule needs before anything else changes: it may fail. */
-static pbf_status take_schedule(solver *s, const pbf_schedule *schedule) {
-  if (!keep_arrays(s, schedule)) {
-    keep_arrays(s, &s->schedule);
+static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const pbf_params *params) {
+  if (!keep_arrays(s, *schedule, *params)) {
+    keep_arrays(s, s->schedule, s->params);
     return out_of_memory(s, "the arrays of an optional stage");
   }
   return PBF_OK;
@@ -64,7 +37,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
-  status = take_schedule(s, &schedule);
+  status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = memcmp(&s->params, params, sizeof *params) != 0;
@@ -80,21 +53,6 @@ static void destroy(solver *s) {
   pbf_allocator allocator = s->memory.allocator;
   pbf_memory_free_all(&s->memory);
   allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
-}
-
-template <class Value>
-static bool take(solver *s, Value **array, const char *name, uint64_t count) {
-  return (*array = static_cast<Value *>(pbf_memory_take(&s->memory, name, count, sizeof(Value))));
-}
-
-static bool take_arrays(solver *s) {
-  uint64_t n = s->capacity;
-  return take(s, &s->x, "position", n) && take(s, &s->v, "velocity", n) &&
-         take(s, &s->predicted, "predicted", n) && take(s, &s->moved, "moved", n) &&
-         take(s, &s->change, "change", n) && take(s, &s->lambda, "lambda", n) &&
-         take(s, &s->ids, "id", n) && take(s, &s->grid.cell_of, "cell", n) &&
-         take(s, &s->grid.list, "cell list", n) &&
-         take(s, &s->grid.start, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1);
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
@@ -123,7 +81,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
-  status = take_schedule(s, &schedule);
+  status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
   changed.solids |= s->movers.solids;
@@ -273,7 +231,7 @@ static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
-  if (!keep_array(s, 1, (void **)&s->pressure, "pressure", sizeof *s->pressure))
+  if (!pbf_memory_keep(&s->memory, true, "pressure", s->capacity, 0, &s->pressure))
     return out_of_memory(s, "a view of the pressures");
   sort_present(s);
   for (uint32_t i = 0; i < s->count; ++i)

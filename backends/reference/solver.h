@@ -21,19 +21,14 @@ struct pbf_backend_solver {
   pbf_vec *predicted;  /* where x* starts */
   pbf_vec *moved;      /* x* */
   pbf_vec *change;     /* position change of an iteration; the second velocity of viscosity */
-  pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated, and then also … */
-  pbf_real *added;     /* … what this iteration adds to it */
-  pbf_real *slack;     /* in very short steps only */
-  pbf_deep deep;       /* in deep water only */
-  pbf_vec *flow;       /* with undamping only */
-  pbf_curl *torque;    /* of a step's pushes, twice; with the torque's correction only, as … */
-  pbf_curl *turning;   /* … the rates that make up for it */
-  pbf_curl *curl;      /* with vorticity only */
-  pbf_real *pressure;  /* once it has been looked at */
+  pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated */
+
+#define PBF_ARRAY(name, wanted, holders) holders
+#define PBF_REFERENCE(type, member) type member;
+#include "physics/arrays.def"
+
+  pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
-  pbf_real *unrest;        /* where there is sleep, and then also … */
-  pbf_real *held;          /* … lambda at the end of the last step, which sleepers keep */
-  uint8_t *stirred;        /* something near it stirs */
   pbf_sleep sleep;
   pbf_movers movers;
   uint32_t *ids;

@@ -7,17 +7,24 @@
 extern "C" const pbf_backend_api cpu_under_test;
 #include "cpu/backend.cpp"
 
-/* Bytes that features take. */
-static uint64_t bytes_of(int features);
 #include "entered.h"
 
-static uint64_t bytes_of(int features) {
-  uint64_t reals = (features & CHEBYSHEV ? 1 : 0) + (features & SLEEP ? 4 : 0);
-  uint64_t sums = features & TOLERANCE ? PAIR_PIECES : 0;
-  uint64_t flags = features & SLEEP ? padded(COUNT) / CALM_CHUNK + 1 : 0;
-  if (flags && flags < PBF_ALIGNMENT) flags = PBF_ALIGNMENT;
-  return reals * padded(COUNT) * sizeof(pbf_real) + sums * sizeof(int64_t) + flags +
-         (features & PRESSURE_GRID ? 11 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
+template <class Element>
+static uint64_t held_bytes(Element *const *, extent e) {
+  return e.count * sizeof(Element);
+}
+static uint64_t held_bytes(const field *, extent e) { return e.count * sizeof(pbf_real); }
+static uint64_t held_bytes(const pbf_deep *, extent e) { return e.count * sizeof(double); }
+static uint64_t held_bytes() { return 0; }
+
+static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf_params &params) {
+  uint64_t bytes = 0;
+#define PBF_ARRAY(name, wanted, holders) \
+  if (wanted) bytes += allocated(held_bytes(holders));
+#define PBF_CPU(type, member, extent) &s->member, extent(s)
+#define PBF_CPU_BUFFER(type, member, extent) &s->buffers.member, extent(s)
+#include "physics/arrays.def"
+  return bytes;
 }
 
 static const watched *watched_at(unsigned k) {

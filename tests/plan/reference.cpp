@@ -4,18 +4,22 @@
 extern "C" const pbf_backend_api reference_under_test;
 #include "reference/backend.cpp"
 
-/* Bytes that features take. */
-static uint64_t bytes_of(int features);
 #include "entered.h"
 
-static uint64_t bytes_of(int features) {
-  return (features & CHEBYSHEV ? COUNT * sizeof(pbf_real) : 0) +
-         (features & VORTICITY ? COUNT * sizeof(pbf_curl) : 0) +
-         (features & SLEEP ? 2 * COUNT * sizeof(pbf_real) : 0) +
-         (features & SLEEP
-              ? (uint64_t)(COUNT > int{PBF_ALIGNMENT} ? uint64_t{COUNT} : uint64_t{PBF_ALIGNMENT})
-              : 0) +
-         (features & PRESSURE_GRID ? 11 * pbf_coarse_limit(COUNT) * sizeof(double) : 0);
+template <class Element>
+static uint64_t held_bytes(Element *const *) {
+  return COUNT * sizeof(Element);
+}
+static uint64_t held_bytes(const pbf_deep *) { return pbf_deep_words(COUNT) * sizeof(double); }
+static uint64_t held_bytes() { return 0; }
+
+static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf_params &params) {
+  uint64_t bytes = 0;
+#define PBF_ARRAY(name, wanted, holders) \
+  if (wanted) bytes += allocated(held_bytes(holders));
+#define PBF_REFERENCE(type, member) &s->member
+#include "physics/arrays.def"
+  return bytes;
 }
 
 static const watched *watched_at(unsigned k) {

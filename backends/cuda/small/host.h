@@ -2,8 +2,8 @@
 #ifndef PBF_CUDA_SMALL_SCENE_HOST_H
 #define PBF_CUDA_SMALL_SCENE_HOST_H
 
+#include "cuda/arrays.h"
 #include "cuda/launches.h"
-#include "cuda/room.h"
 #include "cuda/small/owners.h"
 #include "physics/overfull.h"
 

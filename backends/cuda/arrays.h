@@ -1,6 +1,6 @@
-/* Arrays that a solver has only while its parameters want them. */
-#ifndef PBF_CUDA_ROOM_H
-#define PBF_CUDA_ROOM_H
+/* The arrays that a solver has for some scenes only. */
+#ifndef PBF_CUDA_ARRAYS_H
+#define PBF_CUDA_ARRAYS_H
 
 #include "cuda/solver.h"
 
@@ -32,17 +32,30 @@ static inline void free_all_asleep(solver *s) {
   s->all_asleep = nullptr;
 }
 
-static inline pbf_status take_for_sleep(solver *s, bool wanted, uint64_t n) {
-  if (!PBF_SLEEP) return PBF_OK;
-  if (wanted)
+/* An entry of physics/arrays.def. */
+struct optional_array {
+  solver *s;
+  const char *name;
+  bool wanted;
+
+  /* Takes or frees it. */
+  template <class Element>
+  pbf_status keep(Element **array, uint64_t elements) const {
+    return take_if(s, wanted, name, elements * sizeof(Element), array);
+  }
+  pbf_status keep() const { return PBF_OK; } /* other backends' */
+};
+
+static inline pbf_status keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+  const uint64_t n = s->capacity;
+  const bool sleeps = PBF_SLEEP && has.runs[PBF_STAGE_SLEEP];
+  if (sleeps)
     if (pbf_status status = take_all_asleep(s)) return status;
-  if (pbf_status status = take_if(s, wanted, "unrest", n * sizeof(pbf_real), &s->unrest))
-    return status;
-  if (pbf_status status =
-          take_if(s, wanted, "sorted unrest", n * sizeof(pbf_real), &s->other_unrest))
-    return status;
-  if (pbf_status status = take_if(s, wanted, "sleep", sizeof *s->tally, &s->tally)) return status;
-  if (!wanted) free_all_asleep(s); /* freeing the arrays has waited for the device */
+#define PBF_ARRAY(name, wanted, holders) \
+  if (pbf_status status = optional_array{s, name, (wanted) != 0}.keep(holders)) return status;
+#define PBF_CUDA(type, member, elements) &s->member, elements
+#include "physics/arrays.def"
+  if (!sleeps) free_all_asleep(s); /* freeing the arrays has waited for the device */
   return PBF_OK;
 }
 

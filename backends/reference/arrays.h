@@ -1,0 +1,49 @@
+/* The arrays of a solver: those that it has for life, and those of some scenes only. Part of
+ * backend.cpp. */
+#ifndef PBF_REFERENCE_ARRAYS_H
+#define PBF_REFERENCE_ARRAYS_H
+
+#include "reference/grid.h"
+#include "reference/solver.h"
+
+template <class Value>
+static bool take(solver *s, Value **array, const char *name, uint64_t count) {
+  return (*array = static_cast<Value *>(pbf_memory_take(&s->memory, name, count, sizeof(Value))));
+}
+
+static bool take_arrays(solver *s) {
+  uint64_t n = s->capacity;
+  return take(s, &s->x, "position", n) && take(s, &s->v, "velocity", n) &&
+         take(s, &s->predicted, "predicted", n) && take(s, &s->moved, "moved", n) &&
+         take(s, &s->change, "change", n) && take(s, &s->lambda, "lambda", n) &&
+         take(s, &s->ids, "id", n) && take(s, &s->grid.cell_of, "cell", n) &&
+         take(s, &s->grid.list, "cell list", n) &&
+         take(s, &s->grid.start, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1);
+}
+
+/* An entry of physics/arrays.def. */
+struct optional_array {
+  solver *s;
+  const char *name;
+  bool wanted;
+
+  /* Takes or releases it; false when there is no memory. */
+  template <class Element>
+  bool keep(Element **array) const {
+    return pbf_memory_keep(&s->memory, wanted, name, s->capacity, 0, array);
+  }
+  bool keep(pbf_deep *deep) const {
+    return pbf_deep_keep(&s->memory, deep, wanted, name, s->capacity);
+  }
+  bool keep() const { return true; } /* other backends' */
+};
+
+static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+#define PBF_ARRAY(name, wanted, holders) \
+  if (!optional_array{s, name, (wanted) != 0}.keep(holders)) return false;
+#define PBF_REFERENCE(type, member) &s->member
+#include "physics/arrays.def"
+  return true;
+}
+
+#endif
