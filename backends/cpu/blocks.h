@@ -6,7 +6,7 @@
 #define PBF_CPU_BLOCKS_H
 
 #include "cpu/kernels.h"
-#include "cpu/lanes.h"
+#include "cpu/simd/lanes.h"
 
 typedef struct block {
   _Alignas(LIST_UNIT) uint32_t first[PARTS]; /* the particle in slot 1 of each window */

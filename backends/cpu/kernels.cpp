@@ -1,5 +1,5 @@
 /* One instruction set's loops of one variant; see kernels.h. */
-#include "cpu/kernels_deep.h"
+#include "cpu/kernels_pressure_grid.h"
 #include "cpu/kernels_pairs.h"
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"

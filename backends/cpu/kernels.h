@@ -161,7 +161,7 @@ typedef struct kernels {
                 uint32_t first, uint32_t last);
   void (*carry)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
                 uint32_t last);
-  /* … and over nodes: kernels_deep.h. */
+  /* … and over nodes: kernels_pressure_grid.h. */
   void (*equations)(const pbf_deep *deep, const pbf_coarse_dose *dose, const int i[PBF_DIM],
                     int last, uint32_t row);
   int (*relax)(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first, uint32_t last);

@@ -33,7 +33,8 @@ typedef struct slab_counter {
   _Alignas(64) atomic_uint taken;
 } slab_counter;
 
-/* The solve on the pressure grid (deep_solve.h), and its parts where threads share them. */
+/* The solve on the pressure grid (pressure_grid_solve.h), and its parts where threads share them.
+ */
 typedef struct deep_solve {
   pbf_coarse_solve solve;
   int iteration;  /* under way */

@@ -2,7 +2,7 @@
 #ifndef PBF_CPU_STEP_H
 #define PBF_CPU_STEP_H
 
-#include "cpu/deep.h"
+#include "cpu/pressure_grid.h"
 #include "cpu/sleep.h"
 #include "cpu/sort.h"
 #include "physics/overfull.h"

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "cpu/isa.h"
-#include "cpu/lanes.h"
+#include "cpu/simd/lanes.h"
 
 static uint32_t random_bits(uint64_t *seed) {
   *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);

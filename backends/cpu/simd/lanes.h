@@ -12,8 +12,8 @@
  * Which slots of a window a lane wants is a mask, slot s
  * being bit 31 - s % 32.
  */
-#ifndef PBF_CPU_LANES_H
-#define PBF_CPU_LANES_H
+#ifndef PBF_CPU_SIMD_LANES_H
+#define PBF_CPU_SIMD_LANES_H
 
 #include <stdint.h>
 #include <string.h>
@@ -30,13 +30,13 @@ enum { BUILT_FOR_SIZE = 0 };
 #endif
 
 #if defined(PBF_LANES_AVX512)
-#include "cpu/lanes_avx512.h"
+#include "cpu/simd/avx512.h"
 #elif defined(PBF_LANES_AVX2)
-#include "cpu/lanes_avx2.h"
+#include "cpu/simd/avx2.h"
 #elif defined(PBF_LANES_SSE2)
-#include "cpu/lanes_128.h"
+#include "cpu/simd/128.h"
 #else
-#include "cpu/lanes_scalar.h"
+#include "cpu/simd/scalar.h"
 #endif
 
 PBF_FN lane lane_ramp(lane a, lane b) { return lane_max(lane_fma(a, b, lane_set(1)), lane_set(0)); }

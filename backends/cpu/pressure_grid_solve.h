@@ -1,7 +1,7 @@
 /* The pressure grid's equations and their solve: by one thread, or where there are many nodes by
  * all that come by. */
-#ifndef PBF_CPU_DEEP_SOLVE_H
-#define PBF_CPU_DEEP_SOLVE_H
+#ifndef PBF_CPU_PRESSURE_GRID_SOLVE_H
+#define PBF_CPU_PRESSURE_GRID_SOLVE_H
 
 #include "cpu/worker.h"
 

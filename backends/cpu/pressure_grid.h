@@ -1,9 +1,9 @@
 /* Deep water: the pressure of the fluid's weight on a coarse grid (physics/coarse.h), before the
  * iterations. */
-#ifndef PBF_CPU_DEEP_H
-#define PBF_CPU_DEEP_H
+#ifndef PBF_CPU_PRESSURE_GRID_H
+#define PBF_CPU_PRESSURE_GRID_H
 
-#include "cpu/deep_solve.h"
+#include "cpu/pressure_grid_solve.h"
 #include "cpu/lists.h"
 
 static int is_deep(const worker *w) {

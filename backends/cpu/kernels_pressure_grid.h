@@ -1,7 +1,7 @@
 /* Loops of the pressure grid (physics/coarse.h): over particles, and over nodes along the first
  * axis. They are left to the compiler's vectoriser. */
-#ifndef PBF_CPU_KERNELS_DEEP_H
-#define PBF_CPU_KERNELS_DEEP_H
+#ifndef PBF_CPU_KERNELS_PRESSURE_GRID_H
+#define PBF_CPU_KERNELS_PRESSURE_GRID_H
 
 #include "cpu/kernels.h"
 
