@@ -3,7 +3,7 @@
 #define PBF_CUDA_MIRRORS_H
 
 #include "cuda/lists.h"
-#include "cuda/sums.h"
+#include "cuda/iteration.h"
 
 /* The walls in which a particle has images near, its own or others'. */
 struct wall_images {

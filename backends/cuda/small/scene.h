@@ -16,7 +16,7 @@
 #include "cuda/barrier.h"
 #include "cuda/small/exchange.h"
 #include "cuda/lists.h"
-#include "cuda/sums.h"
+#include "cuda/iteration.h"
 
 enum {
   SMALL_MOST_PARTICLES = 65535,         /* cells and lists hold 16-bit numbers of particles */
