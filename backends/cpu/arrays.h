@@ -131,6 +131,8 @@ static extent pieces(const solver *s) { return {(uint64_t)PAIR_PIECES * s->threa
 
 static extent grid_words(const solver *s) { return {pbf_deep_words(s->capacity), 0}; }
 
+namespace {
+
 /* An entry of physics/arrays.def. */
 struct optional_array {
   solver *s;
@@ -152,6 +154,8 @@ struct optional_array {
   }
   bool keep() const { return true; } /* other backends' */
 };
+
+}  // namespace
 
 static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
 #define PBF_ARRAY(name, wanted, holders) \

@@ -32,6 +32,8 @@ static inline void free_all_asleep(solver *s) {
   s->all_asleep = nullptr;
 }
 
+namespace {
+
 /* An entry of physics/arrays.def. */
 struct optional_array {
   solver *s;
@@ -45,6 +47,8 @@ struct optional_array {
   }
   pbf_status keep() const { return PBF_OK; } /* other backends' */
 };
+
+}  // namespace
 
 static inline pbf_status keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
   const uint64_t n = s->capacity;

@@ -21,6 +21,8 @@ static bool take_arrays(solver *s) {
          take(s, &s->grid.start, "cell start", (uint64_t)grid_cell_limit(s->capacity) + 1);
 }
 
+namespace {
+
 /* An entry of physics/arrays.def. */
 struct optional_array {
   solver *s;
@@ -37,6 +39,8 @@ struct optional_array {
   }
   bool keep() const { return true; } /* other backends' */
 };
+
+}  // namespace
 
 static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
 #define PBF_ARRAY(name, wanted, holders) \
