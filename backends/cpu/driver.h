@@ -26,6 +26,14 @@ struct lookups {
   const field *vector;
 };
 
+/* How many neighbours a list has for each lane. */
+PBF_FN slots neighbors_listed(const uint8_t *list, const uint8_t *end) {
+  slots count = slots_set(0);
+  for (; list < end; list += WIDTH)
+    count = count + (slots_set(1) & ~slots_below(slots_of_bytes(list), 1));
+  return count;
+}
+
 PBF_FN lane_vector<lane> load_vector(const field &f, uint32_t i) {
   lane_vector<lane> a;
   for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_load(f.c[k] + i);
@@ -33,11 +41,11 @@ PBF_FN lane_vector<lane> load_vector(const field &f, uint32_t i) {
 }
 
 /* A loop whose next round's distances are begun before the present one's terms: their latency is
- * the longest. */
+ * the longest. Adds up the neighbours, unless null. */
 template <class Pass>
 PBF_FN typename Pass::template sums<lane> sums_of_group(
     const Pass &pass, const pair_pass *p, const lookups &of,
-    const typename Pass::template own<lane> &own, uint32_t g) {
+    const typename Pass::template own<lane> &own, uint32_t g, slots *neighbors = NULL) {
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
   auto sums = pass.template begin<lane>();
   uint8_t space[MOST_ROUNDS * WIDTH];
@@ -47,6 +55,7 @@ PBF_FN typename Pass::template sums<lane> sums_of_group(
     vector_table vectors;
     if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, NULL);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    if (neighbors) *neighbors = *neighbors + neighbors_listed(list, end);
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
       neighbor_of<lane> j;
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = now.x_ij.c[k];

@@ -6,6 +6,7 @@
 #include "cpu/kernels_mirrors.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/pressure_fit.h"
@@ -357,25 +358,13 @@ static void stir(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, 
 
 /* ---- On request ---------------------------------------------------------------------------- */
 
-PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *densities,
-                           uint32_t *neighbors, uint32_t first, uint32_t last) {
+static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
+                    uint32_t last) {
   const pbf_constants c = *p->constants;
-  const lists n = p->lists;
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  const density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    lane density = lane_set(c.value_scale);
     slots count = slots_set(0);
-    for (walk w = walk_group(&n, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const uint8_t *list = walk_on(&w, space), *list_end = list + b->rounds * WIDTH;
-      for (; list < list_end; list += WIDTH) {
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        if (neighbors) count = count + (slots_set(1) & ~slots_below(slots_of_bytes(list), 1));
-        density = density + lanes_density(features, &c, pair.r2);
-      }
-    }
+    lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
     pair_sums mirrored;
     if (has_mirrors(p) && sum_mirrored(p, NULL, g, &mirrored)) density = mirrored.density;
     lane_store(densities + g * WIDTH, density);
@@ -385,11 +374,6 @@ PBF_FN void density_groups(const int features, const pair_pass *p, pbf_real *den
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += lent.density[l];
     }
   }
-}
-
-static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
-                    uint32_t last) {
-  density_groups(hot_features(p) & PBF_FEATURE_POLY6, p, densities, neighbors, first, last);
 }
 
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,

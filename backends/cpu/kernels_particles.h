@@ -4,8 +4,9 @@
 
 #include "cpu/kernels_collide.h"
 #include "cpu/lane_vec.h"
-#include "physics/passes/lambda.h"
+#include "physics/passes/density.h"
 #include "physics/passes/predict.h"
+#include "physics/passes/start.h"
 #include "physics/passes/velocity.h"
 
 static void clamp_range(const pbf_walls *between, field x, uint32_t first, uint32_t last) {
@@ -94,8 +95,7 @@ static void predict(const pbf_forces *forces, const pbf_obstacles *obstacles, in
 static void backtrack(pbf_real time_step, field predicted, field velocity, field before,
                       uint32_t first, uint32_t last) {
   for (uint32_t i = first; i < last; ++i)
-    field_set(&before, i,
-              pbf_add_scaled(field_at(&predicted, i), -time_step, field_at(&velocity, i)));
+    field_set(&before, i, pbf_start(time_step, field_at(&predicted, i), field_at(&velocity, i)));
 }
 
 static void slack(const pbf_constants *constants, pbf_real *density, uint32_t first,

@@ -56,7 +56,7 @@ static void weigh(const pbf_deep *deep, pbf_real target, field x, const pbf_real
     count = deep_chunk(first, last);
     find_places(&c, &x, first, count, &places);
     for (uint32_t l = 0; l < count; ++l)
-      entries[l] = pbf_coarse_entry(densities[first + l] - target);
+      entries[l] = pbf_coarse_entry(target, densities[first + l]);
     for (uint32_t l = 0; l < count; ++l) {
       double at[PBF_DIM];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];

@@ -5,6 +5,7 @@
 
 #include "cuda/lists.h"
 #include "physics/passes/pass.h"
+#include "physics/passes/start.h"
 
 /* Vectors of what passes look up, as they lie in an array. */
 static __device__ __forceinline__ pbf_vec vector_in(const point &p) { return position_of(p); }
@@ -19,16 +20,34 @@ static __device__ __forceinline__ pbf_real number_in(const point &other, const V
   return other.lambda;
 }
 
+/* Where particles are for a pass: at their points, … */
+struct at_points {
+  template <class Value>
+  __device__ __forceinline__ pbf_vec place(const point &p, const Value &) const {
+    return position_of(p);
+  }
+};
+
+/* … or where the step began that takes them there at these velocities. */
+struct at_start {
+  pbf_real time_step;
+
+  __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
+    return pbf_start(time_step, position_of(p), velocity);
+  }
+};
+
 /* Sums of particle i, which stands at x. `values`: of whatever the pass looks up beside places and
- * lambdas. All threads of a warp call it. */
-template <class Pass, class Value>
+ * lambdas, or the places need. All threads of a warp call it. */
+template <class Pass, class Value, class Places = at_points>
 static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_around(
     const Pass &pass, const neighborhood &n, uint32_t i, pbf_vec x,
-    const typename Pass::template own<pbf_real> &own, const Value *values) {
+    const typename Pass::template own<pbf_real> &own, const Value *values,
+    const Places &places = {}) {
   auto sums = pass.template begin<pbf_real>();
   for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
     neighbor_of<pbf_real> j;
-    j.x_ij = lanes_of(pbf_sub(x, position_of(other)));
+    j.x_ij = lanes_of(pbf_sub(x, places.place(other, v)));
     pbf_real r2 = j.x_ij.c[0] * j.x_ij.c[0];
     for (int k = 1; k < PBF_DIM; ++k) r2 += j.x_ij.c[k] * j.x_ij.c[k];
     j.r2 = r2;

@@ -2,8 +2,9 @@
 #ifndef PBF_CUDA_MIRRORS_H
 #define PBF_CUDA_MIRRORS_H
 
-#include "cuda/lists.h"
+#include "cuda/driver.h"
 #include "cuda/iteration.h"
+#include "physics/passes/density.h"
 
 /* The walls in which a particle has images near, its own or others'. */
 struct wall_images {
@@ -69,30 +70,25 @@ static __device__ __forceinline__ void for_images(const wall_images &images, pbf
   }
 }
 
-/* V W of the images of one neighbour. */
-template <int FEATURES>
-static __device__ __forceinline__ pbf_real image_density(const pbf_constants *c,
-                                                         const wall_images &images, pbf_vec x_ij) {
-  pbf_real density = 0;
-  for_images(images, c->h2, x_ij, [&](pbf_vec, pbf_real r2) {
-    density += c->wall_weight * pbf_pair_density(FEATURES, c, r2);
+/* Adds the images of one neighbour to the sums of a pass that looks nothing up. */
+template <class Pass>
+static __device__ __forceinline__ void add_images(const Pass &pass, const wall_images &images,
+                                                  pbf_vec x_ij,
+                                                  typename Pass::template sums<pbf_real> *sums) {
+  for_images(images, pass.c->h2, x_ij, [&](pbf_vec image, pbf_real r2) {
+    pass.pair(sums, {}, {lanes_of(image), r2, 0, {}}, pass.c->wall_weight);
   });
-  return density;
 }
 
 /* Of particles where they are, of whom nothing else counts. */
-struct at_points {
+struct of_points : at_points {
   const no_value *values = nullptr;
-
-  __device__ __forceinline__ pbf_vec place(const point &p, no_value) const {
-    return position_of(p);
-  }
 };
 
 /* What is summed over images, with what `values` hold for each particle: in an iteration for its
  * lambda, … */
 template <int FEATURES>
-struct images_of_lambda : at_points {
+struct images_of_lambda : of_points {
   typedef image_sums sum;
 
   static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
@@ -112,7 +108,7 @@ struct images_of_lambda : at_points {
 
 /* … for its move, … */
 template <int FEATURES>
-struct images_of_move : at_points {
+struct images_of_move : of_points {
   typedef pbf_vec sum;
 
   static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
@@ -127,25 +123,22 @@ struct images_of_move : at_points {
   }
 };
 
-/* Where a step of this velocity to p began. */
-static __device__ __forceinline__ pbf_vec start_of(const point &p, pbf_real time_step,
-                                                   pbf_vec velocity) {
-  return pbf_add_scaled(position_of(p), -time_step, velocity);
-}
-
-/* … and for the density at the step's start, from where velocities lead to where particles are. */
+/* … and for the density at the step's start. */
 template <int FEATURES>
 struct images_at_start {
   typedef pbf_real sum;
   const pbf_vec *values;
-  pbf_real time_step;
+  at_start places;
 
   __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
-    return start_of(p, time_step, velocity);
+    return places.place(p, velocity);
   }
-  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec, pbf_real r2,
-                                             pbf_real) {
-    *all += c->wall_weight * pbf_pair_density(FEATURES, c, r2);
+  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
+                                             pbf_real r2, pbf_real) {
+    const density_pass<fixed<FEATURES>> pass = {c, {}};
+    typename density_pass<fixed<FEATURES>>::template sums<pbf_real> sums = {*all};
+    pass.pair(&sums, {}, {lanes_of(image), r2, 0, {}}, c->wall_weight);
+    *all = sums.density;
   }
   static __device__ __forceinline__ void join(sum *all, sum part) { *all += part; }
 };

@@ -6,6 +6,7 @@
 #include "cuda/mirrors.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/viscosity.h"
@@ -198,7 +199,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     start_kernel(sorted_particles p, pbf_real time_step, point *starts) {
   uint32_t i = thread_index();
   if (i < p.count)
-    store(starts, i, point_at(start_of(load(p.points, i), time_step, p.velocities[i])));
+    store(starts, i, point_at(at_start{time_step}.place(load(p.points, i), p.velocities[i])));
 }
 
 /* The torque of the move that is next. */
@@ -264,17 +265,13 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     slack_kernel(neighborhood n, iteration_extras extras, pbf_walls walls, pbf_real time_step,
                  bool mirrored, pbf_real *slack) {
-  uint32_t i = thread_index();
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
+  const density_pass<fixed<FEATURES>> pass = {c, {}};
   const pbf_vec *velocities = n.particles.velocities;
-  uint32_t own = min(i, n.particles.count - 1);
-  auto start = [&](const point &end, pbf_vec v) { return start_of(end, time_step, v); };
-  pbf_vec x = start(load(n.particles.points, own), velocities[own]), gradient = {{0}};
-  pbf_real density = c->value_scale;
-  for_points_with(n.particles, n.grid, n.lists, i, velocities, [&](const point &other, pbf_vec v) {
-    pbf_vec x_ij = pbf_sub(x, start(other, v));
-    density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
-  });
+  const at_start places = {time_step};
+  pbf_vec x = places.place(load(n.particles.points, own), velocities[own]), gradient = {{0}};
+  pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
   if (i >= n.particles.count) return;
   if (mirrored) density += slack[i];
   if (extras.wall_density) {
@@ -373,15 +370,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, const pbf_walls &walls,
                                                       uint32_t i, uint32_t *neighbors) {
-  const pbf_constants *c = &n.constants;
+  const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const wall_images images = images_at(walls, position_of(load(n.particles.points, i)));
-  pbf_real density = c->value_scale + image_density<FEATURES>(c, images, {{0}});
+  auto sums = pass.template begin<pbf_real>();
+  add_images(pass, images, {{0}}, &sums);
   for_present_neighbors(n, i, [&](const neighbor_of<pbf_real> &j) {
-    density +=
-        pbf_pair_density(FEATURES, c, j.r2) + image_density<FEATURES>(c, images, vec_of(j.x_ij));
+    pass.pair(&sums, {}, j);
+    add_images(pass, images, vec_of(j.x_ij), &sums);
     ++*neighbors;
   });
-  return density;
+  return sums.density;
 }
 
 #endif

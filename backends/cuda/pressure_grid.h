@@ -59,20 +59,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
                  deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
+  const density_pass<fixed<FEATURES>> pass = {c, {}};
   pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   pbf_vec gradient = {{0}};
-  pbf_real density = c->value_scale;
-  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
-    pbf_vec x_ij = pbf_sub(x, position_of(other));
-    density += pbf_pair_density(FEATURES, c, pbf_dot(x_ij, x_ij));
-  });
+  const no_value *nothing = nullptr;
+  pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
   if (i >= n.particles.count) return;
   if (images) density += images[i].density;
   if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
-  atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(density - c->target));
+  atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(c->target, density));
   atomicAdd(&a.places[cell], (unsigned long long)pbf_coarse_place_entry(at));
 }
 

@@ -152,8 +152,8 @@ PBF_FN uint32_t pbf_coarse_cell(const pbf_coarse *c, pbf_vec x, double at[PBF_DI
 /* What a particle adds to its cell's sum: one to the count in the upper 24 bits, its density
  * error to what is below. The sum of integers is the same in any order. Room counts where it is a
  * ripple, not where fluid ends. */
-PBF_FN int64_t pbf_coarse_entry(pbf_real density_error) {
-  double error = pbf_lesser((double)density_error, 1);
+PBF_FN int64_t pbf_coarse_entry(pbf_real target, pbf_real density) {
+  double error = pbf_lesser((double)(density - target), 1);
   if (error < 0) error *= pbf_greater(0, 1 + 10 * error);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }

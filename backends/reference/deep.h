@@ -4,10 +4,10 @@
 
 #include "common/deep.h"
 
-static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real density_error) {
+static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real target, pbf_real density) {
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  deep->sums[cell] += pbf_coarse_entry(density_error);
+  deep->sums[cell] += pbf_coarse_entry(target, density);
   deep->places[cell] += pbf_coarse_place_entry(at);
 }
 

@@ -4,6 +4,7 @@
 
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/predict.h"
@@ -58,19 +59,12 @@ static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x,
 /* rho/rho0 of particle i at x[i], positions sorted into s->grid; adds up its neighbours. */
 static inline pbf_real density_at(const solver *s, const pbf_obstacles *o, const pbf_vec *x,
                                   uint32_t i, uint32_t *neighbors) {
-  pbf_real density = s->constants.value_scale;
+  const density_pass<int> pass = {&s->constants, s->schedule.features};
+  auto sums = sums_around(s, pass, x, {}, {}, i, neighbors);
   pbf_vec gradient = {{0}};
-  neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
-    density += pbf_pair_density(s->schedule.features, &s->constants, n.r2);
-    ++*neighbors;
-  }
-  add_walls(s, o, x[i], &density, &gradient);
-  image m = images_of(s, o, x, i);
-  while (next_image(s, x, &m))
-    density +=
-        s->constants.wall_weight * pbf_pair_density(s->schedule.features, &s->constants, m.n.r2);
-  return density;
+  add_walls(s, o, x[i], &sums.density, &gradient);
+  add_images(s, pass, o, x, {}, {}, i, &sums);
+  return sums.density;
 }
 
 static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, uint32_t i,
@@ -86,9 +80,8 @@ static inline pbf_real fitted_lambda(const solver *s, uint32_t i) {
 
 /* From the positions at the start of the step, between the obstacles of that time. */
 static inline void compute_slack(solver *s, const pbf_obstacles *o) {
-  uint32_t neighbors = 0;
   for (uint32_t i = 0; i < s->count; ++i)
-    s->slack[i] = pbf_slack(&s->constants, solver_density(s, o, i, &neighbors));
+    s->slack[i] = pbf_slack(&s->constants, density_at(s, o, s->x, i, NULL));
 }
 
 /* Deep water: what its weight presses together is undone before the iterations. */
@@ -96,9 +89,9 @@ static inline void carry_weight(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_deep_begin(&s->deep, &s->params, s->capacity, o);
   for (uint32_t i = 0; i < s->count; ++i) {
-    uint32_t neighbors = 0;
-    pbf_real density = idle(s, i) ? s->constants.target : density_at(s, o, s->moved, i, &neighbors);
-    deep_add(&s->deep, s->moved[i], density - s->constants.target);
+    const pbf_real target = s->constants.target;
+    deep_add(&s->deep, s->moved[i], target,
+             idle(s, i) ? target : density_at(s, o, s->moved, i, NULL));
   }
   deep_solve(&s->deep, o);
   for (uint32_t i = 0; i < s->count; ++i) {

@@ -15,6 +15,7 @@ extern "C" {
 #include "physics/boundary.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/predict.h"

@@ -21,12 +21,6 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real dens
   return -constraint / diagonal;
 }
 
-/* What a step leaves of the density error at its start. */
-PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
-  pbf_real error = pbf_real_max(density - c->target, 0);
-  return pbf_real_max(c->slack * error, c->most_slack * error - c->most_undone);
-}
-
 /* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers
  * is the same in any order. Above 64, and what is no number, it counts as 64, and as nothing. */
 PBF_FN int32_t pbf_excess(const pbf_constants *c, pbf_real slack, pbf_real density) {
