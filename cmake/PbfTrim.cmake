@@ -7,8 +7,16 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND isas sse2 avx2 avx512)
 endif()
 set(PBF_ISAS "${isas}" CACHE STRING "Instruction sets that the CPU backends' pair loops are built for")
-set(PBF_WITHOUT "" CACHE STRING "Features to leave out of every backend: poly6, scorr, vorticity, \
-viscosity, colliders, wall_density, chebyshev, timing, stats, sleep, tolerance, pressure_grid, undamping")
+
+# The features that the table has, in small letters.
+set(feature_table ${PROJECT_SOURCE_DIR}/backends/physics/features.def)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${feature_table})
+file(STRINGS ${feature_table} PBF_FEATURES REGEX "^PBF_FEATURE\\(")
+list(TRANSFORM PBF_FEATURES REPLACE "^PBF_FEATURE\\(([A-Z0-9_]+),.*" "\\1")
+list(TRANSFORM PBF_FEATURES TOLOWER)
+list(JOIN PBF_FEATURES ", " known_features)
+set(PBF_WITHOUT "" CACHE STRING "Features to leave out of every backend, some of: ${known_features}")
+
 option(PBF_STATIC "One static library with the backends linked in: no plugins, no search for them" OFF)
 
 # pbf_check_list(<option> <known>...)
@@ -21,7 +29,6 @@ function(pbf_check_list option)
 endfunction()
 pbf_check_list(PBF_VARIANTS 3d-f32 3d-f64 2d-f32 2d-f64)
 pbf_check_list(PBF_ISAS ${isas})
-set(PBF_FEATURES poly6 scorr vorticity viscosity colliders wall_density chebyshev timing stats sleep tolerance pressure_grid undamping)
 pbf_check_list(PBF_WITHOUT ${PBF_FEATURES})
 foreach(option PBF_VARIANTS PBF_ISAS)
   if(NOT ${option})

@@ -23,30 +23,10 @@ static inline int pbf_features_wanted(const pbf_params *params, uint32_t collide
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */
 static inline const char *pbf_without(int wanted) {
-  static const struct {
-    int feature;
-    const char *sentence;
-  } refusals[] = {
-      {PBF_FEATURE_POLY6, "built without the kernel PBF_KERNEL_POLY6_SPIKY"},
-      {PBF_FEATURE_SCORR, "built without artificial pressure; params.scorr_k must be 0"},
-      {PBF_FEATURE_VORTICITY, "built without vorticity confinement; params.vorticity must be 0"},
-      {PBF_FEATURE_VISCOSITY, "built without viscosity; params.viscosity must be 0"},
-      {PBF_FEATURE_COLLIDERS, "built without colliders"},
-      {PBF_FEATURE_WALL_DENSITY, "built without the walls' density; params.wall_density must be 0"},
-      {PBF_FEATURE_CHEBYSHEV,
-       "built without PBF_SOLVER_CHEBYSHEV; params.solver must be "
-       "PBF_SOLVER_JACOBI"},
-      {PBF_FEATURE_TOLERANCE, "built without the solve's early end; params.tolerance must be 0"},
-      {PBF_FEATURE_PRESSURE_GRID,
-       "built without the pressure grid; params.pressure_grid must be 0"},
-      {PBF_FEATURE_UNDAMPING,
-       "built without undamping; params.undamping and params.torque_correction must be 0"},
-      {PBF_FEATURE_SLEEP, "built without sleep; params.sleep_speed must be 0"},
-      {PBF_FEATURE_STATS, "built without statistics and densities"},
-  };
   wanted &= ~PBF_BUILT;
-  for (unsigned k = 0; wanted && k < sizeof refusals / sizeof refusals[0]; ++k)
-    if (wanted & refusals[k].feature) return refusals[k].sentence;
+#define PBF_FEATURE(NAME, refusal) \
+  if (wanted & PBF_FEATURE_##NAME) return "built without " refusal;
+#include "physics/features.def"
   return NULL;
 }
 

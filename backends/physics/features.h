@@ -15,29 +15,26 @@
 #define restrict __restrict
 #endif
 
+/* Bits by features.def. */
 enum {
-  PBF_FEATURE_POLY6 = 1, /* poly6 density and spiky gradient; otherwise Wendland C2 */
-  PBF_FEATURE_SCORR = 2, /* artificial pressure */
-  PBF_FEATURE_COUNT = 4, /* combinations of the bits above, those of the hot loop */
+#define PBF_FEATURE(NAME, refusal) PBF_FEATURE_BIT_##NAME,
+#include "physics/features.def"
+  PBF_FEATURE_BITS
+};
 
-  /* What is asked for outside the hot loop. */
-  PBF_FEATURE_VORTICITY = 1 << 2,
-  PBF_FEATURE_VISCOSITY = 1 << 3,
-  PBF_FEATURE_COLLIDERS = 1 << 4,
-  PBF_FEATURE_WALL_DENSITY = 1 << 5,
-  PBF_FEATURE_CHEBYSHEV = 1 << 6,
-  PBF_FEATURE_TIMING = 1 << 7, /* times of stages */
-  PBF_FEATURE_STATS = 1 << 8,  /* statistics and densities */
-  PBF_FEATURE_SLEEP = 1 << 9,
-  PBF_FEATURE_TOLERANCE = 1 << 10,
-  PBF_FEATURE_PRESSURE_GRID = 1 << 11,
-  PBF_FEATURE_UNDAMPING = 1 << 12,
+enum {
+  PBF_FEATURE_NONE = 0,
+#define PBF_FEATURE(NAME, refusal) PBF_FEATURE_##NAME = 1 << PBF_FEATURE_BIT_##NAME,
+#include "physics/features.def"
+
+  /* Combinations of the bits up to SCORR, those of the hot loop. */
+  PBF_FEATURE_COUNT = 2 * PBF_FEATURE_SCORR,
 
   /* The undamping's pass sums up the torque that it exerts. */
-  PBF_FEATURE_TORQUE = 1 << 13,
+  PBF_FEATURE_TORQUE = 1 << PBF_FEATURE_BITS,
 
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */
-  PBF_BUILT = ((1 << 13) - 1) & ~(PBF_WITHOUT)
+  PBF_BUILT = ((1 << PBF_FEATURE_BITS) - 1) & ~(PBF_WITHOUT)
 };
 
 static inline int pbf_features_of(const pbf_params *params) {

@@ -12,8 +12,9 @@ build=$1 folder=$2
 shift 2
 source=$(cd "$(dirname "$0")/../.." && pwd)
 against=
-for without in "" scorr poly6 vorticity viscosity colliders wall_density chebyshev timing stats sleep tolerance pressure_grid undamping \
-  "scorr;poly6;vorticity;viscosity;colliders;wall_density;chebyshev;timing;stats;sleep;tolerance;pressure_grid;undamping"; do
+features=$(sed -n 's/^PBF_FEATURE(\([A-Z0-9_]*\),.*/\1/p' "$source/backends/physics/features.def" | tr '[:upper:]' '[:lower:]')
+# shellcheck disable=SC2086 # words on purpose
+for without in "" $features "$(echo $features | tr ' ' ';')"; do
   case $without in "") name=with_all ;; *";"*) name=without_any ;; *) name=without_$without ;; esac
   cmake -S "$source" -B "$folder/$name" -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=${PBF_BACKENDS:-reference;serial;openmp}" \
     -DPBF_VARIANTS=3d-f32 "-DPBF_WITHOUT=$without" \
