@@ -11,22 +11,8 @@
 #include "physics/features.h"
 
 typedef enum pbf_stage {
-  PBF_STAGE_PREDICT,   /* lines 1-4, with walls and colliders when they act there */
-  PBF_STAGE_NEIGHBORS, /* lines 5-7 */
-  PBF_STAGE_SLACK,     /* density at the start of a very short step */
-  PBF_STAGE_GRID,      /* deep water's pressure, on a coarse grid */
-  PBF_STAGE_LAMBDA,    /* lines 9-11, an iteration */
-  PBF_STAGE_TORQUE,    /* of the pushes of an iteration: turn.h */
-  PBF_STAGE_MOVE,      /* lines 12-18, an iteration; lines 13 and 14 with collisions there */
-  PBF_STAGE_VELOCITY,  /* lines 20, 21, 23, with collisions after the solve */
-  PBF_STAGE_FLOW,      /* mean velocities, for … */
-  PBF_STAGE_UNDAMP,    /* … undamp.h */
-  PBF_STAGE_TURN_RATE, /* turn.h: how fast the pairs around a particle are to turn, and … */
-  PBF_STAGE_TURN,      /* … their velocities, by that */
-  PBF_STAGE_CURL,      /* line 22, eq. 15 */
-  PBF_STAGE_CONFINE,   /* line 22, eq. 16 */
-  PBF_STAGE_VISCOSITY, /* line 22, eq. 17 */
-  PBF_STAGE_SLEEP,     /* who falls asleep and who wakes */
+#define PBF_STAGE(ID, name, feature, times, launches) PBF_STAGE_##ID,
+#include "physics/stages.def"
   PBF_STAGE_COUNT
 } pbf_stage;
 
@@ -54,26 +40,18 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
-  s.runs[PBF_STAGE_PREDICT] = s.runs[PBF_STAGE_NEIGHBORS] = s.runs[PBF_STAGE_VELOCITY] = 1;
-  s.runs[PBF_STAGE_SLACK] = pbf_slack_of(params) > 0;
-  s.runs[PBF_STAGE_GRID] = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                           pbf_depth_grid(params, colliders, list, capacity) > 0;
-  s.runs[PBF_STAGE_LAMBDA] = s.runs[PBF_STAGE_MOVE] = params->iterations;
-  s.runs[PBF_STAGE_FLOW] = s.runs[PBF_STAGE_UNDAMP] = params->undamping > 0 && s.accelerated;
-  s.runs[PBF_STAGE_TURN_RATE] = s.runs[PBF_STAGE_TURN] =
-      params->torque_correction > 0 && s.accelerated;
-  s.runs[PBF_STAGE_TORQUE] = s.runs[PBF_STAGE_TURN] ? params->iterations : 0;
-  s.runs[PBF_STAGE_CURL] = s.runs[PBF_STAGE_CONFINE] = params->vorticity > 0;
-  s.runs[PBF_STAGE_VISCOSITY] = params->viscosity > 0;
-  s.runs[PBF_STAGE_SLEEP] = params->sleep_speed > 0;
+  const int accelerated = s.accelerated;
+#define PBF_STAGE(ID, name, feature, times, launches) \
+  if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
+#include "physics/stages.def"
   return s;
 }
 
 static inline const char *pbf_stage_name(pbf_stage stage) {
   static const char *const names[PBF_STAGE_COUNT] = {
-      "predict", "neighbors", "slack",     "pressure grid", "lambda",    "torque",
-      "move",    "velocity",  "flow",      "undamp",        "turn rate", "turn",
-      "curl",    "confine",   "viscosity", "sleep"};
+#define PBF_STAGE(ID, name, feature, times, launches) name,
+#include "physics/stages.def"
+  };
   return names[stage];
 }
 
