@@ -14,26 +14,59 @@ const char *pbf_check_finite(double value, uint32_t precision) {
   return NULL;
 }
 
-/* Null when the value will do, else what it must be. */
-static const char *unmet_requirement(double value, pbf_range range, uint32_t precision) {
-  const char *requirement = pbf_check_finite(value, precision);
-  if (requirement) return requirement;
-  if (range == PBF_AT_LEAST_ZERO && value < 0) return "at least 0";
-  if (range == PBF_FRACTION && (value < 0 || value > 1)) return "from 0 to 1";
-  if (range == PBF_ABOVE_ZERO && value <= 0) return "above 0";
+static const char *unmet_above_zero(double value, uint32_t precision) {
   int single = precision == PBF_FLOAT32;
-  if (range != PBF_ABOVE_ZERO || value >= (single ? (double)FLT_MIN : DBL_MIN)) return NULL;
+  if (value <= 0) return "above 0";
+  if (value >= (single ? (double)FLT_MIN : DBL_MIN)) return NULL;
   return single ? "a normal number in float32, at least 1.2e-38"
                 : "a normal number, at least 2.3e-308";
 }
 
+/* Cells narrower than h would hold too few particles, and wider ones than this none. */
+static const char *unmet_grid_width(double value) {
+  if (value == 0 || value == -1 || (value >= 1 && value <= 1000)) return NULL;
+  return "1 … 1000, in units of smoothing_radius, 0 for none, or -1 for one where water could be "
+         "deep";
+}
+
+/* Null when the value will do, else what it must be. */
+static const char *unmet_requirement(double value, pbf_range range, uint32_t precision) {
+  const char *requirement = pbf_check_finite(value, precision);
+  if (requirement) return requirement;
+  switch (range) {
+    case PBF_ANY:
+      return NULL;
+    case PBF_AT_LEAST_ZERO:
+      return value < 0 ? "at least 0" : NULL;
+    case PBF_ABOVE_ZERO:
+      return unmet_above_zero(value, precision);
+    case PBF_FRACTION:
+      return value < 0 || value > 1 ? "from 0 to 1" : NULL;
+    case PBF_FRACTION_OF_RADIUS:
+      return value < 1 ? unmet_above_zero(value, precision)
+                       : "below 1, in units of smoothing_radius";
+    case PBF_GRID_WIDTH:
+      return unmet_grid_width(value);
+  }
+  return NULL;
+}
+
+static double real_at(const void *object, size_t offset) {
+  double value;
+  memcpy(&value, (const unsigned char *)object + offset, sizeof value);
+  return value;
+}
+
+static int is_off(size_t only_with, const void *object) {
+  return only_with && !(real_at(object, only_with) > 0);
+}
+
 pbf_status pbf_check_real(const pbf_real_rule *rule, const char *label, const void *object,
                           pbf_check_kind kind) {
-  uint32_t used = rule->components;
+  uint32_t used = is_off(rule->only_with, object) ? 0 : rule->components;
   if (kind.dimension == 2 && used > 1) used = used / 3 * 2;
   for (uint32_t i = 0; i < used; ++i) {
-    double value;
-    memcpy(&value, (const unsigned char *)object + rule->offset + i * sizeof value, sizeof value);
+    double value = real_at(object, rule->offset + i * sizeof value);
     const char *requirement = unmet_requirement(value, rule->range, kind.precision);
     if (!requirement) continue;
     char index[16] = "", number[PBF_NUMBER_SIZE];
@@ -48,6 +81,7 @@ pbf_status pbf_check_count(const pbf_count_rule *rule, const char *label, const 
   uint32_t value;
   memcpy(&value, (const unsigned char *)object + rule->offset, sizeof value);
   if (value >= rule->min && value <= rule->max) return PBF_OK;
+  if (is_off(rule->only_with, object)) return PBF_OK;
   char range[48];
   if (rule->min == rule->max) {
     snprintf(range, sizeof range, "%u", rule->min);

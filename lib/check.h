@@ -17,15 +17,18 @@ typedef enum pbf_range {
   PBF_AT_LEAST_ZERO,
   PBF_ABOVE_ZERO,
   PBF_FRACTION,
+  PBF_FRACTION_OF_RADIUS, /* between 0 and 1, in units of smoothing_radius */
+  PBF_GRID_WIDTH,         /* of a coarse grid, in the same units; or none, or the solver's choice */
 } pbf_range;
 
 /* `components`: 1, 3 (an axis each, of which 2D has two) or 6 (a wall each, of which 2D has
- * four). */
+ * four). `only_with`: the offset of a double that must be above 0 for the rule to hold, or 0. */
 typedef struct pbf_real_rule {
   const char *name;
   size_t offset;
   uint32_t components;
   pbf_range range;
+  size_t only_with;
 } pbf_real_rule;
 
 typedef struct pbf_count_rule {
@@ -34,6 +37,7 @@ typedef struct pbf_count_rule {
   uint32_t min;
   uint32_t max;
   const char *hint; /* appended to the range in the message; may be empty */
+  size_t only_with;
 } pbf_count_rule;
 
 /* `object` is the struct, `label` what the message calls it. */

@@ -7,9 +7,9 @@
 #include "text.h"
 
 #define COUNT(member, max, hint) \
-  { #member, offsetof(pbf_collider, member), 0, max, hint }
+  { #member, offsetof(pbf_collider, member), 0, max, hint, 0 }
 #define REAL(member, components, range) \
-  { #member, offsetof(pbf_collider, member), components, range }
+  { #member, offsetof(pbf_collider, member), components, range, 0 }
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double quaternion_tolerance = 1e-6;
@@ -28,7 +28,7 @@ static const pbf_real_rule reals[] = {
 /* 2D turns about z alone: the four and the third component are not what 2D leaves out. */
 static const pbf_real_rule turn_3d = REAL(angular_velocity, 3, PBF_ANY);
 static const pbf_real_rule turn_2d = {"angular_velocity[2]",
-                                      offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY};
+                                      offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY, 0};
 
 static const pbf_real_rule box_sizes = REAL(half_extents, 3, PBF_ABOVE_ZERO);
 static const pbf_real_rule round_size = REAL(radius, 1, PBF_ABOVE_ZERO);

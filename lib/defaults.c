@@ -27,21 +27,14 @@ pbf_status pbf_desc_init(pbf_desc *desc, uint32_t struct_size) {
 
 pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size) {
   static const pbf_params defaults = {
-      .kernel = PBF_KERNEL_WENDLAND_C2,
-      .smoothing_radius = 0.1,
-      .time_step = 1.0 / 120,
-      .iterations = 4,
-      .collide = PBF_COLLIDE_AFTER_PREDICTION | PBF_COLLIDE_IN_ITERATION,
-      .gravity = {0, -9.81, 0},
-      .solver = PBF_SOLVER_CHEBYSHEV,
-      .separation = 1,
-      .pressure_grid = -1,
-      .min_diagonal = 1,
-      .wall_density = 1,
-      .scorr_dq = 0.2,
-      .scorr_n = 4,
-      .domain_max = {1, 1, 1},
-      .prestabilization = 0.02,
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  .name = initial,
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  .name = initial,
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  .name = initial,
+#include "physics/params.def"
   };
   return init(&pbf_kind_params, &defaults, params, struct_size);
 }

@@ -13,7 +13,7 @@
 enum { MAX_THREADS = 65536 };
 
 #define RULE(member, min, max, hint) \
-  { #member, offsetof(pbf_desc, member), min, max, hint }
+  { #member, offsetof(pbf_desc, member), min, max, hint, 0 }
 
 static const pbf_count_rule rules[] = {
     RULE(api_version, 1, PBF_API_VERSION, ", the PBF_API_VERSION of pbf.h"),

@@ -8,64 +8,26 @@
 /* A support of more spacings has thousands of neighbours a particle: a unit gone wrong. */
 enum { MOST_SPACINGS = 10 };
 
-#define COUNT(member, least, most, hint) \
-  { #member, offsetof(pbf_params, member), least, most, hint }
-#define REAL(member, components, range) \
-  { #member, offsetof(pbf_params, member), components, range }
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
+/* The column `when` of params.def: the switch of a rule. */
+#define SWITCH_ALWAYS 0
+#define SWITCH_WITH(member) offsetof(pbf_params, member)
+
 static const pbf_count_rule counts[] = {
-    COUNT(kernel, 0, PBF_KERNEL_POLY6_SPIKY, " (PBF_KERNEL_…)"),
-    COUNT(iterations, 1, UINT32_MAX, ""),
-    COUNT(collide, 1, 7, ", a sum of PBF_COLLIDE_… bits"),
-    COUNT(solver, 0, PBF_SOLVER_CHEBYSHEV, " (PBF_SOLVER_…)"),
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  {#name, offsetof(pbf_params, name), min, max, hint, SWITCH_##when},
+#include "physics/params.def"
 };
 
 static const pbf_real_rule reals[] = {
-    REAL(smoothing_radius, 1, PBF_ABOVE_ZERO),
-    REAL(spacing, 1, PBF_AT_LEAST_ZERO),
-    REAL(particle_volume, 1, PBF_AT_LEAST_ZERO),
-    REAL(time_step, 1, PBF_ABOVE_ZERO),
-    REAL(gravity, 3, PBF_ANY),
-    REAL(attraction, 1, PBF_ANY),
-    REAL(attraction_center, 3, PBF_ANY),
-    REAL(relaxation, 1, PBF_AT_LEAST_ZERO),
-    REAL(epsilon, 1, PBF_AT_LEAST_ZERO),
-    REAL(separation, 1, PBF_FRACTION),
-    REAL(min_diagonal, 1, PBF_AT_LEAST_ZERO),
-    REAL(wall_density, 1, PBF_FRACTION),
-    REAL(scorr_k, 1, PBF_AT_LEAST_ZERO),
-    REAL(vorticity, 1, PBF_AT_LEAST_ZERO),
-    REAL(viscosity, 1, PBF_AT_LEAST_ZERO),
-    REAL(domain_min, 3, PBF_ANY),
-    REAL(domain_max, 3, PBF_ANY),
-    REAL(wall_velocity, 6, PBF_ANY),
-    REAL(wall_amplitude, 6, PBF_ANY),
-    REAL(wall_frequency, 6, PBF_ANY),
-    REAL(wall_phase, 6, PBF_ANY),
-    REAL(search_cell_width, 1, PBF_AT_LEAST_ZERO),
-    REAL(sleep_speed, 1, PBF_AT_LEAST_ZERO),
-    REAL(sleep_time, 1, PBF_AT_LEAST_ZERO),
-    REAL(tolerance, 1, PBF_AT_LEAST_ZERO),
-    REAL(pressure_grid, 1, PBF_ANY),
-    REAL(prestabilization, 1, PBF_AT_LEAST_ZERO),
-    REAL(undamping, 1, PBF_FRACTION),
-    REAL(torque_correction, 1, PBF_FRACTION),
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  {#name, offsetof(pbf_params, name), 1, PBF_##range, SWITCH_##when},
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  {#name, offsetof(pbf_params, name), count, PBF_ANY, 0},
+#include "physics/params.def"
 };
-
-/* Only what artificial pressure needs, once it is there. */
-static const pbf_count_rule scorr_count = COUNT(scorr_n, 1, 8, "");
-static const pbf_real_rule scorr_width = REAL(scorr_dq, 1, PBF_ABOVE_ZERO);
-
-static pbf_status check_scorr(const pbf_params *params, pbf_check_kind kind) {
-  if (params->scorr_k <= 0) return PBF_OK;
-  pbf_status status = pbf_check_count(&scorr_count, "params", params);
-  if (status == PBF_OK) status = pbf_check_real(&scorr_width, "params", params, kind);
-  if (status != PBF_OK || params->scorr_dq < 1) return status;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "params.scorr_dq is %.9g; it must be below 1, in units of smoothing_radius",
-                  params->scorr_dq);
-}
 
 static pbf_status check_sleep(const pbf_params *params) {
   if (params->sleep_speed <= 0 || params->sleep_time > 0) return PBF_OK;
@@ -75,26 +37,20 @@ static pbf_status check_sleep(const pbf_params *params) {
                   params->sleep_speed);
 }
 
-/* Cells narrower than h would hold too few particles, and wider ones than this none. */
-static pbf_status check_pressure_grid(const pbf_params *params) {
-  double width = params->pressure_grid;
-  if (width == 0 || width == -1 || (width >= 1 && width <= 1000)) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "params.pressure_grid is %.9g; it must be 1 … 1000, in units of "
-                  "smoothing_radius, 0 for none, or -1 for one where water could be deep",
-                  width);
-}
-
-/* The pushes of a whole step have to be known. */
-static pbf_status check_pushes(const pbf_params *params) {
-  double torque = params->torque_correction;
-  if (params->solver == PBF_SOLVER_CHEBYSHEV || !(params->undamping > 0 || torque > 0))
-    return PBF_OK;
+/* The solver has to know the pushes of a whole step. */
+static pbf_status check_solver(const pbf_params *params) {
+  const char *name = NULL;
+  double value = 0;
+#define PBF_PARAM_REAL(offset, member, initial, range, when, min_solver, low, high, usual, \
+                       feature, projected, unit, doc)                                      \
+  if (params->member > 0 && PBF_SOLVER_##min_solver > (int)params->solver)                 \
+    name = #member, value = params->member;
+#include "physics/params.def"
+  if (!name) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "params.%s is %.9g; it must be 0 with PBF_SOLVER_JACOBI, or solver "
                   "PBF_SOLVER_CHEBYSHEV",
-                  torque > 0 ? "torque_correction" : "undamping",
-                  torque > 0 ? torque : params->undamping);
+                  name, value);
 }
 
 static double rest_spacing(const pbf_params *params) {
@@ -190,24 +146,20 @@ static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, do
 pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, double time) {
   pbf_status status = pbf_check_counts(counts, LENGTH(counts), "params", params);
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), "params", params, kind);
-  if (status == PBF_OK) status = check_scorr(params, kind);
   if (status == PBF_OK) status = check_sleep(params);
-  if (status == PBF_OK) status = check_pressure_grid(params);
-  if (status == PBF_OK) status = check_pushes(params);
+  if (status == PBF_OK) status = check_solver(params);
   if (status == PBF_OK) status = check_lengths(params, kind);
   if (status == PBF_OK) status = check_domain(params, kind, time);
   return status;
 }
 
+/* 2D lacks the last component of an array by axis, and the last two of one by wall. */
 pbf_params pbf_params_for_backend(const pbf_params *params, uint32_t dimension) {
   pbf_params clean = *params;
   if (dimension == 3) return clean;
-  clean.gravity[2] = clean.attraction_center[2] = 0;
-  clean.domain_min[2] = clean.domain_max[2] = 0;
-  for (int wall = PBF_WALL_Z_MIN; wall <= PBF_WALL_Z_MAX; ++wall) {
-    clean.wall_velocity[wall] = clean.wall_amplitude[wall] = 0;
-    clean.wall_frequency[wall] = clean.wall_phase[wall] = 0;
-  }
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  for (int k = count / 3 * 2; k < count; ++k) clean.name[k] = 0;
+#include "physics/params.def"
   return clean;
 }
 

@@ -10,15 +10,7 @@
 
 /* What parameters and colliders ask for. */
 static inline int pbf_features_wanted(const pbf_params *params, uint32_t colliders) {
-  return pbf_features_of(params) | (params->vorticity > 0 ? PBF_FEATURE_VORTICITY : 0) |
-         (params->viscosity > 0 ? PBF_FEATURE_VISCOSITY : 0) |
-         (colliders > 0 ? PBF_FEATURE_COLLIDERS : 0) |
-         (params->wall_density > 0 ? PBF_FEATURE_WALL_DENSITY : 0) |
-         (params->solver == PBF_SOLVER_CHEBYSHEV ? PBF_FEATURE_CHEBYSHEV : 0) |
-         (params->sleep_speed > 0 ? PBF_FEATURE_SLEEP : 0) |
-         (params->tolerance > 0 ? PBF_FEATURE_TOLERANCE : 0) |
-         (params->pressure_grid > 0 ? PBF_FEATURE_PRESSURE_GRID : 0) |
-         (params->undamping > 0 || params->torque_correction > 0 ? PBF_FEATURE_UNDAMPING : 0);
+  return pbf_features_asked(params) | (colliders > 0 ? PBF_FEATURE_COLLIDERS : 0);
 }
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */

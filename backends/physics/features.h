@@ -37,9 +37,21 @@ enum {
   PBF_BUILT = ((1 << PBF_FEATURE_BITS) - 1) & ~(PBF_WITHOUT)
 };
 
+/* What parameters ask for. */
+static inline int pbf_features_asked(const pbf_params *params) {
+  int asked = PBF_FEATURE_NONE;
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  if (params->name > 0) asked |= PBF_FEATURE_##feature;
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  if (params->name > 0) asked |= PBF_FEATURE_##feature;
+#include "physics/params.def"
+  return asked;
+}
+
+/* Of that, what the hot loop is built for. */
 static inline int pbf_features_of(const pbf_params *params) {
-  return (params->kernel == PBF_KERNEL_POLY6_SPIKY ? PBF_FEATURE_POLY6 : 0) |
-         (params->scorr_k > 0 ? PBF_FEATURE_SCORR : 0);
+  return pbf_features_asked(params) & (PBF_FEATURE_COUNT - 1);
 }
 
 /* A function of the physics: inlined on every processor; `APART`, large and asked for from many

@@ -5,12 +5,17 @@
 
 #include <pbf/pbf.h>
 
+/* The column `projected` of params.def. */
+enum { PBF_PROJECTED_KEPT = 0, PBF_PROJECTED_CLEARED = 1 };
+
 static inline pbf_params pbf_projection_of(const pbf_params *params, uint32_t iterations) {
   pbf_params p = *params;
-  p.time_step = p.attraction = p.tolerance = p.vorticity = p.viscosity = p.undamping = 0;
-  p.torque_correction = 0;
-  p.pressure_grid = p.sleep_speed = 0;
-  for (int k = 0; k < 3; ++k) p.gravity[k] = 0;
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  if (PBF_PROJECTED_##projected) p.name = 0;
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  for (int k = 0; PBF_PROJECTED_##projected && k < count; ++k) p.name[k] = 0;
+#include "physics/params.def"
   p.iterations = iterations;
   return p;
 }

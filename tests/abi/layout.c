@@ -29,43 +29,37 @@ AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
 
-SIZE(pbf_params, 488);
+/* pbf_params by params.def, which states the offsets: the members that pbf.h writes out are those
+ * of the table, in its order, of its types and counts, and there are no others. */
+typedef struct table_params {
+  uint32_t struct_size;
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  uint32_t name;
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  double name;
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  double name[count];
+#include "physics/params.def"
+} table_params;
+
+#define IS_OF_TYPE(type, member, member_type) \
+  _Static_assert(_Generic(&((type *)0)->member, member_type : 1, default : 0), #type "." #member)
+#define AT_IN_TABLE(member, bytes, member_type) \
+  AT(pbf_params, member, bytes);                \
+  AT(table_params, member, bytes);              \
+  IS_OF_TYPE(pbf_params, member, member_type)
+
+SIZE(pbf_params, sizeof(table_params));
 AT(pbf_params, struct_size, 0);
-AT(pbf_params, kernel, 4);
-AT(pbf_params, smoothing_radius, 8);
-AT(pbf_params, spacing, 16);
-AT(pbf_params, particle_volume, 24);
-AT(pbf_params, time_step, 32);
-AT(pbf_params, iterations, 40);
-AT(pbf_params, collide, 44);
-AT(pbf_params, gravity, 48);
-AT(pbf_params, attraction, 72);
-AT(pbf_params, attraction_center, 80);
-AT(pbf_params, relaxation, 104);
-AT(pbf_params, epsilon, 112);
-AT(pbf_params, separation, 120);
-AT(pbf_params, min_diagonal, 128);
-AT(pbf_params, wall_density, 136);
-AT(pbf_params, scorr_k, 144);
-AT(pbf_params, scorr_dq, 152);
-AT(pbf_params, scorr_n, 160);
-AT(pbf_params, solver, 164);
-AT(pbf_params, vorticity, 168);
-AT(pbf_params, viscosity, 176);
-AT(pbf_params, domain_min, 184);
-AT(pbf_params, domain_max, 208);
-AT(pbf_params, wall_velocity, 232);
-AT(pbf_params, wall_amplitude, 280);
-AT(pbf_params, wall_frequency, 328);
-AT(pbf_params, wall_phase, 376);
-AT(pbf_params, search_cell_width, 424);
-AT(pbf_params, sleep_speed, 432);
-AT(pbf_params, sleep_time, 440);
-AT(pbf_params, tolerance, 448);
-AT(pbf_params, pressure_grid, 456);
-AT(pbf_params, prestabilization, 464);
-AT(pbf_params, undamping, 472);
-AT(pbf_params, torque_correction, 480);
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  AT_IN_TABLE(name, offset, uint32_t *);
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  AT_IN_TABLE(name, offset, double *);
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  AT_IN_TABLE(name, offset, double(*)[count]);
+#include "physics/params.def"
 
 SIZE(pbf_collider, 184);
 AT(pbf_collider, struct_size, 0);
