@@ -50,7 +50,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
     { tail -n 30 "$out/build.log"; exit 1; }
 fi
 check=$build/gpu_check
-${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" "$root"/bench/gpu_check/*.c -o "$check" \
+${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" -I"$root/backends" "$root"/bench/gpu_check/*.c -o "$check" \
   -L"$build/lib" -lpbf -lm "-Wl,-rpath,$build/lib" || exit 1
 
 commit=${PBF_COMMIT:-$(git -C "$root" rev-parse HEAD 2>/dev/null || echo unknown)}
@@ -85,7 +85,7 @@ for support in 2.25 3; do
   timed shallow-dam-break 1000000 $support
 done
 timed shallow-dam-break 30000 3 # walls mirror the fluid
-for extra in undamping torque viscosity vorticity; do
+for extra in undamping torque_correction viscosity vorticity; do
   timed shallow-dam-break 30000 2 $extra
   timed shallow-dam-break 1000000 2 $extra
 done

@@ -37,54 +37,48 @@ double sleep_speed_for(const pbf_params &params) {
   return 0.1 * std::sqrt(std::hypot(g[0], g[1], g[2]) * spacing_of(params));
 }
 
+// An optional parameter, by params.def: 0 turns it off.
+struct Optional {
+  const char *name;
+  double pbf_params::*value;
+  double usual;
+  uint32_t min_solver;
+};
+
+const std::vector<Optional> &optional_params() {
+  static const std::vector<Optional> params = [] {
+    std::vector<Optional> found;
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  if (usual != 0) found.push_back({#name, &pbf_params::name, usual, PBF_SOLVER_##min_solver});
+#include "physics/params.def"
+    return found;
+  }();
+  return params;
+}
+
+// With what it needs of others.
+void put(const Optional &param, pbf_params &params, const pbf_params &whole) {
+  params.*param.value = own_or(whole.*param.value, param.usual);
+  params.solver = std::max(params.solver, param.min_solver);
+  if (param.value != &pbf_params::sleep_speed) return;
+  params.sleep_speed = own_or(whole.sleep_speed, sleep_speed_for(whole));
+  params.sleep_time = own_or(whole.sleep_time, 0.5);
+}
+
+// What is no number of its own.
 struct Feature {
   const char *name;
   void (*put)(Variant &variant, const Scene &whole);
 };
 
-const Feature features[] = {
-    {"scorr",
-     [](Variant &v, const Scene &w) { v.scene.params.scorr_k = own_or(w.params.scorr_k, 0.01); }},
-    {"vorticity",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.vorticity = own_or(w.params.vorticity, 0.01);
-     }},
-    {"viscosity",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.viscosity = own_or(w.params.viscosity, 0.01);
-     }},
+const Feature others[] = {
     {"colliders",
      [](Variant &v, const Scene &w) {
        v.scene.colliders = w.colliders;
        if (w.colliders.empty()) v.scene.colliders.push_back(ball(w));
      }},
-    {"wall_density",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.wall_density = own_or(w.params.wall_density, 1);
-     }},
     {"chebyshev", [](Variant &v, const Scene &) { v.scene.params.solver = PBF_SOLVER_CHEBYSHEV; }},
-    {"undamping",  // with the acceleration that it wants
-     [](Variant &v, const Scene &w) {
-       v.scene.params.solver = PBF_SOLVER_CHEBYSHEV;
-       v.scene.params.undamping = own_or(w.params.undamping, 1);
-     }},
-    {"torque correction",  // likewise
-     [](Variant &v, const Scene &w) {
-       v.scene.params.solver = PBF_SOLVER_CHEBYSHEV;
-       v.scene.params.torque_correction = own_or(w.params.torque_correction, 1);
-     }},
-    {"tolerance",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.tolerance = own_or(w.params.tolerance, 1e-9);
-     }},
-    {"pressure grid",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.pressure_grid = own_or(w.params.pressure_grid, 2);
-     }},
-    {"attraction",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.attraction = own_or(w.params.attraction, 0.1);
-     }},
     {"moving walls",
      [](Variant &v, const Scene &w) {
        pbf_params &p = v.scene.params;
@@ -93,11 +87,6 @@ const Feature features[] = {
        if (walls_move(w.params)) return;
        p.wall_amplitude[PBF_WALL_X_MAX] = spacing_of(p) / 2;
        p.wall_frequency[PBF_WALL_X_MAX] = two_pi;
-     }},
-    {"sleep",
-     [](Variant &v, const Scene &w) {
-       v.scene.params.sleep_speed = own_or(w.params.sleep_speed, sleep_speed_for(w.params));
-       v.scene.params.sleep_time = own_or(w.params.sleep_time, 0.5);
      }},
     {"timing", [](Variant &v, const Scene &) { v.requests.timing = true; }},
     {"stats", [](Variant &v, const Scene &) { v.requests.stats = true; }},
@@ -108,8 +97,7 @@ const Feature features[] = {
 Variant minimal(const Scene &scene) {
   Variant bare{"minimal", scene, {}};
   pbf_params &p = bare.scene.params;
-  p.scorr_k = p.vorticity = p.viscosity = p.wall_density = p.attraction = p.sleep_speed = 0;
-  p.tolerance = p.pressure_grid = p.undamping = p.torque_correction = 0;
+  for (const Optional &param : optional_params()) p.*param.value = 0;
   p.solver = PBF_SOLVER_JACOBI;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);
@@ -120,7 +108,14 @@ Variant minimal(const Scene &scene) {
 std::vector<Variant> one_at_a_time(const Scene &scene) {
   std::vector<Variant> variants;
   Variant all = minimal(scene);
-  for (const Feature &feature : features) {
+  for (const Optional &param : optional_params()) {
+    Variant one = minimal(scene);
+    one.name = std::string("+ ") + param.name;
+    put(param, one.scene.params, scene.params);
+    put(param, all.scene.params, scene.params);
+    variants.push_back(one);
+  }
+  for (const Feature &feature : others) {
     Variant one = minimal(scene);
     one.name = std::string("+ ") + feature.name;
     feature.put(one, scene);

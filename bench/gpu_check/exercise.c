@@ -56,9 +56,7 @@ void exercise_all(void) {
           add_colliders(&s);
         }
         if (k == 1) s.params.vorticity = s.params.viscosity = 0, s.params.wall_density = 1;
-        if (k == 2)
-          s.params.solver = PBF_SOLVER_CHEBYSHEV,
-          s.params.undamping = s.params.torque_correction = 1;
+        if (k == 2) add_optional(&s, NULL);
         if (k == 3) s.params.smoothing_radius = 0.2, s.params.spacing = 0.15; /* lists overflow */
         exercise(&s, precision);
         if (k % 4 == 0) s.spacing = 1e-3; /* cells overflow */

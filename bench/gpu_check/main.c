@@ -4,8 +4,10 @@
  *   gpu_check verify [SCENE]      distance to the float64 reference, every kind of scene
  *   gpu_check same                the same bits in two runs, and after saving and loading
  *   gpu_check exercise            every call and stage once, small, for compute-sanitizer
- *   gpu_check time SCENE N [H/D]  report-30k or shallow-dam-break: time, error, plan, stages
+ *   gpu_check time SCENE N [H/D [EXTRA]]
+ *                                 report-30k or shallow-dam-break: time, error, plan, stages
  *
+ * EXTRA is f64, or the name of an optional parameter, which is turned on.
  * Prints one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,27 +18,25 @@
 
 static int usage(void) {
   fprintf(stderr,
-          "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D] [f64 | "
-          "undamping | torque | viscosity | vorticity]\n");
+          "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D [f64 | "
+          "optional parameter]]\n");
   return 2;
 }
 
 /* argv: scene, number of particles, and perhaps the support in spacings and what is extra. */
-static void time_named(int argc, char **argv) {
+static int time_named(int argc, char **argv) {
   uint32_t particles = (uint32_t)strtoul(argv[1], NULL, 10);
   double support = argc > 2 ? strtod(argv[2], NULL) : 1 / 0.6;
   const char *extra = argc > 3 ? argv[3] : "";
   uint32_t precision = strcmp(extra, "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
   scene s = shallow_dam_break(particles, support), report = report_30k();
   s.extra = extra;
-  s.params.undamping = strcmp(extra, "undamping") == 0;
-  s.params.torque_correction = strcmp(extra, "torque") == 0;
-  s.params.viscosity = strcmp(extra, "viscosity") == 0 ? 0.01 : 0;
-  s.params.vorticity = strcmp(extra, "vorticity") == 0 ? 0.01 : 0;
+  if (extra[0] && precision == PBF_FLOAT32 && !add_optional(&s, extra)) return usage();
   if (strcmp(argv[0], report.name) == 0)
     time_scene(&report, precision, 0, 100);
   else
     time_scene(&s, precision, particles > 5000000 ? 30 : 150, particles > 5000000 ? 20 : 100);
+  return 0;
 }
 
 int main(int argc, char **argv) {
@@ -50,7 +50,7 @@ int main(int argc, char **argv) {
   } else if (strcmp(command, "exercise") == 0) {
     exercise_all();
   } else if (strcmp(command, "time") == 0 && argc > 3) {
-    time_named(argc - 2, argv + 2);
+    return time_named(argc - 2, argv + 2);
   } else {
     return usage();
   }

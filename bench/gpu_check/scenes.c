@@ -2,6 +2,7 @@
 #include "scenes.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "solver.h"
 
@@ -92,6 +93,21 @@ scene small_scene(uint32_t dimension) {
   s.params.domain_max[1] = 2;
   s.params.domain_max[2] = 0.7;
   return s;
+}
+
+int add_optional(scene *s, const char *name) {
+  pbf_params *p = &s->params;
+  int found = 0;
+#define PBF_PARAM_REAL(offset, param, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                       \
+  if (usual != 0 && (name ? strcmp(name, #param) == 0 : p->param <= 0)) {                          \
+    p->param = usual;                                                                              \
+    if (PBF_SOLVER_##min_solver > (int)p->solver) p->solver = PBF_SOLVER_##min_solver;             \
+    found = 1;                                                                                     \
+  }
+#include "physics/params.def"
+  if (p->sleep_speed > 0) p->sleep_time = 0.5;
+  return found;
 }
 
 void add_colliders(scene *s) {

@@ -37,6 +37,10 @@ void add_mirrors(scene *s);
 /* 0 … 3: bit 0 is the kernel, bit 1 whether there is artificial pressure. */
 void set_kernel(scene *s, int combination);
 
+/* Turns on the optional parameter of that name, by params.def with its usual value, or those that
+ * are off where `name` is null; 0 where there is none. */
+int add_optional(scene *s, const char *name);
+
 void add_colliders(scene *s);
 void add_turning_floor(scene *s);
 void add_many_colliders(scene *s);

@@ -11,20 +11,14 @@ namespace {
 
 using nlohmann::json;
 
-using Names = std::vector<const char *>;
-const Names kernel_names = {"wendland_c2", "poly6_spiky"};                        // PBF_KERNEL_…
-const Names solver_names = {"jacobi", "chebyshev"};                               // PBF_SOLVER_…
-const Names collide_names = {"after_prediction", "in_iteration", "after_solve"};  // by bit
-
-uint32_t number_of(const json &name, const Names &names) {
-  return static_cast<uint32_t>(std::find(names.begin(), names.end(), name) - names.begin());
+uint32_t number_of(const json &name, const ParamField &field) {
+  const auto found = std::find(field.names.begin(), field.names.end(), name);
+  return static_cast<uint32_t>(found - field.names.begin());
 }
 
-uint32_t collide_bits(const json &names) {
+uint32_t bits_of(const json &names, const ParamField &field) {
   uint32_t bits = 0;
-  for (unsigned bit = 0; bit < collide_names.size(); ++bit) {
-    if (std::find(names.begin(), names.end(), collide_names[bit]) != names.end()) bits |= 1u << bit;
-  }
+  for (const json &name : names) bits |= 1u << number_of(name, field);
   return bits;
 }
 
@@ -52,12 +46,10 @@ void read_param(const ParamField &field, const json &value, const json::json_poi
       return store(params, field, value.get<double>());
     case ParamType::integer:
       return store(params, field, value.get<uint32_t>());
-    case ParamType::kernel:
-      return store(params, field, number_of(value, kernel_names));
-    case ParamType::solver:
-      return store(params, field, number_of(value, solver_names));
-    case ParamType::collide:
-      return store(params, field, collide_bits(value));
+    case ParamType::one_of:
+      return store(params, field, number_of(value, field));
+    case ParamType::some_of:
+      return store(params, field, bits_of(value, field));
     case ParamType::vector:
     case ParamType::walls: {
       auto *out = reinterpret_cast<double *>(reinterpret_cast<char *>(&params) + field.offset);
@@ -88,7 +80,7 @@ json default_list(const ParamField &field, unsigned dimension) {
 json setting_value(const ParamField &field, const std::string &text) {
   const json parsed = json::parse(text, nullptr, false);
   if (!parsed.is_discarded()) return parsed;
-  if (field.type != ParamType::collide) return text;
+  if (field.type != ParamType::some_of) return text;
   json names = json::array();
   std::istringstream list(text);
   for (std::string name; std::getline(list, name, ',');) names.push_back(name);
@@ -106,49 +98,30 @@ unsigned index_of(const std::string &text, size_t length, const std::string &set
 
 }  // namespace
 
+// The column `type` of params.def.
+#define FIELD_NUMBER \
+  ParamType::integer, {}
+#define FIELD_ONE_OF(...) \
+  ParamType::one_of, { __VA_ARGS__ }
+#define FIELD_SOME_OF(...) \
+  ParamType::some_of, { __VA_ARGS__ }
+
 const std::vector<ParamField> &param_fields() {
-#define PBF_FIELD(name, type) \
-  { #name, ParamType::type, offsetof(pbf_params, name) }
   static const std::vector<ParamField> fields = {
-      PBF_FIELD(kernel, kernel),
-      PBF_FIELD(smoothing_radius, number),
-      PBF_FIELD(spacing, number),
-      PBF_FIELD(particle_volume, number),
-      PBF_FIELD(time_step, number),
-      PBF_FIELD(iterations, integer),
-      PBF_FIELD(collide, collide),
-      PBF_FIELD(gravity, vector),
-      PBF_FIELD(attraction, number),
-      PBF_FIELD(attraction_center, vector),
-      PBF_FIELD(relaxation, number),
-      PBF_FIELD(epsilon, number),
-      PBF_FIELD(separation, number),
-      PBF_FIELD(min_diagonal, number),
-      PBF_FIELD(wall_density, number),
-      PBF_FIELD(scorr_k, number),
-      PBF_FIELD(scorr_dq, number),
-      PBF_FIELD(scorr_n, integer),
-      PBF_FIELD(solver, solver),
-      PBF_FIELD(vorticity, number),
-      PBF_FIELD(viscosity, number),
-      PBF_FIELD(domain_min, vector),
-      PBF_FIELD(domain_max, vector),
-      PBF_FIELD(wall_velocity, walls),
-      PBF_FIELD(wall_amplitude, walls),
-      PBF_FIELD(wall_frequency, walls),
-      PBF_FIELD(wall_phase, walls),
-      PBF_FIELD(search_cell_width, number),
-      PBF_FIELD(sleep_speed, number),
-      PBF_FIELD(sleep_time, number),
-      PBF_FIELD(tolerance, number),
-      PBF_FIELD(pressure_grid, number),
-      PBF_FIELD(prestabilization, number),
-      PBF_FIELD(undamping, number),
-      PBF_FIELD(torque_correction, number),
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  {#name, offsetof(pbf_params, name), FIELD_##type},
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  {#name, offsetof(pbf_params, name), ParamType::number, {}},
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  {#name, offsetof(pbf_params, name), count == 3 ? ParamType::vector : ParamType::walls, {}},
+#include "physics/params.def"
   };
-#undef PBF_FIELD
   return fields;
 }
+#undef FIELD_NUMBER
+#undef FIELD_ONE_OF
+#undef FIELD_SOME_OF
 
 void read_params(const json &object, const json::json_pointer &where, unsigned dimension,
                  pbf_params &params) {

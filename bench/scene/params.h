@@ -13,15 +13,18 @@
 
 namespace bench {
 
-enum class ParamType { number, integer, vector, walls, kernel, collide, solver };
+// Of what a scene file has: vector is a list of numbers, one an axis, walls one a wall; one_of is a
+// name, some_of a list of names.
+enum class ParamType { number, integer, vector, walls, one_of, some_of };
 
 struct ParamField {
   const char *name;
-  ParamType type;
   size_t offset;
+  ParamType type;
+  std::vector<const char *> names;  // one_of: of the values 0, 1, …; some_of: of the bits
 };
 
-// All of them: a field that the library gains belongs here and into the schema.
+// All of them, by physics/params.def.
 const std::vector<ParamField> &param_fields();
 
 // Overwrites the fields that `object` has, an object that keeps to the schema. Throws ValueError

@@ -18,16 +18,13 @@ typedef struct number {
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
 static const number in_params[] = {
-    P(smoothing_radius, 1), P(spacing, 1),           P(particle_volume, 1),
-    P(time_step, 1),        P(gravity, 3),           P(attraction, 1),
-    P(relaxation, 1),       P(attraction_center, 3), P(epsilon, 1),
-    P(separation, 1),       P(min_diagonal, 1),      P(wall_density, 1),
-    P(scorr_k, 1),          P(scorr_dq, 1),          P(vorticity, 1),
-    P(viscosity, 1),        P(domain_min, 3),        P(domain_max, 3),
-    P(wall_velocity, 6),    P(wall_amplitude, 6),    P(wall_frequency, 6),
-    P(wall_phase, 6),       P(search_cell_width, 1), P(sleep_speed, 1),
-    P(sleep_time, 1),       P(tolerance, 1),         P(pressure_grid, 1),
-    P(prestabilization, 1), P(undamping, 1),         P(torque_correction, 1)};
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  P(name, 1),
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  P(name, count),
+#include "physics/params.def"
+};
 
 static const number in_collider[] = {C(position, 3),         C(orientation, 4), C(velocity, 3),
                                      C(angular_velocity, 3), C(axis, 3),        C(half_extents, 3),

@@ -2,6 +2,7 @@
 #include <float.h>
 #include <stdio.h>
 
+#include "param_table.h"
 #include "support.h"
 
 typedef struct real_case {
@@ -69,43 +70,6 @@ static const count_case params_counts[] = {
     {"solver is 2; it must be 0 … 1", P(solver), 2},
 };
 
-/* Every number of pbf_params that stands alone or once an axis or wall. */
-static const struct {
-  const char *name;
-  size_t offset;
-  int components;
-} params_fields[] = {
-    {"smoothing_radius", P(smoothing_radius), 1},
-    {"spacing", P(spacing), 1},
-    {"particle_volume", P(particle_volume), 1},
-    {"time_step", P(time_step), 1},
-    {"gravity", P(gravity), 3},
-    {"attraction", P(attraction), 1},
-    {"attraction_center", P(attraction_center), 3},
-    {"relaxation", P(relaxation), 1},
-    {"epsilon", P(epsilon), 1},
-    {"separation", P(separation), 1},
-    {"min_diagonal", P(min_diagonal), 1},
-    {"wall_density", P(wall_density), 1},
-    {"scorr_k", P(scorr_k), 1},
-    {"vorticity", P(vorticity), 1},
-    {"viscosity", P(viscosity), 1},
-    {"domain_min", P(domain_min), 3},
-    {"domain_max", P(domain_max), 3},
-    {"wall_velocity", P(wall_velocity), 6},
-    {"wall_amplitude", P(wall_amplitude), 6},
-    {"wall_frequency", P(wall_frequency), 6},
-    {"wall_phase", P(wall_phase), 6},
-    {"search_cell_width", P(search_cell_width), 1},
-    {"sleep_speed", P(sleep_speed), 1},
-    {"sleep_time", P(sleep_time), 1},
-    {"tolerance", P(tolerance), 1},
-    {"pressure_grid", P(pressure_grid), 1},
-    {"prestabilization", P(prestabilization), 1},
-    {"undamping", P(undamping), 1},
-    {"torque_correction", P(torque_correction), 1},
-};
-
 static void put_real(void *object, size_t offset, double value) {
   memcpy((char *)object + offset, &value, sizeof value);
 }
@@ -152,16 +116,17 @@ static void nothing_that_is_not_a_number(void **state) {
   (void)state;
   const double values[] = {NAN, INFINITY, -INFINITY, 1e39};
   pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
-  for (size_t f = 0; f < LENGTH(params_fields); ++f) {
-    for (int c = 0; c < params_fields[f].components; ++c) {
+  for (int f = 0; f < TABLE_PARAMS; ++f) {
+    const table_param *param = &table_params[f];
+    for (uint32_t c = 0; c < param->components && !param->conditional; ++c) {
       for (size_t v = 0; v < LENGTH(values); ++v) {
         pbf_params params = test_params();
-        put_real(&params, params_fields[f].offset + (size_t)c * sizeof(double), values[v]);
+        table_put(&params, param, c, values[v]);
         char words[64];
-        if (params_fields[f].components == 1) {
-          snprintf(words, sizeof words, "params.%s is ", params_fields[f].name);
+        if (param->components == 1) {
+          snprintf(words, sizeof words, "params.%s is ", param->name);
         } else {
-          snprintf(words, sizeof words, "params.%s[%d] is ", params_fields[f].name, c);
+          snprintf(words, sizeof words, "params.%s[%u] is ", param->name, c);
         }
         refuse_params(s, &params, words);
       }

@@ -18,76 +18,69 @@ typedef struct real_field {
   double low, high;
 } real_field;
 
-#define FIELD(member, components, low, high) \
-  { offsetof(pbf_params, member), components, low, high }
+static const real_field reals[] = {
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  {offsetof(pbf_params, name), 1, low, high},
+#define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
+  {offsetof(pbf_params, name), count, low, high},
+#include "physics/params.def"
+};
 
-static const real_field fields[] = {FIELD(smoothing_radius, 1, 0.06, 0.2),
-                                    FIELD(spacing, 1, 0.03, 0.1),
-                                    FIELD(particle_volume, 1, 0, 0.001),
-                                    FIELD(time_step, 1, 0.0005, 0.02),
-                                    FIELD(gravity, 3, -20, 20),
-                                    FIELD(attraction, 1, -5, 5),
-                                    FIELD(attraction_center, 3, -1, 2),
-                                    FIELD(relaxation, 1, 0, 1),
-                                    FIELD(epsilon, 1, 0, 1),
-                                    FIELD(separation, 1, 0, 1),
-                                    FIELD(min_diagonal, 1, 0.5, 1),
-                                    FIELD(wall_density, 1, 0, 1),
-                                    FIELD(scorr_k, 1, 0, 0.1),
-                                    FIELD(scorr_dq, 1, 0.1, 0.5),
-                                    FIELD(vorticity, 1, 0, 0.1),
-                                    FIELD(viscosity, 1, 0, 0.1),
-                                    FIELD(domain_min, 3, -0.2, 0.2),
-                                    FIELD(domain_max, 3, 0.8, 1.4),
-                                    FIELD(wall_velocity, 6, -1, 1),
-                                    FIELD(wall_amplitude, 6, -0.1, 0.1),
-                                    FIELD(wall_frequency, 6, 0, 20),
-                                    FIELD(wall_phase, 6, -4, 4),
-                                    FIELD(search_cell_width, 1, 0.2, 0.5),
-                                    FIELD(sleep_speed, 1, 0, 1),
-                                    FIELD(sleep_time, 1, 0.01, 0.1),
-                                    FIELD(tolerance, 1, 0, 0.02),
-                                    FIELD(pressure_grid, 1, 1, 3),
-                                    FIELD(prestabilization, 1, 0, 0.1),
-                                    FIELD(undamping, 1, 0, 1),
-                                    FIELD(torque_correction, 1, 0, 1)};
+/* And one that is a count: from `low` on, `span` values, few where very many are allowed. */
+typedef struct count_field {
+  size_t offset;
+  uint32_t low, span;
+} count_field;
 
-enum { FIELDS = sizeof fields / sizeof fields[0] };
+#define SPAN(min, max) ((max) - (min) < 8 ? (max) - (min) + 1 : 6)
+
+static const count_field counts[] = {
+#define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
+  {offsetof(pbf_params, name), min, SPAN(min, max)},
+#include "physics/params.def"
+};
+
+enum { REALS = sizeof reals / sizeof reals[0], COUNTS = sizeof counts / sizeof counts[0] };
 
 static void draw_counts(input *in, pbf_params *params) {
-  params->iterations = 1 + take_u8(in) % 6;
-  params->kernel = take_u8(in) % 2;
-  params->solver = take_u8(in) % 2;
-  params->collide = 1 + take_u8(in) % 7;
-  params->scorr_n = 1 + take_u8(in) % 8;
+  for (int k = 0; k < COUNTS; ++k) {
+    uint32_t value = counts[k].low + take_u8(in) % counts[k].span;
+    memcpy((char *)params + counts[k].offset, &value, sizeof value);
+  }
 }
 
 /* Also numbers that the checks must refuse; a count of iterations that they needn't stays small. */
 static void draw_any_counts(input *in, pbf_params *params) {
-  params->kernel = take_u8(in) % 4;
-  params->solver = take_u8(in) % 4;
-  params->collide = take_u8(in) % 16;
-  params->scorr_n = take_u8(in) % 16;
-  params->iterations = take_u8(in) % 4;
+  for (int k = 0; k < COUNTS; ++k) {
+    uint32_t value = take_u8(in) % (2 * counts[k].span);
+    memcpy((char *)params + counts[k].offset, &value, sizeof value);
+  }
 }
 
 static int draw_field(input *in, pbf_params *params) {
   uint8_t choice = take_u8(in), how = take_u8(in);
-  if (choice % (FIELDS + 2) == FIELDS) return draw_counts(in, params), 0;
-  if (choice % (FIELDS + 2) == FIELDS + 1) return draw_any_counts(in, params), 0;
-  const real_field *field = &fields[choice % (FIELDS + 2)];
+  if (choice % (REALS + 2) == REALS) return draw_counts(in, params), 0;
+  if (choice % (REALS + 2) == REALS + 1) return draw_any_counts(in, params), 0;
+  const real_field *field = &reals[choice % (REALS + 2)];
   int wild = how % 8 == 7, place = (how / 8) % field->components;
   double value = wild ? draw_wild(in) : how % 8 == 6 ? 0 : take_from(in, field->low, field->high);
   memcpy((char *)params + field->offset + (size_t)place * sizeof value, &value, sizeof value);
   return wild;
 }
 
+/* What would be refused together: most of what is drawn has to pass. */
+static void clear_what_the_solver_refuses(pbf_params *params) {
+#define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
+                       projected, unit, doc)                                                      \
+  if (PBF_SOLVER_##min_solver > (int)params->solver) params->name = 0;
+#include "physics/params.def"
+}
+
 int draw_params(input *in, pbf_params *params) {
   int wild = 0;
   for (int changes = 1 + take_u8(in) % 4; changes > 0; --changes) wild |= draw_field(in, params);
-  /* Refused together: most of what is drawn has to pass. */
-  if (!wild && params->solver != PBF_SOLVER_CHEBYSHEV)
-    params->undamping = params->torque_correction = 0;
+  if (!wild) clear_what_the_solver_refuses(params);
   return wild;
 }
 

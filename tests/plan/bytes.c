@@ -1,5 +1,6 @@
 /* What a solver holds, by its allocator, on every backend of the build. A device's own memory does
  * not go through the allocator: there the plan alone is looked at. */
+#include "param_table.h"
 #include "support.h"
 
 static pbf_plan plan_of(pbf_solver *solver) {
@@ -65,27 +66,6 @@ static void two_dimensions_hold_two_coordinates(void **state) {
   test_for_each_kind(check_coordinates);
 }
 
-/* One feature: how to ask for it. */
-typedef void (*ask)(pbf_params *params);
-static void poly6(pbf_params *p) { p->kernel = PBF_KERNEL_POLY6_SPIKY; }
-static void scorr(pbf_params *p) { p->scorr_k = 0.01; }
-static void wall_density(pbf_params *p) { p->wall_density = 1; }
-static void attraction(pbf_params *p) { p->attraction = 0.1; }
-static void moving_walls(pbf_params *p) { p->wall_amplitude[0] = 0.01, p->wall_frequency[0] = 1; }
-static void viscosity(pbf_params *p) { p->viscosity = 0.01; }
-static void vorticity(pbf_params *p) { p->vorticity = 0.01; }
-static void chebyshev(pbf_params *p) { p->solver = PBF_SOLVER_CHEBYSHEV; }
-static void sleep_too(pbf_params *p) { p->sleep_speed = 0.1, p->sleep_time = 0.5; }
-static void tolerance(pbf_params *p) { p->tolerance = 0.001; }
-static void pressure_grid(pbf_params *p) { p->pressure_grid = 2; }
-static void undamping(pbf_params *p) { chebyshev(p), p->undamping = 1; }
-static void torque(pbf_params *p) { chebyshev(p), p->torque_correction = 1; }
-static void everything(pbf_params *p) {
-  const ask all[] = {scorr,     wall_density, attraction, moving_walls,  viscosity, vorticity,
-                     chebyshev, sleep_too,    tolerance,  pressure_grid, undamping, torque};
-  for (size_t k = 0; k < sizeof all / sizeof *all; ++k) all[k](p);
-}
-
 static pbf_params bare(void) {
   pbf_params params = test_params();
   params.gravity[1] = 0;
@@ -105,21 +85,46 @@ static uint64_t bytes_but_lists(pbf_solver *solver) {
   return test_count.live_bytes - lists;
 }
 
-static void check_freed(pbf_solver *s, ask feature, uint64_t bytes) {
-  pbf_params params = bare();
-  feature(&params);
-  assert_ok(pbf_set_params(s, &params));
+static void check_freed(pbf_solver *s, const pbf_params *params, uint64_t bytes) {
+  const pbf_params none = bare();
+  assert_ok(pbf_set_params(s, params));
   assert_ok(pbf_step(s, 2));
-  params = bare();
-  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_set_params(s, &none));
   assert_int_equal(bytes_but_lists(s), bytes);
+}
+
+static pbf_params moving_walls(void) {
+  pbf_params params = bare();
+  params.wall_amplitude[0] = 0.01, params.wall_frequency[0] = 1;
+  return params;
+}
+
+/* Each optional parameter alone, and all at once. */
+static void check_optional_params(pbf_solver *s, uint64_t bytes) {
+  pbf_params all = moving_walls();
+  for (int k = 0; k < TABLE_PARAMS; ++k) {
+    if (table_params[k].usual == 0) continue;
+    pbf_params one = bare();
+    table_turn_on(&one, &table_params[k]);
+    table_turn_on(&all, &table_params[k]);
+    check_freed(s, &one, bytes);
+  }
+  check_freed(s, &all, bytes);
+}
+
+static void check_other_params(pbf_solver *s, uint64_t bytes) {
+  pbf_params params = bare();
+  params.kernel = PBF_KERNEL_POLY6_SPIKY;
+  check_freed(s, &params, bytes);
+  params = bare();
+  params.solver = PBF_SOLVER_CHEBYSHEV;
+  check_freed(s, &params, bytes);
+  params = moving_walls();
+  check_freed(s, &params, bytes);
 }
 
 static void what_is_dropped_is_freed(void **state) {
   (void)state;
-  const ask features[] = {poly6,         scorr,     wall_density, attraction, moving_walls,
-                          viscosity,     vorticity, chebyshev,    sleep_too,  tolerance,
-                          pressure_grid, undamping, torque,       everything};
   pbf_desc desc = test_desc(3, PBF_FLOAT32, 500);
   pbf_params params = bare();
   pbf_solver *s = test_create(&desc, &params);
@@ -127,8 +132,8 @@ static void what_is_dropped_is_freed(void **state) {
   assert_ok(pbf_add_particles(s, 500, positions, NULL, NULL));
   assert_ok(pbf_step(s, 1));
   uint64_t bytes = bytes_but_lists(s);
-  for (size_t k = 0; k < sizeof features / sizeof *features; ++k)
-    check_freed(s, features[k], bytes);
+  check_optional_params(s, bytes);
+  check_other_params(s, bytes);
   pbf_collider collider;
   assert_ok(pbf_collider_init(&collider, sizeof collider, PBF_COLLIDER_SPHERE));
   collider.radius = 0.01;

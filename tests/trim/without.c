@@ -1,4 +1,7 @@
 /* A build with few features: each that it is without is refused, and what is left does the same. */
+#include <stdio.h>
+
+#include "param_table.h"
 #include "support.h"
 
 static pbf_params minimal(void) {
@@ -54,6 +57,25 @@ static void each_feature_is_refused(void **state) {
   pbf_destroy(s);
 }
 
+/* Each parameter of the table that asks for a feature, by its name. */
+static void each_param_is_refused(void **state) {
+  (void)state;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 16);
+  pbf_params params = minimal();
+  pbf_solver *s = test_create(&desc, &params);
+  for (int k = 0; k < TABLE_PARAMS; ++k) {
+    const table_param *param = &table_params[k];
+    if (param->feature == PBF_FEATURE_NONE || param->usual == 0) continue;
+    char words[64];
+    int needs_solver = param->min_solver == PBF_SOLVER_CHEBYSHEV; /* which is refused before it */
+    snprintf(words, sizeof words, "params.%s must be", needs_solver ? "solver" : param->name);
+    params = minimal();
+    table_turn_on(&params, param);
+    check_refusal(s, &params, words);
+  }
+  pbf_destroy(s);
+}
+
 static void requests_are_refused(void **state) {
   (void)state;
   pbf_desc desc = test_desc(3, PBF_FLOAT32, 16);
@@ -76,6 +98,7 @@ static void requests_are_refused(void **state) {
 int main(void) {
   const struct CMUnitTest without[] = {
       cmocka_unit_test(each_feature_is_refused),
+      cmocka_unit_test(each_param_is_refused),
       cmocka_unit_test(requests_are_refused),
   };
   return TEST_RUN(without);
