@@ -20,22 +20,20 @@ class Desc(c.Structure):
 
 
 class Params(c.Structure):
-    """The fields up to the domain; pbf_params_init fills in all of them."""
+    """pbf_params_init fills them in. (Written by tools/tables.py.)"""
     _fields_ = [
         ("struct_size", c.c_uint32), ("kernel", c.c_uint32), ("smoothing_radius", c.c_double),
         ("spacing", c.c_double), ("particle_volume", c.c_double), ("time_step", c.c_double),
         ("iterations", c.c_uint32), ("collide", c.c_uint32), ("gravity", c.c_double * 3),
         ("attraction", c.c_double), ("attraction_center", c.c_double * 3),
-        ("relaxation", c.c_double), ("epsilon", c.c_double),
-        ("separation", c.c_double), ("min_diagonal", c.c_double),
-        ("wall_density", c.c_double), ("scorr_k", c.c_double),
+        ("relaxation", c.c_double), ("epsilon", c.c_double), ("separation", c.c_double),
+        ("min_diagonal", c.c_double), ("wall_density", c.c_double), ("scorr_k", c.c_double),
         ("scorr_dq", c.c_double), ("scorr_n", c.c_uint32), ("solver", c.c_uint32),
         ("vorticity", c.c_double), ("viscosity", c.c_double), ("domain_min", c.c_double * 3),
         ("domain_max", c.c_double * 3), ("wall_velocity", c.c_double * 6),
         ("wall_amplitude", c.c_double * 6), ("wall_frequency", c.c_double * 6),
         ("wall_phase", c.c_double * 6), ("search_cell_width", c.c_double),
-        ("sleep_speed", c.c_double), ("sleep_time", c.c_double),
-        ("tolerance", c.c_double),
+        ("sleep_speed", c.c_double), ("sleep_time", c.c_double), ("tolerance", c.c_double),
         ("pressure_grid", c.c_double), ("prestabilization", c.c_double), ("undamping", c.c_double),
         ("torque_correction", c.c_double),
     ]

@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+"""Writes what follows from the tables in backends/physics (*.def) and is no C:
+
+    tools/tables.py            writes it
+    tools/tables.py --check    fails where a file is not as it would be written
+
+    docs/parameters.md             the parameter reference, whole
+    docs/building.md               the features that a build may be without
+    bench/scenes/scene.schema.json the properties of a scene's params
+    examples/ctypes_demo.py        the mirror of pbf_params
+"""
+import argparse
+import difflib
+import json
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+TABLES = ROOT / "backends/physics"
+
+INTEGER = "offset name default type min max hint when feature doc".split()
+REAL = ("offset name default range when min_solver low high usual feature projected unit "
+        "doc").split()
+REALS = "offset name count default low high projected unit doc".split()
+COLUMNS = {"PBF_PARAM_INTEGER": INTEGER, "PBF_PARAM_REAL": REAL, "PBF_PARAM_REALS": REALS,
+           "PBF_FEATURE": ["name", "refusal"]}
+
+# By lib/check.h's ranges: words, and the schema's (a definition's name, or the whole).
+RANGES = {
+    "ANY": ("finite", {"type": "number", "description": "a number"}),
+    "AT_LEAST_ZERO": ("≥ 0", "non_negative"),
+    "ABOVE_ZERO": ("> 0", "positive"),
+    "FRACTION": ("0 … 1", "share"),
+    "FRACTION_OF_RADIUS": ("> 0, < 1", {
+        "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1,
+        "description": "a number between 0 and 1"}),
+    "GRID_WIDTH": ("-1, 0, 1 … 1000", {
+        "type": "number", "minimum": -1, "description": "-1, 0, or a number, at least 1"}),
+}
+UINT32_MAX = 2**32 - 1
+
+
+def split_arguments(text):
+    """The arguments at the beginning of `text`, up to the parenthesis that closes them."""
+    arguments, depth, start = [], 0, 0
+    for match in re.finditer(r'"(?:[^"\\]|\\.)*"|[(),]', text):
+        depth += {"(": 1, ")": -1}.get(match.group(), 0)
+        if depth < 0 or (depth == 0 and match.group() == ","):
+            arguments.append(text[start:match.start()].strip())
+            start = match.end()
+        if depth < 0:
+            return arguments
+    raise ValueError(f"an entry does not end: {text[:60]}")
+
+
+def joined(argument):
+    """A string literal, perhaps of several pieces, without its quotes; anything else as it is."""
+    pieces = re.findall(r'"((?:[^"\\]|\\.)*)"', argument)
+    return "".join(pieces) if argument.startswith('"') else argument
+
+
+def replaced(pattern, between, text):
+    """`text` with `between` in place of what the pattern has between its two groups."""
+    changed, count = re.subn(pattern, lambda match: f"{match[1]}{between}\n{match[2]}", text)
+    if count != 1:
+        raise ValueError(f"{count} places, not one, look like {pattern}")
+    return changed
+
+
+def read_table(name):
+    """The entries of a table: dicts by column, `macro` being the kind."""
+    text = (TABLES / name).read_text(encoding="utf-8")
+    entries = []
+    for match in re.finditer(r"^(PBF_\w+)\(", text, re.MULTILINE):
+        columns, values = COLUMNS[match.group(1)], split_arguments(text[match.end():])
+        if len(values) != len(columns):
+            raise ValueError(f"{name}: {len(values)} columns in {values}; wanted: {columns}")
+        entry = dict(zip(columns, map(joined, values)))
+        entries.append({"macro": match.group(1).replace("PBF_PARAM_", ""), **entry})
+    return entries
+
+
+def names_of(param):
+    """ONE_OF("a", "b") → ["a", "b"]; none of a NUMBER."""
+    return re.findall(r'"(\w+)"', param["type"])
+
+
+def constants_of(param, header):
+    """The public constants that the names stand for; they must be in the header."""
+    prefix = re.search(r"PBF_\w+_", param["hint"]).group()
+    constants = [prefix + name.upper() for name in names_of(param)]
+    for constant in constants:
+        if not re.search(rf"\b{constant} =", header):
+            raise ValueError(f"{param['name']}: pbf.h has no {constant}")
+    return constants
+
+
+# ---- scene.schema.json ---------------------------------------------------------------------------
+
+
+def listed(names, last):
+    quoted = [f'"{name}"' for name in names]
+    return f"{', '.join(quoted[:-1])} {last} {quoted[-1]}"
+
+
+def integer_schema(param):
+    names = names_of(param)
+    if param["type"].startswith("ONE_OF"):
+        return {"enum": names, "description": listed(names, "or")}
+    if param["type"].startswith("SOME_OF"):
+        some = ", ".join(f'"{name}"' for name in names)
+        return {"type": "array", "minItems": 1, "uniqueItems": True,
+                "items": {"enum": names, "description": listed(names, "or")},
+                "description": f"a list of some of {some}, each at most once"}
+    least = int(param["min"])
+    most = UINT32_MAX if param["max"] == "UINT32_MAX" else int(param["max"])
+    words = f"at least {least}" if most == UINT32_MAX else f"{least} … {most}"
+    return {"type": "integer", "minimum": least, "maximum": most,
+            "description": f"an integer, {words}"}
+
+
+def schema_of(param):
+    if param["macro"] == "INTEGER":
+        return integer_schema(param)
+    if param["macro"] == "REALS":
+        return {"$ref": f"#/definitions/{ {'3': 'vector', '6': 'walls'}[param['count']] }"}
+    schema = RANGES[param["range"]][1]
+    return {"$ref": f"#/definitions/{schema}"} if isinstance(schema, str) else schema
+
+
+def schema_text(params, text):
+    properties = ",\n".join(
+        f'        "{param["name"]}": {json.dumps(schema_of(param), ensure_ascii=False)}'
+        for param in params)
+    pattern = (r'(    "params": \{\n      "type"(?:.*\n)*?      "properties": \{\n)'
+               r"(?:.*\n)*?(      \}\n)")
+    return replaced(pattern, properties, text)
+
+
+# ---- ctypes_demo.py ------------------------------------------------------------------------------
+
+
+def ctypes_field(param):
+    kind = {"INTEGER": "c.c_uint32", "REAL": "c.c_double"}.get(param["macro"])
+    return f'("{param["name"]}", {kind or "c.c_double * " + param["count"]}),'
+
+
+def ctypes_text(params, text):
+    lines, line = [], '        ("struct_size", c.c_uint32),'
+    for field in map(ctypes_field, params):
+        if len(line) + 1 + len(field) > 99:
+            lines.append(line)
+            line = " " * 7
+        line += " " + field
+    fields = "\n".join(lines + [line])
+    pattern = r"(class Params\(.*\n(?:.*\n)*?    _fields_ = \[\n)(?:.*\n)*?(    \]\n)"
+    return replaced(pattern, fields, text)
+
+
+# ---- docs ----------------------------------------------------------------------------------------
+
+REFERENCE = """# Parameters
+
+The members of `pbf_params`, in its order; [pbf.h](../include/pbf/pbf.h) says more of each. Scene files and `--set` of
+`pbf-bench` have the same names. Units are the caller's own, as long as they are consistent; h is `smoothing_radius`. In 2D
+every third component is ignored.
+
+A build may be without a [feature](building.md#features): it then refuses parameters above 0 that need it.
+
+{table}
+
+Written by `tools/tables.py` from `backends/physics/params.def`.
+"""
+
+
+def table(head, rows):
+    return "\n".join("| " + " | ".join(row) + " |" for row in [head, ["---"] * len(head), *rows])
+
+
+def code(text):
+    return f"`{text}`"
+
+
+def range_words(param, header):
+    if param["macro"] == "REALS":
+        return "finite"
+    if param["macro"] == "REAL":
+        words = RANGES[param["range"]][0]
+        if param["min_solver"] != "JACOBI":
+            words += f"; 0 unless {code('PBF_SOLVER_' + param['min_solver'])}"
+    elif names_of(param):
+        last = ", " if param["type"].startswith("ONE_OF") else " + "
+        words = last.join(map(code, constants_of(param, header)))
+    else:
+        words = f"≥ {param['min']}" if param["max"] == "UINT32_MAX" else f"{param['min']} … {param['max']}"
+    if param["when"] != "ALWAYS":
+        words += f", with `{param['when'][len('WITH('):-1]}`"
+    return words
+
+
+def type_words(param):
+    kind = {"INTEGER": "uint32_t", "REAL": "double"}.get(param["macro"])
+    return code(kind or f"double[{param['count']}]")
+
+
+def default_words(param):
+    value = param["default"]
+    if value.startswith("PBF_LIST("):
+        value = "{" + value[len("PBF_LIST("):-1] + "}"
+    return " + ".join(map(code, value.split(" | ")))
+
+
+def reference_row(param, header):
+    feature = param.get("feature", "NONE")
+    unit = param.get("unit", "1")
+    return [code(param["name"]), type_words(param), "" if unit == "1" else unit,
+            range_words(param, header), default_words(param), param["doc"],
+            "" if feature == "NONE" else code(feature.lower())]
+
+
+def reference_text(params, header):
+    head = ["name", "type", "unit", "range", "default", "what it does", "feature"]
+    return REFERENCE.format(table=table(head, [reference_row(param, header) for param in params]))
+
+
+def building_text(features, text):
+    rows = [[code(feature["name"].lower()), feature["refusal"]] for feature in features]
+    written = table(["name", "a build without it answers: built without …"], rows)
+    pattern = r"(<!-- table: features -->\n)(?:.*\n)*?(<!-- end -->)"
+    return replaced(pattern, written, text)
+
+
+# ---- all -----------------------------------------------------------------------------------------
+
+
+def read(path):
+    path = ROOT / path
+    return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def outputs():
+    """Path → what it should hold."""
+    params, features = read_table("params.def"), read_table("features.def")
+    return {
+        "docs/parameters.md": reference_text(params, read("include/pbf/pbf.h")),
+        "docs/building.md": building_text(features, read("docs/building.md")),
+        "bench/scenes/scene.schema.json":
+            schema_text(params, read("bench/scenes/scene.schema.json")),
+        "examples/ctypes_demo.py": ctypes_text(params, read("examples/ctypes_demo.py")),
+    }
+
+
+def difference(path, wanted):
+    lines = difflib.unified_diff(read(path).splitlines(), wanted.splitlines(), path,
+                                 "by the tables", lineterm="", n=0)
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write nothing")
+    check = parser.parse_args().check
+    stale = {path: wanted for path, wanted in outputs().items() if wanted != read(path)}
+    for path, wanted in stale.items():
+        if check:
+            print(difference(path, wanted))
+        else:
+            (ROOT / path).write_text(wanted, encoding="utf-8")
+            print(path)
+    if check and stale:
+        sys.exit(f"not as the tables have it: {', '.join(stale)}; tools/tables.py writes it")
+
+
+if __name__ == "__main__":
+    main()
