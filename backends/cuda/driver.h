@@ -37,6 +37,24 @@ struct at_start {
   }
 };
 
+/* A neighbour at `other` of a particle at x, of which nothing else is looked up so far. */
+static __device__ __forceinline__ neighbor_of<pbf_real> neighbor_between(pbf_vec x, pbf_vec other) {
+  const pbf_vec x_ij = pbf_sub(x, other);
+  neighbor_of<pbf_real> j;
+  j.x_ij = lanes_of(x_ij);
+  j.r2 = pbf_dot(x_ij, x_ij);
+  return j;
+}
+
+/* A pass's sums hold reals alone. */
+template <class Sums>
+static __device__ __forceinline__ void add_sums(Sums *all, const Sums &part) {
+  pbf_real *to = reinterpret_cast<pbf_real *>(all);
+  const pbf_real *from = reinterpret_cast<const pbf_real *>(&part);
+#pragma unroll
+  for (unsigned k = 0; k < sizeof(Sums) / sizeof(pbf_real); ++k) to[k] += from[k];
+}
+
 /* Sums of particle i, which stands at x. `values`: of whatever the pass looks up beside places and
  * lambdas, or the places need. All threads of a warp call it. */
 template <class Pass, class Value, class Places = at_points>
@@ -46,11 +64,7 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_ar
     const Places &places = {}) {
   auto sums = pass.template begin<pbf_real>();
   for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
-    neighbor_of<pbf_real> j;
-    j.x_ij = lanes_of(pbf_sub(x, places.place(other, v)));
-    pbf_real r2 = j.x_ij.c[0] * j.x_ij.c[0];
-    for (int k = 1; k < PBF_DIM; ++k) r2 += j.x_ij.c[k] * j.x_ij.c[k];
-    j.r2 = r2;
+    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
     if constexpr (Pass::NUMBER) j.number = number_in(other, v);
     if constexpr (Pass::VECTOR) j.v = lanes_of(vector_in(v));
     pass.pair(&sums, own, j);

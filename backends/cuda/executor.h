@@ -41,9 +41,9 @@ struct executor {
   neighborhood n;
   iteration_extras extras;
   iteration_place place;
-  point *moved;       /* where a move goes */
-  image_sums *images; /* where walls mirror the fluid, else null */
-  pbf_status status;  /* of the first call that failed */
+  point *moved;                  /* where a move goes */
+  lambda_sums<pbf_real> *images; /* where walls mirror the fluid, else null */
+  pbf_status status;             /* of the first call that failed */
 
   /* Between these colliders. */
   executor(solver *of, double end, const pbf_solid *solids) : s(of), time(end) {
@@ -123,9 +123,11 @@ struct executor {
     run(PBF_STAGE_SLACK, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
+        typedef density_pass<fixed<F>> pass;
         if (mirrored)
-          sum_images(s, n, extras, before, images_at_start<F>{n.particles.velocities, time_step},
-                     s->slack);
+          sum_images<pass>(s, n, extras, before,
+                           reinterpret_cast<typename pass::template sums<pbf_real> *>(s->slack),
+                           at_start{time_step}, n.particles.velocities);
         launch(slack_kernel<F>, n, extras, before, time_step, mirrored, s->slack);
       });
     });
@@ -140,7 +142,7 @@ struct executor {
       if (status != PBF_OK) return;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        if (images) sum_images(s, n, extras, walls(), images_of_lambda<F>{}, images);
+        sum_images_of_lambda<F>();
         launch(weigh_kernel<F>, n, extras, images, s->deep_grid, arrays);
       });
       status = solve_deep(s, extras.obstacles);
@@ -158,12 +160,16 @@ struct executor {
     pbf_set_iteration(&n.constants, k);
   }
 
+  template <int FEATURES>
+  void sum_images_of_lambda() {
+    typedef lambda_pass<fixed<FEATURES>, SCALED_PAIRS> pass;
+    if (images) sum_images<pass>(s, n, extras, walls(), images);
+  }
+
   void lambda(uint32_t) {
     run(PBF_STAGE_LAMBDA, [&] {
-      if (images)
-        with_kernel(s->schedule.features, [&](auto features) {
-          sum_images(s, n, extras, walls(), images_of_lambda<decltype(features)::value>{}, images);
-        });
+      with_kernel(s->schedule.features,
+                  [&](auto features) { sum_images_of_lambda<decltype(features)::value>(); });
       const bool slack = s->schedule.runs[PBF_STAGE_SLACK];
       launch_lambda(s, n, extras, {place.first, slack ? s->slack : nullptr, images});
     });
@@ -180,12 +186,12 @@ struct executor {
 
   /* Lambda is known: in its images' memory are those of moves. */
   void move(uint32_t) {
-    pbf_vec *image_moves = reinterpret_cast<pbf_vec *>(images);
+    auto *image_moves = reinterpret_cast<move_sums<pbf_real> *>(images);
     run(PBF_STAGE_MOVE, [&] {
       if (images)
         with_features(s->schedule.features, [&](auto features) {
-          sum_images(s, n, extras, walls(), images_of_move<decltype(features)::value>{},
-                     image_moves);
+          typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
+          sum_images<pass>(s, n, extras, walls(), image_moves);
         });
       launch_move(s, n, moved, extras,
                   {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,

@@ -80,18 +80,18 @@ static inline bool has_extras(const solver *s) {
 }
 
 /* What images in these walls add to the sums of the kernel that comes next. */
-template <class Terms>
+template <class Pass, class Places = at_points, class Value = no_value>
 static inline void sum_images(solver *s, const neighborhood &n, const iteration_extras &extras,
-                              const pbf_walls &walls, const Terms &terms,
-                              typename Terms::sum *all) {
+                              const pbf_walls &walls, typename Pass::template sums<pbf_real> *all,
+                              const Places &places = {}, const Value *values = nullptr) {
   if constexpr (PBF_MIRRORS)
-    image_kernel<Terms><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
-        n, extras.watch, extras.rest.unrest, walls, terms, all);
+    image_kernel<Pass><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
+        n, extras.watch, extras.rest.unrest, walls, places, values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
  * nothing is mirrored. */
-static inline image_sums *images_between(const solver *s, const pbf_walls &walls) {
+static inline lambda_sums<pbf_real> *images_between(const solver *s, const pbf_walls &walls) {
   return walls.reach > 0 ? s->images : nullptr;
 }
 

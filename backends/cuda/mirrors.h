@@ -70,78 +70,16 @@ static __device__ __forceinline__ void for_images(const wall_images &images, pbf
   }
 }
 
-/* Adds the images of one neighbour to the sums of a pass that looks nothing up. */
+/* Adds the images of one neighbour at x_ij, with this lambda where the pass looks it up. */
 template <class Pass>
 static __device__ __forceinline__ void add_images(const Pass &pass, const wall_images &images,
-                                                  pbf_vec x_ij,
+                                                  const typename Pass::template own<pbf_real> &own,
+                                                  pbf_vec x_ij, pbf_real lambda,
                                                   typename Pass::template sums<pbf_real> *sums) {
   for_images(images, pass.c->h2, x_ij, [&](pbf_vec image, pbf_real r2) {
-    pass.pair(sums, {}, {lanes_of(image), r2, 0, {}}, pass.c->wall_weight);
+    pass.pair(sums, own, {lanes_of(image), r2, lambda, {}}, pass.c->wall_weight);
   });
 }
-
-/* Of particles where they are, of whom nothing else counts. */
-struct of_points : at_points {
-  const no_value *values = nullptr;
-};
-
-/* What is summed over images, with what `values` hold for each particle: in an iteration for its
- * lambda, … */
-template <int FEATURES>
-struct images_of_lambda : of_points {
-  typedef image_sums sum;
-
-  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
-                                             pbf_real r2, pbf_real) {
-    pbf_real value, slope;
-    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-    all->density += c->wall_weight * value;
-    all->slope2 += c->wall_weight * slope * r2 * slope;
-    all->gradient = pbf_add_scaled(all->gradient, c->wall_weight * slope, image);
-  }
-  static __device__ __forceinline__ void join(sum *all, const sum &part) {
-    all->density += part.density;
-    all->slope2 += part.slope2;
-    all->gradient = pbf_add_scaled(all->gradient, 1, part.gradient);
-  }
-};
-
-/* … for its move, … */
-template <int FEATURES>
-struct images_of_move : of_points {
-  typedef pbf_vec sum;
-
-  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
-                                             pbf_real r2, pbf_real lambdas) {
-    pbf_real value, slope;
-    pbf_pair_kernel(FEATURES, c, r2, &value, &slope);
-    if (FEATURES & PBF_FEATURE_SCORR) lambdas += pbf_pair_scorr(c, value);
-    *all = pbf_add_scaled(*all, c->wall_weight * lambdas * slope, image);
-  }
-  static __device__ __forceinline__ void join(sum *all, const sum &part) {
-    *all = pbf_add_scaled(*all, 1, part);
-  }
-};
-
-/* … and for the density at the step's start. */
-template <int FEATURES>
-struct images_at_start {
-  typedef pbf_real sum;
-  const pbf_vec *values;
-  at_start places;
-
-  __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
-    return places.place(p, velocity);
-  }
-  static __device__ __forceinline__ void add(const pbf_constants *c, sum *all, pbf_vec image,
-                                             pbf_real r2, pbf_real) {
-    const density_pass<fixed<FEATURES>> pass = {c, {}};
-    typename density_pass<fixed<FEATURES>>::template sums<pbf_real> sums = {*all};
-    pass.pair(&sums, {}, {lanes_of(image), r2, 0, {}}, c->wall_weight);
-    *all = sums.density;
-  }
-  static __device__ __forceinline__ void join(sum *all, sum part) { *all += part; }
-};
 
 /* Warps that share the lists of 32 particles: there are few particles at walls, and much to do for
  * those in corners. */
@@ -150,38 +88,38 @@ enum { PBF_IMAGE_SHARES = 4 };
 static inline uint32_t image_blocks_for(uint32_t count) { return (count + 31) / 32; }
 
 /* Most particles have no images, and the other kernels are short of registers and of time: this one
- * runs just before, and they take its sums. Of a solve that is over, and of sleepers out of reach
- * of the awake, nobody reads them. */
-template <class Terms>
+ * runs just before, and they take its sums. Those of a solve that is over, and of sleepers out of
+ * reach of the awake, are not read. */
+template <class Pass, class Places, class Value>
 static __global__ void __launch_bounds__(32 * PBF_IMAGE_SHARES)
     image_kernel(neighborhood n, watch_pass watch, const pbf_real *unrest, pbf_walls walls,
-                 Terms terms, typename Terms::sum *all) {
-  __shared__ typename Terms::sum parts[PBF_IMAGE_SHARES - 1][32];
+                 Places places, const Value *values, typename Pass::template sums<pbf_real> *all) {
+  typedef typename Pass::template sums<pbf_real> pass_sums;
+  __shared__ pass_sums parts[PBF_IMAGE_SHARES - 1][32];
   const uint32_t lane = threadIdx.x % 32, share = threadIdx.x / 32, i = blockIdx.x * 32 + lane;
   const uint32_t own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
+  const Pass pass = {&n.constants, {}};
   if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
   const point here = load(n.particles.points, own);
-  const pbf_vec x = terms.place(here, load(terms.values, own));
+  const pbf_vec x = places.place(here, load(values, own));
   const bool idle = PBF_SLEEP && unrest && pbf_is_idle(unrest[own]);
   const wall_images images = idle ? wall_images{} : images_at(walls, x);
-  typename Terms::sum sum = {};
-  auto add = [&](pbf_vec x_ij, pbf_real lambdas) {
-    for_images(images, c->h2, x_ij,
-               [&](pbf_vec image, pbf_real r2) { terms.add(c, &sum, image, r2, lambdas); });
-  };
+  typename Pass::template own<pbf_real> of_own;
+  if constexpr (Pass::NUMBER) of_own = {here.lambda};
+  pass_sums sums = {};
   if (warp_has(images)) {
-    if (share == 0) add({{0}}, here.lambda + here.lambda);
+    if (share == 0) add_images(pass, images, of_own, {{0}}, here.lambda, &sums);
     for_points_with<PBF_IMAGE_SHARES>(
-        n.particles, n.grid, n.lists, i, terms.values, [&](const point &other, auto value) {
-          add(pbf_sub(x, terms.place(other, value)), here.lambda + other.lambda);
+        n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &value) {
+          add_images(pass, images, of_own, pbf_sub(x, places.place(other, value)), other.lambda,
+                     &sums);
         });
-    if (share > 0) parts[share - 1][lane] = sum;
+    if (share > 0) parts[share - 1][lane] = sums;
     __syncthreads(); /* all warps of a block have the same particles, and come here or none */
     for (uint32_t k = 1; share == 0 && k < PBF_IMAGE_SHARES; ++k)
-      terms.join(&sum, parts[k - 1][lane]);
+      add_sums(&sums, parts[k - 1][lane]);
   }
-  if (share == 0 && i < n.particles.count) all[i] = sum;
+  if (share == 0 && i < n.particles.count) all[i] = sums;
 }
 
 #endif

@@ -23,18 +23,18 @@ struct iteration_place {
 /* How an iteration's lambda comes about, other than from neighbours. */
 struct lambda_parts {
   bool first;
-  const pbf_real *slack;    /* in very short steps; else null */
-  const image_sums *images; /* where walls mirror the fluid (mirrors.h); else null */
+  const pbf_real *slack;               /* in very short steps; else null */
+  const lambda_sums<pbf_real> *images; /* where walls mirror the fluid (mirrors.h); else null */
 };
 
 /* How an iteration's move ends. */
 struct move_end {
   iteration_place place;
   pbf_real inv_time_step;
-  int collide;           /* with the obstacles, */
-  int collide_last;      /* and in the last iteration */
-  pbf_vec *velocities;   /* with all moves so far, from the first on */
-  const pbf_vec *images; /* where walls mirror the fluid; else null */
+  int collide;                       /* with the obstacles, */
+  int collide_last;                  /* and in the last iteration */
+  pbf_vec *velocities;               /* with all moves so far, from the first on */
+  const move_sums<pbf_real> *images; /* where walls mirror the fluid; else null */
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
@@ -69,17 +69,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
   if (i >= n.particles.count) return;
   pbf_real slack = EXTRAS && PBF_CHEBYSHEV && parts.slack ? parts.slack[i] : 0;
-  const image_sums *images = EXTRAS && PBF_MIRRORS && parts.images ? parts.images + i : nullptr;
-  pbf_vec gradient = vec_of(sums.gradient);
-  if (images) {
-    sums.density += images->density;
-    sums.slope2 += images->slope2;
-    gradient = pbf_add_scaled(gradient, 1, images->gradient);
-  }
-  if (EXTRAS && extras.wall_density)
-    add_walls<SOLIDS>(c, extras.obstacles, x, &sums.density, &gradient);
-  sums.gradient = lanes_of(gradient);
-  pbf_real lambda = pass.finish(sums, slack);
+  const bool mirrored = EXTRAS && PBF_MIRRORS && parts.images;
+  pbf_real lambda = finish_lambda<SOLIDS>(pass, extras.obstacles, EXTRAS && extras.wall_density,
+                                          slack, x, &sums, mirrored ? parts.images + i : nullptr);
   if (watched)
     add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
                idle ? extras.watch.idle : pbf_excess(c, slack, sums.density));
@@ -168,23 +160,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
   if (SOLIDS != NO_SOLIDS && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
-  const pbf_vec *images = EXTRAS && PBF_MIRRORS && end.images ? end.images + i : nullptr;
-  if (images) sums.change = lanes_of(pbf_add_scaled(vec_of(sums.change), 1, *images));
-  if (EXTRAS && extras.wall_density) {
-    pbf_lent lent = lent_at<SOLIDS>(c, extras.obstacles, x);
-    sums.change = lanes_of(pbf_beside_lent(vec_of(sums.change), own.lambda, &lent));
-  }
-  lane_vector<pbf_real> y = lanes_of(x), u = lanes_of(v);
-  pass.finish(sums, end.inv_time_step, &y, &u);
-  x = vec_of(y);
-  v = vec_of(u);
-  int collisions = end.collide + (last && end.collide_last);
-  if (SOLIDS == NO_SOLIDS) collisions = collisions > 0; /* walls push once */
-  for (; collisions > 0; --collisions) {
-    pbf_vec after = resolve<SOLIDS>(extras.obstacles, 0, predicted, x);
-    v = pbf_velocity(end.inv_time_step, v, x, after);
-    x = after;
-  }
+  const bool mirrored = EXTRAS && PBF_MIRRORS && end.images;
+  x = finish_move<SOLIDS>(
+      pass, extras.obstacles,
+      {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step},
+      own.lambda, predicted, x, sums, mirrored ? end.images + i : nullptr, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -373,10 +353,10 @@ static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, con
   const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const wall_images images = images_at(walls, position_of(load(n.particles.points, i)));
   auto sums = pass.template begin<pbf_real>();
-  add_images(pass, images, {{0}}, &sums);
+  add_images(pass, images, {}, {{0}}, 0, &sums);
   for_present_neighbors(n, i, [&](const neighbor_of<pbf_real> &j) {
     pass.pair(&sums, {}, j);
-    add_images(pass, images, vec_of(j.x_ij), &sums);
+    add_images(pass, images, {}, vec_of(j.x_ij), 0, &sums);
     ++*neighbors;
   });
   return sums.density;

@@ -55,8 +55,8 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
  * these add, or null. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
-    weigh_kernel(neighborhood n, iteration_extras extras, const image_sums *images, pbf_coarse grid,
-                 deep_arrays a) {
+    weigh_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *images,
+                 pbf_coarse grid, deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};

@@ -31,6 +31,22 @@ static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uin
   }
 }
 
+/* Sums of particle i at x among `points`. */
+template <class Pass>
+static __device__ __forceinline__ typename Pass::template sums<pbf_real> general_sums(
+    const Pass &pass, const sorted_particles &p, const cell_grid &grid, const point *points,
+    uint32_t i, pbf_vec x, const typename Pass::template own<pbf_real> &own) {
+  auto sums = pass.template begin<pbf_real>();
+  walk_cells(p, grid, i, [&](uint32_t k) {
+    const point other = load(points, k);
+    auto j = neighbor_between(x, position_of(other));
+    j.number = other.lambda;
+    pass.pair(&sums, own, j);
+  });
+  pass.end(&sums);
+  return sums;
+}
+
 /* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
  * particles and a barrier, and no lists. Returns the number of the last barrier. */
 template <int FEATURES, solids_met SOLIDS>
@@ -66,12 +82,13 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t k = 0; k < scene.iterations; ++k) {
     bool last = k + 1 == scene.iterations;
     const pbf_constants now = constants_at(scene, k);
+    const lambda_pass<fixed<FEATURES>, SCALED_SUMS> of_lambda = {c, {}};
+    const move_pass_of<fixed<FEATURES>, SCALED_SUMS> of_pairs = {&now, {}}, of_move = {c, {}};
     for (uint32_t i = first; i < n; i += stride) {
       pbf_vec x = position_of(load(points, i));
-      lambda_sums<FEATURES> sums;
-      walk_cells(p, grid, i,
-                 [&](uint32_t j) { sums.add(c, pbf_sub(x, position_of(load(points, j)))); });
-      pbf_real lambda = sums.template lambda<SOLIDS>(c, obstacles, scene.wall_density, 0, x);
+      auto sums = general_sums(of_lambda, p, grid, points, i, x, {});
+      pbf_real lambda =
+          finish_lambda<SOLIDS>(of_lambda, obstacles, scene.wall_density, 0, x, &sums, nullptr);
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -84,17 +101,14 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
     for (uint32_t i = first; i < n; i += stride) {
       point own = load(points, i);
       pbf_vec x = position_of(own);
-      move_sum<FEATURES> sum;
-      walk_cells(p, grid, i, [&](uint32_t j) {
-        point other = load(points, j);
-        sum.add(&now, pbf_sub(x, position_of(other)), own.lambda + other.lambda);
-      });
+      const auto sums = general_sums(of_pairs, p, grid, points, i, x, {own.lambda});
       pbf_vec predicted = position_of(load(p.points, i));
       pbf_vec v = p.velocities[i];
-      x = sum.template moved<SOLIDS>(
-          c, obstacles, scene.wall_density,
-          scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step,
-          own.lambda, predicted, x, &v);
+      x = finish_move<SOLIDS>(
+          of_move, obstacles,
+          {scene.wall_density != 0,
+           scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step},
+          own.lambda, predicted, x, sums, nullptr, &v);
       p.velocities[i] = v;
       point to = point_at(x);
       to.lambda = own.lambda;

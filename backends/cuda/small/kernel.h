@@ -5,23 +5,17 @@
 #include "cuda/small/general.h"
 #include "cuda/small/search.h"
 
-/* Sums over the threads of a particle, all values at a time; each thread gets the same bits. */
-template <int N>
-static __device__ __forceinline__ void sum_lanes(pbf_real (&values)[N], uint32_t lanes) {
+/* Sums over the threads of a particle, all reals at a time; each thread gets the same bits. */
+template <class Sums>
+static __device__ __forceinline__ void sum_lanes(Sums *sums, uint32_t lanes) {
   for (uint32_t step = 1; step < lanes; step *= 2) {
+    Sums other = *sums;
+    pbf_real *values = reinterpret_cast<pbf_real *>(&other);
 #pragma unroll
-    for (int k = 0; k < N; ++k) values[k] += __shfl_xor_sync(~0u, values[k], (int)step);
+    for (unsigned k = 0; k < sizeof(Sums) / sizeof(pbf_real); ++k)
+      values[k] = __shfl_xor_sync(~0u, values[k], (int)step);
+    add_sums(sums, other);
   }
-}
-
-template <int FEATURES>
-static __device__ __forceinline__ void sum_lanes(lambda_sums<FEATURES> *sums, uint32_t lanes) {
-  pbf_real values[PBF_DIM + 2] = {sums->density, sums->slope2};
-  for (int k = 0; k < PBF_DIM; ++k) values[k + 2] = sums->gradient.c[k];
-  sum_lanes(values, lanes);
-  sums->density = values[0];
-  sums->slope2 = values[1];
-  for (int k = 0; k < PBF_DIM; ++k) sums->gradient.c[k] = values[k + 2];
 }
 
 /* Fetch what the ghosts' owners publish in a pass, N ghosts a thread at a time; some may be the
@@ -243,13 +237,18 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       const uint32_t pass = first_pass + k;
       bool last = k + 1 == scene.iterations;
       const pbf_constants now = accelerated ? constants_at(scene, k) : scene.constants;
+      const typename small_pairs<FEATURES>::lambdas of_lambda = {c, {}};
+      const typename small_pairs<FEATURES>::moves of_pairs = {&now, {}}, of_move = {c, {}};
       small_pairs<FEATURES> pairs;
       pbf_real lambda = 0;
       if (me.works) {
-        lambda_sums<FEATURES> sums = pairs.meet(near, y, c, &now, pass);
+        lambda_sums<pbf_real> sums = {};
+        pairs.meet(of_lambda, of_pairs, near, y, pass, &sums);
         __syncwarp();
         sum_lanes(&sums, me.lanes);
-        lambda = sums.template lambda<SOLIDS>(c, obstacles, wall_density, 0, y);
+        add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
+        of_lambda.end(&sums);
+        lambda = finish_lambda<SOLIDS>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
@@ -274,13 +273,15 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         x = y;
       }
       if (me.works) {
-        pairs.move(near, y, lambda, &now, pass);
+        pairs.move(of_pairs, near, y, lambda, pass);
         __syncwarp();
-        sum_lanes(pairs.sum.sum.c, me.lanes);
-        y = pairs.sum.template moved<SOLIDS>(
-            c, obstacles, wall_density,
-            scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step,
-            lambda, x, y, &v);
+        sum_lanes(&pairs.change, me.lanes);
+        of_pairs.end(&pairs.change);
+        y = finish_move<SOLIDS>(
+            of_move, obstacles,
+            {wall_density, scene.collide_in_iteration + (last && scene.collide_after_solve),
+             scene.inv_time_step},
+            lambda, x, y, pairs.change, nullptr, &v);
       }
       if (last) continue;
       if (me.leads) publish_position(room.exchange, i, y, pass + 1);

@@ -15,7 +15,6 @@
 
 #include "cuda/barrier.h"
 #include "cuda/small/exchange.h"
-#include "cuda/lists.h"
 #include "cuda/iteration.h"
 
 enum {

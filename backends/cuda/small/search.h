@@ -182,15 +182,18 @@ struct small_neighbors {
  * SMALL_KEPT, but for the other's lambda, stays in registers. */
 template <int FEATURES>
 struct small_pairs {
-  pbf_vec slopes[SMALL_KEPT]; /* V grad W */
-  move_sum<FEATURES> sum;
+  typedef lambda_pass<fixed<FEATURES>, SCALED_SUMS> lambdas;
+  typedef move_pass_of<fixed<FEATURES>, SCALED_SUMS> moves;
+  lane_vector<pbf_real> gradients[SMALL_KEPT]; /* V grad W, but for its scale */
+  move_sums<pbf_real> change;
 
-  __device__ __forceinline__ lambda_sums<FEATURES> meet(const small_neighbors &n, pbf_vec x,
-                                                        const pbf_constants *c,
-                                                        const pbf_constants *now, uint32_t pass) {
-    lambda_sums<FEATURES> sums;
+  /* Adds the neighbours to the sums of lambda, and what is known of it to the change. */
+  __device__ __forceinline__ void meet(const lambdas &of_lambda, const moves &of_move,
+                                       const small_neighbors &n, pbf_vec x, uint32_t pass,
+                                       lambda_sums<pbf_real> *sums) {
     uint32_t entries[SMALL_CHUNK];
     pbf_vec others[SMALL_CHUNK];
+    change = of_move.template begin<pbf_real>();
 #pragma unroll
     for (uint32_t k = 0; k < SMALL_KEPT; k += SMALL_CHUNK) {
       if (k >= n.list.size) break;
@@ -198,24 +201,26 @@ struct small_pairs {
       n.positions(entries, pass, others);
 #pragma unroll
       for (uint32_t q = 0; q < SMALL_CHUNK; ++q) {
-        pbf_vec x_ij = pbf_sub(x, others[q]);
-        pair_terms pair = sums.add(c, x_ij);
-        slopes[k + q] = pbf_add_scaled(pbf_vec{{0}}, pair.slope, x_ij);
-        if constexpr ((FEATURES & PBF_FEATURE_SCORR) != 0)
-          sum.sum = pbf_add_scaled(sum.sum, pbf_pair_scorr(now, pair.value), slopes[k + q]);
+        const auto j = neighbor_between(x, others[q]);
+        const auto w = of_lambda.pair(sums, {}, j);
+        gradients[k + q] = j.x_ij;
+        gradients[k + q].scale(w.slope);
+        of_move.add_artificial_pressure(&change, of_lambda.c->value_scale * w.value,
+                                        gradients[k + q]);
       }
     }
     for (uint32_t k = SMALL_KEPT; k < n.list.size; k += SMALL_CHUNK) {
       n.list.chunk(k, entries);
       n.positions(entries, pass, others);
 #pragma unroll
-      for (uint32_t q = 0; q < SMALL_CHUNK; ++q) sums.add(c, pbf_sub(x, others[q]));
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
+        of_lambda.pair(sums, {}, neighbor_between(x, others[q]));
     }
-    return sums;
   }
 
-  __device__ __forceinline__ void move(const small_neighbors &n, pbf_vec x, pbf_real lambda,
-                                       const pbf_constants *now, uint32_t pass) {
+  /* Adds the rest to the change. */
+  __device__ __forceinline__ void move(const moves &of_move, const small_neighbors &n, pbf_vec x,
+                                       pbf_real lambda, uint32_t pass) {
     uint32_t entries[SMALL_CHUNK];
     pbf_vec others[SMALL_CHUNK];
     pbf_real lambdas[SMALL_CHUNK];
@@ -226,15 +231,18 @@ struct small_pairs {
       n.lambdas(entries, pass, lambdas);
 #pragma unroll
       for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
-        sum.sum = pbf_add_scaled(sum.sum, lambda + lambdas[q], slopes[k + q]);
+        of_move.add_lambdas(&change, lambda + lambdas[q], gradients[k + q]);
     }
     for (uint32_t k = SMALL_KEPT; k < n.list.size; k += SMALL_CHUNK) {
       n.list.chunk(k, entries);
       n.positions(entries, pass, others);
       n.lambdas(entries, pass, lambdas);
 #pragma unroll
-      for (uint32_t q = 0; q < SMALL_CHUNK; ++q)
-        sum.add(now, pbf_sub(x, others[q]), lambda + lambdas[q]);
+      for (uint32_t q = 0; q < SMALL_CHUNK; ++q) {
+        auto j = neighbor_between(x, others[q]);
+        j.number = lambdas[q];
+        of_move.pair(&change, {lambda}, j);
+      }
     }
   }
 };
