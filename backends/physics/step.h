@@ -20,6 +20,18 @@ PBF_FN bool runs(const pbf_schedule &has, pbf_stage stage) {
   return (FEATURE == 0 || (PBF_BUILT & FEATURE)) && has.runs[stage];
 }
 
+/* Whether the schedule has no stages but these: for a step that has an order of its own, and must
+ * not leave out a stage that it does not know. */
+template <int N>
+PBF_FN bool has_only(const pbf_schedule &has, const pbf_stage (&stages)[N]) {
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
+    bool listed = has.runs[k] == 0;
+    for (pbf_stage stage : stages) listed |= stage == k;
+    if (!listed) return false;
+  }
+  return true;
+}
+
 template <class Executor>
 static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.wake()) return STEP_OF_NONE_AWAKE; /* who is near what moves */

@@ -22,9 +22,7 @@ static inline bool small_possible(const solver *s) {
 /* Whether it has the memory for it. */
 static inline bool small_wanted(const solver *s, const pbf_params *params,
                                 const pbf_schedule &has) {
-  return small_possible(s) && !has.runs[PBF_STAGE_CURL] && !has.runs[PBF_STAGE_VISCOSITY] &&
-         !has.runs[PBF_STAGE_UNDAMP] && !has.runs[PBF_STAGE_TURN] && !has.runs[PBF_STAGE_SLACK] &&
-         !has.runs[PBF_STAGE_SLEEP] && !has.runs[PBF_STAGE_GRID] && !has.watched &&
+  return small_possible(s) && has_only(has, SMALL_STAGES) && !has.watched &&
          !pbf_may_mirror(params) && params->iterations <= SMALL_ITERATIONS;
 }
 

@@ -4,6 +4,7 @@
 
 #include "cuda/small/general.h"
 #include "cuda/small/search.h"
+#include "physics/step.h"
 
 /* Sums over the threads of a particle, all reals at a time; each thread gets the same bits. */
 template <class Sums>
@@ -171,6 +172,10 @@ static __device__ __forceinline__ void find_neighbors(const small_tile &tile,
   list_ghosts(tile, all_fit ? slots : 0, &board->ghosts);
   __syncthreads();
 }
+
+/* The stages of small_kernel, and of general_step, in an order of their own. */
+static const pbf_stage SMALL_STAGES[] = {PBF_STAGE_PREDICT, PBF_STAGE_NEIGHBORS, PBF_STAGE_LAMBDA,
+                                         PBF_STAGE_MOVE, PBF_STAGE_VELOCITY};
 
 /* Without EXTRAS for scenes without acceleration and wall density, without SOLIDS, which are
  * EXTRAS, too, for those without colliders: these take registers.
