@@ -32,7 +32,7 @@ PBF_FN void pbf_coarse_add_cell(const pbf_coarse *c, const pbf_coarse_dose *dose
   all->room += rooms[cell];
   all->weight += weights[cell];
   all->sum += dose->share / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
-              rooms[cell] * divergence / (PBF_CORNERS / 2);
+              rooms[cell] * divergence * 2 / PBF_CORNERS;
 }
 
 /* The system's right side and the inverse of its diagonal: 0 for a node in the open or with next to
@@ -82,11 +82,9 @@ PBF_FN double pbf_coarse_part(const pbf_coarse *c, const double around[PBF_CORNE
                               const double *lambda, uint32_t node, int a) {
   int64_t x = 1 - 2 * (a & 1), y = (1 - 2 * (a >> 1 & 1)) * (int64_t)c->corner[2];
   const double *at = lambda + node;
-  double others = at[x] + at[y] + 2 * at[x + y];
-  if (PBF_DIM == 3) {
-    int64_t z = (1 - 2 * (a >> 2)) * (int64_t)c->corner[PBF_CORNERS / 2];
-    others = at[x + y] + at[x + z] + (at[y + z] + at[x + y + z]);
-  }
+  int64_t z = (1 - 2 * (a >> 2)) * (int64_t)c->corner[PBF_CORNERS / 2];
+  double others = PBF_DIM == 2 ? at[x] + at[y] + 2 * at[x + y]
+                               : at[x + y] + at[x + z] + (at[y + z] + at[x + y + z]);
   return around[a] * (PBF_COARSE_OWN * at[0] - others);
 }
 

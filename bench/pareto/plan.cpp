@@ -34,7 +34,7 @@ std::string short_number(const json &value) {
 }
 
 std::string words_of(const Choice &choice) {
-  const std::string value = short_number(choice.value);
+  std::string value = short_number(choice.value);
   if (choice.name == "iterations") return value + (value == "1" ? " iteration" : " iterations");
   if (choice.name == "divide_time_step") return value == "1" ? "Δt" : "Δt/" + value;
   if (choice.name == "support") return "h = " + value + " d";

@@ -112,7 +112,7 @@ json study_json(const Study &study) {
 
 json read_results(const std::string &path) {
   std::ifstream file(path, std::ios::binary);
-  const json text = json::parse(file, nullptr, false);
+  json text = json::parse(file, nullptr, false);
   if (!text.is_object() || text.value("tool", json()) != tool_name ||
       text.value("version", json()) != 1 || !text.contains("points")) {
     throw Error(exit_usage,

@@ -216,6 +216,7 @@ std::string color_stops() {
 void add_pictures(const Speedup &speedup, data &page) {
   const std::vector<const Result *> shown = shown_results(speedup);
   std::vector<Frame> frames;
+  frames.reserve(shown.size());
   for (const Result *result : shown) frames.push_back(frame_of(*result));
   const View view = view_of(speedup, frames);
   data pictures{data::type::list};

@@ -78,7 +78,7 @@ json default_list(const ParamField &field, unsigned dimension) {
 }
 
 json setting_value(const ParamField &field, const std::string &text) {
-  const json parsed = json::parse(text, nullptr, false);
+  json parsed = json::parse(text, nullptr, false);
   if (!parsed.is_discarded()) return parsed;
   if (field.type != ParamType::some_of) return text;
   json names = json::array();

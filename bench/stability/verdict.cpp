@@ -36,7 +36,7 @@ Verdict verdict_of(const nlohmann::json &entry) {
 
 std::string summary(const Verdict &verdict) {
   if (verdict.outcome == "absent" || verdict.outcome == "unavailable") return verdict.outcome;
-  const std::string mark = verdict.outcome == "holds" ? "ok" : "FAILS";
+  std::string mark = verdict.outcome == "holds" ? "ok" : "FAILS";
   if (verdict.figures.empty() || !verdict.reason.empty()) return mark;
   return mark + "  " + verdict.figures[0].value + " " + verdict.figures[0].bound;
 }
