@@ -336,8 +336,9 @@ enum {
 };
 
 /* The fluid stays outside (plane: on the side of its normal), or, inverted, inside. Particle
- * centres are kept out of the surface itself: enlarge the shape by half a spacing for looks.
- * A collider moves by its velocities through every step, without being set again. */
+ * centres are kept out of the surface; with `wall_density` 1 fluid comes to rest half a spacing off
+ * it, with 0 on it. A collider moves by its velocities through every step, without being set
+ * again. */
 typedef struct pbf_collider {
   uint32_t struct_size;
   uint32_t shape;             /* PBF_COLLIDER_… */

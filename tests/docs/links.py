@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Checks that what documents and comments refer to exists, without a network.
+
+    links.py ROOT
+
+In Markdown files: the targets of relative links, and their anchors, which are those that GitHub makes of headings. In all
+sources: each docs/….md that is named. In documents with tables that scripts write: markers come in pairs, each name once.
+"""
+import pathlib
+import re
+import sys
+import urllib.parse
+
+SKIPPED = {"build", "out", ".git", "__pycache__"}
+SOURCES = {".c", ".h", ".cpp", ".cu", ".py", ".sh", ".txt", ".cmake", ".json", ".def"}
+LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^()\s]+(?:\([^()]*\))?)\)")
+FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
+HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
+NAMED = re.compile(r"\bdocs/[\w/.-]+\.(?:md|svg)\b")
+
+
+def files_of(root):
+    for path in sorted(root.rglob("*")):
+        if path.is_file() and not SKIPPED.intersection(path.relative_to(root).parts):
+            yield path
+
+
+def anchors_of(text):
+    found = set()
+    for heading in HEADING.findall(FENCE.sub("", text)):
+        plain = LINK.sub(lambda link: link[0][1:link[0].index("](")], heading)
+        slug = re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
+        again = 0
+        while f"{slug}-{again}" in found if again else slug in found:
+            again += 1
+        found.add(f"{slug}-{again}" if again else slug)
+    return found
+
+
+def wrong_links(page, text, anchors):
+    for target in LINK.findall(FENCE.sub("", text)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        path = (page.parent / urllib.parse.unquote(name)).resolve() if name else page
+        if not path.exists():
+            yield f"{target}: no such file"
+        elif anchor and urllib.parse.unquote(anchor) not in anchors(path):
+            yield f"{target}: no such heading"
+
+
+def wrong_tables(text):
+    open_table, names = None, set()
+    for number, line in enumerate(text.splitlines(), 1):
+        start = re.fullmatch(r"<!-- table: (.+) -->", line)
+        if start and (open_table or start[1] in names):
+            yield f"line {number}: the table {start[1]} begins inside another one, or twice"
+        elif start:
+            open_table = start[1]
+            names.add(open_table)
+        elif line == "<!-- end -->":
+            if not open_table:
+                yield f"line {number}: an end without a table"
+            open_table = None
+    if open_table:
+        yield f"the table {open_table} has no end"
+
+
+def main(root):
+    root = pathlib.Path(root).resolve()
+    known = {}
+
+    def anchors(path):
+        if path not in known:
+            known[path] = anchors_of(path.read_text(encoding="utf-8")) if path.suffix == ".md" else set()
+        return known[path]
+
+    wrong, links = [], 0
+    for path in files_of(root):
+        markdown = path.suffix == ".md"
+        if not markdown and path.suffix not in SOURCES and path.name != "run":
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        found = [f"{name}: no such file" for name in NAMED.findall(text) if not (root / name).exists()]
+        if markdown:
+            links += len(LINK.findall(text))
+            found += [*wrong_links(path, text, anchors), *wrong_tables(text)]
+        wrong += [f"{path.relative_to(root)}: {each}" for each in dict.fromkeys(found)]
+    print("\n".join(wrong) if wrong else f"{links} links hold")
+    return 1 if wrong or not links else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(main(sys.argv[1]))
