@@ -85,7 +85,7 @@ def compared(result, families, first):
 
 
 def head(*first):
-    return (*first, "least error", "÷ at equal time", *(word for level in LEVELS for word in (level, "×")))
+    return (*first, "min error", "÷ at equal time", *(word for level in LEVELS for word in (level, "×")))
 
 
 def source(result):

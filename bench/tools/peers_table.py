@@ -87,7 +87,7 @@ def hull_rows(results):
     return rows
 
 
-HULL_HEAD = ("error", "scene", "method", "least error",
+HULL_HEAD = ("error", "scene", "method", "min error",
              *(word for level in LEVELS for word in (f"{100 * level:g} %", "×")), "below the library's hull")
 
 
@@ -100,7 +100,7 @@ def few_rows(result):
             for p in sorted((p for p in result["points"] if p["seconds"]), key=order) if set(FEW_FIGURES) <= set(p["errors"])]
 
 
-FEW_HEAD = ("method", "setting", "ms a step", "least … most", "own equation", "compression", "compression, all", "largest",
+FEW_HEAD = ("method", "setting", "ms a step", "min … max", "own equation", "compression", "compression, all", "largest",
             "volume")
 
 

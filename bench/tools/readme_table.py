@@ -10,7 +10,7 @@ import sys
 from pages import write_table
 
 REPORT_MS = {"naive": 29904, "openmp": 2557, "cuda": 768}  # the report's own figures, 100 steps
-HEAD = ("backend", "device", "threads", "ms for 100 steps", "least … most", "× naive", "the report: ms",
+HEAD = ("backend", "device", "threads", "ms for 100 steps", "min … max", "× naive", "the report: ms",
         "× the report", "density error")
 
 

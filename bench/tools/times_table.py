@@ -9,7 +9,7 @@ import sys
 
 from pages import write_table
 
-COLUMNS = ("scene", "particles", "precision", "h/d", "neighbours", "ms a step", "least … most",
+COLUMNS = ("scene", "particles", "precision", "h/d", "neighbours", "ms a step", "min … max",
            "million particle-iterations a second", "bytes a particle", "mean density error")
 
 

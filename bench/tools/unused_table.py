@@ -31,7 +31,7 @@ def threads_of(result):
 
 
 def table(results):
-    lines = ["| backend | build | time, median | middle half | least time | bytes | bits |",
+    lines = ["| backend | build | time, median | middle half | min time | bytes | bits |",
              "| --- | --- | --: | --: | --: | --: | --- |"]
     for result in results:
         lines += ["| " + " | ".join(cells) + " |" for cells in lines_of(result)]
