@@ -75,21 +75,28 @@ class Fluid {
     check(pbf_remove_particles(solver_, static_cast<uint32_t>(gone.size()), gone.data()));
   }
 
-  // A renderer would hand view.data and its strides to the GPU; here the mean height stands in.
-  double draw() {
+  // A renderer would hand view.data and its strides to the GPU; here the mean height stands in, for
+  // which positions on a device are copied.
+  void draw() {
     pbf_view view = {};
     view.struct_size = sizeof view;
     check(pbf_map(solver_, PBF_FIELD_POSITION, &view));
+    std::vector<float> copy;
+    if (view.device_type != PBF_DEVICE_CPU) {
+      copy.resize(3 * view.count);
+      check(pbf_get_positions(solver_, 0, view.count, copy.data()));
+      view.data = copy.data();
+      view.particle_stride = 3 * sizeof(float);
+      view.component_stride = sizeof(float);
+    }
     double height = 0;
     const auto *bytes = static_cast<const char *>(view.data);
-    if (view.device_type == PBF_DEVICE_CPU)
-      for (uint32_t i = 0; i < view.count; ++i)
-        height += *reinterpret_cast<const float *>(bytes + i * view.particle_stride +
-                                                   view.component_stride);
+    for (uint32_t i = 0; i < view.count; ++i)
+      height += *reinterpret_cast<const float *>(bytes + i * view.particle_stride +
+                                                 view.component_stride);
     const uint32_t count = view.count;
     check(pbf_unmap(solver_, PBF_FIELD_POSITION));
     std::printf("%5u particles, mean height %.3f\n", count, count ? height / count : 0.0);
-    return height;
   }
 
  private:
