@@ -41,13 +41,12 @@ PBF_FN lane_vector<lane> load_vector(const field &f, uint32_t i) {
 }
 
 /* A loop whose next round's distances are begun before the present one's terms: their latency is
- * the longest. Adds up the neighbours, unless null. */
+ * the longest. Counts the neighbours, too, unless null. */
 template <class Pass>
-PBF_FN typename Pass::template sums<lane> sums_of_group(
-    const Pass &pass, const pair_pass *p, const lookups &of,
-    const typename Pass::template own<lane> &own, uint32_t g, slots *neighbors = NULL) {
+PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
+                          const typename Pass::template own<lane> &own, uint32_t g,
+                          typename Pass::template sums<lane> *sums, slots *neighbors = NULL) {
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  auto sums = pass.template begin<lane>();
   uint8_t space[MOST_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
@@ -65,7 +64,7 @@ PBF_FN typename Pass::template sums<lane> sums_of_group(
         const lane_vec v = vectors_at(&vectors, now.j, 0).v;
         for (int k = 0; k < PBF_DIM; ++k) j.v.c[k] = v.c[k];
       }
-      pass.pair(&sums, own, j);
+      pass.pair(sums, own, j);
     };
     pair_lanes now = pairs_listed(b, list, &x, &around);
     while ((list += WIDTH) < end) {
@@ -75,6 +74,14 @@ PBF_FN typename Pass::template sums<lane> sums_of_group(
     }
     add(now);
   }
+}
+
+template <class Pass>
+PBF_FN typename Pass::template sums<lane> sums_of_group(
+    const Pass &pass, const pair_pass *p, const lookups &of,
+    const typename Pass::template own<lane> &own, uint32_t g, slots *neighbors = NULL) {
+  auto sums = pass.template begin<lane>();
+  add_neighbors(pass, p, of, own, g, &sums, neighbors);
   pass.end(&sums);
   return sums;
 }

@@ -4,37 +4,20 @@
 #define PBF_CPU_KERNELS_TURN_H
 
 #include "cpu/kernels_pairs.h"
+#include "physics/passes/torque.h"
 #include "physics/turn.h"
 
-PBF_FN void torque_of_group(const int features, const pair_pass *p, const turn_pass *t, uint32_t g,
-                            lane sums[PBF_CURL_DIM]) {
-  const pbf_constants c = *p->constants;
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), was = lane_vec_load(&t->start, g * WIDTH);
-  const lane lambda_i = lane_load(t->lambda + g * WIDTH);
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
-    const neighbor_table around = neighbors_in(b, p, t->lambda);
-    const vector_table were = vectors_in(b, p, &t->start, NULL);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    for (; list < end; list += WIDTH) {
-      const pair_lanes pair = pairs_listed(b, list, &x, &around);
-      const lane_vec was_j = vectors_at(&were, pair.j, 0).v;
-      const lane_vec was_ij = lane_vec_apart(&was, &was_j);
-      lane value, slope, lambdas = lambda_i + number_of(&around, &pair);
-      lanes_kernel(features, &c, pair.r2, &value, &slope);
-      if (features & PBF_FEATURE_SCORR) lambdas = lambdas + lanes_scorr(&c, value);
-      lanes_add_cross(sums, lambdas * slope, pair.x_ij.c, was_ij.c);
-    }
-  }
-}
-
 static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const int features = hot_features(p) & (PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR);
+  const torque_pass<int> pass = {&c, features};
   for (uint32_t g = first; g < last; ++g) {
-    lane sums[PBF_CURL_DIM];
-    for (int k = 0; k < PBF_CURL_DIM; ++k) sums[k] = lane_load(t->torque.c[k] + g * WIDTH);
-    torque_of_group(hot_features(p) & (PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR), p, t, g, sums);
-    for (int k = 0; k < PBF_CURL_DIM; ++k) lane_store(t->torque.c[k] + g * WIDTH, sums[k]);
+    const uint32_t i = g * WIDTH;
+    torque_pass<int>::sums<lane> sums;
+    for (int k = 0; k < PBF_CURL_DIM; ++k) sums.torque[k] = lane_load(t->torque.c[k] + i);
+    add_neighbors(pass, p, {t->lambda, &t->start},
+                  {lane_load(t->lambda + i), load_vector(t->start, i)}, g, &sums);
+    for (int k = 0; k < PBF_CURL_DIM; ++k) lane_store(t->torque.c[k] + i, sums.torque[k]);
   }
 }
 

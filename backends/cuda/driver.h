@@ -55,20 +55,28 @@ static __device__ __forceinline__ void add_sums(Sums *all, const Sums &part) {
   for (unsigned k = 0; k < sizeof(Sums) / sizeof(pbf_real); ++k) to[k] += from[k];
 }
 
-/* Sums of particle i, which stands at x. `values`: of whatever the pass looks up beside places and
- * lambdas, or the places need. All threads of a warp call it. */
+/* Adds the neighbours of particle i, which stands at x. `values`: of whatever the pass looks up
+ * beside places and lambdas, or the places need. All threads of a warp call it. */
+template <class Pass, class Value, class Places = at_points>
+static __device__ __forceinline__ void add_neighbors(
+    const Pass &pass, const neighborhood &n, uint32_t i, pbf_vec x,
+    const typename Pass::template own<pbf_real> &own, const Value *values,
+    typename Pass::template sums<pbf_real> *sums, const Places &places = {}) {
+  for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
+    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
+    if constexpr (Pass::NUMBER) j.number = number_in(other, v);
+    if constexpr (Pass::VECTOR) j.v = lanes_of(vector_in(v));
+    pass.pair(sums, own, j);
+  });
+}
+
 template <class Pass, class Value, class Places = at_points>
 static __device__ __forceinline__ typename Pass::template sums<pbf_real> sums_around(
     const Pass &pass, const neighborhood &n, uint32_t i, pbf_vec x,
     const typename Pass::template own<pbf_real> &own, const Value *values,
     const Places &places = {}) {
   auto sums = pass.template begin<pbf_real>();
-  for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
-    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-    if constexpr (Pass::NUMBER) j.number = number_in(other, v);
-    if constexpr (Pass::VECTOR) j.v = lanes_of(vector_in(v));
-    pass.pair(&sums, own, j);
-  });
+  add_neighbors(pass, n, i, x, own, values, &sums, places);
   pass.end(&sums);
   return sums;
 }

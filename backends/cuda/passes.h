@@ -9,6 +9,7 @@
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 #include "physics/turn.h"
 #include "physics/undamp.h"
@@ -188,21 +189,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     torque_kernel(neighborhood n, watch_pass watch, bool first, const point *starts,
                   pbf_curl *torques) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
   if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
   const point here = load(n.particles.points, own);
-  pbf_vec x = position_of(here), start = position_of(load(starts, own));
-  pbf_curl torque = {{0}};
-  if (!first) torque = torques[own];
-  for_points_with(
-      n.particles, n.grid, n.lists, i, starts, [&](const point &other, const point &its) {
-        pbf_vec x_ij = pbf_sub(x, position_of(other)), start_ij = pbf_sub(start, position_of(its));
-        pbf_real value, slope, factor = here.lambda + other.lambda;
-        pbf_pair_kernel(FEATURES, c, pbf_dot(x_ij, x_ij), &value, &slope);
-        if (FEATURES & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-        pbf_pair_add_cross(torque.c, factor * slope, x_ij.c, start_ij.c);
-      });
-  if (i < n.particles.count) torques[i] = torque;
+  const pbf_vec start = position_of(load(starts, own));
+  const torque_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  auto sums = pass.template begin<pbf_real>();
+  for (int k = 0; k < PBF_CURL_DIM && !first; ++k) sums.torque[k] = torques[own].c[k];
+  add_neighbors(pass, n, i, position_of(here), {here.lambda, lanes_of(start)}, starts, &sums);
+  if (i < n.particles.count) torques[i] = curl_of(sums.torque);
 }
 
 /* As points, which are read at once: a rate fits a place. */

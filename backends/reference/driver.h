@@ -30,17 +30,27 @@ PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const curl_sizes &of) 
   return {lanes_of(n.x_ij), n.r2, pbf_curl_size(of.curl[n.j]), {}};
 }
 
-/* Particles at x, which s->grid was built from; adds up i's neighbours, unless null. */
+/* Adds the neighbours of particle i among particles at x, which s->grid was built from; counts
+ * them, too, unless null. */
+template <class Pass, class Lookups = lookups>
+static inline void add_neighbors(const solver *s, const Pass &pass, const pbf_vec *x,
+                                 const Lookups &of,
+                                 const typename Pass::template own<pbf_real> &own, uint32_t i,
+                                 typename Pass::template sums<pbf_real> *sums,
+                                 uint32_t *neighbors = NULL) {
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
+    pass.pair(sums, own, looked_up(n, of));
+    if (neighbors) ++*neighbors;
+  }
+}
+
 template <class Pass, class Lookups = lookups>
 static inline typename Pass::template sums<pbf_real> sums_around(
     const solver *s, const Pass &pass, const pbf_vec *x, const Lookups &of,
     const typename Pass::template own<pbf_real> &own, uint32_t i, uint32_t *neighbors = NULL) {
   auto sums = pass.template begin<pbf_real>();
-  neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
-    pass.pair(&sums, own, looked_up(n, of));
-    if (neighbors) ++*neighbors;
-  }
+  add_neighbors(s, pass, x, of, own, i, &sums, neighbors);
   pass.end(&sums);
   return sums;
 }

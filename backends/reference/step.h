@@ -7,6 +7,7 @@
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/torque.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
@@ -137,17 +138,14 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
 
 /* Before the move that it is of. */
 static inline void add_torques(solver *s) {
-  const pbf_constants *c = &s->constants;
-  const int features = s->schedule.features;
+  const torque_pass<int> pass = {&s->constants, s->schedule.features};
+  const lookups of = {s->added, s->x};
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n)) {
-      pbf_real value, slope, factor = s->added[i] + s->added[n.j];
-      pbf_pair_kernel(features, c, n.r2, &value, &slope);
-      if (features & PBF_FEATURE_SCORR) factor += pbf_pair_scorr(c, value);
-      pbf_pair_add_cross(s->torque[i].c, factor * slope, n.x_ij.c, pbf_sub(s->x[i], s->x[n.j]).c);
-    }
+    torque_pass<int>::sums<pbf_real> sums;
+    for (int k = 0; k < PBF_CURL_DIM; ++k) sums.torque[k] = s->torque[i].c[k];
+    add_neighbors(s, pass, s->moved, of, {s->added[i], lanes_of(s->x[i])}, i, &sums);
+    s->torque[i] = curl_of(sums.torque);
   }
 }
 

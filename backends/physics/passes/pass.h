@@ -62,6 +62,13 @@ struct lane_vector {
   }
 };
 
+template <class L>
+PBF_FN lane_vector<L> operator-(const lane_vector<L> &a, const lane_vector<L> &b) {
+  lane_vector<L> difference;
+  for (int k = 0; k < PBF_DIM; ++k) difference.c[k] = a.c[k] - b.c[k];
+  return difference;
+}
+
 PBF_FN pbf_vec vec_of(const lane_vector<pbf_real> &a) {
   pbf_vec b;
   for (int k = 0; k < PBF_DIM; ++k) b.c[k] = a.c[k];
