@@ -82,7 +82,7 @@ typedef struct move_pass {
   field velocity; /* goes along */
 } move_pass;
 
-/* What undamp.h works on. */
+/* What the compensation of damping works on. */
 typedef struct undamp_pass undamp_pass;
 struct undamp_pass {
   const pbf_real *lambda;

@@ -265,52 +265,6 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
   }
 }
 
-PBF_FN lanes_pushes pushes_of_group(const int features, const pbf_constants *c, const pair_pass *p,
-                                    const pbf_real *lambda, const field *flow, uint32_t g) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH), flow_i = lane_vec_load(flow, g * WIDTH);
-  const lane lambda_i = lane_load(lambda + g * WIDTH);
-  uint8_t space[MOST_ROUNDS * WIDTH];
-  lanes_pushes sums;
-  memset(&sums, 0, sizeof sums);
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
-    const neighbor_table around = neighbors_in(b, p, NULL);
-    const vector_table flow_of = vectors_in(b, p, flow, lambda);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-    for (; list < end; list += WIDTH) {
-      const pair_lanes pair = pairs_listed(b, list, &x, &around);
-      const vector_lanes j = vectors_at(&flow_of, pair.j, 1);
-      const lane_vec flow_ij = lane_vec_apart(&flow_i, &j.v);
-      lanes_add_pushes(features, c, &sums, lambda_i + j.number, pair.x_ij.c, pair.r2, flow_ij.c);
-    }
-  }
-  return sums;
-}
-
-/* One loop for both kernels: it is asked for once a step. */
-static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
-  const pbf_constants c = *p->constants;
-  const int features = (hot_features(p) & PBF_FEATURE_POLY6) | (u->torque ? PBF_FEATURE_TORQUE : 0);
-  for (uint32_t g = first; g < last; ++g) {
-    const int near = lending_walls(p) && group_near_obstacles(p, g);
-    const lanes_pushes sums = pushes_of_group(features, &c, p, u->lambda, &u->flow, g);
-    lane_values end, start;
-    for (int k = 0; k < PBF_CURL_DIM && u->torque; ++k) {
-      pbf_real *torque = u->torque->c[k] + g * WIDTH;
-      lane_store(torque, lane_load(torque) - sums.torque[k]);
-    }
-    for (int k = 0; k < PBF_DIM; ++k) {
-      lane_store(end.c[k], sums.at[0][k]);
-      lane_store(start.c[k], sums.at[1][k]);
-    }
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
-      pbf_vec change = near ? u->between(p, u, i, lane_value(&end, l), lane_value(&start, l))
-                            : pbf_sub(lane_value(&start, l), lane_value(&end, l));
-      field_set(&u->velocity, i, pbf_push(&c, u->inv_time_step, field_at(&u->velocity, i), change));
-    }
-  }
-}
-
 /* ---- Sleep --------------------------------------------------------------------------------- */
 
 /* The windows of a block in which somebody can be stirred, a bit each. */

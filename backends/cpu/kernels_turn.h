@@ -1,9 +1,10 @@
-/* The passes over pairs of physics/turn.h. One loop for both kernels: they are asked for on
- * request. */
+/* The corrections of the fluid's own motion: damping compensation and angular momentum. One loop
+ * for both kernels, for they run on request. */
 #ifndef PBF_CPU_KERNELS_TURN_H
 #define PBF_CPU_KERNELS_TURN_H
 
 #include "cpu/kernels_pairs.h"
+#include "physics/passes/damping_compensation.h"
 #include "physics/passes/torque.h"
 #include "physics/turn.h"
 
@@ -18,6 +19,30 @@ static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint3
     add_neighbors(pass, p, {t->lambda, &t->start},
                   {lane_load(t->lambda + i), load_vector(t->start, i)}, g, &sums);
     for (int k = 0; k < PBF_CURL_DIM; ++k) lane_store(t->torque.c[k] + i, sums.torque[k]);
+  }
+}
+
+static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
+  typedef damping_compensation_pass<int> pass_type;
+  const pbf_constants c = *p->constants;
+  const int features = (hot_features(p) & PBF_FEATURE_POLY6) | (u->torque ? PBF_FEATURE_TORQUE : 0);
+  const pass_type pass = {&c, features};
+  const lookups of = {u->lambda, &u->flow};
+  for (uint32_t g = first; g < last; ++g) {
+    const int near = lending_walls(p) && group_near_obstacles(p, g);
+    const auto sums = sums_of_group(
+        pass, p, of, {lane_load(u->lambda + g * WIDTH), load_vector(u->flow, g * WIDTH)}, g);
+    for (int k = 0; k < PBF_CURL_DIM && u->torque; ++k) {
+      pbf_real *torque = u->torque->c[k] + g * WIDTH;
+      lane_store(torque, lane_load(torque) - sums.torque[k]);
+    }
+    const lane_sums<pass_type::sums> each(sums);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      const auto one = each[l];
+      const pbf_vec change =
+          near ? u->between(p, u, i, vec_of(one.end), vec_of(one.start)) : pass.change(one);
+      field_set(&u->velocity, i, pass.finish(u->inv_time_step, field_at(&u->velocity, i), change));
+    }
   }
 }
 

@@ -10,7 +10,7 @@
 #include "physics/passes/predict.h"
 #include "physics/passes/viscosity.h"
 #include "physics/step.h"
-#include "physics/undamp.h"
+#include "physics/passes/damping_compensation.h"
 
 typedef struct step_job {
   solver *s;
@@ -242,10 +242,11 @@ static void flow_piece(void *context, uint32_t piece) {
   smooth_velocities(w, piece, PBF_TO_MEAN, w->b.spare[0]);
 }
 
-static pbf_vec undamped_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
-                                pbf_vec start) {
-  return pbf_undamped(p->constants, &p->walls->walls, pbf_solid_count(p->walls), p->walls->solids,
-                      field_at(&p->x, i), field_at(&u->flow, i), u->lambda[i], end, start);
+static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+                              pbf_vec start) {
+  return change_near_obstacles(p->constants, &p->walls->walls, pbf_solid_count(p->walls),
+                               p->walls->solids, field_at(&p->x, i), field_at(&u->flow, i),
+                               u->lambda[i], end, start);
 }
 
 static void undamp_piece(void *context, uint32_t piece) {
@@ -258,17 +259,24 @@ static void undamp_piece(void *context, uint32_t piece) {
                          w->b.spare[0],
                          w->b.v,
                          corrects_torque(w) ? &s->torque : NULL,
-                         undamped_between};
+                         change_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->undamp(&pairs, &u, g.first, g.last);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
-/* Of mean velocities, or of rates. */
-static void flows_piece(void *context, uint32_t piece) {
+/* Of mean velocities, and lambda beside the positions. */
+static void flows_and_lambda_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], w->s->lambda, piece_sorted(w, piece));
+  fill_quads(w->s, w->s->quads[0], &w->b.x, w->s->lambda, piece_sorted(w, piece));
+  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, piece_sorted(w, piece));
+}
+
+/* Of rates of rotation. */
+static void rates_piece(void *context, uint32_t piece) {
+  const worker *w = static_cast<const worker *>(context);
+  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, piece_sorted(w, piece));
 }
 
 static void turn_rate_piece(void *context, uint32_t piece) {
@@ -377,12 +385,12 @@ struct executor {
     over_pairs(flow_piece, PBF_STAGE_FLOW);
   }
   void undamp() {
-    pack_vectors(w, flows_piece);
+    pack_vectors(w, flows_and_lambda_piece);
     over_pairs(undamp_piece, PBF_STAGE_UNDAMP);
   }
   void turn_rate() { over_pairs(turn_rate_piece, PBF_STAGE_TURN_RATE); }
   void turn() {
-    pack_vectors(w, flows_piece);
+    pack_vectors(w, rates_piece);
     over_pairs(turn_piece, PBF_STAGE_TURN);
   }
   void curl() {

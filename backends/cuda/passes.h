@@ -6,13 +6,13 @@
 #include "cuda/mirrors.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/damping_compensation.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 #include "physics/turn.h"
-#include "physics/undamp.h"
 
 constexpr bool PBF_UNDAMPING = (PBF_BUILT & PBF_FEATURE_UNDAMPING) != 0;
 
@@ -310,25 +310,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point here = load(n.particles.points, own);
-  pbf_vec x = position_of(here), mean = position_of(load(flow, own)), end, start;
-  pbf_pair_pushes sums = {{{0}, {0}}, {0}};
-  for_points_with(n.particles, n.grid, n.lists, i, flow, [&](const point &other, const point &its) {
-    pbf_vec x_ij = pbf_sub(x, position_of(other)), flow_ij = pbf_sub(mean, position_of(its));
-    pbf_pair_add_pushes(FEATURES, c, &sums, here.lambda + other.lambda, x_ij.c, pbf_dot(x_ij, x_ij),
-                        flow_ij.c);
-  });
+  const pbf_vec x = position_of(here), mean = position_of(load(flow, own));
+  const damping_compensation_pass<fixed<FEATURES>> pass = {c, {}};
+  const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(mean)}, flow);
   if (i >= n.particles.count) return;
   if (FEATURES & PBF_FEATURE_TORQUE)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
-  for (int k = 0; k < PBF_DIM; ++k) {
-    end.c[k] = sums.at[0][k];
-    start.c[k] = sums.at[1][k];
-  }
-  pbf_vec change = pbf_sub(start, end);
+  pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = pbf_undamped(c, &obstacles.walls, obstacles.count, obstacles.solids, x, mean,
-                          here.lambda, end, start);
-  velocities[i] = pbf_push(c, inv_time_step, velocities[i], change);
+    change = change_near_obstacles(c, &obstacles.walls, obstacles.count, obstacles.solids, x, mean,
+                                   here.lambda, vec_of(sums.end), vec_of(sums.start));
+  velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
 
 /* From `velocities` to `smoothed`. */

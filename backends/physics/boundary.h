@@ -168,6 +168,22 @@ PBF_FN pbf_lent pbf_lent_at(const pbf_constants *c, const pbf_walls *walls, int 
   return lent;
 }
 
+/* What obstacles lend: the domain's walls, which don't turn, at x, and colliders at `at`, as they
+ * stood `before` the step or after it. */
+PBF_FN_APART pbf_lent pbf_lent_from(const pbf_constants *c, const pbf_walls *walls, int count,
+                                    const pbf_solid *solids, pbf_vec x, pbf_vec at, int before) {
+  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
+  for (int k = 0; k < count; ++k) {
+    const pbf_solid solid = before ? pbf_solid_before(&solids[k]) : solids[k];
+    pbf_join_solid(c, &solid, at, &lent);
+  }
+  return lent;
+}
+
+PBF_FN pbf_vec pbf_lent_gradient(const pbf_lent *lent) {
+  return pbf_add_scaled(lent->shared_gradient, 1, lent->own_gradient);
+}
+
 PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
                           const pbf_solid *solids, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {

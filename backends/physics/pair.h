@@ -90,8 +90,7 @@ PBF_FN PBF_LANE PBF_PAIR(scorr)(const pbf_constants *c, PBF_LANE value) {
   return power;
 }
 
-/* sum += factor a x b. For turn.h: a push `factor` * b where i is at a from j exerts this torque,
- * twice what it is for either of the two. */
+/* sum += factor a x b */
 PBF_FN void PBF_PAIR(add_cross)(PBF_LANE sum[PBF_CURL_DIM], PBF_LANE factor,
                                 const PBF_LANE a[PBF_DIM], const PBF_LANE b[PBF_DIM]) {
 #if PBF_DIM == 3
@@ -101,40 +100,6 @@ PBF_FN void PBF_PAIR(add_cross)(PBF_LANE sum[PBF_CURL_DIM], PBF_LANE factor,
 #else
   sum[0] = sum[0] + factor * (a[0] * b[1] - a[1] * b[0]);
 #endif
-}
-
-/* Sums of a pair's pushes: as they are at the step's end, and as they are where the flow, which
- * takes i from j by `flow_ij` a time unit, had the two at its start: undamp.h. Who does not push at
- * the end has no say in it. */
-typedef struct PBF_PAIR(pushes) {
-  PBF_LANE at[2][PBF_DIM];       /* end, start */
-  PBF_LANE torque[PBF_CURL_DIM]; /* that the latter exert where the two are at the end, twice; where
-                                    turn.h wants it */
-} PBF_PAIR(pushes);
-
-PBF_FN void PBF_PAIR(add_pushes)(int features, const pbf_constants *c, PBF_PAIR(pushes) * sums,
-                                 PBF_LANE lambdas, const PBF_LANE x_ij[PBF_DIM], PBF_LANE r2,
-                                 const PBF_LANE flow_ij[PBF_DIM]) {
-  const PBF_LANE time = PBF_LANE_(set)(c->flow_time), most2 = PBF_LANE_(set)(c->most_flow2);
-  const PBF_LANE near = PBF_LANE_(ramp)(r2, PBF_LANE_(set)(-c->inv_h2));
-  PBF_LANE at[PBF_DIM], way2 = PBF_LANE_(set)(0);
-  for (int k = 0; k < PBF_DIM; ++k) {
-    at[k] = x_ij[k];
-    way2 = PBF_LANE_(fma)(time * flow_ij[k], time * flow_ij[k], way2);
-  }
-  PBF_LANE root = PBF_LANE_(rsqrt)(way2 + most2), back = time * (most2 * root * root);
-  lambdas = lambdas * -PBF_LANE_(max)(near * PBF_LANE_(set)((pbf_real)-1e6), PBF_LANE_(set)(-1));
-  for (int start = 0; start < 2; ++start) {
-    PBF_LANE value, slope, at2 = PBF_LANE_(set)(0);
-    for (int k = 0; k < PBF_DIM; ++k) at2 = PBF_LANE_(fma)(at[k], at[k], at2);
-    PBF_PAIR(kernel)(features, c, at2, &value, &slope);
-    if (start && (features & PBF_FEATURE_TORQUE))
-      PBF_PAIR(add_cross)(sums->torque, lambdas * slope, x_ij, at);
-    for (int k = 0; k < PBF_DIM; ++k) {
-      sums->at[start][k] = PBF_LANE_(fma)(lambdas * slope, at[k], sums->at[start][k]);
-      at[k] = at[k] - back * flow_ij[k];
-    }
-  }
 }
 
 /* Of the moments of inertia, by which turn.h knows how fast the pairs around a particle turn, and

@@ -7,7 +7,7 @@
  * turns the pairs around it so that these have it back: at a rate that follows from their moments
  * of inertia, opposite and equal for the two of a pair, so linear momentum is kept, too. Only
  * velocities change. The pushes of walls, colliders and images are from outside, and have their
- * torque. What undamp.h gives back is no longer lacking. */
+ * torque. What passes/damping_compensation.h gives back is no longer lacking. */
 #ifndef PBF_PHYSICS_TURN_H
 #define PBF_PHYSICS_TURN_H
 

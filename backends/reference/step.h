@@ -4,6 +4,7 @@
 
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/damping_compensation.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
@@ -13,7 +14,6 @@
 #include "physics/passes/velocity.h"
 #include "physics/step.h"
 #include "physics/turn.h"
-#include "physics/undamp.h"
 #include "reference/driver.h"
 #include "reference/sleep.h"
 
@@ -191,24 +191,18 @@ static inline void find_flow(solver *s) {
 
 static inline void undamp(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
-  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
+  const pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
+  const damping_compensation_pass<int> pass = {c, s->schedule.features | PBF_FEATURE_TORQUE};
+  const lookups of = {s->lambda, s->flow};
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_pair_pushes sums = {{{0}, {0}}, {0}};
-    pbf_vec end, start, change;
     if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, c->h2, &n))
-      pbf_pair_add_pushes(s->schedule.features | PBF_FEATURE_TORQUE, c, &sums,
-                          s->lambda[i] + s->lambda[n.j], n.x_ij.c, n.r2,
-                          pbf_sub(s->flow[i], s->flow[n.j]).c);
-    memcpy(&end, sums.at[0], sizeof end);
-    memcpy(&start, sums.at[1], sizeof start);
-    change = pbf_sub(start, end);
+    const auto sums = sums_around(s, pass, s->moved, of, {s->lambda[i], lanes_of(s->flow[i])}, i);
     for (int k = 0; k < PBF_CURL_DIM && s->torque; ++k) s->torque[i].c[k] -= sums.torque[k];
+    pbf_vec change = pass.change(sums);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
-      change = pbf_undamped(c, &o->walls, o->count, o->solids, s->moved[i], s->flow[i],
-                            s->lambda[i], end, start);
-    s->v[i] = pbf_push(c, inv_time_step, s->v[i], change);
+      change = change_near_obstacles(c, &o->walls, o->count, o->solids, s->moved[i], s->flow[i],
+                                     s->lambda[i], vec_of(sums.end), vec_of(sums.start));
+    s->v[i] = pass.finish(inv_time_step, s->v[i], change);
   }
 }
 

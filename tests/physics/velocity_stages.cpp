@@ -2,7 +2,7 @@
  * the end of a wall's reach. */
 #include "support.h"
 
-#include "physics/undamp.h"
+#include "physics/passes/damping_compensation.h"
 
 static void set_params_on_lattice(pbf_constants *c, double *spacing) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
@@ -130,18 +130,18 @@ static void confinement_without_a_gradient_is_none(void **state) {
   for (int k = 0; k < PBF_DIM; ++k) assert_near(dv.c[k], 0, 0);
 }
 
-static void turned_keeps_its_length(void **state) {
+static void redirected_keeps_its_length(void **state) {
   (void)state;
   const pbf_vec from = {{0.6, 0.8}}, other = {{0, -0.01}}, none = {{0}};
   const pbf_vec faint = {{sizeof(pbf_real) == 4 ? 1e-22 : 1e-160}}; /* its square is denormal */
-  pbf_vec turned = pbf_turned(from, other);
+  pbf_vec turned = redirected(from, other);
   assert_true(fabs(turned.c[0]) < 1e-15 && fabs(turned.c[1] + 1) < 1e-6);
   assert_true(pbf_dot(faint, faint) > 0);
   for (int k = 0; k < PBF_DIM; ++k) {
-    assert_true(pbf_turned(from, none).c[k] == from.c[k]);
-    assert_true(pbf_turned(from, faint).c[k] == from.c[k]);
-    assert_true(pbf_turned(none, from).c[k] == 0);
-    assert_true(pbf_turned(none, none).c[k] == 0);
+    assert_true(redirected(from, none).c[k] == from.c[k]);
+    assert_true(redirected(from, faint).c[k] == from.c[k]);
+    assert_true(redirected(none, from).c[k] == 0);
+    assert_true(redirected(none, none).c[k] == 0);
   }
 }
 
@@ -153,7 +153,7 @@ int main(void) {
     cmocka_unit_test(confinement_along_no_axis),
 #endif
     cmocka_unit_test(viscosity_ends_at_the_mean),
-    cmocka_unit_test(turned_keeps_its_length),
+    cmocka_unit_test(redirected_keeps_its_length),
     cmocka_unit_test(curl_of_a_uniform_flow_is_zero),
     cmocka_unit_test(confinement_spins_a_vortex_up),
     cmocka_unit_test(confinement_without_a_gradient_is_none),
