@@ -94,7 +94,8 @@ struct undamp_pass {
                      pbf_vec start);
 };
 
-/* What turn.h works on: a field's first PBF_CURL_DIM arrays are a torque, or a rate. */
+/* What torque.h and angular_momentum.h work on: a field's first PBF_CURL_DIM arrays are a torque,
+ * or a rate. */
 typedef struct turn_pass {
   const pbf_real *lambda; /* what an iteration moves by */
   field start;            /* of the step: where particles were */
@@ -139,7 +140,7 @@ typedef struct kernels {
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
   void (*undamp)(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last);
-  /* turn.h: adds the torque of the move that is next, … */
+  /* Adds the torque of the move that is next, … */
   void (*torque)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   /* … and at the end finds rates, and turns with them. */
   void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);

@@ -4,9 +4,9 @@
 #define PBF_CPU_KERNELS_TURN_H
 
 #include "cpu/kernels_pairs.h"
+#include "physics/passes/angular_momentum.h"
 #include "physics/passes/damping_compensation.h"
 #include "physics/passes/torque.h"
-#include "physics/turn.h"
 
 static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
@@ -48,55 +48,25 @@ static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uin
 
 static void turn_rate(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  const rotation_rate_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-    _Alignas(64) pbf_real moments[PBF_MOMENTS][WIDTH];
-    lane sums[PBF_MOMENTS];
-    memset(sums, 0, sizeof sums);
-    for (walk w = walk_group(&p->lists, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-      for (; list < end; list += WIDTH) {
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        lanes_add_moments(&c, sums, pair.x_ij.c, pair.r2);
-      }
-    }
-    for (int k = 0; k < PBF_MOMENTS; ++k) lane_store(moments[k], sums[k]);
+    const lane_sums<rotation_rate_pass::sums> sums(sums_of_group(pass, p, {}, {}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
-      pbf_real of[PBF_MOMENTS];
-      pbf_curl lacks, rate;
-      for (int k = 0; k < PBF_MOMENTS; ++k) of[k] = moments[k][l];
-      for (int k = 0; k < PBF_CURL_DIM; ++k) lacks.c[k] = c.torque_part * t->torque.c[k][i];
-      rate = pbf_turn_rate(of, lacks);
-      for (int k = 0; k < PBF_DIM; ++k) t->rate.c[k][i] = k < PBF_CURL_DIM ? rate.c[k] : 0;
+      pbf_curl torque;
+      for (int k = 0; k < PBF_CURL_DIM; ++k) torque.c[k] = t->torque.c[k][i];
+      field_set(&t->rate, i, pass.finish(sums[l], torque));
     }
   }
 }
 
 static void turn(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  const rotation_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_vec x = lane_vec_load(&p->x, g * WIDTH), rate = lane_vec_load(&t->rate, g * WIDTH);
-    lane_vec sum = lane_vec_zero();
-    for (walk w = walk_group(&p->lists, g); w.left;) {
-      const block *b = walk_block(&w);
-      const neighbor_table around = neighbors_in(b, p, NULL);
-      const vector_table rates = vectors_in(b, p, &t->rate, NULL);
-      const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
-      for (; list < end; list += WIDTH) {
-        const pair_lanes pair = pairs_listed(b, list, &x, &around);
-        lane_vec both = vectors_at(&rates, pair.j, 0).v;
-        for (int k = 0; k < PBF_DIM; ++k) both.c[k] = both.c[k] + rate.c[k];
-        lanes_add_turn(&c, sum.c, both.c, pair.x_ij.c, pair.r2);
-      }
-    }
-    const lane_values sums = lane_vec_values(&sum);
+    const lane_sums<rotation_pass::sums> sums(
+        sums_of_group(pass, p, {NULL, &t->rate}, {load_vector(t->rate, g * WIDTH)}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&t->velocity, i,
-                pbf_add_scaled(field_at(&t->velocity, i), 1, lane_value(&sums, l)));
+      field_set(&t->velocity, i, pass.finish(sums[l], field_at(&t->velocity, i)));
   }
 }
 

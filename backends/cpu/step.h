@@ -124,7 +124,7 @@ static void start_piece(void *context, uint32_t piece) {
     memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
 }
 
-/* One of turn.h's passes over the groups of a piece. */
+/* A pass of the correction of angular momentum over the groups of a piece. */
 static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
                        void (*pass)(const pair_pass *p, const turn_pass *t, uint32_t first,
                                     uint32_t last)) {

@@ -4,6 +4,7 @@
 
 #include "cuda/driver.h"
 #include "cuda/mirrors.h"
+#include "physics/passes/angular_momentum.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/damping_compensation.h"
@@ -12,7 +13,6 @@
 #include "physics/passes/move.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
-#include "physics/turn.h"
 
 constexpr bool PBF_UNDAMPING = (PBF_BUILT & PBF_FEATURE_UNDAMPING) != 0;
 
@@ -203,34 +203,19 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __global__ void __launch_bounds__(PBF_BLOCK)
     turn_rate_kernel(neighborhood n, const pbf_curl *torques, point *rates) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  pbf_vec x = position_of(load(n.particles.points, own)), rate = {{0}};
-  pbf_real moments[PBF_MOMENTS] = {0};
-  for_points(n.particles, n.grid, n.lists, i, [&](const point &other) {
-    pbf_vec x_ij = pbf_sub(x, position_of(other));
-    pbf_pair_add_moments(c, moments, x_ij.c, pbf_dot(x_ij, x_ij));
-  });
-  if (i >= n.particles.count) return;
-  pbf_curl torque = torques[i];
-  for (int k = 0; k < PBF_CURL_DIM; ++k) torque.c[k] *= c->torque_part;
-  torque = pbf_turn_rate(moments, torque);
-  for (int k = 0; k < PBF_CURL_DIM; ++k) rate.c[k] = torque.c[k];
-  store(rates, i, point_at(rate));
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  const rotation_rate_pass pass = {&n.constants};
+  const auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
+  if (i < n.particles.count) store(rates, i, point_at(pass.finish(sums, torques[i])));
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     turn_kernel(neighborhood n, const point *rates, pbf_vec *velocities) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  pbf_vec x = position_of(load(n.particles.points, own)), sum = {{0}};
-  pbf_vec rate = position_of(load(rates, own));
-  for_points_with(n.particles, n.grid, n.lists, i, rates,
-                  [&](const point &other, const point &its) {
-                    pbf_vec x_ij = pbf_sub(x, position_of(other));
-                    pbf_vec both = pbf_add_scaled(rate, 1, position_of(its));
-                    pbf_pair_add_turn(c, sum.c, both.c, x_ij.c, pbf_dot(x_ij, x_ij));
-                  });
-  if (i < n.particles.count) velocities[i] = pbf_add_scaled(velocities[i], 1, sum);
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  const rotation_pass pass = {&n.constants};
+  const auto sums = sums_around(pass, n, i, x, {lanes_of(position_of(load(rates, own)))}, rates);
+  if (i < n.particles.count) velocities[i] = pass.finish(sums, velocities[i]);
 }
 
 /* What a very short step leaves of the density error where the particles were at its start, between

@@ -23,10 +23,9 @@ typedef struct pbf_constants {
   pbf_real scorr_k, scorr_inv_w;
   pbf_real confinement; /* dt times the strength of eq. 16, see pbf_most_confinement */
   pbf_real viscosity;
-  pbf_real flow_time,
-      most_flow2; /* damping_compensation.h: dt times the part that is undone; and beyond which
-                     way of the flow in a step, squared, less of it is */
-  pbf_real torque_part; /* turn.h: half of what is given back of a torque, over dt */
+  pbf_real flow_time;   /* damping_compensation.h: dt times the part that is undone, */
+  pbf_real most_flow2;  /* … and beyond which way of the flow in a step, squared, less of it is */
+  pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
   int scorr_n;
   int accelerated;               /* lambda adds up over the iterations, */
   pbf_real most_pull;            /* … up to this above a density of, and to 0 elsewhere, … */

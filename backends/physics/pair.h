@@ -90,47 +90,6 @@ PBF_FN PBF_LANE PBF_PAIR(scorr)(const pbf_constants *c, PBF_LANE value) {
   return power;
 }
 
-/* sum += factor a x b */
-PBF_FN void PBF_PAIR(add_cross)(PBF_LANE sum[PBF_CURL_DIM], PBF_LANE factor,
-                                const PBF_LANE a[PBF_DIM], const PBF_LANE b[PBF_DIM]) {
-#if PBF_DIM == 3
-  sum[0] = sum[0] + factor * (a[1] * b[2] - a[2] * b[1]);
-  sum[1] = sum[1] + factor * (a[2] * b[0] - a[0] * b[2]);
-  sum[2] = sum[2] + factor * (a[0] * b[1] - a[1] * b[0]);
-#else
-  sum[0] = sum[0] + factor * (a[0] * b[1] - a[1] * b[0]);
-#endif
-}
-
-/* Of the moments of inertia, by which turn.h knows how fast the pairs around a particle turn, and
- * their weight. */
-PBF_FN PBF_LANE PBF_PAIR(turn_weight)(const pbf_constants *c, PBF_LANE r2) {
-  PBF_LANE near = PBF_LANE_(ramp)(r2, PBF_LANE_(set)(-c->inv_h2));
-  return near * near;
-}
-
-PBF_FN void PBF_PAIR(add_moments)(const pbf_constants *c, PBF_LANE moments[PBF_MOMENTS],
-                                  const PBF_LANE x_ij[PBF_DIM], PBF_LANE r2) {
-  const PBF_LANE weight = PBF_PAIR(turn_weight)(c, r2);
-  for (int k = 0, pair = 0; k < PBF_DIM; ++k)
-    for (int m = 0; m <= k; ++m, ++pair)
-      moments[pair] = PBF_LANE_(fma)(weight * x_ij[k], x_ij[m], moments[pair]);
-}
-
-/* One pair's part of the velocity that turns i about j, and j about i, at the sum of their rates:
- * opposite and equal for the two. */
-PBF_FN void PBF_PAIR(add_turn)(const pbf_constants *c, PBF_LANE sum[PBF_DIM],
-                               const PBF_LANE rates[PBF_CURL_DIM], const PBF_LANE x_ij[PBF_DIM],
-                               PBF_LANE r2) {
-  const PBF_LANE weight = PBF_PAIR(turn_weight)(c, r2);
-#if PBF_DIM == 3
-  PBF_PAIR(add_cross)(sum, weight, rates, x_ij);
-#else
-  sum[0] = sum[0] - weight * rates[0] * x_ij[1];
-  sum[1] = sum[1] + weight * rates[0] * x_ij[0];
-#endif
-}
-
 #undef PBF_LANE
 #undef PBF_LANE_
 #undef PBF_PAIR

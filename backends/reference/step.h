@@ -2,6 +2,7 @@
 #ifndef PBF_REFERENCE_STEP_H
 #define PBF_REFERENCE_STEP_H
 
+#include "physics/passes/angular_momentum.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/damping_compensation.h"
@@ -13,7 +14,6 @@
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
 #include "physics/step.h"
-#include "physics/turn.h"
 #include "reference/driver.h"
 #include "reference/sleep.h"
 
@@ -207,31 +207,20 @@ static inline void undamp(solver *s, const pbf_obstacles *o) {
 }
 
 static inline void find_turn_rates(solver *s) {
-  for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_real moments[PBF_MOMENTS] = {0};
-    pbf_curl torque = s->torque[i];
-    s->turning[i] = (pbf_curl){{0}};
-    if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n))
-      pbf_pair_add_moments(&s->constants, moments, n.x_ij.c, n.r2);
-    for (int k = 0; k < PBF_CURL_DIM; ++k) torque.c[k] *= s->constants.torque_part;
-    s->turning[i] = pbf_turn_rate(moments, torque);
-  }
+  const rotation_rate_pass pass = {&s->constants};
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->change[i] = asleep(s, i)
+                       ? (pbf_vec){{0}}
+                       : pass.finish(sums_around(s, pass, s->moved, {}, {}, i), s->torque[i]);
 }
 
 static inline void turn(solver *s) {
-  for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_vec sum = {{0}};
-    if (asleep(s, i)) continue;
-    neighbor n = neighbors_of(&s->grid, i);
-    while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) {
-      pbf_curl rates = s->turning[i];
-      for (int k = 0; k < PBF_CURL_DIM; ++k) rates.c[k] += s->turning[n.j].c[k];
-      pbf_pair_add_turn(&s->constants, sum.c, rates.c, n.x_ij.c, n.r2);
-    }
-    s->v[i] = pbf_add_scaled(s->v[i], 1, sum);
-  }
+  const rotation_pass pass = {&s->constants};
+  const lookups of = {NULL, s->change};
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i))
+      s->v[i] =
+          pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i), s->v[i]);
 }
 
 static inline void compute_curl(solver *s) {
