@@ -2,8 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
-#include "cpu/driver.h"
-#include "cpu/kernels_mirrors.h"
+#include "cpu/driver_ghosts.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/density.h"
@@ -89,15 +88,11 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
   const pbf_constants c = *p->constants;
   const pass_type pass = {&c, features};
   for (uint32_t g = first; g < last; ++g) {
-    typename pass_type::template sums<lane> sums;
-    pair_sums mirrored;
-    if (has_mirrors(p) && sum_mirrored(p, NULL, g, &mirrored)) {
-      sums.density = mirrored.density;
-      sums.slope2 = mirrored.slope2;
-      for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = mirrored.sum.c[k];
-    } else {
+    lambda_sums<lane> sums, mirrored;
+    if (has_mirrors(p) && sum_with_ghosts<lambda_pass>(p, features, {}, g, &mirrored))
+      sums = mirrored;
+    else
       sums = sums_of_group(pass, p, {}, {}, g);
-    }
     if (lending_walls(p) && group_near_obstacles(p, g)) {
       lane_values gradients;
       for (int k = 0; k < PBF_DIM; ++k) lane_store(gradients.c[k], sums.gradient.c[k]);
@@ -175,10 +170,9 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
   const lookups of = {m->lambda, NULL};
   for (uint32_t g = first; g < last; ++g) {
     lane_vector<lane> x = load_vector(p->x, g * WIDTH), v = load_vector(m->velocity, g * WIDTH);
-    typename Pass::template sums<lane> sums;
-    pair_sums mirrored;
-    if (has_mirrors(p) && sum_mirrored(p, m->lambda, g, &mirrored))
-      for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = mirrored.sum.c[k];
+    move_sums<lane> sums, mirrored;
+    if (has_mirrors(p) && sum_with_ghosts<move_pass_of>(p, pass.features, of, g, &mirrored))
+      sums = mirrored;
     else
       sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
     if (lending_walls(p) && group_near_obstacles(p, g)) {
@@ -319,8 +313,9 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   for (uint32_t g = first; g < last; ++g) {
     slots count = slots_set(0);
     lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
-    pair_sums mirrored;
-    if (has_mirrors(p) && sum_mirrored(p, NULL, g, &mirrored)) density = mirrored.density;
+    lambda_sums<lane> mirrored;
+    if (has_mirrors(p) && sum_with_ghosts<lambda_pass>(p, pass.features, {}, g, &mirrored))
+      density = mirrored.density;
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
     if (lending_walls(p) && group_near_obstacles(p, g)) {

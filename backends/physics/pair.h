@@ -59,25 +59,6 @@ PBF_FN void PBF_PAIR(kernel)(int features, const pbf_constants *c, PBF_LANE r2, 
   PBF_PAIR(scaled)(features, c, value_scale, slope_scale, r2, value, slope);
 }
 
-/* From the image of j in these walls (bits of mirrors.h) to i, and r² of that, for a pair at x_ij
- * and an i whose place counts twice[0] from the lower walls and twice[1] from the upper ones,
- * doubled. Whoever is behind a wall, an image never pushes out, and is no nearer than j. */
-PBF_FN PBF_LANE PBF_PAIR(image)(int walls, PBF_LANE twice[2][PBF_DIM], const PBF_LANE x_ij[PBF_DIM],
-                                PBF_LANE image[PBF_DIM]) {
-  PBF_LANE r2 = PBF_LANE_(set)(0);
-  for (int k = 0; k < PBF_DIM; ++k) {
-    const int lower = walls & PBF_LOWER_WALL(k), upper = walls & PBF_UPPER_WALL(k);
-    image[k] = x_ij[k];
-    if (lower | upper) {
-      PBF_LANE apart = twice[upper != 0][k] - x_ij[k];
-      apart = PBF_LANE_(max)(PBF_LANE_(max)(apart, -apart), PBF_LANE_(max)(x_ij[k], -x_ij[k]));
-      image[k] = lower ? apart : -apart;
-    }
-    r2 = PBF_LANE_(fma)(image[k], image[k], r2);
-  }
-  return r2;
-}
-
 /* Artificial pressure, eq. 13: -k (W(r)/W(dq))^n, from value = V W_ij. */
 PBF_FN PBF_LANE PBF_PAIR(scorr)(const pbf_constants *c, PBF_LANE value) {
   PBF_LANE ratio = value * PBF_LANE_(set)(c->scorr_inv_w);

@@ -2,6 +2,7 @@
 #ifndef PBF_REFERENCE_MIRRORS_H
 #define PBF_REFERENCE_MIRRORS_H
 
+#include "physics/passes/ghost.h"
 #include "reference/solver.h"
 
 /* Walks over the images nearer than h to particle i, at positions x: those of its neighbours, and
@@ -34,7 +35,9 @@ static inline int next_image(const solver *s, const pbf_vec *x, image *m) {
       m->direct = m->n.x_ij;
       m->next = 0;
     }
-    m->n.r2 = pbf_pair_image(m->mirrors.walls[m->next++], m->twice, m->direct.c, m->n.x_ij.c);
+    lane_vector<pbf_real> ghost;
+    m->n.r2 = ghost_in(m->mirrors.walls[m->next++], m->twice, lanes_of(m->direct), &ghost);
+    m->n.x_ij = vec_of(ghost);
   } while (!(m->n.r2 < s->constants.h2));
   return 1;
 }

@@ -1,4 +1,5 @@
 /* Walls as mirrors: a lattice between them goes on without end, as far as kernels can tell. */
+#include "physics/passes/ghost.h"
 #include "support.h"
 
 static pbf_params wide_params(double support, double wide) {
@@ -68,17 +69,17 @@ static double density_in_corner(const pbf_constants *c, const pbf_walls *walls, 
   }
   for (int j = 0; j < (PBF_DIM == 3 ? FAR * FAR * FAR : FAR * FAR); ++j) {
     const int at[3] = {j % FAR, j / FAR % FAR, j / FAR / FAR};
-    pbf_vec x_ij, image;
+    pbf_vec x_ij;
     double value, slope;
     for (int k = 0; k < PBF_DIM; ++k)
       x_ij.c[k] = x.c[k] - (upper ? walls->upper.c[k] - d * (at[k] + 0.5) : d * (at[k] + 0.5));
     for (int m = -1; m < mirrors.count; ++m) {
-      image = x_ij;
+      auto ghost = lanes_of(x_ij);
       double r2 =
-          m < 0 ? pbf_dot(x_ij, x_ij) : pbf_pair_image(mirrors.walls[m], twice, x_ij.c, image.c);
+          m < 0 ? pbf_dot(x_ij, x_ij) : ghost_in(mirrors.walls[m], twice, lanes_of(x_ij), &ghost);
       pbf_pair_kernel(0, c, r2, &value, &slope);
       density += value;
-      *gradient = pbf_add_scaled(*gradient, slope, image);
+      *gradient = pbf_add_scaled(*gradient, slope, vec_of(ghost));
     }
   }
   return density;
@@ -110,10 +111,10 @@ static void images_push_inwards(void **state) {
   const double d = 0.1;
   for (int upper = 0; upper < 2; ++upper)
     for (double behind = -0.5; behind < 0.6; behind += 0.25) {
-      pbf_vec own = same(0), image;
+      lane_vector<pbf_real> image;
       pbf_real twice[2][PBF_DIM] = {{2 * behind * d}, {-2 * behind * d}};
       pbf_real r2 =
-          pbf_pair_image(upper ? PBF_UPPER_WALL(0) : PBF_LOWER_WALL(0), twice, own.c, image.c);
+          ghost_in(upper ? PBF_UPPER_WALL(0) : PBF_LOWER_WALL(0), twice, lanes_of(same(0)), &image);
       assert_near(r2, 4 * behind * behind * d * d, 1e-12);
       assert_true(upper ? image.c[0] <= 0 : image.c[0] >= 0);
       assert_near(image.c[1], 0, 1e-12);

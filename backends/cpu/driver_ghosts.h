@@ -1,0 +1,121 @@
+/* The loop over pairs for groups near walls that mirror the fluid: neighbours, and their ghosts
+ * (physics/mirrors.h). It is not driver.h's, so that that stays as it is. */
+#ifndef PBF_CPU_DRIVER_GHOSTS_H
+#define PBF_CPU_DRIVER_GHOSTS_H
+
+#include "cpu/driver.h"
+#include "cpu/kernels_walls.h"
+#include "physics/passes/ghost.h"
+
+namespace {
+
+/* Where the particles of a group have images. */
+typedef struct lane_mirrors {
+  pbf_mirrors near;
+  lane twice[2][PBF_DIM];
+} lane_mirrors;
+
+PBF_FN int has_mirrors(const pair_pass *p) {
+  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
+}
+
+/* Of a pass that has mirrors; returns whether there are any near the group. */
+PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
+  const pbf_walls *walls = &p->walls->walls;
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_values xs = lane_vec_values(&x);
+  pbf_real distances[WIDTH];
+  if (!(wall_distances(p->walls, &xs, distances) < walls->reach)) return 0;
+  pbf_vec lower = lane_value(&xs, 0), upper = lower;
+  for (uint32_t l = 1; l < WIDTH && g * WIDTH + l < p->lists.count; ++l)
+    for (int k = 0; k < PBF_DIM; ++k) {
+      lower.c[k] = pbf_real_min(lower.c[k], xs.c[k][l]);
+      upper.c[k] = pbf_real_max(upper.c[k], xs.c[k][l]);
+    }
+  m->near = pbf_mirrors_near(walls, lower, upper);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    m->twice[0][k] = lane_set(2) * (x.c[k] - lane_set(walls->lower.c[k]));
+    m->twice[1][k] = lane_set(2) * (x.c[k] - lane_set(walls->upper.c[k]));
+  }
+  return m->near.count > 0;
+}
+
+/* Adds the ghosts of a neighbour. */
+template <class Pass>
+PBF_FN void add_ghosts(const Pass &pass, const lane_mirrors &m,
+                       const typename Pass::template own<lane> &own, const neighbor_of<lane> &j,
+                       typename Pass::template sums<lane> *sums) {
+  for (int k = 0, out = 0; k < m.near.count; ++k) {
+    const int walls = m.near.walls[k];
+    if (walls & out) continue;
+    neighbor_of<lane> ghost = j;
+    ghost.r2 = ghost_in(walls, m.twice, j.x_ij, &ghost.x_ij);
+    if (lane_any_below(ghost.r2, lane_set(pass.c->h2)))
+      pass.pair(sums, own, ghost);
+    else
+      out |= walls & (walls - 1) ? 0 : walls;
+  }
+}
+
+/* sums += weight * ghosts; sums are of reals alone. */
+template <class Sums>
+PBF_FN void add_weighted(Sums *sums, lane weight, const Sums &ghosts) {
+  lane *to = reinterpret_cast<lane *>(sums);
+  const lane *from = reinterpret_cast<const lane *>(&ghosts);
+  for (size_t k = 0; k < sizeof(Sums) / sizeof(lane); ++k) to[k] = lane_fma(weight, from[k], to[k]);
+}
+
+/* What it knows of its particle a pass looks up of neighbours, too. */
+template <class Pass>
+PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, const pair_pass *p,
+                                                           const lookups &of, uint32_t g,
+                                                           const lane_mirrors &m) {
+  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  neighbor_of<lane> itself = {lane_vector<lane>::zero(), lane_set(0), lane_set(0), {}};
+  typename Pass::template own<lane> own;
+  if constexpr (Pass::NUMBER) {
+    itself.number = lane_load(of.number + g * WIDTH);
+    own = {itself.number};
+  }
+  auto sums = pass.template begin<lane>();
+  typename Pass::template sums<lane> ghosts;
+  memset(&ghosts, 0, sizeof ghosts);
+  add_ghosts(pass, m, own, itself, &ghosts);
+  uint8_t space[MOST_ROUNDS * WIDTH];
+  for (walk w = walk_group(&p->lists, g); w.left;) {
+    const block *b = walk_block(&w);
+    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
+    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    for (; list < end; list += WIDTH) {
+      const pair_lanes pair = pairs_listed(b, list, &x, &around);
+      neighbor_of<lane> j;
+      for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = pair.x_ij.c[k];
+      j.r2 = pair.r2;
+      if (Pass::NUMBER) j.number = number_of(&around, &pair);
+      pass.pair(&sums, own, j);
+      add_ghosts(pass, m, own, j, &ghosts);
+    }
+  }
+  add_weighted(&sums, lane_set(pass.c->wall_weight), ghosts);
+  pass.end(&sums);
+  return sums;
+}
+
+/* All sums of a group, where there are ghosts near it; does nothing and returns 0 otherwise. Few
+ * scenes need it: one loop for all kernels but the default one. */
+template <template <class, scaling> class Pass, class Sums>
+static __attribute__((noinline)) int sum_with_ghosts(const pair_pass *p, int features,
+                                                     const lookups &of, uint32_t g, Sums *sums) {
+  const pbf_constants c = *p->constants;
+  lane_mirrors m;
+  if (!find_mirrors(p, g, &m)) return 0;
+  if (BUILT_FOR_SIZE || features)
+    *sums = sums_with_ghosts(Pass<int, SCALED_SUMS>{&c, features}, p, of, g, m);
+  else
+    *sums = sums_with_ghosts(Pass<fixed<0>, SCALED_SUMS>{&c, {}}, p, of, g, m);
+  return 1;
+}
+
+}  // namespace
+
+#endif
