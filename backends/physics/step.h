@@ -14,10 +14,17 @@ enum step_outcome {
 
 namespace {
 
+/* What a build must have to run each stage, by stages.def. */
+constexpr int stage_features[] = {
+#define PBF_STAGE(ID, name, feature, times, launches) PBF_FEATURE_##feature,
+#include "physics/stages.def"
+};
+
 /* Whether a stage that the build has is in the schedule. */
-template <int FEATURE = 0>
-PBF_FN bool runs(const pbf_schedule &has, pbf_stage stage) {
-  return (FEATURE == 0 || (PBF_BUILT & FEATURE)) && has.runs[stage];
+template <pbf_stage STAGE>
+PBF_FN bool runs(const pbf_schedule &has) {
+  constexpr int feature = stage_features[STAGE];
+  return (PBF_BUILT & feature) == feature && has.runs[STAGE];
 }
 
 /* Whether the schedule has no stages but these: for a step that has an order of its own, and must
@@ -38,29 +45,29 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
   e.begin_solve();
-  if (runs<PBF_FEATURE_CHEBYSHEV>(has, PBF_STAGE_SLACK)) e.slack();
-  if (runs<PBF_FEATURE_PRESSURE_GRID>(has, PBF_STAGE_GRID)) e.pressure_grid();
+  if (runs<PBF_STAGE_SLACK>(has)) e.slack();
+  if (runs<PBF_STAGE_GRID>(has)) e.pressure_grid();
   for (uint32_t k = 0; k < has.runs[PBF_STAGE_LAMBDA] && !e.is_over(k); ++k) {
     e.begin_iteration(k);
     e.lambda(k);
-    if (runs<PBF_FEATURE_UNDAMPING>(has, PBF_STAGE_TORQUE)) e.torque(k);
+    if (runs<PBF_STAGE_TORQUE>(has)) e.torque(k);
     e.move(k);
   }
   e.velocity();
-  if (runs<PBF_FEATURE_UNDAMPING>(has, PBF_STAGE_UNDAMP)) {
+  if (runs<PBF_STAGE_UNDAMP>(has)) {
     e.flow();
     e.undamp();
   }
-  if (runs<PBF_FEATURE_UNDAMPING>(has, PBF_STAGE_TURN)) {
+  if (runs<PBF_STAGE_TURN>(has)) {
     e.turn_rate();
     e.turn();
   }
-  if (runs<PBF_FEATURE_VORTICITY>(has, PBF_STAGE_CURL)) {
+  if (runs<PBF_STAGE_CURL>(has)) {
     e.curl();
     e.confine();
   }
-  if (runs<PBF_FEATURE_VISCOSITY>(has, PBF_STAGE_VISCOSITY)) e.viscosity();
-  const bool all_asleep = runs<PBF_FEATURE_SLEEP>(has, PBF_STAGE_SLEEP) && e.settle();
+  if (runs<PBF_STAGE_VISCOSITY>(has)) e.viscosity();
+  const bool all_asleep = runs<PBF_STAGE_SLEEP>(has) && e.settle();
   e.end();
   return all_asleep ? STEP_COMPLETE_ALL_ASLEEP : STEP_COMPLETE;
 }

@@ -300,8 +300,7 @@ struct executor {
     return false;
   }
   void end() {
-    if (runs<PBF_FEATURE_PRESSURE_GRID>(s->schedule, PBF_STAGE_GRID) && s->schedule.accelerated)
-      add_weight(s);
+    if (runs<PBF_STAGE_GRID>(s->schedule) && s->schedule.accelerated) add_weight(s);
     memcpy(s->x, s->moved, s->count * sizeof *s->x);
   }
 };
