@@ -245,6 +245,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       const typename small_pairs<FEATURES>::lambdas of_lambda = {c, {}};
       const typename small_pairs<FEATURES>::moves of_pairs = {&now, {}}, of_move = {c, {}};
       small_pairs<FEATURES> pairs;
+      pairs.change = of_pairs.template begin<pbf_real>();
       pbf_real lambda = 0;
       if (me.works) {
         lambda_sums<pbf_real> sums = {};

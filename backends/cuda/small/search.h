@@ -193,7 +193,6 @@ struct small_pairs {
                                        lambda_sums<pbf_real> *sums) {
     uint32_t entries[SMALL_CHUNK];
     pbf_vec others[SMALL_CHUNK];
-    change = of_move.template begin<pbf_real>();
 #pragma unroll
     for (uint32_t k = 0; k < SMALL_KEPT; k += SMALL_CHUNK) {
       if (k >= n.list.size) break;
