@@ -2,32 +2,19 @@
 #ifndef PBF_CUDA_EXECUTOR_H
 #define PBF_CUDA_EXECUTOR_H
 
-#include "cuda/pressure_grid_host.h"
 #include "cuda/launches.h"
+#include "cuda/pressure_grid_host.h"
 #include "physics/overfull.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
-  const uint32_t images = s->images ? 1 : 0; /* what they add */
-  switch (stage) {
-    case PBF_STAGE_PREDICT:
-      return 2; /* with the clearing of the cells */
-    case PBF_STAGE_NEIGHBORS:
-      return PBF_CUDA_SCAN_LAUNCHES + 3 + (s->starts ? 1 : 0);
-    case PBF_STAGE_VELOCITY:
-      return 0; /* the last move's end */
-    case PBF_STAGE_GRID:
-      return 7 + images; /* with the clearing of sums and of what blocks tell each other */
-    case PBF_STAGE_SLACK:
-    case PBF_STAGE_LAMBDA:
-    case PBF_STAGE_MOVE:
-      return 1 + images;
-    case PBF_STAGE_SLEEP:
-      return 5; /* with the shore's, among those of the neighbours */
-    default:
-      return 1;
-  }
+  const uint32_t ghosts = s->images != nullptr, starts = s->starts != nullptr;
+  const uint32_t launches[] = {
+#define PBF_STAGE(ID, name, feature, times, launches) launches,
+#include "physics/stages.def"
+  };
+  return launches[stage];
 }
 
 /* Internal linkage: its functions have the same names in the units of other variants. */
