@@ -42,3 +42,9 @@ if(PBF_SANITIZE_THREAD)
   add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fsanitize=thread> $<$<COMPILE_LANGUAGE:C,CXX>:-fno-omit-frame-pointer>)
   add_link_options(-fsanitize=thread)
 endif()
+
+# Backends, and tests that include their headers: what an initialiser leaves out is 0.
+set(pbf_backend_warnings -Wno-missing-field-initializers)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU) # false alarms inside its own AVX-512 intrinsics
+  list(APPEND pbf_backend_warnings -Wno-uninitialized -Wno-maybe-uninitialized)
+endif()

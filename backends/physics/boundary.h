@@ -111,21 +111,6 @@ PBF_FN void pbf_join_plane(const pbf_constants *c, pbf_real value, pbf_real slop
   lent->own += value - share;
 }
 
-/* The inside of a box lends by all of its faces, as the domain does, everything else by its nearest
- * plane. */
-PBF_FN int pbf_lending_planes(const pbf_solid *s) {
-  return s->shape == PBF_COLLIDER_BOX && s->sign < 0 ? 2 * PBF_DIM : 1;
-}
-
-PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pbf_vec x,
-                                   pbf_vec *normal) {
-  if (planes == 1) return pbf_solid_distance(s, x, normal);
-  int row = plane / 2;
-  pbf_real sign = plane % 2 ? (pbf_real)-1 : (pbf_real)1;
-  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = sign * s->frame[row].c[k];
-  return s->half_extents.c[row] + pbf_dot(pbf_sub(x, s->center), *normal);
-}
-
 /* Walls that mirror the fluid lend nothing beside. */
 PBF_FN pbf_lent pbf_lent_by_walls(const pbf_constants *c, const pbf_walls *walls, pbf_vec x) {
   pbf_lent lent = {0, 0, 0, {{0}}, {{0}}};

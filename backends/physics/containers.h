@@ -6,28 +6,20 @@
 #include "physics/collide.h"
 #include "physics/derive.h"
 
+/* Of what is inside a collider and up to `beyond` out of it; infinite where it has no end. */
+PBF_FN double pbf_container_volume(const pbf_collider *collider, double beyond) {
+  return shapes::ask((int)collider->shape,
+                     [&](auto shape) { return shape.volume(collider, beyond); });
+}
+
 static inline int pbf_is_container(const pbf_collider *collider) {
-  return collider->inverted && collider->shape != PBF_COLLIDER_PLANE;
+  return collider->inverted && pbf_container_volume(collider, 0) < INFINITY;
 }
 
 /* How far beyond the centres that touch a wall fluid reaches: walls that lend no density let them
  * come so near. */
 static inline double pbf_reach_beyond_walls(const pbf_params *params) {
   return 0.5 * (1 - params->wall_density) * pbf_derive_spacing(params);
-}
-
-/* Of its room and what is up to `beyond` its walls, in 2D an area. */
-static inline double pbf_container_volume(const pbf_collider *collider, double beyond) {
-  const double r = collider->radius + beyond, disc = PBF_PI * r * r;
-  double volume = 1;
-  if (collider->shape == PBF_COLLIDER_BOX) {
-    for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * (collider->half_extents[k] + beyond);
-    return volume;
-  }
-  volume = PBF_DIM == 3 ? 4.0 / 3 * disc * r : disc;
-  if (collider->shape == PBF_COLLIDER_CAPSULE)
-    volume += 2 * collider->half_length * (PBF_DIM == 3 ? disc : 2 * r);
-  return volume;
 }
 
 /* Of the smallest; infinite where there is none. */
@@ -41,22 +33,11 @@ static inline double pbf_containers_volume(const pbf_params *params, uint32_t co
   return least;
 }
 
-/* How far a shape reaches from its centre along an axis. */
-static inline double pbf_solid_reach(const pbf_solid *s, int axis) {
-  double reach = 0;
-  if (s->shape == PBF_COLLIDER_SPHERE) return (double)s->radius;
-  if (s->shape == PBF_COLLIDER_CAPSULE)
-    return (double)s->radius + (double)s->half_length * fabs((double)s->frame[0].c[axis]);
-  for (int row = 0; row < PBF_DIM; ++row)
-    reach += (double)s->half_extents.c[row] * fabs((double)s->frame[row].c[axis]);
-  return reach;
-}
-
 /* The walls, moved farther in to where a container ends, unless it has left the domain. */
 static inline pbf_walls pbf_walls_within(pbf_walls walls, const pbf_solid *s) {
-  if (s->shape == PBF_COLLIDER_PLANE || s->sign > 0) return walls;
+  if (s->sign > 0) return walls;
   for (int k = 0; k < PBF_DIM; ++k) {
-    pbf_real reach = (pbf_real)pbf_solid_reach(s, k);
+    pbf_real reach = (pbf_real)pbf_solid_extent(s, k);
     pbf_real lower = pbf_real_max(walls.lower.c[k], s->center.c[k] - reach);
     pbf_real upper = pbf_real_min(walls.upper.c[k], s->center.c[k] + reach);
     if (!(lower < upper)) continue;
@@ -75,7 +56,7 @@ static inline double pbf_containers_depth(uint32_t count, const pbf_collider *co
     if (!pbf_is_container(&colliders[k])) continue;
     pbf_solid s = pbf_solid_at(&colliders[k], 0, 0);
     double part = fmin(fluid / pbf_container_volume(&colliders[k], 0), 1);
-    depth = fmax(depth, 2 * pbf_solid_reach(&s, axis) * part);
+    depth = fmax(depth, 2 * pbf_solid_extent(&s, axis) * part);
   }
   return depth;
 }

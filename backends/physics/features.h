@@ -54,12 +54,14 @@ static inline int pbf_features_of(const pbf_params *params) {
   return pbf_features_asked(params) & (PBF_FEATURE_COUNT - 1);
 }
 
-/* A function of the physics: inlined on every processor; `APART`, large and asked for from many
- * places, on a device only. */
+/* A function of the physics (IN: a struct's own): inlined on every processor; `APART`, large and
+ * asked for from many places, on a device only. */
 #ifdef __CUDACC__
+#define PBF_IN __host__ __device__ __forceinline__
 #define PBF_FN static __host__ __device__ __forceinline__
 #define PBF_FN_APART PBF_FN
 #else
+#define PBF_IN inline __attribute__((always_inline))
 #define PBF_FN static inline __attribute__((always_inline, unused))
 #define PBF_FN_APART static __attribute__((noinline, unused))
 #endif

@@ -10,31 +10,7 @@
 #ifndef PBF_PHYSICS_MIRRORS_H
 #define PBF_PHYSICS_MIRRORS_H
 
-#include "physics/derive.h"
-#include "physics/real.h"
-
-/* From here on walls mirror the fluid; in spacings. Up to 2.5 tanks rest by the law, too, in half
- * the time. */
-#define PBF_WIDE_KERNEL 2.55
-
-static inline int pbf_may_mirror(const pbf_params *params) {
-  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && params->wall_density > 0 &&
-         params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params);
-}
-
-typedef struct pbf_walls {
-  pbf_vec lower, upper;
-  pbf_real near;  /* half of h, or 0 where walls give nothing back: see pbf_bounce */
-  pbf_real reach; /* how far from them there are images: h, or 0 where they mirror nothing */
-} pbf_walls;
-
-/* How far from walls that stand like this there are images: h, or 0. */
-static inline pbf_real pbf_mirror_reach(const pbf_params *params, pbf_vec lower, pbf_vec upper) {
-  pbf_real h = (pbf_real)params->smoothing_radius;
-  int mirror = pbf_may_mirror(params);
-  for (int k = 0; k < PBF_DIM; ++k) mirror = mirror && upper.c[k] - lower.c[k] >= h;
-  return mirror ? h : 0;
-}
+#include "physics/surfaces/domain.h"
 
 /* Bits of walls: the lower one of axis k, and the upper one. */
 #define PBF_LOWER_WALL(k) (1 << 2 * (k))

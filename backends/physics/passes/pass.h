@@ -16,12 +16,6 @@
 
 #include "physics/scalar.h"
 
-#ifdef __CUDACC__
-#define PBF_IN __host__ __device__ __forceinline__
-#else
-#define PBF_IN inline __attribute__((always_inline))
-#endif
-
 /* Internal linkage: units built for other instruction sets have others of the same names. */
 namespace {
 

@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+extern "C" {
 #include <cmocka.h>
+}
 
 #include "cpu/isa.h"
 #include "cpu/simd/lanes.h"
@@ -144,7 +146,7 @@ static void look_ups(void **state) {
 static void quads(void **state) {
   (void)state;
 #ifdef LANES_QUADS
-  static _Alignas(64) pbf_real array[4 * 1040];
+  alignas(64) static pbf_real array[4 * 1040];
   pbf_real *of_first = array + 4 * 16;
   uint32_t first[PARTS];
   for (uint32_t part = 0; part < PARTS; ++part) first[part] = 20 + 53 * part;

@@ -1,0 +1,73 @@
+/* A box. */
+#ifndef PBF_PHYSICS_SURFACES_BOX_H
+#define PBF_PHYSICS_SURFACES_BOX_H
+
+#include "physics/surfaces/shape.h"
+
+namespace {
+
+struct box_shape {
+  enum { ID = PBF_COLLIDER_BOX, HAS_AXIS = 0, FACES = 2 * PBF_DIM };
+
+  static PBF_IN double bound(const pbf_collider *c) {
+    double diagonal2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) diagonal2 += c->half_extents[k] * c->half_extents[k];
+    return sqrt(diagonal2);
+  }
+  static PBF_IN double volume(const pbf_collider *c, double beyond) {
+    double volume = 1;
+    for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * (c->half_extents[k] + beyond);
+    return volume;
+  }
+  static PBF_IN double extent(const pbf_solid *s, int axis) {
+    double extent = 0;
+    for (int row = 0; row < PBF_DIM; ++row)
+      extent += (double)s->half_extents.c[row] * fabs((double)s->frame[row].c[axis]);
+    return extent;
+  }
+
+  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+    pbf_vec local, local_normal;
+    for (int k = 0; k < PBF_DIM; ++k) local.c[k] = pbf_dot(p, s->frame[k]);
+    const pbf_real distance = local_distance(local, s->half_extents, &local_normal);
+    for (int k = 0; k < PBF_DIM; ++k) {
+      normal->c[k] = 0;
+      for (int row = 0; row < PBF_DIM; ++row)
+        normal->c[k] += s->frame[row].c[k] * local_normal.c[row];
+    }
+    return distance;
+  }
+
+  static PBF_IN pbf_real face(const pbf_solid *s, int k, pbf_vec p, pbf_vec *normal) {
+    const int row = k / 2;
+    const pbf_real sign = k % 2 ? (pbf_real)-1 : (pbf_real)1;
+    for (int a = 0; a < PBF_DIM; ++a) normal->c[a] = sign * s->frame[row].c[a];
+    return s->half_extents.c[row] + pbf_dot(p, *normal);
+  }
+
+ private:
+  /* In its own frame: outside, from the nearest point of it; inside, from its nearest face. */
+  static PBF_IN pbf_real local_distance(pbf_vec p, pbf_vec half, pbf_vec *normal) {
+    pbf_real inside = 0, outside2 = 0;
+    int face = 0;
+    pbf_vec out;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      pbf_real d = (p.c[k] < 0 ? -p.c[k] : p.c[k]) - half.c[k];
+      if (k == 0 || d > inside) inside = d, face = k;
+      out.c[k] = d > 0 ? (p.c[k] < 0 ? -d : d) : 0;
+      outside2 += out.c[k] * out.c[k];
+    }
+    if (outside2 > 0) {
+      pbf_real distance = pbf_real_sqrt(outside2);
+      for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = out.c[k] / distance;
+      return distance;
+    }
+    for (int k = 0; k < PBF_DIM; ++k) /* of constant indices alone: registers have no others */
+      normal->c[k] = k != face ? 0 : p.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
+    return inside;
+  }
+};
+
+}  // namespace
+
+#endif

@@ -1,0 +1,24 @@
+/* A plane, with all that is behind it. */
+#ifndef PBF_PHYSICS_SURFACES_PLANE_H
+#define PBF_PHYSICS_SURFACES_PLANE_H
+
+#include "physics/surfaces/shape.h"
+
+namespace {
+
+struct plane_shape {
+  enum { ID = PBF_COLLIDER_PLANE, HAS_AXIS = 1, FACES = 0 };
+
+  static PBF_IN double bound(const pbf_collider *) { return INFINITY; }
+  static PBF_IN double volume(const pbf_collider *, double) { return INFINITY; }
+  static PBF_IN double extent(const pbf_solid *, int) { return INFINITY; }
+
+  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+    *normal = s->frame[0];
+    return pbf_dot(p, *normal);
+  }
+};
+
+}  // namespace
+
+#endif

@@ -1,0 +1,38 @@
+/* What a surface's shape is: a struct of a few functions in a file of its own, and a name in the
+ * list of surface.h. A shape has
+ *
+ *   ID                       its PBF_COLLIDER_…
+ *   HAS_AXIS                 its frame is its axis and perpendiculars to it, not its own axes
+ *   FACES                    planes that its inside contributes density by; 0: the nearest alone
+ *   bound(collider)          nothing of it is farther from its center
+ *   volume(collider, beyond) of its inside and what is up to `beyond` out of it, in 2D an area
+ *   extent(surface, axis)    how far it reaches from its center along an axis
+ *   distance(surface, p, *normal)
+ *                            of p, which counts from the center: negative inside; *normal points
+ *                            out
+ *   face(surface, k, p, *normal)
+ *                            where there are FACES: the distance from the k-th of them, of what is
+ *                            inside, where *normal points
+ *
+ * What is infinite is INFINITY. */
+#ifndef PBF_PHYSICS_SURFACES_SHAPE_H
+#define PBF_PHYSICS_SURFACES_SHAPE_H
+
+#include <pbf/pbf.h>
+
+#include "physics/real.h"
+
+/* A collider at the end of a step, and where it was at its start; prepared once a step in float64
+ * for use in the particles' precision. Rows of `frame` are directions in space. */
+typedef struct pbf_solid {
+  int shape;
+  pbf_real sign; /* 1: the fluid stays outside, -1: inside */
+  pbf_vec center;
+  pbf_vec frame[PBF_DIM];
+  pbf_vec half_extents;
+  pbf_real radius, half_length;
+  pbf_real bound; /* nothing of it is farther from the centre */
+  pbf_vec start_center, start_frame[PBF_DIM];
+} pbf_solid;
+
+#endif

@@ -1,0 +1,32 @@
+/* A sphere; in 2D a disc. */
+#ifndef PBF_PHYSICS_SURFACES_SPHERE_H
+#define PBF_PHYSICS_SURFACES_SPHERE_H
+
+#include "physics/derive.h"
+#include "physics/surfaces/shape.h"
+
+namespace {
+
+struct sphere_shape {
+  enum { ID = PBF_COLLIDER_SPHERE, HAS_AXIS = 1, FACES = 0 };
+
+  static PBF_IN double bound(const pbf_collider *c) { return c->radius; }
+  static PBF_IN double volume(const pbf_collider *c, double beyond) {
+    const double r = c->radius + beyond, disc = PBF_PI * r * r;
+    return PBF_DIM == 3 ? 4.0 / 3 * disc * r : disc;
+  }
+  static PBF_IN double extent(const pbf_solid *s, int) { return (double)s->radius; }
+
+  /* From the very center, out along an axis of the frame. */
+  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+    const pbf_real r = pbf_real_sqrt(pbf_dot(p, p));
+    *normal = s->frame[1];
+    if (r > 0)
+      for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = p.c[k] / r;
+    return r - s->radius;
+  }
+};
+
+}  // namespace
+
+#endif

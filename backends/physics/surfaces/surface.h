@@ -1,0 +1,161 @@
+/* The surfaces of colliders, of whatever shape: signed distance, the planes that they contribute
+ * density by, how they move in a step. A new shape is a file beside this one, and a name in the
+ * list. */
+#ifndef PBF_PHYSICS_SURFACES_SURFACE_H
+#define PBF_PHYSICS_SURFACES_SURFACE_H
+
+#include "physics/motion.h"
+#include "physics/surfaces/box.h"
+#include "physics/surfaces/capsule.h"
+#include "physics/surfaces/plane.h"
+#include "physics/surfaces/sphere.h"
+
+namespace {
+
+/* Calls ask(shape) with the one of these whose ID it is; with the last where it is none of the
+ * others'. */
+template <class Shape, class... Others>
+struct shape_list {
+  template <class Ask>
+  static PBF_IN auto ask(int id, Ask question) {
+    if constexpr (sizeof...(Others) > 0)
+      if (id != Shape::ID) return shape_list<Others...>::ask(id, question);
+    return question(Shape{});
+  }
+};
+
+using shapes = shape_list<plane_shape, box_shape, capsule_shape, sphere_shape>;
+
+}  // namespace
+
+/* ---- Where it is --------------------------------------------------------------------------- */
+
+static inline void pbf_rotate(const double q[4], const double v[3], double out[3]) {
+  double p[4] = {v[0], v[1], v[2], 0}, conjugate[4] = {-q[0], -q[1], -q[2], q[3]}, qp[4], r[4];
+  pbf_motion_quaternion_product(q, p, qp);
+  pbf_motion_quaternion_product(qp, conjugate, r);
+  for (int k = 0; k < 3; ++k) out[k] = r[k];
+}
+
+/* Unit `axis`, and a unit vector across it: away from the coordinate axis it is farthest from. */
+static inline void pbf_axis_frame(const double axis[3], double frame[3][3]) {
+  double length2 = 0, across2 = 0;
+  int far = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    length2 += axis[k] * axis[k];
+    if (fabs(axis[k]) < fabs(axis[far])) far = k;
+  }
+  for (int k = 0; k < 3; ++k) frame[0][k] = k < PBF_DIM ? axis[k] / sqrt(length2) : 0;
+  for (int k = 0; k < 3; ++k) {
+    frame[1][k] = (k == far) - frame[0][far] * frame[0][k];
+    across2 += frame[1][k] * frame[1][k];
+  }
+  for (int k = 0; k < 3; ++k) frame[1][k] /= sqrt(across2);
+  for (int k = 0; k < 3; ++k) {
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    frame[2][k] = frame[0][l] * frame[1][m] - frame[0][m] * frame[1][l];
+  }
+}
+
+PBF_FN int pbf_has_axis(const pbf_collider *collider) {
+  return shapes::ask((int)collider->shape, [](auto shape) -> int { return shape.HAS_AXIS; });
+}
+
+static inline void pbf_place_solid(const pbf_collider *at_set, double elapsed, pbf_vec *center,
+                                   pbf_vec frame[PBF_DIM]) {
+  pbf_collider now;
+  double own[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  pbf_motion_collider(at_set, elapsed, &now);
+  if (pbf_has_axis(&now)) pbf_axis_frame(now.axis, own);
+  for (int row = 0; row < PBF_DIM; ++row) {
+    double turned[3];
+    pbf_rotate(now.orientation, own[row], turned);
+    for (int k = 0; k < PBF_DIM; ++k) frame[row].c[k] = (pbf_real)turned[k];
+    center->c[row] = (pbf_real)now.position[row];
+  }
+}
+
+PBF_FN double pbf_bound(const pbf_collider *collider) {
+  return shapes::ask((int)collider->shape, [&](auto shape) { return shape.bound(collider); });
+}
+
+/* At the end of a step, `elapsed` after the collider was set. */
+static inline pbf_solid pbf_solid_at(const pbf_collider *at_set, double elapsed, double time_step) {
+  pbf_solid s = {0};
+  s.shape = (int)at_set->shape;
+  s.sign = at_set->inverted ? (pbf_real)-1 : (pbf_real)1;
+  s.radius = (pbf_real)at_set->radius;
+  s.half_length = (pbf_real)at_set->half_length;
+  for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)at_set->half_extents[k];
+  s.bound = (pbf_real)(at_set->inverted ? INFINITY : 1.0001 * pbf_bound(at_set));
+  pbf_place_solid(at_set, elapsed, &s.center, s.frame);
+  pbf_place_solid(at_set, elapsed - time_step, &s.start_center, s.start_frame);
+  return s;
+}
+
+/* As it stood at the start of the step. */
+PBF_FN pbf_solid pbf_solid_before(const pbf_solid *solid) {
+  pbf_solid before = *solid;
+  before.center = solid->start_center;
+  for (int k = 0; k < PBF_DIM; ++k) before.frame[k] = solid->start_frame[k];
+  return before;
+}
+
+/* Where a point that the solid carries along is at the end of the step. */
+PBF_FN pbf_vec pbf_carried(const pbf_solid *s, pbf_vec x) {
+  pbf_vec p = pbf_sub(x, s->start_center), moved = s->center;
+  for (int row = 0; row < PBF_DIM; ++row)
+    moved = pbf_add_scaled(moved, pbf_dot(p, s->start_frame[row]), s->frame[row]);
+  return moved;
+}
+
+/* ---- How far it is ------------------------------------------------------------------------- */
+
+/* Distance of x from the solid, negative where the fluid must not be; *normal points to the fluid.
+ */
+PBF_FN_APART pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *normal) {
+  const pbf_vec p = pbf_sub(x, s->center);
+  pbf_vec n;
+  const pbf_real distance =
+      shapes::ask(s->shape, [&](auto shape) { return shape.distance(s, p, &n); });
+  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
+  return s->sign * distance;
+}
+
+/* Whether x is farther than `reach` from anything of the solid, cheaply. */
+PBF_FN int pbf_solid_beyond(const pbf_solid *s, pbf_vec x, pbf_real reach) {
+  pbf_vec p = pbf_sub(x, s->center);
+  pbf_real far = s->bound + reach;
+  return pbf_dot(p, p) > far * far;
+}
+
+/* What has no other side: a plane, and all that fluid is inside of. */
+PBF_FN int pbf_solid_is_endless(const pbf_solid *s) { return s->bound == (pbf_real)INFINITY; }
+
+/* How far it reaches from its centre along an axis. */
+PBF_FN double pbf_solid_extent(const pbf_solid *s, int axis) {
+  return shapes::ask(s->shape, [&](auto shape) { return shape.extent(s, axis); });
+}
+
+/* ---- Planes that it contributes density by ------------------------------------------------- */
+
+/* An inside with faces contributes by all of these, as the domain does, everything else by its
+ * nearest plane. */
+PBF_FN int pbf_lending_planes(const pbf_solid *s) {
+  const int faces = shapes::ask(s->shape, [](auto shape) -> int { return shape.FACES; });
+  return faces > 0 && s->sign < 0 ? faces : 1;
+}
+
+PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pbf_vec x,
+                                   pbf_vec *normal) {
+  if (planes == 1) return pbf_solid_distance(s, x, normal);
+  const pbf_vec p = pbf_sub(x, s->center);
+  return shapes::ask(s->shape, [&](auto shape) -> pbf_real {
+    if constexpr (decltype(shape)::FACES > 0)
+      return shape.face(s, plane, p, normal);
+    else
+      return 0;
+  });
+}
+
+#endif
