@@ -26,7 +26,7 @@ class Params(c.Structure):
         ("spacing", c.c_double), ("particle_volume", c.c_double), ("time_step", c.c_double),
         ("iterations", c.c_uint32), ("collide", c.c_uint32), ("gravity", c.c_double * 3),
         ("attraction", c.c_double), ("attraction_center", c.c_double * 3),
-        ("relaxation", c.c_double), ("epsilon", c.c_double), ("separation", c.c_double),
+        ("over_relaxation", c.c_double), ("cfm", c.c_double), ("cohesion", c.c_double),
         ("min_diagonal", c.c_double), ("wall_density", c.c_double), ("scorr_k", c.c_double),
         ("scorr_dq", c.c_double), ("scorr_n", c.c_uint32), ("solver", c.c_uint32),
         ("vorticity", c.c_double), ("viscosity", c.c_double), ("domain_min", c.c_double * 3),
@@ -34,8 +34,8 @@ class Params(c.Structure):
         ("wall_amplitude", c.c_double * 6), ("wall_frequency", c.c_double * 6),
         ("wall_phase", c.c_double * 6), ("search_cell_width", c.c_double),
         ("sleep_speed", c.c_double), ("sleep_time", c.c_double), ("tolerance", c.c_double),
-        ("pressure_grid", c.c_double), ("prestabilization", c.c_double), ("undamping", c.c_double),
-        ("torque_correction", c.c_double),
+        ("pressure_grid", c.c_double), ("prestabilization", c.c_double),
+        ("damping_compensation", c.c_double), ("angular_momentum_correction", c.c_double),
     ]
 
 

@@ -16,7 +16,7 @@ enum { MAX_THREADS = 65536 };
   { #member, offsetof(pbf_desc, member), min, max, hint, 0 }
 
 static const pbf_count_rule rules[] = {
-    RULE(api_version, 1, PBF_API_VERSION, ", the PBF_API_VERSION of pbf.h"),
+    RULE(api_version, PBF_API_VERSION, PBF_API_VERSION, ", the PBF_API_VERSION of pbf.h"),
     RULE(dimension, 2, 3, ""),
     RULE(capacity, 1, PBF_MAX_CAPACITY, ""),
     RULE(strict, 0, 1, ""),

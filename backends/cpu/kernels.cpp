@@ -6,7 +6,9 @@
 #include "cpu/kernels_turn.h"
 
 /* Who asks for the mean of the velocities around a particle. */
-enum { VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_UNDAMPING };
+enum {
+  VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_DAMPING_COMPENSATION
+};
 
 extern "C" const kernels PBF_VARIANT_API;
 
@@ -25,10 +27,10 @@ const kernels PBF_VARIANT_API = {
     .move = move,
     .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,
-    .undamp = PBF_BUILT & PBF_FEATURE_UNDAMPING ? undamp : NULL,
-    .torque = PBF_BUILT & PBF_FEATURE_UNDAMPING ? torque : NULL,
-    .turn_rate = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn_rate : NULL,
-    .turn = PBF_BUILT & PBF_FEATURE_UNDAMPING ? turn : NULL,
+    .undamp = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? undamp : NULL,
+    .torque = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? torque : NULL,
+    .turn_rate = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? turn_rate : NULL,
+    .turn = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? turn : NULL,
     .stir = PBF_BUILT & PBF_FEATURE_SLEEP ? stir : NULL,
     .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,

@@ -198,7 +198,7 @@ static void fetch_moved(const worker *w, range particles) {
 
 /* Whether torques are made up for. */
 static int corrects_torque(const worker *w) {
-  return (PBF_BUILT & PBF_FEATURE_UNDAMPING) && w->s->schedule.runs[PBF_STAGE_TURN];
+  return (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && w->s->schedule.runs[PBF_STAGE_TURN];
 }
 
 static int is_watched(const solver *s) {

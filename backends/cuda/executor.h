@@ -83,7 +83,7 @@ struct executor {
     run(PBF_STAGE_NEIGHBORS, [&] {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
       launch_lists(s, n);
-      if (PBF_UNDAMPING && s->starts)
+      if (PBF_DAMPING_COMPENSATION && s->starts)
         launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
     });
     return true; /* a particle whose list has no room walks the cells */

@@ -14,7 +14,7 @@
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 
-constexpr bool PBF_UNDAMPING = (PBF_BUILT & PBF_FEATURE_UNDAMPING) != 0;
+constexpr bool PBF_DAMPING_COMPENSATION = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) != 0;
 
 /* The place of an iteration among those of the step. */
 struct iteration_place {

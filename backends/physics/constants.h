@@ -14,7 +14,7 @@ typedef struct pbf_constants {
   pbf_real h, h2, inv_h, inv_h2;
   pbf_real tiny2; /* r² below which a pair has no direction */
   pbf_real value_scale, gradient_scale, gradient_over_h;
-  pbf_real epsilon;
+  pbf_real cfm;
   pbf_real target;       /* density that the solve aims at: 1, or what overfull.h says */
   pbf_real rounding;     /* density error that may be rounding, see pbf_density_rounding */
   pbf_real omega;        /* of an iteration's moves; 1 where lambda adds up */
@@ -172,7 +172,7 @@ static inline void pbf_set_pull(pbf_constants *c, const pbf_params *params, cons
   double dt = params->time_step, weight = layers * d->h * pbf_gravity_of(params) * dt * dt;
   double pull =
       d->stiffness > 0 && d->pressure > 0 ? fmin(weight / d->pressure, 1 / d->stiffness) : 0;
-  c->most_pull = (pbf_real)((1 - params->separation) * pull);
+  c->most_pull = (pbf_real)(params->cohesion * pull);
   c->least_pulled = (pbf_real)(1 - part * d->surface_lacks);
 }
 
@@ -237,7 +237,7 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.value_scale = (pbf_real)d.value_scale;
   c.gradient_scale = (pbf_real)d.gradient_scale;
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);
-  c.epsilon = (pbf_real)d.epsilon;
+  c.cfm = (pbf_real)d.cfm;
   c.target = 1;
   c.omega = (pbf_real)d.omega;
   /* Never 0, so that the lambda of a lone particle is finite, and moves nothing. */
@@ -247,17 +247,18 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_most_confinement(params));
   c.viscosity = (pbf_real)fmin(params->viscosity, 1);
-  c.flow_time = (pbf_real)(params->undamping * params->time_step);
+  c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
   c.most_flow2 = (pbf_real)(0.01 * d.h * d.h);
-  c.torque_part =
-      (pbf_real)(params->time_step > 0 ? 0.5 * params->torque_correction / params->time_step : 0);
+  c.torque_part = (pbf_real)(params->time_step > 0
+                                 ? 0.5 * params->angular_momentum_correction / params->time_step
+                                 : 0);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_pull(&c, params, &d);
   pbf_set_walls(&c, params, &d);
   c.rounding =
       c.accelerated ? (pbf_real)pbf_density_rounding(params, (double)c.slack, d.diagonal) : 0;
-  c.tension = c.accelerated ? 1 : (pbf_real)(1 - params->separation);
+  c.tension = c.accelerated ? 1 : (pbf_real)params->cohesion;
   return c;
 }
 

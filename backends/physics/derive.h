@@ -19,7 +19,7 @@ typedef struct pbf_derived {
   double volume;         /* V */
   double value_scale;    /* V times the kernel's norm: V W(0) for both kernels */
   double gradient_scale; /* V times the gradient's norm, see pair.h */
-  double epsilon;        /* 1/length² */
+  double cfm;            /* 1/length² */
   double omega;
   double scorr_k;
   double scorr_inv_w;   /* 1 / (V W(delta q)) */
@@ -311,9 +311,9 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   pbf_missing first = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1);
   d.surface_lacks = first.density;
   if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, first, &d);
-  d.epsilon = params->epsilon / (h * h);
-  d.omega = params->relaxation > 0
-                ? params->relaxation
+  d.cfm = params->cfm / (h * h);
+  d.omega = params->over_relaxation > 0
+                ? params->over_relaxation
                 : PBF_SAFE_RELAXATION / pbf_lattice_lambda_max(kernel, dimension, h, d.spacing);
   d.scorr_k = params->scorr_k;
   d.scorr_dq2 = params->scorr_dq * params->scorr_dq;

@@ -30,7 +30,7 @@ enum {
   /* Combinations of the bits up to SCORR, those of the hot loop. */
   PBF_FEATURE_COUNT = 2 * PBF_FEATURE_SCORR,
 
-  /* The undamping's pass sums up the torque that it exerts. */
+  /* The damping_compensation's pass sums up the torque that it exerts. */
   PBF_FEATURE_TORQUE = 1 << PBF_FEATURE_BITS,
 
   /* What the build has: PBF_WITHOUT is the sum of what it leaves out. */

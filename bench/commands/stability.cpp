@@ -90,10 +90,10 @@ std::pair<CLI::App *, Command> add_stability(CLI::App &app) {
       ->type_name("N,…")
       ->delimiter(',');
   command
-      ->add_option(
-          "--set", suite.settings,
-          "in place of the library's default, as --set undamping=1; again and again. What a "
-          "case sets itself stays")
+      ->add_option("--set", suite.settings,
+                   "in place of the library's default, as --set damping_compensation=1; again and "
+                   "again. What a "
+                   "case sets itself stays")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   add_precision_option(*command, suite.solver.precision);

@@ -49,8 +49,9 @@ int same_all(void) {
       add_colliders(&s);
       failures += !same_bits("small", &s, precision, 60);
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
-      s.params.undamping = s.params.torque_correction = s.params.wall_density = 1;
-      failures += !same_bits("small-undamping", &s, precision, 60);
+      s.params.damping_compensation = s.params.angular_momentum_correction = s.params.wall_density =
+          1;
+      failures += !same_bits("small-damping_compensation", &s, precision, 60);
       add_mirrors(&s);
       failures += !same_bits("small-mirrors", &s, precision, 60);
       s = small_scene(dim);

@@ -37,7 +37,8 @@ scene report_30k(void) {
   pbf_params *p = &s.params;
   p->kernel = PBF_KERNEL_POLY6_SPIKY;
   p->solver = PBF_SOLVER_JACOBI;
-  p->separation = p->min_diagonal = p->wall_density = 0;
+  p->cohesion = 1;
+  p->min_diagonal = p->wall_density = 0;
   p->smoothing_radius = 1.1;
   p->spacing = 0.575;
   p->particle_volume = 0.5138132684248845;
@@ -45,8 +46,8 @@ scene report_30k(void) {
   p->iterations = 5;
   p->collide = PBF_COLLIDE_AFTER_PREDICTION | PBF_COLLIDE_AFTER_SOLVE;
   p->gravity[1] = -3;
-  p->relaxation = 0.8203125;
-  p->epsilon = 17.179038485712607;
+  p->over_relaxation = 0.8203125;
+  p->cfm = 17.179038485712607;
   p->scorr_k = 0.003235295319316347;
   p->scorr_dq = 0.3;
   p->scorr_n = 4;
@@ -83,9 +84,9 @@ scene small_scene(uint32_t dimension) {
              .jitter = 0.02};
   if (dimension == 2) s.counts[0] = 40, s.counts[1] = 30;
   must(pbf_params_init(&s.params, sizeof s.params), "pbf_params_init");
-  s.params.epsilon = 0.5;
+  s.params.cfm = 0.5;
   s.params.solver = PBF_SOLVER_JACOBI;
-  s.params.separation = 0.5;
+  s.params.cohesion = 0.5;
   s.params.min_diagonal = 0.5;
   s.params.wall_density = 0;
   s.params.collide = PBF_COLLIDE_IN_ITERATION | PBF_COLLIDE_AFTER_SOLVE;
@@ -176,7 +177,8 @@ scene accelerated_scene(uint32_t dimension, int brief) {
   scene s = small_scene(dimension);
   s.all_pairs = 1;
   s.params.solver = PBF_SOLVER_CHEBYSHEV;
-  s.params.separation = s.params.wall_density = 1;
+  s.params.cohesion = 0;
+  s.params.wall_density = 1;
   s.params.scorr_k = 1e-5;
   s.params.iterations = 6;
   for (int a = 0; a < 3; ++a) s.first[a] = 0.0252;
@@ -200,7 +202,7 @@ void add_mirrors(scene *s) {
 void set_kernel(scene *s, int combination) {
   if (combination & 1) {
     s->params.kernel = PBF_KERNEL_POLY6_SPIKY;
-    s->params.epsilon = 5;
+    s->params.cfm = 5;
   }
   if (combination & 2) s->params.scorr_k = 0.001;
 }

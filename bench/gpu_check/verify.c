@@ -145,14 +145,15 @@ static void verify_obstacles(kind *k) {
   s.params.wall_frequency[PBF_WALL_X_MIN] = 9;
   verify(k, "colliders-and-moving-walls", &s, 50);
   s.params.wall_density = 1;
-  s.params.separation = 1;
+  s.params.cohesion = 0;
   s.params.solver = PBF_SOLVER_CHEBYSHEV;
   verify(k, "wall-density-chebyshev-colliders", &s, 50);
   s = small_scene(k->dim);
   add_many_colliders(&s);
   verify(k, "many-colliders", &s, 50);
   s.params.collide |= PBF_COLLIDE_AFTER_PREDICTION;
-  s.params.wall_density = s.params.separation = 1;
+  s.params.wall_density = 1;
+  s.params.cohesion = 0;
   s.params.solver = PBF_SOLVER_CHEBYSHEV;
   verify(k, "many-colliders-wall-density", &s, 50);
 }
@@ -168,7 +169,8 @@ static void verify_containers(kind *k) {
     scene s = small_scene(k->dim);
     add_container(&s, containers[c].shape);
     s.params.solver = PBF_SOLVER_CHEBYSHEV;
-    s.params.wall_density = s.params.separation = 1;
+    s.params.wall_density = 1;
+    s.params.cohesion = 0;
     s.params.collide |= PBF_COLLIDE_AFTER_PREDICTION;
     verify(k, containers[c].name, &s, 50);
   }
@@ -179,7 +181,7 @@ static void widen(scene *s, double smoothing_radius) {
   s->params.smoothing_radius = smoothing_radius;
   s->params.spacing = 0.15;
   s->params.particle_volume = pow(0.05, s->dimension);
-  s->params.relaxation = 0.05;
+  s->params.over_relaxation = 0.05;
 }
 
 static void verify_overflow(kind *k) {
@@ -194,7 +196,8 @@ static void verify_overflow(kind *k) {
 /* Torn a little from the start, and hardly heavy. */
 static void verify_pull(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
-  s.params.separation = s.params.scorr_k = 0;
+  s.params.cohesion = 1;
+  s.params.scorr_k = 0;
   s.params.spacing = 0.998 * s.spacing;
   s.params.gravity[1] = -0.2;
   verify(k, "held-together", &s, 10);
@@ -203,11 +206,11 @@ static void verify_pull(kind *k) {
 /* Falling, so that there is something to correct. */
 static void verify_torque(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
-  s.params.torque_correction = 1;
+  s.params.angular_momentum_correction = 1;
   s.params.gravity[1] = -0.5;
   verify(k, "torque-correction", &s, 10);
-  s.params.undamping = 0.8;
-  verify(k, "torque-correction-undamping", &s, 10);
+  s.params.damping_compensation = 0.8;
+  verify(k, "torque-correction-damping_compensation", &s, 10);
 }
 
 /* In a box that is full at first and then too small: its lid comes down. */
@@ -227,10 +230,10 @@ static void verify_overfull(kind *k) {
 static void verify_iterations(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   verify(k, "chebyshev-all-iterations", &s, 50);
-  s.params.undamping = 1;
-  verify(k, "undamping", &s, 50);
+  s.params.damping_compensation = 1;
+  verify(k, "damping_compensation", &s, 50);
   add_turning_floor(&s);
-  verify(k, "undamping-over-a-turning-floor", &s, 50);
+  verify(k, "damping_compensation-over-a-turning-floor", &s, 50);
   s = accelerated_scene(k->dim, 1);
   verify(k, "chebyshev-short-steps", &s, 50);
 }
@@ -244,7 +247,7 @@ static void verify_mirrors(kind *k) {
     add_mirrors(&s);
     s.params.scorr_k = 0;
     set_kernel(&s, combination);
-    if (combination == 1) s.params.undamping = 1;
+    if (combination == 1) s.params.damping_compensation = 1;
     if (combination == 2) s.params.wall_density = 0.5;
     verify(k, kernels[combination], &s, 10);
   }
@@ -255,7 +258,7 @@ static void verify_mirrors(kind *k) {
   add_mirrors(&s);
   s.params.pressure_grid = 2;
   s.params.solver = PBF_SOLVER_CHEBYSHEV;
-  s.params.separation = 1;
+  s.params.cohesion = 0;
   verify(k, "mirrors-deep", &s, 10);
   s = small_scene(k->dim);
   add_mirrors(&s);
@@ -287,7 +290,7 @@ static void verify_crowding(kind *k) {
   s = small_scene(k->dim);
   s.spacing = 1e-4; /* all in a cell or two */
   s.params.particle_volume = pow(0.05, k->dim);
-  s.params.relaxation = 1e-4;
+  s.params.over_relaxation = 1e-4;
   s.params.gravity[1] = 0;
   verify(k, "one-cell", &s, 3);
 }

@@ -2,7 +2,7 @@
 """Writes a table from a result of bench/validate: `validation` of docs/validation.md unless told, or one of
 the notes.
 
-    bench/tools/validation_table.py out/validation.json [undamping]
+    bench/tools/validation_table.py out/validation.json [damping_compensation]
 """
 import json
 import pathlib
@@ -10,7 +10,7 @@ import sys
 
 from pages import write_table
 
-PAGES = {"validation": "docs/validation.md", "undamping": "docs/notes/implicit-damping.md",
+PAGES = {"validation": "docs/validation.md", "damping_compensation": "docs/notes/implicit-damping.md",
          "torque": "docs/notes/angular-momentum.md"}
 
 

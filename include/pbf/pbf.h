@@ -42,7 +42,7 @@ extern "C" {
 #define PBF_VERSION_PATCH 0
 
 /* What pbf_desc.api_version must hold: the header that the caller was compiled with. */
-#define PBF_API_VERSION 1u
+#define PBF_API_VERSION 2u
 
 /* Version of the library at run time, as MAJOR * 1000000 + MINOR * 1000 + PATCH. */
 PBF_API uint32_t pbf_version(void);
@@ -122,7 +122,7 @@ PBF_API pbf_status pbf_desc_init(pbf_desc *desc, uint32_t struct_size);
 
 /* Density kernel with the gradient used for the position change. */
 enum {
-  PBF_KERNEL_WENDLAND_C2 = 0, /* one kernel for both: a symmetric system, see `relaxation` */
+  PBF_KERNEL_WENDLAND_C2 = 0, /* one kernel for both: a symmetric system, see `over_relaxation` */
   PBF_KERNEL_POLY6_SPIKY = 1  /* poly6 density, spiky gradient: eqs. 2 and 4 with the kernels of
                                  Müller et al. 2003, as in the paper */
 };
@@ -131,7 +131,7 @@ enum {
 enum {
   PBF_SOLVER_JACOBI = 0,   /* Algorithm 1: every iteration starts from nothing */
   PBF_SOLVER_CHEBYSHEV = 1 /* lambda adds up over the iterations of a step, and keeps its sign but
-                              for `separation`; accelerated by the Chebyshev semi-iteration */
+                              for `cohesion`; accelerated by the Chebyshev semi-iteration */
 };
 
 /* When the domain's walls and the colliders act within a step (bits, at least one). */
@@ -170,15 +170,16 @@ typedef struct pbf_params {
   double attraction; /* a further acceleration -attraction (x - attraction_center), 1/s² */
   double attraction_center[3];
 
-  double relaxation; /* omega >= 0, a factor on the position change (1 in the paper); 0: from the
-                        largest eigenvalue of the Jacobi iteration on the lattice, always stable */
-  double epsilon;    /* constraint force mixing, eq. 11, without a unit: epsilon * h² */
+  double
+      over_relaxation; /* omega >= 0, a factor on the position change (1 in the paper); 0: from the
+                     largest eigenvalue of the Jacobi iteration on the lattice, always stable */
+  double cfm;          /* constraint force mixing, eq. 11, without a unit: cfm * h² */
 
-  double separation; /* 0 … 1, how freely the fluid parts. With JACOBI densities below rest pull
-                        with weight 1 - separation (0: as in the paper, 1: never). With CHEBYSHEV
-                        free surfaces never pull; fluid inside, which lacks little density, holds
-                        together with 1 - separation of the weight of a column of 8 h, or of what
-                        its stiffness allows (docs/solver.md); without gravity nothing pulls */
+  double cohesion; /* 0 … 1, how much the fluid holds together. With JACOBI densities below rest
+                      pull with this weight (1: as in the paper, 0: never). With CHEBYSHEV free
+                      surfaces never pull; fluid inside, which lacks little density, holds together
+                      with this part of the weight of a column of 8 h, or of what its stiffness
+                      allows (docs/solver.md); without gravity nothing pulls */
   double
       min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
                           keeps particles with few or coincident neighbours calm; 0: as in the paper */
@@ -246,18 +247,18 @@ typedef struct pbf_params {
                               wall_density places all; so does a wall that is set more than h/2
                               farther in, and moves back whom it has passed. 0: never; 0.02, the
                               default */
-  double undamping; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of what a step
-                       takes from the fluid's motion by pushing along directions at its end is given
-                       back. Solid rotation loses rate² * time_step of its angular momentum in a
-                       time unit at 0, next to nothing at 1; the motion of single particles, which
-                       would be noise, is damped as ever. Two passes over pairs a step. What a
+  double damping_compensation; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of what
+                       a step takes from the fluid's motion by pushing along directions at its end
+                       is given back. Solid rotation loses rate² * time_step of its angular momentum
+                       in a time unit at 0, next to nothing at 1; the motion of single particles,
+                       which would be noise, is damped as ever. Two passes over pairs a step. What a
                        pressure grid pushes is not corrected. 0, the default: none */
-  double torque_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of the
-                               torque that pushes between particles exert, since they point as pairs
-                               stand in an iteration and not as at the step's start, goes back to
-                               the pairs around as velocity. At 1 the angular momentum of a fluid
-                               that nothing else touches is kept to rounding. A pass over pairs an
-                               iteration and two a step. 0, the default: none */
+  double angular_momentum_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much
+                               of the torque that pushes between particles exert, since they point
+                               as pairs stand in an iteration and not as at the step's start, goes
+                               back to the pairs around as velocity. At 1 the angular momentum of a
+                               fluid that nothing else touches is kept to rounding. A pass over
+                               pairs an iteration and two a step. 0, the default: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-#define PBF_BACKEND_ABI_VERSION 1u
+#define PBF_BACKEND_ABI_VERSION 2u
 #define PBF_BACKEND_ENTRY "pbf_backend_negotiate"
 
 /* What the host offers, valid for the life of the process. */

@@ -13,7 +13,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 #define PBF_SNAPSHOT_MAGIC "PBFSTATE"
 
-enum { PBF_SNAPSHOT_VERSION = 3 };
+enum { PBF_SNAPSHOT_VERSION = 4 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];

@@ -177,7 +177,7 @@ static void fast_particles(uint32_t dimension, uint32_t precision) {
     _Alignas(8) unsigned char v[12 * 3 * 8];
     params.vorticity = params.viscosity = params.sleep_speed = 0.1;
     params.sleep_time = 0.5;
-    params.undamping = 1;
+    params.damping_compensation = 1;
     assert_ok(pbf_set_params(s, &params));
     for (uint32_t i = 0; i < 12 * dimension; ++i)
       test_put(v, i, precision, i % 3 ? edges[t] : -edges[t]);

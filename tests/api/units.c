@@ -37,7 +37,7 @@ static void paper(pbf_params *params, scale in) {
   params->solver = PBF_SOLVER_JACOBI;
   params->kernel = PBF_KERNEL_POLY6_SPIKY;
   params->wall_density = 0;
-  params->epsilon = 0.1;
+  params->cfm = 0.1;
 }
 
 static void short_steps(pbf_params *params, scale in) { params->time_step = 1e-4 * in.time; }

@@ -32,10 +32,10 @@ static const real_case params_reals[] = {
     {"particle_volume is 2; it must be 0, or 1e-6", P(particle_volume), 2},
     {"time_step is 0", P(time_step), 0},
     {"time_step is -0.1", P(time_step), -0.1},
-    {"relaxation is -1", P(relaxation), -1},
-    {"epsilon is -1", P(epsilon), -1},
-    {"separation is -0.5", P(separation), -0.5},
-    {"separation is 1.5", P(separation), 1.5},
+    {"over_relaxation is -1", P(over_relaxation), -1},
+    {"cfm is -1", P(cfm), -1},
+    {"cohesion is -0.5", P(cohesion), -0.5},
+    {"cohesion is 1.5", P(cohesion), 1.5},
     {"min_diagonal is -1", P(min_diagonal), -1},
     {"wall_density is -0.5", P(wall_density), -0.5},
     {"wall_density is 1.5", P(wall_density), 1.5},
@@ -48,10 +48,10 @@ static const real_case params_reals[] = {
     {"sleep_time is -1", P(sleep_time), -1},
     {"tolerance is -0.001; it must be", P(tolerance), -0.001},
     {"prestabilization is -1", P(prestabilization), -1},
-    {"undamping is -1", P(undamping), -1},
-    {"undamping is 1.5", P(undamping), 1.5},
-    {"torque_correction is -1", P(torque_correction), -1},
-    {"torque_correction is 1.5", P(torque_correction), 1.5},
+    {"damping_compensation is -1", P(damping_compensation), -1},
+    {"damping_compensation is 1.5", P(damping_compensation), 1.5},
+    {"angular_momentum_correction is -1", P(angular_momentum_correction), -1},
+    {"angular_momentum_correction is 1.5", P(angular_momentum_correction), 1.5},
     {"pressure_grid is -2; it must be", P(pressure_grid), -2},
     {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},
     {"pressure_grid is 2000; it must be 1", P(pressure_grid), 2000},
@@ -161,14 +161,16 @@ static void undamping_only_where_pushes_are_known(void **state) {
   (void)state;
   pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
   pbf_params params = test_params();
-  params.undamping = 0.5;
+  params.damping_compensation = 0.5;
   params.solver = PBF_SOLVER_JACOBI;
-  refuse_params(s, &params, "params.undamping is 0.5; it must be 0 with PBF_SOLVER_JACOBI");
-  params.undamping = 0;
+  refuse_params(s, &params,
+                "params.damping_compensation is 0.5; it must be 0 with PBF_SOLVER_JACOBI");
+  params.damping_compensation = 0;
   assert_ok(pbf_set_params(s, &params));
-  params.torque_correction = 1;
-  refuse_params(s, &params, "params.torque_correction is 1; it must be 0 with PBF_SOLVER_JACOBI");
-  params.undamping = 0.5;
+  params.angular_momentum_correction = 1;
+  refuse_params(s, &params,
+                "params.angular_momentum_correction is 1; it must be 0 with PBF_SOLVER_JACOBI");
+  params.damping_compensation = 0.5;
   params.solver = PBF_SOLVER_CHEBYSHEV;
   assert_ok(pbf_set_params(s, &params));
   pbf_destroy(s);
@@ -332,7 +334,8 @@ static void descriptions_by_table(void **state) {
 #define D(member) offsetof(pbf_desc, member)
   static const count_case cases[] = {
       {"api_version is 0", D(api_version), 0},
-      {"api_version is 2", D(api_version), 2},
+      {"api_version is 1", D(api_version), 1}, /* whose parameters mean other things */
+      {"api_version is 3", D(api_version), 3},
       {"dimension is 1; it must be 2 … 3", D(dimension), 1},
       {"dimension is 4", D(dimension), 4},
       {"precision is 2; it must be 4 (PBF_FLOAT32)", D(precision), 2},

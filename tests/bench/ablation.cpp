@@ -35,15 +35,16 @@ void one_feature_at_a_time(void **) {
   assert_int_equal(bare["stages"].size(), 5);
   assert_int_equal(row_of(rows, "+ vorticity")["stages"].size(), 7);
   assert_int_equal(row_of(rows, "+ viscosity")["stages"].size(), 6);
-  assert_int_equal(row_of(rows, "+ undamping")["stages"].size(),
+  assert_int_equal(row_of(rows, "+ damping_compensation")["stages"].size(),
                    row_of(rows, "+ chebyshev")["stages"].size() + 2);
-  assert_int_equal(row_of(rows, "+ torque_correction")["stages"].size(),
+  assert_int_equal(row_of(rows, "+ angular_momentum_correction")["stages"].size(),
                    row_of(rows, "+ chebyshev")["stages"].size() + 3);
   assert_true(row_of(rows, "+ chebyshev")["bytes_per_particle"] > bare["bytes_per_particle"]);
   for (const char *looks : {"+ timing", "+ stats"})
     assert_true(row_of(rows, looks)["state"] == bare["state"]);
-  for (const char *acts : {"+ scorr_k", "+ vorticity", "+ viscosity", "+ wall_density",
-                           "+ chebyshev", "+ undamping", "+ torque_correction"})
+  for (const char *acts :
+       {"+ scorr_k", "+ vorticity", "+ viscosity", "+ wall_density", "+ chebyshev",
+        "+ damping_compensation", "+ angular_momentum_correction"})
     assert_true(row_of(rows, acts)["state"] != bare["state"]);
   expect_contains(read_text(folder + "/ablation.html"), "<td>+ wall_density</td>");
 }

@@ -30,7 +30,7 @@ void wrong_command_lines_exit_with_2(void **) {
       {"run --scene dam-break-2d --backend reference --set spacing=1",
        "PBF_ERROR_INVALID_ARGUMENT"},
       {"stability --set gravitty=1", "did you mean gravity?"},
-      {"stability --set undamping", "no \"=\""},
+      {"stability --set damping_compensation", "no \"=\""},
       {"speedup --threads 0", "\"0\" is not a whole number"},
       {"speedup --backends serial,serial", "stands twice"},
   };

@@ -99,7 +99,7 @@ std::string sweep_text(const std::string &families, const std::string &baseline 
 
 const char *const two =
     R"({"name": "a", "title": "A", "set": {"solver": "jacobi", "wall_density": 0},
-        "vary": [{"iterations": [1, 2, 4], "divide_time_step": [1, 2]}, {"epsilon": [0.5]}]},
+        "vary": [{"iterations": [1, 2, 4], "divide_time_step": [1, 2]}, {"cfm": [0.5]}]},
        {"name": "b", "title": "B"})";
 
 Sweep sweep_of(const std::string &text, const char *scene = "dam-break-2d") {
@@ -161,7 +161,7 @@ void wrong_sweeps_are_refused_with_the_place(void **) {
       {families(R"("set": {"precision": "f16"})"), "wanted: \"f32\" or \"f64\""},
       {families(R"("vary": [{"iterations": []}])"), "wanted: a list of values"},
       {families(R"("vary": [{"iterations": 3}])"), "wanted: a list of values"},
-      {families(R"("set": {"epsilon": 1}, "vary": [{"epsilon": [1, 2]}])"), "whole family already"},
+      {families(R"("set": {"cfm": 1}, "vary": [{"cfm": [1, 2]}])"), "whole family already"},
   };
   for (const auto &[text, words] : wrong) expect_contains(refusal(text), words);
   expect_contains(refusal(families(R"("set": {"iterationz": 3})")), "s.json:3:");

@@ -15,7 +15,7 @@ using nlohmann::json;
 const char *const tiny = R"({"version": 1, "description": "d", "baseline": "plain", "subject": "b",
   "errors": [{"figure": "E1.own.interior.mean_abs@mean", "title": "density", "explains": "e"}],
   "families": [
-    {"name": "plain", "title": "Plain", "set": {"solver": "jacobi", "epsilon": 1.5}},
+    {"name": "plain", "title": "Plain", "set": {"solver": "jacobi", "cfm": 1.5}},
     {"name": "b", "title": "B", "vary": [{"iterations": [3]}]}]})";
 
 const char *const options =

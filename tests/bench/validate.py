@@ -47,7 +47,7 @@ def every_case_within_its_bounds():
 
 def a_broken_fluid_is_told():
     fails(1, "dam-break: dam-break.height.max is", "--quick", "--program", program, "--backend", backend,
-          "--case", "dam-break", "--set", "relaxation=0.001")
+          "--case", "dam-break", "--set", "over_relaxation=0.001")
 
 
 def wrong_usage_is_told():

@@ -94,6 +94,6 @@ pbf_params cpu_block_params(void) {
   params.smoothing_radius = 2.12 * params.spacing;
   params.time_step = 2e-4;
   params.iterations = 3;
-  params.relaxation = 0.003;
+  params.over_relaxation = 0.003;
   return params;
 }

@@ -31,7 +31,7 @@ static void deep(pbf_params *params) {
 }
 
 static void undamped(pbf_params *params) {
-  params->undamping = params->torque_correction = 1;
+  params->damping_compensation = params->angular_momentum_correction = 1;
   params->time_step = 4e-3;
 }
 

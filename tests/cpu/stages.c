@@ -19,9 +19,9 @@ enum {
 
 /* Optional parameters that the bits say, and those that compare otherwise: where a solve ends, and
  * sums that are rounded (api.tolerance, api.deep). */
-static const char *const by_bits[] = {"attraction",  "wall_density",     "scorr_k",
-                                      "vorticity",   "viscosity",        "undamping",
-                                      "sleep_speed", "torque_correction"};
+static const char *const by_bits[] = {
+    "attraction", "wall_density",         "scorr_k",     "vorticity",
+    "viscosity",  "damping_compensation", "sleep_speed", "angular_momentum_correction"};
 static const char *const elsewhere[] = {"tolerance", "pressure_grid"};
 
 #define IS_IN(list, name) is_in(list, sizeof(list) / sizeof *(list), name)
@@ -48,9 +48,9 @@ static pbf_params params_with(unsigned bits) {
   params.vorticity = bits & VORTICITY ? 0.1 : 0;
   params.viscosity = bits & VISCOSITY ? 0.1 : 0;
   params.solver = bits & CHEBYSHEV ? PBF_SOLVER_CHEBYSHEV : PBF_SOLVER_JACOBI;
-  params.separation = bits & CHEBYSHEV && bits & SCORR ? 1 : 0.5;
-  params.undamping = (bits & CHEBYSHEV) && (bits & ATTRACTION) ? 0.7 : 0;
-  params.torque_correction = (bits & CHEBYSHEV) && (bits & VISCOSITY) ? 0.8 : 0;
+  params.cohesion = bits & CHEBYSHEV && bits & SCORR ? 0 : 0.5;
+  params.damping_compensation = (bits & CHEBYSHEV) && (bits & ATTRACTION) ? 0.7 : 0;
+  params.angular_momentum_correction = (bits & CHEBYSHEV) && (bits & VISCOSITY) ? 0.8 : 0;
   params.wall_density = bits & WALLS ? 1 : 0;
   params.collide = bits & COLLIDERS ? PBF_COLLIDE_IN_ITERATION : 5;
   params.attraction = bits & ATTRACTION ? 2 : 0;

@@ -10,12 +10,13 @@ static pbf_params lively(int plain) {
   params.viscosity = 0.02;
   params.vorticity = 0.02;
   params.scorr_k = plain ? 0.001 : 0;
-  params.undamping = params.torque_correction = plain ? 0 : 0.5;
+  params.damping_compensation = params.angular_momentum_correction = plain ? 0 : 0.5;
   if (plain) {
     params.solver = PBF_SOLVER_JACOBI;
     params.kernel = PBF_KERNEL_POLY6_SPIKY;
-    params.separation = params.min_diagonal = params.wall_density = 0;
-    params.epsilon = 1;
+    params.cohesion = 1;
+    params.min_diagonal = params.wall_density = 0;
+    params.cfm = 1;
   }
   return params;
 }

@@ -40,19 +40,19 @@ static void lambda_against_finite_differences(void **state) {
         x[k] = keep;
         gradient2 += pow((up - down) / (2 * e), 2);
       }
-    double expected = -constraint / (gradient2 + p.epsilon / pow(p.smoothing_radius, 2));
+    double expected = -constraint / (gradient2 + p.cfm / pow(p.smoothing_radius, 2));
     sums s = sums_at(0, &c, x, i);
     assert_near(pbf_lambda(&c, 0, s.density, s.slope2, s.gradient), expected,
                 1e-6 * fabs(expected));
   }
 }
 
-/* Without epsilon, one constraint projected alone is solved to first order: half the change halves
+/* Without cfm, one constraint projected alone is solved to first order: half the change halves
  * the error. */
 static void one_constraint_projects_to_its_surface(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
-  p.epsilon = 0;
+  p.cfm = 0;
   pbf_constants c = pbf_constants_of(&p);
   pbf_vec x[CLOUD];
   fill_cloud(x, 2.0);
@@ -156,7 +156,7 @@ static void relaxation_is_below_the_stability_limit(void **state) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.smoothing_radius = h;
   p.spacing = 1;
-  p.relaxation = 0;
+  p.over_relaxation = 0;
   double omega = pbf_derive(&p, PBF_DIM).omega;
   assert_true(omega * growth < 2 && omega * growth > 1);
 }
@@ -168,8 +168,8 @@ static void chebyshev_reaches_its_rest(void **state) {
   for (uint32_t iterations = 1; iterations <= 7; iterations += 2) {
     pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
     p.solver = PBF_SOLVER_CHEBYSHEV;
-    p.separation = 1;
-    p.relaxation = 0.7;
+    p.cohesion = 0;
+    p.over_relaxation = 0.7;
     p.iterations = iterations;
     pbf_constants c = pbf_constants_of(&p);
     double largest = 1 / (c.step_size / (1 + c.contraction)),
@@ -193,12 +193,12 @@ static void chebyshev_reaches_its_rest(void **state) {
   }
 }
 
-static void separation_scales_the_pull(void **state) {
+static void cohesion_scales_the_pull(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
-  p.epsilon = 0;
+  p.cfm = 0;
   pbf_vec none = {{0}};
-  p.separation = 0.75;
+  p.cohesion = 0.25;
   pbf_constants c = pbf_constants_of(&p);
   assert_near(pbf_lambda(&c, 0, 0.8, 2, none), 0.25 * 0.2 / 2, 1e-15);
   assert_near(pbf_lambda(&c, 0, 1.2, 2, none), -0.2 / 2, 1e-15);
@@ -211,10 +211,10 @@ static void separation_scales_the_pull(void **state) {
 /* What adds up pulls inside, in short steps with the weight of 8 h, in long ones as far as the
  * lattice's stiffness allows; not where the surface of a lattice begins; and nowhere without
  * gravity or where the fluid parts freely. */
-static double pull(double density, double separation, double time_step, double gravity) {
+static double pull(double density, double cohesion, double time_step, double gravity) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.solver = PBF_SOLVER_CHEBYSHEV;
-  p.separation = separation;
+  p.cohesion = cohesion;
   p.time_step = time_step;
   p.gravity[0] = gravity;
   p.gravity[1] = p.gravity[2] = 0;
@@ -232,12 +232,12 @@ static void fluid_inside_pulls_with_a_weight(void **state) {
   p.solver = PBF_SOLVER_CHEBYSHEV;
   pbf_derived d = pbf_derive(&p, PBF_DIM);
   double weight = 8 * d.h * g * dt * dt / d.pressure;
-  assert_near(pull(0.999, 0, dt, g), weight, 1e-12 * weight);
-  assert_near(pull(0.999, 0.75, dt, g), 0.25 * weight, 1e-12 * weight);
-  assert_near(pull(0.999, 0, 100, g), 1 / d.stiffness, 1e-12 / d.stiffness);
-  assert_near(pull(1 - 0.2 * d.surface_lacks, 0, dt, g), 0, 0);
-  assert_near(pull(0.999, 0, dt, 0), 0, 0);
-  assert_near(pull(0.999, 1, dt, g), 0, 0);
+  assert_near(pull(0.999, 1, dt, g), weight, 1e-12 * weight);
+  assert_near(pull(0.999, 0.25, dt, g), 0.25 * weight, 1e-12 * weight);
+  assert_near(pull(0.999, 1, 100, g), 1 / d.stiffness, 1e-12 / d.stiffness);
+  assert_near(pull(1 - 0.2 * d.surface_lacks, 1, dt, g), 0, 0);
+  assert_near(pull(0.999, 1, dt, 0), 0, 0);
+  assert_near(pull(0.999, 0, dt, g), 0, 0);
 }
 
 /* A crowd of a density pushes by as many lambdas: less of it the denser it is, and it would draw in
@@ -381,7 +381,7 @@ static void moves_push(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.solver = PBF_SOLVER_JACOBI;
-  p.relaxation = 0.5;
+  p.over_relaxation = 0.5;
   pbf_constants c = pbf_constants_of(&p);
   pbf_vec x = {{1e18}}, v = {{3}}, sum = {{0.25}};
   assert_near(pbf_move(&c, x, sum).c[0], x.c[0], 0);
@@ -425,7 +425,7 @@ int main(void) {
       cmocka_unit_test(position_changes_keep_the_centre_of_mass),
       cmocka_unit_test(relaxation_is_below_the_stability_limit),
       cmocka_unit_test(chebyshev_reaches_its_rest),
-      cmocka_unit_test(separation_scales_the_pull),
+      cmocka_unit_test(cohesion_scales_the_pull),
       cmocka_unit_test(fluid_inside_pulls_with_a_weight),
       cmocka_unit_test(crowds_push_no_less_the_denser_they_are),
       cmocka_unit_test(prediction_is_symplectic_euler),

@@ -130,12 +130,12 @@ static void report_parameters_give_the_reports_constants(void **state) {
   pbf_params params = test_params(PBF_KERNEL_POLY6_SPIKY);
   params.smoothing_radius = h;
   params.particle_volume = p / (1 + p * w0);
-  params.relaxation = (1 + p * w0) * params.particle_volume / q;
-  params.epsilon = 100 * params.particle_volume * params.particle_volume / (q * q) * h * h;
+  params.over_relaxation = (1 + p * w0) * params.particle_volume / q;
+  params.cfm = 100 * params.particle_volume * params.particle_volume / (q * q) * h * h;
   pbf_constants c = pbf_constants_of(&params);
   assert_near(params.particle_volume, 0.5138132684248845, 1e-15);
   assert_near(c.omega, 0.8203125, 1e-15);
-  assert_near(c.epsilon, 14.197552467531091, 1e-12);
+  assert_near(c.cfm, 14.197552467531091, 1e-12);
 }
 
 static void artificial_pressure_is_a_power(void **state) {

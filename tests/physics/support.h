@@ -54,8 +54,9 @@ static inline pbf_params test_params(uint32_t kernel) {
   p.scorr_k = 0.1;
   p.scorr_dq = 0.25;
   p.scorr_n = 4;
-  p.relaxation = 1;
-  p.epsilon = 0.3;
+  p.over_relaxation = 1;
+  p.cfm = 0.3;
+  p.cohesion = 1;
   return p;
 }
 

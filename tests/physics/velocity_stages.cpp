@@ -1,5 +1,5 @@
-/* Vorticity confinement and its curl, on a lattice where the sums have closed forms; undamping at
- * the end of a wall's reach. */
+/* Vorticity confinement and its curl, on a lattice where the sums have closed forms;
+ * damping_compensation at the end of a wall's reach. */
 #include "support.h"
 
 #include "physics/passes/damping_compensation.h"

@@ -89,7 +89,7 @@ static pbf_params params_with(int features) {
   p.iterations = ITERATIONS;
   p.collide = PBF_COLLIDE_AFTER_PREDICTION | PBF_COLLIDE_IN_ITERATION;
   p.gravity[1] = -9.81;
-  p.separation = p.min_diagonal = 1;
+  p.min_diagonal = 1;
   p.scorr_k = features & SCORR ? 0.01 : 0;
   p.scorr_dq = 0.2;
   p.scorr_n = 4;

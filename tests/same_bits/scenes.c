@@ -140,8 +140,8 @@ static void run_kernels(uint32_t dimension, uint32_t precision, const char *back
     snprintf(name, sizeof name, "images %s", names[kind]);
     set_kernel(&s.params, kind);
     s.params.smoothing_radius = 3 * s.spacing;
-    s.params.undamping = 1;
-    s.params.torque_correction = 1;
+    s.params.damping_compensation = 1;
+    s.params.angular_momentum_correction = 1;
     run_scene(&s, backend);
   }
 }
@@ -175,7 +175,7 @@ static void run_others(uint32_t dimension, uint32_t precision, const char *backe
   s.params.gravity[1] = 0;
   s.params.attraction = 30;
   s.params.collide = PBF_COLLIDE_AFTER_SOLVE;
-  s.params.undamping = 1;
+  s.params.damping_compensation = 1;
   for (int k = 0; k < 3; ++k) {
     s.params.attraction_center[k] = 1.5;
     s.params.domain_max[k] = 3;
@@ -192,8 +192,8 @@ static void run_corrections(uint32_t dimension, uint32_t precision, const char *
   for (int kind = 0; kind < 4; ++kind) {
     scene s = tank(names[kind], dimension, precision);
     set_kernel(&s.params, kind);
-    s.params.undamping = kind == 2 ? 0 : 0.8;
-    s.params.torque_correction = kind == 1 ? 0 : 0.9;
+    s.params.damping_compensation = kind == 2 ? 0 : 0.8;
+    s.params.angular_momentum_correction = kind == 1 ? 0 : 0.9;
     if (kind == 3) {
       s.params.tolerance = 2e-3;
       s.params.iterations = 12;

@@ -13,7 +13,7 @@
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
   pbf_real constraint = density - c->target - slack;
-  pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->epsilon;
+  pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->cfm;
   if (constraint < 0) constraint *= c->tension;
   if (constraint > 0 && constraint < c->rounding) constraint = 0;
   diagonal = pbf_real_max(diagonal, c->min_diagonal);

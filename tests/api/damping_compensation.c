@@ -1,5 +1,5 @@
-/* What implicit steps take from a fluid's rotation, and what `undamping` and `torque_correction`
- * give back. */
+/* What implicit steps take from a fluid's rotation, and what `damping_compensation` and
+ * `angular_momentum_correction` give back. */
 #include "support.h"
 
 #include <math.h>
@@ -43,14 +43,14 @@ static uint32_t place(const body *b) {
   return count;
 }
 
-static pbf_params params_of(uint32_t dimension, double undamping) {
+static pbf_params params_of(uint32_t dimension, double damping_compensation) {
   pbf_params p = test_params();
   p.spacing = 1.0 / across(dimension);
   p.smoothing_radius = (dimension == 2 ? 3 : 2) * p.spacing;
   p.time_step = time_step;
   p.iterations = 8;
   p.pressure_grid = 0;
-  p.undamping = undamping;
+  p.damping_compensation = damping_compensation;
   for (int k = 0; k < 3; ++k) {
     p.gravity[k] = 0;
     p.domain_min[k] = -3;
@@ -117,25 +117,27 @@ static void check_free(uint32_t dimension, uint32_t precision) {
     destroy(&b);
   }
   if (!(fabs(left[0] - gain) < 0.4 * gain && fabs(left[1]) < 0.15 * gain && drift[1] < 2e-6))
-    fail_msg("%uD: angular momentum changes by %g (%g in theory), with undamping by %g; linear: %g",
-             dimension, left[0], gain, left[1], drift[1]);
+    fail_msg(
+        "%uD: angular momentum changes by %g (%g in theory), with damping_compensation by %g; "
+        "linear: %g",
+        dimension, left[0], gain, left[1], drift[1]);
 }
 
 /* Whatever pairs do to each other: the body turns, and is torn into a spiral by an attraction that
  * is too weak to hold it. */
 static void check_torque(uint32_t dimension, uint32_t precision) {
   const double rounding = precision == PBF_FLOAT32 ? 1e-6 : 1e-13;
-  for (int undamping = 0; undamping < 2; ++undamping)
+  for (int damping_compensation = 0; damping_compensation < 2; ++damping_compensation)
     for (int strong = 0; strong < 2; ++strong) {
-      pbf_params params = params_of(dimension, undamping);
+      pbf_params params = params_of(dimension, damping_compensation);
       params.attraction = strong ? 3 : 0.3;
-      params.torque_correction = 1;
+      params.angular_momentum_correction = 1;
       body b = body_of(dimension, precision, &params);
       double drift, left = kept(&b, &drift) - 1;
       destroy(&b);
       if (!(fabs(left) < rounding && drift < 2e-6))
-        fail_msg("%uD, undamping %d: angular momentum changes by %g, linear by %g", dimension,
-                 undamping, left, drift);
+        fail_msg("%uD, damping_compensation %d: angular momentum changes by %g, linear by %g",
+                 dimension, damping_compensation, left, drift);
     }
 }
 
@@ -156,8 +158,8 @@ static void check_basin(uint32_t dimension, uint32_t precision) {
     destroy(&b);
   }
   if (!(left[0] < -0.5 * loss && left[1] > left[0] + 0.6 * loss && fabs(left[1]) < 0.6 * loss))
-    fail_msg("%uD: angular momentum changes by %g (%g in theory), with undamping by %g", dimension,
-             left[0], -loss, left[1]);
+    fail_msg("%uD: angular momentum changes by %g (%g in theory), with damping_compensation by %g",
+             dimension, left[0], -loss, left[1]);
 }
 
 /* A block flies into a corner by 0.9 spacings a step. */
@@ -229,11 +231,11 @@ static void rotation_in_a_basin_is_kept(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest undamping[] = {
+  const struct CMUnitTest damping_compensation[] = {
       cmocka_unit_test(free_rotation_is_kept),
       cmocka_unit_test(pairs_exert_no_torque),
       cmocka_unit_test(rotation_in_a_basin_is_kept),
       cmocka_unit_test(impacts_gain_nothing),
   };
-  return TEST_RUN(undamping);
+  return TEST_RUN(damping_compensation);
 }
