@@ -36,6 +36,7 @@ class Params(c.Structure):
         ("sleep_speed", c.c_double), ("sleep_time", c.c_double), ("tolerance", c.c_double),
         ("pressure_grid", c.c_double), ("prestabilization", c.c_double),
         ("damping_compensation", c.c_double), ("angular_momentum_correction", c.c_double),
+        ("drag", c.c_double), ("drag_velocity", c.c_double * 3),
     ]
 
 

@@ -9,6 +9,7 @@
 #include "physics/passes/lambda.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/viscosity.h"
+#include "physics/passes/drag.h"
 #include "physics/step.h"
 #include "physics/passes/damping_compensation.h"
 
@@ -327,6 +328,17 @@ static void viscosity_piece(void *context, uint32_t piece) {
   smooth_velocities(w, piece, w->constants.viscosity, w->b.spare[1]);
 }
 
+static void drag_piece(void *context, uint32_t piece) {
+  const worker *w = static_cast<const worker *>(context);
+  const range all = piece_sorted(w, piece);
+  const drag_pass pass = drag_of(&w->s->params);
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    for (uint32_t i = r.first; i < r.last; ++i)
+      field_set(&w->b.v, i, pass.finish(field_at(&w->b.v, i)));
+  keep_still(w, all, w->b.v.c, PBF_DIM);
+}
+
 /* Stages as loops of the team, to which all its threads come. */
 struct executor {
   worker *w;
@@ -407,6 +419,7 @@ struct executor {
     exchange(&w->b.v, &w->b.spare[1]);
     stage_end(w, PBF_STAGE_VISCOSITY);
   }
+  void drag() { over_pairs(drag_piece, PBF_STAGE_DRAG); }
   bool settle() { return ::settle(w); }
   void end() {}
 };

@@ -5,6 +5,7 @@
 #include "cuda/launches.h"
 #include "cuda/pressure_grid_host.h"
 #include "physics/overfull.h"
+#include "physics/passes/drag.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
@@ -18,6 +19,14 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
 }
 
 /* Internal linkage: its functions have the same names in the units of other variants. */
+/* Of particles awake; `activity` is null where nothing sleeps. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    drag_kernel(drag_pass pass, uint32_t count, const pbf_real *activity, pbf_vec *velocities) {
+  const uint32_t i = thread_index();
+  if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  velocities[i] = pass.finish(velocities[i]);
+}
+
 namespace {
 
 /* The stages of physics/step.h. Once a call has failed, the later stages launch nothing. */
@@ -253,6 +262,11 @@ struct executor {
       });
       exchange(&s->velocities, &s->smoothed);
     });
+  }
+
+  void drag() {
+    run(PBF_STAGE_DRAG,
+        [&] { launch(drag_kernel, drag_of(&s->params), s->count, s->unrest, s->velocities); });
   }
 
   /* … and the marks. */

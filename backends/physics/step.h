@@ -67,6 +67,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.confine();
   }
   if (runs<PBF_STAGE_VISCOSITY>(has)) e.viscosity();
+  if (runs<PBF_STAGE_DRAG>(has)) e.drag();
   const bool all_asleep = runs<PBF_STAGE_SLEEP>(has) && e.settle();
   e.end();
   return all_asleep ? STEP_COMPLETE_ALL_ASLEEP : STEP_COMPLETE;

@@ -6,6 +6,7 @@
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/damping_compensation.h"
+#include "physics/passes/drag.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
@@ -248,6 +249,12 @@ static inline void apply_viscosity(solver *s) {
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
+static inline void apply_drag(solver *s) {
+  const drag_pass pass = drag_of(&s->params);
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i)) s->v[i] = pass.finish(s->v[i]);
+}
+
 /* Stages as loops over all particles. */
 struct executor {
   solver *s;
@@ -295,6 +302,7 @@ struct executor {
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
   void viscosity() { apply_viscosity(s); }
+  void drag() { apply_drag(s); }
   bool settle() {
     ::settle(s);
     return false;

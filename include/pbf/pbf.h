@@ -259,6 +259,11 @@ typedef struct pbf_params {
                                back to the pairs around as velocity. At 1 the angular momentum of a
                                fluid that nothing else touches is kept to rounding. A pass over
                                pairs an iteration and two a step. 0, the default: none */
+  double drag; /* 1/time, >= 0: all particles are dragged towards drag_velocity, as by a wind or a
+                  stream around them: dv/dt = -drag (v - drag_velocity), solved exactly over each
+                  step. A particle that falls in it ends at gravity / drag, to first order in the
+                  time step. 0, the default: none */
+  double drag_velocity[3];
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
