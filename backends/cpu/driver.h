@@ -52,7 +52,7 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
     const block *b = walk_block(&w);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
     vector_table vectors;
-    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, NULL);
+    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
     if (neighbors) *neighbors = *neighbors + neighbors_listed(list, end);
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
@@ -61,7 +61,7 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
       j.r2 = now.r2;
       if (Pass::NUMBER) j.number = number_of(&around, &now);
       if (Pass::VECTOR) {
-        const lane_vec v = vectors_at(&vectors, now.j, 0).v;
+        const lane_vec v = vectors_at(&vectors, now.j);
         for (int k = 0; k < PBF_DIM; ++k) j.v.c[k] = v.c[k];
       }
       pass.pair(sums, own, j);

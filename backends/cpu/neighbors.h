@@ -1,5 +1,5 @@
-/* What pair loops look up of neighbours: where they are, and one number more; or some other vector
- * and a number. Either the windows of a block are in registers, field by field, or the four reals
+/* What pair loops look up of neighbours: where they are, one number more, and some other vector.
+ * Either the windows of a block are in registers, field by field, or the four reals
  * of each particle lie side by side in memory, a quad, and a lane gets all of its neighbour's with
  * one load. */
 #ifndef PBF_CPU_NEIGHBORS_H
@@ -16,12 +16,6 @@ typedef struct pair_lanes {
   lane number;
 #endif
 } pair_lanes;
-
-/* Another vector of a neighbour's in each lane, and a number. */
-typedef struct vector_lanes {
-  lane_vec v;
-  lane number;
-} vector_lanes;
 
 #ifdef LANES_QUADS
 
@@ -53,21 +47,17 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
 /* Of another vector: what pack has made of it. */
 typedef const pbf_real *vector_table;
 
-PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
-                               const pbf_real *number) {
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v) {
   (void)b;
   (void)v;
-  (void)number;
   return p->vectors;
 }
 
-PBF_FN vector_lanes vectors_at(const vector_table *t, place j, int with_number) {
+PBF_FN lane_vec vectors_at(const vector_table *t, place j) {
   lane quad[4];
-  (void)with_number;
-  vector_lanes v;
+  lane_vec v;
   quads_at(*t, j, quad);
-  for (int k = 0; k < PBF_DIM; ++k) v.v.c[k] = quad[k];
-  v.number = quad[3];
+  for (int k = 0; k < PBF_DIM; ++k) v.c[k] = quad[k];
   return v;
 }
 
@@ -112,20 +102,16 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   return table_at(&around->number, p->j);
 }
 
-typedef struct neighbor_table vector_table;
+typedef table_vec vector_table;
 
-PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
-                               const pbf_real *number) {
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v) {
   (void)p;
-  vector_table t = {.x = table_vec_of(v, b, 0)};
-  if (number) t.number = table_of(number, b->first, 0);
-  return t;
+  return table_vec_of(v, b, 0);
 }
 
-PBF_FN vector_lanes vectors_at(const vector_table *t, place j, int with_number) {
-  vector_lanes v;
-  for (int k = 0; k < PBF_DIM; ++k) v.v.c[k] = table_at(&t->x.c[k], j);
-  v.number = with_number ? table_at(&t->number, j) : lane_set(0);
+PBF_FN lane_vec vectors_at(const vector_table *t, place j) {
+  lane_vec v;
+  for (int k = 0; k < PBF_DIM; ++k) v.c[k] = table_at(&t->c[k], j);
   return v;
 }
 
