@@ -1,9 +1,9 @@
 /* One instruction set's loops of one variant; see kernels.h. */
+#include "cpu/kernels_corrections.h"
 #include "cpu/kernels_pressure_grid.h"
 #include "cpu/kernels_pairs.h"
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"
-#include "cpu/kernels_turn.h"
 
 /* Who asks for the mean of the velocities around a particle. */
 enum {

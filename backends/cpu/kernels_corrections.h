@@ -1,7 +1,7 @@
 /* The corrections of the fluid's own motion: damping compensation and angular momentum. One loop
  * for both kernels, for they run on request. */
-#ifndef PBF_CPU_KERNELS_TURN_H
-#define PBF_CPU_KERNELS_TURN_H
+#ifndef PBF_CPU_KERNELS_CORRECTIONS_H
+#define PBF_CPU_KERNELS_CORRECTIONS_H
 
 #include "cpu/kernels_pairs.h"
 #include "physics/passes/angular_momentum.h"
