@@ -5,6 +5,7 @@
 #include "cuda/driver.h"
 #include "cuda/iteration.h"
 #include "physics/passes/density.h"
+#include "physics/passes/ghost.h"
 
 /* The walls in which a particle has images near, its own or others'. */
 struct wall_images {
@@ -52,18 +53,19 @@ static __device__ __forceinline__ void for_images(const wall_images &images, pbf
   if (!images.codes || !(pbf_dot(x_ij, x_ij) < h2)) return;
   /* Each axis in both walls: what an image takes of them is in registers, and selected. */
   constexpr int LOWER = PBF_LOWER_WALL(0) | PBF_LOWER_WALL(1) | PBF_LOWER_WALL(2);
-  pbf_real twice[2][PBF_DIM], in[2][PBF_DIM];
+  pbf_real twice[2][PBF_DIM];
+  lane_vector<pbf_real> in[2];
   for (int k = 0; k < PBF_DIM; ++k)
     for (int upper = 0; upper < 2; ++upper) twice[upper][k] = images.twice[upper][k];
-  pbf_pair_image(LOWER, twice, x_ij.c, in[0]);
-  pbf_pair_image(LOWER << 1, twice, x_ij.c, in[1]);
+  ghost_in(LOWER, twice, lanes_of(x_ij), &in[0]);
+  ghost_in(LOWER << 1, twice, lanes_of(x_ij), &in[1]);
 #pragma unroll 1
   for (uint32_t left = images.codes; left; left &= left - 1) {
     uint32_t code = (uint32_t)__ffs((int)left) - 1;
     pbf_vec image;
     for (int k = 0; k < PBF_DIM; ++k, code /= 3) {
       uint32_t digit = code % 3;
-      image.c[k] = digit == 0 ? x_ij.c[k] : digit == 1 ? in[0][k] : in[1][k];
+      image.c[k] = digit == 0 ? x_ij.c[k] : digit == 1 ? in[0].c[k] : in[1].c[k];
     }
     pbf_real r2 = pbf_dot(image, image);
     if (r2 < h2) visit(image, r2);
