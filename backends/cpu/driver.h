@@ -13,7 +13,6 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return lane_set(a); }
   static PBF_IN lane max(lane a, lane b) { return lane_max(a, b); }
-  static PBF_IN lane ramp(lane a, lane b) { return lane_ramp(a, b); }
   static PBF_IN lane fma(lane a, lane b, lane c) { return lane_fma(a, b, c); }
   static PBF_IN lane sqrt(lane a) { return lane_sqrt(a); }
   static PBF_IN lane rsqrt(lane a) { return lane_rsqrt(a); }

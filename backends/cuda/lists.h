@@ -8,6 +8,7 @@
 #include "cuda/grid.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
+#include "physics/constants.h"
 
 enum {
   PBF_PLACE_BITS = 12,

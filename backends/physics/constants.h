@@ -52,7 +52,7 @@ typedef struct pbf_constants {
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
 } pbf_constants;
 
-/* What pbf_pair_kernel's slope is scaled by. */
+/* What kernel_slope is scaled by. */
 PBF_FN pbf_real pbf_slope_scale(int features, const pbf_constants *c) {
   return features & PBF_FEATURE_POLY6 ? -c->gradient_scale : -c->gradient_over_h;
 }

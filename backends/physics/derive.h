@@ -18,7 +18,7 @@ typedef struct pbf_derived {
   double spacing;
   double volume;         /* V */
   double value_scale;    /* V times the kernel's norm: V W(0) for both kernels */
-  double gradient_scale; /* V times the gradient's norm, see pair.h */
+  double gradient_scale; /* V times the gradient's norm, see kernels.h */
   double cfm;            /* 1/length² */
   double omega;
   double scorr_k;

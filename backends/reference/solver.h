@@ -4,7 +4,7 @@
 #define PBF_REFERENCE_SOLVER_H
 
 #include "reference/deep.h"
-#include "physics/scalar.h"
+#include "physics/constants.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
 #include "reference/grid.h"

@@ -377,7 +377,7 @@ static double lent_by_image(const pbf_constants *c, double d, double distance) {
       for (int i = -n; i <= n; ++i) {
         int own = i == 0 && j == 0 && k == 0;
         double away = distance + (own ? distance : (j + 0.5) * d);
-        sum += pbf_pair_density(0, c, away * away + d * d * (i * i + k * k));
+        sum += kernel_value<pbf_real>(0, c, away * away + d * d * (i * i + k * k));
       }
   return sum;
 }
@@ -397,7 +397,7 @@ static void a_lattice_on_a_wall_is_at_rest(void **state) {
       for (int j = -layer; j <= n; ++j)
         for (int i = -n; i <= n; ++i) {
           double value, slope;
-          pbf_pair_kernel(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
+          kernel_and_slope(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
           density += value;
           force += 2 * slope * -j * d;
         }
@@ -453,7 +453,7 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i <= n; ++i)
-        density += pbf_pair_density(0, &c, d * d * (i * i + j * j + k * k));
+        density += kernel_value<pbf_real>(0, &c, d * d * (i * i + j * j + k * k));
   pbf_vec x, gradient = {{0}}, unused = {{0}};
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = 0.5 * d;
   double lent = 0, up = 0, down = 0;
@@ -507,7 +507,7 @@ static void lacks(const pbf_constants *c, double d, int layer, double *density, 
     for (int j = layer; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
         double value, slope;
-        pbf_pair_kernel(0, c, d * d * (i * i + j * j + k * k), &value, &slope);
+        kernel_and_slope(0, c, d * d * (i * i + j * j + k * k), &value, &slope);
         *density += value;
         *force += 2 * slope * j * d;
       }
@@ -548,7 +548,7 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
     for (int j = -n; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
         double value, slope;
-        pbf_pair_kernel(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
+        kernel_and_slope(0, &c, d * d * (i * i + j * j + k * k), &value, &slope);
         *(j < 0 ? &beyond : &inside) += slope * i * i;
       }
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = a == 1 ? 0.5 * d : 50;

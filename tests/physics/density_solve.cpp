@@ -12,7 +12,7 @@ static sums sums_at(int features, const pbf_constants *c, const pbf_vec *x, int 
     if (j == i) continue;
     pbf_vec d = pbf_sub(x[i], x[j]);
     pbf_real r2 = pbf_dot(d, d), value, slope;
-    pbf_pair_kernel(features, c, r2, &value, &slope);
+    kernel_and_slope(features, c, r2, &value, &slope);
     s.density += value;
     s.slope2 += slope * slope * r2;
     s.gradient = pbf_add_scaled(s.gradient, slope, d);
@@ -67,7 +67,7 @@ static void one_constraint_projects_to_its_surface(void **state) {
     if (j == i) continue;
     pbf_vec d = pbf_sub(x[i], x[j]);
     pbf_real value, slope;
-    pbf_pair_kernel(0, &c, pbf_dot(d, d), &value, &slope);
+    kernel_and_slope(0, &c, pbf_dot(d, d), &value, &slope);
     moved[j] = pbf_add_scaled(x[j], -fraction * lambda * slope, d);
   }
   double after = brute_density(0, &c, moved, i) - 1;
@@ -91,8 +91,9 @@ static void position_changes_keep_the_centre_of_mass(void **state) {
       if (j == i) continue;
       pbf_vec d = pbf_sub(x[i], x[j]);
       pbf_real value, slope;
-      pbf_pair_kernel(PBF_FEATURE_POLY6, &c, pbf_dot(d, d), &value, &slope);
-      sum = pbf_add_scaled(sum, (lambda[i] + lambda[j] + pbf_pair_scorr(&c, value)) * slope, d);
+      kernel_and_slope(PBF_FEATURE_POLY6, &c, pbf_dot(d, d), &value, &slope);
+      sum = pbf_add_scaled(
+          sum, (lambda[i] + lambda[j] + artificial_pressure<pbf_real>(&c, value)) * slope, d);
     }
     total = pbf_add_scaled(total, 1, pbf_sub(pbf_move(&c, x[i], sum), x[i]));
     size += sqrt(pbf_dot(sum, sum));
@@ -127,7 +128,7 @@ static void apply_jacobi(double h, const double *in, double *out) {
             for (int k = 0; k < PBF_DIM; ++k) d.c[k] = full[k];
             pbf_real r2 = pbf_dot(d, d), value, slope;
             if (r2 == 0 || r2 >= h * h) continue;
-            pbf_pair_kernel(0, &c, r2, &value, &slope);
+            kernel_and_slope(0, &c, r2, &value, &slope);
             diagonal += slope * slope * r2;
             sum = pbf_add_scaled(sum, (in[site] + in[other]) * slope, d);
             constraint += slope * pbf_dot(d, pbf_sub(shift[site], shift[other]));
@@ -409,7 +410,7 @@ static void stiffness_of_a_lattice(void **state) {
         if (!i && !j && !k) continue;
         if (i % 2 != 0) d.c[0] += 2 * e; /* planes across x, moved in turn to either side */
         pbf_real value, slope;
-        pbf_pair_kernel(0, &c, pbf_dot(d, d), &value, &slope);
+        kernel_and_slope(0, &c, pbf_dot(d, d), &value, &slope);
         sum += -2 * slope * d.c[0];
       }
   largest = -sum / e; /* the force of lambda = -1 against a displacement e */

@@ -26,12 +26,12 @@ typedef struct kernel_case {
 
 static double value_at(double r, void *context) {
   const kernel_case *k = static_cast<const kernel_case *>(context);
-  return pbf_pair_density(k->features, &k->c, r * r);
+  return kernel_value<pbf_real>(k->features, &k->c, r * r);
 }
 
 static double slope_at(double r, kernel_case *k) {
   pbf_real value, slope;
-  pbf_pair_kernel(k->features, &k->c, r * r, &value, &slope);
+  kernel_and_slope(k->features, &k->c, r * r, &value, &slope);
   assert_near(value, value_at(r, k), 1e-13 * k->c.value_scale);
   return slope;
 }
@@ -103,7 +103,7 @@ static void coincident_particles_have_no_direction_but_finite_terms(void **state
   for (int n = 0; n < 2; ++n) {
     kernel_case k = make_case(KERNELS[n]);
     pbf_real value, slope;
-    pbf_pair_kernel(k.features, &k.c, 0, &value, &slope);
+    kernel_and_slope(k.features, &k.c, pbf_real{0}, &value, &slope);
     assert_near(value, k.c.value_scale, 1e-12 * k.c.value_scale);
     assert_true(isfinite(slope));
   }
@@ -146,9 +146,10 @@ static void artificial_pressure_is_a_power(void **state) {
       p.scorr_n = power;
       kernel_case k = {features_for(KERNELS[n]), pbf_constants_of(&p)};
       double at_dq = value_at(p.scorr_dq * k.c.h, &k);
-      assert_near(pbf_pair_scorr(&k.c, at_dq), -p.scorr_k, 1e-13);
+      assert_near(artificial_pressure<pbf_real>(&k.c, at_dq), -p.scorr_k, 1e-13);
       double value = value_at(0.6 * k.c.h, &k);
-      assert_near(pbf_pair_scorr(&k.c, value), -p.scorr_k * pow(value / at_dq, power), 1e-13);
+      assert_near(artificial_pressure<pbf_real>(&k.c, value),
+                  -p.scorr_k * pow(value / at_dq, power), 1e-13);
     }
 }
 

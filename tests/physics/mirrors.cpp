@@ -77,7 +77,7 @@ static double density_in_corner(const pbf_constants *c, const pbf_walls *walls, 
       auto ghost = lanes_of(x_ij);
       double r2 =
           m < 0 ? pbf_dot(x_ij, x_ij) : ghost_in(mirrors.walls[m], twice, lanes_of(x_ij), &ghost);
-      pbf_pair_kernel(0, c, r2, &value, &slope);
+      kernel_and_slope(0, c, r2, &value, &slope);
       density += value;
       *gradient = pbf_add_scaled(*gradient, slope, vec_of(ghost));
     }

@@ -21,7 +21,6 @@ extern "C" {
 #include "physics/passes/predict.h"
 #include "physics/passes/velocity.h"
 #include "physics/passes/viscosity.h"
-#include "physics/scalar.h"
 
 enum { CLOUD = 40 };
 
@@ -65,7 +64,7 @@ static inline double brute_density(int features, const pbf_constants *c, const p
   double sum = c->value_scale;
   for (int j = 0; j < CLOUD; ++j) {
     pbf_vec d = pbf_sub(x[i], x[j]);
-    if (j != i) sum += pbf_pair_density(features, c, pbf_dot(d, d));
+    if (j != i) sum += kernel_value<pbf_real>(features, c, pbf_dot(d, d));
   }
   return sum;
 }

@@ -39,13 +39,6 @@ enum { BUILT_FOR_SIZE = 0 };
 #include "cpu/simd/scalar.h"
 #endif
 
-PBF_FN lane lane_ramp(lane a, lane b) { return lane_max(lane_fma(a, b, lane_set(1)), lane_set(0)); }
-
-#define PBF_LANE lane
-#define PBF_LANE_(operation) lane_##operation
-#define PBF_PAIR(term) lanes_##term
-#include "physics/pair.h"
-
 /* Set bits of each lane. */
 PBF_FN slots slots_popcount(slots m) {
   m = m - (slots_shift_right(m, 1) & slots_set(0x55555555u));

@@ -16,7 +16,7 @@ namespace {
 /* Of a pair, in the moments of inertia and in the velocity: (1 - r²/h²)². */
 template <class L>
 PBF_FN L rotation_weight(const pbf_constants *c, L r2) {
-  const L near = ops<L>::ramp(r2, ops<L>::set(-c->inv_h2));
+  const L near = ramp(r2, ops<L>::set(-c->inv_h2));
   return near * near;
 }
 

@@ -38,9 +38,7 @@ struct curl_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
-    lane_vector<L> v_ji;
-    for (int k = 0; k < PBF_DIM; ++k) v_ji.c[k] = j.v.c[k] - i.v.c[k];
-    add_cross(s->curl, kernel_slope(features, c, j.r2), j.x_ij, v_ji);
+    add_cross(s->curl, kernel_slope(features, c, j.r2), j.x_ij, j.v - i.v);
   }
 
   template <class L>
