@@ -1,8 +1,7 @@
 #!/bin/sh
 # linkage.sh OBJECT…: the variants have functions of the same names, of which a linker must not take one
-# for the other: no weak symbol stands in two of their objects. (nvcc gives the unnamed namespace a name of
-# its own in each object, in which symbols are weak.)
+# for another. So no two objects have a weak symbol of the same name.
 set -eu
 command -v nm >/dev/null || { echo "skipped: no nm"; exit 77; }
-found=$(nm "$@" | awk '$(NF-1) ~ /^[WVwvu]$/ {print $NF}' | sort | uniq -d)
-[ -z "$found" ] || { echo "$found"; exit 1; }
+found=$(nm -A "$@" | awk '$(NF-1) ~ /^[WVu]$/ && ++objects[$NF] == 2 {print $NF}')
+[ -z "$found" ] || { echo "in two objects:" "$found"; exit 1; }
