@@ -52,6 +52,8 @@ struct alignas(PBF_DIM == 3 ? 16 : 8) small_position {
   float c[PBF_DIM == 3 ? 4 : 2];
 };
 
+namespace {
+
 /* How a block divides up its dynamic shared memory. */
 struct small_layout {
   uint32_t words;     /* of a bit each cell of the grid */
@@ -67,6 +69,8 @@ struct small_layout {
            (cell_room + 2) * sizeof(uint16_t) + slots;
   }
 };
+
+}  // namespace
 
 struct small_scene {
   point *points;
