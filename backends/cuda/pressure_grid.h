@@ -4,7 +4,7 @@
 #define PBF_CUDA_PRESSURE_GRID_H
 
 #include "cuda/barrier.h"
-#include "cuda/passes.h"
+#include "cuda/kernels.h"
 #include "physics/coarse_nodes.h"
 
 /* Whether the build has it. */

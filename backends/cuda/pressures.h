@@ -4,7 +4,7 @@
 #define PBF_CUDA_PRESSURES_H
 
 #include "cuda/pressure_grid.h"
-#include "cuda/passes.h"
+#include "cuda/kernels.h"
 #include "cuda/sort.h"
 #include "physics/passes/pressure_fit.h"
 

@@ -4,7 +4,7 @@
 #ifndef PBF_CUDA_SLEEP_H
 #define PBF_CUDA_SLEEP_H
 
-#include "cuda/passes.h"
+#include "cuda/kernels.h"
 
 /* What the blocks of a step tell each other. */
 struct sleep_tally {

@@ -9,7 +9,7 @@
 #include "cuda/context.h"
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
-#include "cuda/passes.h"
+#include "cuda/kernels.h"
 #include "cuda/scan.h"
 #include "cuda/sleep.h"
 #include "cuda/small/kernel.h"

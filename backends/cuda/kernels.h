@@ -1,6 +1,7 @@
-/* The stages that sum over neighbours. Gather only: a particle's thread writes to that particle. */
-#ifndef PBF_CUDA_PASSES_H
-#define PBF_CUDA_PASSES_H
+/* The kernels of stages that sum over neighbours, by the passes of all backends (physics/passes/).
+ * Gather only: the thread of a particle writes to that particle. */
+#ifndef PBF_CUDA_KERNELS_H
+#define PBF_CUDA_KERNELS_H
 
 #include "cuda/driver.h"
 #include "cuda/mirrors.h"
