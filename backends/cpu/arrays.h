@@ -36,13 +36,13 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return take_memory(&s->memory, name, count, sizeof(uint32_t));
 }
 
-/* 0 when one is lacking. The quad before the first particle's is nobody's. */
-static int take_quads(solver *s) {
+/* 0 when one is lacking. What is packed before the first particle's is nobody's. */
+static int take_packed(solver *s) {
   for (int k = 0; k < 2 && s->kernels->pack; ++k) {
     pbf_real *base = take_memory(&s->memory, k ? "quads of lambda" : "quads",
                                  4 * padded(s->capacity), sizeof *base);
     if (!base) return 0;
-    s->quads[k] = base + 4 * FIELD_FRONT;
+    s->packed[k] = base + 4 * FIELD_FRONT;
   }
   return 1;
 }
@@ -70,13 +70,13 @@ static int take_arrays(solver *s) {
   buffers *b = &s->buffers;
   b->x = take_field(s, "position");
   b->v = take_field(s, "velocity");
-  b->spare[0] = take_field(s, "predicted");
-  b->spare[1] = take_field(s, "predicted velocity");
-  b->spare[2] = take_field(s, "sorted predicted");
-  b->spare[3] = take_field(s, "sorted velocity");
+  b->scratch[0] = take_field(s, "predicted");
+  b->scratch[1] = take_field(s, "predicted velocity");
+  b->sorted_predicted = take_field(s, "sorted predicted");
+  b->sorted_velocity = take_field(s, "sorted velocity");
   s->lambda = take_reals(s, "lambda");
   b->ids = take_indices(s, "id", n);
-  b->spare_ids = take_indices(s, "sorted id", n);
+  b->sorted_ids = take_indices(s, "sorted id", n);
   s->cells = take_indices(s, "cell", n);
   s->sorted_cells = take_indices(s, "sorted cell", n);
   s->order = take_indices(s, "order", n);
@@ -84,7 +84,7 @@ static int take_arrays(solver *s) {
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  return s->memory.count == 16 && take_quads(s) && take_pieces(s);
+  return s->memory.count == 16 && take_packed(s) && take_pieces(s);
 }
 
 typedef struct clearing {

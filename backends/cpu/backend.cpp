@@ -257,7 +257,7 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
   pbf_status status = find_pressures(s);
   if (status != PBF_OK) return status;
   for (uint32_t k = 0; k < s->count; ++k)
-    s->pressure[s->order[k]] = pbf_pressure(s->pressure_scale, fitted_lambda(s)[k]);
+    s->pressure[s->order[k]] = pbf_pressure(s->pressure_scale, s->buffers.fitted_lambda()[k]);
   pbf_view_numbers(view, s->count, s->buffers.ids, s->pressure);
   return PBF_OK;
 }

@@ -64,7 +64,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                                .count = s->count},
                      .x = x,
                      .quads = quads,
-                     .vectors = s->quads[1],
+                     .vectors = packed_vectors(s),
                      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
                      .slack = s->slack,
                      .unrest = sleep_is_on(w) ? w->unrest : NULL};
@@ -74,7 +74,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
   const solver *s = w->s;
   const search job = {.grid = &s->grid,
                       .h2 = s->constants.h2,
-                      .x = *w->sorted_key,
+                      .x = *w->sorted_positions,
                       .cells = s->sorted_cells,
                       .cell_end = s->cell_end,
                       .count = s->count,
@@ -86,8 +86,8 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 /* The sleepers within h of somebody awake in these groups. */
 static void find_shore(const worker *w, range groups) {
   const solver *s = w->s;
-  pair_pass pairs = pairs_at(w, *w->sorted_key, s->quads[0]);
-  s->kernels->stir(&pairs, w->unrest, s->calm, s->order, groups.first, groups.last);
+  pair_pass pairs = pairs_at(w, *w->sorted_positions, packed_positions(s));
+  s->kernels->stir(&pairs, w->unrest, s->calm, stirred_in_search(s), groups.first, groups.last);
 }
 
 static void search_piece(void *context, uint32_t piece) {
@@ -111,7 +111,8 @@ static void shore_piece(void *context, uint32_t piece) {
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
-    if (s->order[i] == STIRRED && pbf_is_asleep(w->unrest[i])) w->unrest[i] = pbf_shore();
+    if (stirred_in_search(s)[i] == STIRRED && pbf_is_asleep(w->unrest[i]))
+      w->unrest[i] = pbf_shore();
   for (uint32_t g = r.first; g < r.last; ++g)
     if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_shore()))
       list_neighbors(w, (range){g, g + 1}, &s->list_sizes[piece]);
@@ -177,13 +178,13 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
 
 static void velocities_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, w->s->quads[1], &w->b.v, NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, piece_sorted(w, piece));
 }
 
 /* Nobody's vector is 0. The next sort puts nobody far away again. */
 static void end_vectors(void *context) {
   const worker *w = static_cast<const worker *>(context);
-  w->s->quads[1][-4] = 0;
+  packed_vectors(w->s)[-4] = 0;
 }
 
 /* Passes over pairs after the solve look up these vectors, where they read quads. */
@@ -194,7 +195,7 @@ static void pack_vectors(worker *w, void (*pack_piece)(void *context, uint32_t p
 /* Who is no neighbour is far away. */
 static void end_positions(void *context) {
   const worker *w = static_cast<const worker *>(context);
-  w->s->quads[1][-4] = w->s->grid.far;
+  packed_curl_sizes(w->s)[-4] = w->s->grid.far;
 }
 
 /* Or these positions, and a number of each. */
@@ -205,7 +206,7 @@ static void pack_positions(worker *w, void (*pack_piece)(void *context, uint32_t
 /* The velocities of a piece's particles, smoothed by so much. */
 static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosity, field smoothed) {
   range groups = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   pbf_constants c = w->constants;
   c.viscosity = viscosity;
   pairs.constants = &c;

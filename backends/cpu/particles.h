@@ -80,14 +80,15 @@ static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
-    if (row < rows->count) out[row] = spare_reals(s)[k];
+    if (row < rows->count) out[row] = surveyed_densities(s)[k];
   }
 }
 
 static void read_pressure_rows(const solver *s, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
-    if (row < rows->count) out[row] = pbf_pressure(s->pressure_scale, fitted_lambda(s)[k]);
+    if (row < rows->count)
+      out[row] = pbf_pressure(s->pressure_scale, s->buffers.fitted_lambda()[k]);
   }
 }
 

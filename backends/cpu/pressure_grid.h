@@ -23,11 +23,13 @@ static void weigh_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
-  find_densities(w, piece, &w->obstacles, w->b.spare[2], s->quads[0], s->lambda);
+  find_densities(w, piece, &w->obstacles, w->b.sorted_predicted, packed_positions(s),
+                 grid_densities(s));
   for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
        r = idle_particles(w, r.last, all.last))
-    for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] = w->constants.target;
-  s->kernels->weigh(&s->deep, w->constants.target, w->b.spare[2], s->lambda, all.first, all.last);
+    for (uint32_t i = r.first; i < r.last; ++i) grid_densities(s)[i] = w->constants.target;
+  s->kernels->weigh(&s->deep, w->constants.target, w->b.sorted_predicted, grid_densities(s),
+                    all.first, all.last);
 }
 
 static void end_weighing(void *context) {
@@ -44,9 +46,9 @@ static void carry_piece(void *context, uint32_t piece) {
   if (s->deep_solve.nodes == 0) return; /* lambda is 0 */
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.spare[2], w->b.spare[3], r.first,
-                      r.last);
-  fill_quads(s, s->quads[0], &w->b.spare[2], NULL, all);
+    s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.sorted_predicted,
+                      w->b.sorted_velocity, r.first, r.last);
+  fill_packed(s, packed_positions(s), &w->b.sorted_predicted, NULL, all);
 }
 
 /* What the weight presses together is undone. */

@@ -7,23 +7,20 @@
 
 /* ---- At the end of a step ------------------------------------------------------------------ */
 
-/* Where the velocities around particles go, and then whether they stir. */
-static const field *around_of(const worker *w) { return &w->b.spare[0]; }
-
 static void unrest_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  const field *around = around_of(w);
+  const field &around = w->b.mean_velocity();
   range all = piece_sorted(w, piece);
   uint32_t drowsy = 0;
-  memset(s->cells + all.first, 0, (all.last - all.first) * sizeof *s->cells);
-  smooth_velocities(w, piece, 1, *around);
+  memset(stirred_at_end(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
+  smooth_velocities(w, piece, 1, around);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) {
-      pbf_vec v = field_at(around, i);
+      pbf_vec v = field_at(&around, i);
       w->unrest[i] = pbf_unrest(&s->sleep, w->unrest[i], v);
-      around->c[0][i] = pbf_stirs(&s->sleep, w->unrest[i], v);
+      w->b.wakes()[i] = pbf_stirs(&s->sleep, w->unrest[i], v);
     }
   for (uint32_t i = all.first; i < all.last; ++i) {
     if (!(w->unrest[i] < s->sleep.still2)) continue;
@@ -38,11 +35,11 @@ static void stir_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range groups = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
+  pair_pass pairs = pairs_at(w, w->b.x, packed_positions(s));
   if (atomic_load_explicit(&s->drowsy, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    s->kernels->stir(&pairs, around_of(w)->c[0], s->calm, s->cells, g.first, g.last);
+    s->kernels->stir(&pairs, w->b.wakes(), s->calm, stirred_at_end(s), g.first, g.last);
 }
 
 static void settle_piece(void *context, uint32_t piece) {
@@ -51,7 +48,7 @@ static void settle_piece(void *context, uint32_t piece) {
   range all = piece_sorted(w, piece);
   uint32_t sleepers = 0;
   for (uint32_t i = all.first; i < all.last; ++i) {
-    w->unrest[i] = pbf_settle(&s->sleep, w->unrest[i], s->cells[i] != 0);
+    w->unrest[i] = pbf_settle(&s->sleep, w->unrest[i], stirred_at_end(s)[i] != 0);
     sleepers += (uint32_t)pbf_is_asleep(w->unrest[i]);
     if (i % CALM_CHUNK == 0 || i == all.first) mark_calm(s, i, 0);
   }

@@ -7,21 +7,9 @@
 #include "common/deep.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
+#include "cpu/state.h"
 #include "cpu/team.h"
 #include "physics/schedule.h"
-#include "physics/sleep.h"
-
-/* Fields change their parts from stage to stage, so that nothing is copied back. */
-typedef struct buffers {
-  field x, v;     /* the state */
-  field spare[4]; /* prediction and its velocity, the same sorted; x*; what later stages need */
-  uint32_t *ids;  /* of the state */
-  uint32_t *spare_ids;
-
-#define PBF_ARRAY(name, wanted, holders) holders
-#define PBF_CPU_BUFFER(type, member, extent) type member;
-#include "physics/arrays.def"
-} buffers;
 
 /* The smallest box around some particles. */
 typedef struct box {
@@ -68,7 +56,7 @@ struct pbf_backend_solver {
 
   struct deep_solve deep_solve;
   pbf_real *lambda;        /* of this iteration, or of all of a step: accelerated */
-  pbf_real *quads[2];      /* of x* and of lambda: passes over pairs fill one and read the other */
+  pbf_real *packed[2];     /* of what: see packed_positions and those after it */
   int unweighed;           /* 1: lambda is without what its grid added in the last step */
   pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
@@ -138,11 +126,30 @@ static inline uint64_t padded(uint32_t capacity) {
   return ((uint64_t)capacity + 15) / 16 * 16 + FIELD_FRONT + FIELD_BACK;
 }
 
-/* Room for a real of each particle, with whole vectors at both ends, when no iteration is under
- * way. Lambda is the pressure where it adds up. */
-static inline pbf_real *spare_reals(const solver *s) { return s->added ? s->added : s->lambda; }
+/* What loops over pairs look up of neighbours, where they read quads (neighbors.h): positions,
+ * which lambda reads, … */
+static inline pbf_real *packed_positions(const solver *s) { return s->packed[0]; }
 
-/* The same for lambda as it is fitted to the particles. */
-static inline pbf_real *fitted_lambda(const solver *s) { return s->buffers.spare[0].c[0]; }
+/* … and, one after another, the same with lambda, which move reads, with the sizes of curls, or the
+ * vectors of the stages after the solve. */
+static inline pbf_real *packed_lambda(const solver *s) { return s->packed[1]; }
+static inline pbf_real *packed_curl_sizes(const solver *s) { return s->packed[1]; }
+static inline pbf_real *packed_vectors(const solver *s) { return s->packed[1]; }
+
+/* A real of each particle, when no iteration is under way: where lambda adds up it is the pressure,
+ * and stays. */
+static inline pbf_real *scratch_reals(const solver *s) { return s->added ? s->added : s->lambda; }
+static inline pbf_real *curl_sizes(const solver *s) { return scratch_reals(s); }
+static inline pbf_real *sorted_lambda(const solver *s) { return scratch_reals(s); }
+static inline pbf_real *surveyed_densities(const solver *s) { return scratch_reals(s); }
+
+/* What the pressure grid makes its sums of, before lambda is known. */
+static inline pbf_real *grid_densities(const solver *s) { return s->lambda; }
+
+/* A number of each particle that the sort no longer needs: STIRRED once something near it stirs, at
+ * the end of a step and in the search; neighbours in a survey. */
+static inline uint32_t *stirred_at_end(const solver *s) { return s->cells; }
+static inline uint32_t *stirred_in_search(const solver *s) { return s->order; }
+static inline uint32_t *neighbor_counts(const solver *s) { return s->cells; }
 
 #endif

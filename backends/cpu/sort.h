@@ -12,7 +12,7 @@ static void find_bounds(void *context, uint32_t piece) {
   box b;
   for (int k = 0; k < PBF_DIM; ++k)
     b.lower.c[k] = (pbf_real)INFINITY, b.upper.c[k] = (pbf_real)-INFINITY;
-  w->s->kernels->bounds(*w->key, r.first, r.last, &b.lower, &b.upper);
+  w->s->kernels->bounds(*w->sort_positions, r.first, r.last, &b.lower, &b.upper);
   w->s->boxes[piece] = b;
 }
 
@@ -38,7 +38,7 @@ static void make_grid(void *context) {
   grid_axes(size, axis);
   w->s->grid = grid_around(axis, all.lower, all.upper, w->s->params.smoothing_radius,
                            cell_limit(w->s->capacity));
-  for (int k = 0; k < 2 && w->s->quads[k]; ++k) w->s->quads[k][-4] = w->s->grid.far;
+  for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
 }
 
 static uint32_t range_pieces(const worker *w) {
@@ -58,7 +58,7 @@ static void find_cells(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_chunks(w, piece);
-  const field x = grid_field(s->grid.axis, *w->key);
+  const field x = grid_field(s->grid.axis, *w->sort_positions);
   for (uint32_t chunk = r.first; chunk < r.last; ++chunk) {
     uint32_t first = chunk * CHUNK, last = s->count - first < CHUNK ? s->count : first + CHUNK;
     s->kernels->cells(&s->grid, x, first, last, s->cells, &s->chunk_low[chunk],
@@ -165,11 +165,11 @@ static void sort_range(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range places = {s->first_place[piece], s->first_place[piece + 1]};
-  place_particles(s, piece_cells(w, piece), places, w->b.ids, w->b.spare_ids);
-  order_by_id(s, places, w->b.spare_ids);
-  gather(s->order, places, w->key, w->sorted_key);
-  if (w->other) gather(s->order, places, w->other, w->sorted_other);
-  fill_quads(s, s->quads[0], w->sorted_key, NULL, places);
+  place_particles(s, piece_cells(w, piece), places, w->b.ids, w->b.sorted_ids);
+  order_by_id(s, places, w->b.sorted_ids);
+  gather(s->order, places, w->sort_positions, w->sorted_positions);
+  if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
+  fill_packed(s, packed_positions(s), w->sorted_positions, NULL, places);
   if (sleep_is_on(w)) {
     gather_reals(s->order, places, w->b.unrest, w->b.sorted_unrest);
     gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
@@ -177,8 +177,7 @@ static void sort_range(void *context, uint32_t piece) {
   mark_sleepers(w, places);
 }
 
-/* Sorts by the positions `key`, whose grid has been made, into `sorted_key`, and `other`, unless
- * null, along with them. */
+/* Sorts by the positions whose grid has been made. */
 static void sort_particles(worker *w) {
   team_for(w->me, particle_pieces(w), find_cells, divide_cells, w);
   team_for(w->me, range_pieces(w), count_cells, divide_places, w);

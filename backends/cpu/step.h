@@ -29,9 +29,10 @@ static void predict_piece(void *context, uint32_t piece) {
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     w->s->kernels->predict(&w->forces, &w->obstacles, w->s->schedule.collide_after_prediction,
-                           w->b.x, w->b.v, w->b.spare[0], w->b.spare[1], r.first, r.last);
-  keep_places(w, all, &w->b.x, &w->b.spare[0]);
-  keep_still(w, all, w->b.spare[1].c, PBF_DIM);
+                           w->b.x, w->b.v, w->b.predicted(), w->b.predicted_velocity(), r.first,
+                           r.last);
+  keep_places(w, all, &w->b.x, &w->b.predicted());
+  keep_still(w, all, w->b.predicted_velocity().c, PBF_DIM);
   find_bounds(w, piece);
 }
 
@@ -43,31 +44,28 @@ static void clear_totals(solver *s, range groups) {
   memset(s->added + groups.first * width, 0, bytes);
 }
 
-/* Where x* stands: it starts as the prediction in spare[2], and is in spare[1] after an iteration.
- */
-static const field *now_at(const worker *w) { return &w->b.spare[w->iteration ? 1 : 2]; }
+static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); }
 
-/* From the sort to the end of the solve nobody reads the old state: what walls lend is kept there.
- */
-static pair_pass pairs_now(const worker *w, const pbf_real *quads) {
-  pair_pass pairs = pairs_at(w, *now_at(w), quads);
-  pairs.lent = (walls_lent){w->b.v, w->b.x.c[0]};
+/* Pairs of the solve. */
+static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
+  pair_pass pairs = pairs_at(w, x_star(w), packed);
+  pairs.lent = (walls_lent){w->b.boundary_gradient(), w->b.boundary_rest()};
   return pairs;
 }
 
 static void backtrack_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_sorted(w, piece);
-  w->s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], w->b.spare[0],
-                           r.first, r.last);
-  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, r);
+  w->s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
+                           w->b.step_start(), r.first, r.last);
+  fill_packed(w->s, packed_vectors(w->s), &w->b.step_start(), NULL, r);
 }
 
 static void slack_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_sorted(w, piece);
-  find_densities(w, piece, &w->before, w->b.spare[0], s->quads[1], s->slack);
+  find_densities(w, piece, &w->before, w->b.step_start(), packed_vectors(s), s->slack);
   s->kernels->slack(&w->constants, s->slack, r.first, r.last);
 }
 
@@ -92,13 +90,13 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t pi
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
   uint32_t idle = clear_idle(w, all);
-  fill_quads(s, s->quads[1], &pairs->x, pushes_of(s), all);
+  fill_packed(s, packed_lambda(s), &pairs->x, pushes_of(s), all);
   return idle;
 }
 
 static void lambda_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
-  pair_pass pairs = pairs_now(w, w->s->quads[0]);
+  pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
   find_lambda(w, &pairs, piece);
 }
 
@@ -111,16 +109,16 @@ static int is_over(const worker *w) {
 
 static turn_pass turns_of(const worker *w) {
   const solver *s = w->s;
-  return (turn_pass){pushes_of(s), s->start, s->torque, w->b.spare[0], w->b.v};
+  return (turn_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
 }
 
 static void start_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_sorted(w, piece);
-  s->kernels->backtrack(w->forces.time_step, w->b.spare[2], w->b.spare[3], s->start, r.first,
-                        r.last);
-  fill_quads(s, s->start_quads, &s->start, NULL, r);
+  s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity, s->start,
+                        r.first, r.last);
+  fill_packed(s, s->packed_start, &s->start, NULL, r);
   for (int k = 0; k < PBF_CURL_DIM; ++k)
     memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
 }
@@ -138,9 +136,9 @@ static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
 
 static void torque_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  pair_pass pairs = pairs_now(w, w->s->quads[1]);
+  pair_pass pairs = pairs_at_x_star(w, packed_lambda(w->s));
   if (is_over(w)) return;
-  pairs.vectors = w->s->start_quads;
+  pairs.vectors = w->s->packed_start;
   turn_awake(w, piece, &pairs, w->s->kernels->torque);
 }
 
@@ -148,25 +146,25 @@ static void move_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece), all = piece_sorted(w, piece);
-  pair_pass pairs = pairs_now(w, s->quads[1]);
+  pair_pass pairs = pairs_at_x_star(w, packed_lambda(s));
   const move_pass m = {pushes_of(s),
                        &w->obstacles,
                        s->schedule.collide_in_iteration,
                        w->forces.inv_time_step,
-                       w->b.spare[2],
-                       w->b.spare[0],
-                       w->b.spare[3]};
+                       w->b.sorted_predicted,
+                       w->b.next_x_star(),
+                       w->b.sorted_velocity};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
-  keep_places(w, all, &w->b.spare[2], &w->b.spare[0]);
-  fill_quads(s, s->quads[0], &w->b.spare[0], NULL, all);
+  keep_places(w, all, &w->b.sorted_predicted, &w->b.next_x_star());
+  fill_packed(s, packed_positions(s), &w->b.next_x_star(), NULL, all);
 }
 
 static void watched_lambda_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   if (is_over(w)) return;
-  pair_pass pairs = pairs_now(w, w->s->quads[0]);
+  pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
   int64_t excess = 0;
   pairs.excess = &excess;
   int64_t idle = find_lambda(w, &pairs, piece);
@@ -189,11 +187,11 @@ static void watched_move_piece(void *context, uint32_t piece) {
 }
 
 /* Where the solve has ended with an odd number of iterations to go, x* is in the other buffer. */
-static void fetch_moved(const worker *w, range particles) {
+static void fetch_x_star(const worker *w, range particles) {
   const solver *s = w->s;
   if ((s->params.iterations - s->iterations) % 2 == 0) return;
   for (int k = 0; k < PBF_DIM; ++k)
-    memcpy(w->b.spare[1].c[k] + particles.first, w->b.spare[0].c[k] + particles.first,
+    memcpy(x_star(w).c[k] + particles.first, w->b.next_x_star().c[k] + particles.first,
            (particles.last - particles.first) * sizeof(pbf_real));
 }
 
@@ -210,16 +208,16 @@ static void velocity_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = piece_sorted(w, piece);
-  if (is_watched(s)) fetch_moved(w, all);
+  if (is_watched(s)) fetch_x_star(w, all);
   for (range r = awake_particles(w, all.first, all.last);
        s->schedule.collide_after_solve && r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.spare[2], w->b.spare[1],
-                        w->b.spare[3], r.first, r.last);
-  keep_still(w, all, w->b.spare[3].c, PBF_DIM);
-  calm_woken(w, all, &w->b.spare[3]);
+    s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.sorted_predicted, x_star(w),
+                        w->b.sorted_velocity, r.first, r.last);
+  keep_still(w, all, w->b.sorted_velocity.c, PBF_DIM);
+  calm_woken(w, all, &w->b.sorted_velocity);
   keep_lambda(w, all);
-  if (s->schedule.collide_after_solve) fill_quads(s, s->quads[0], &w->b.spare[1], NULL, all);
+  if (s->schedule.collide_after_solve) fill_packed(s, packed_positions(s), &x_star(w), NULL, all);
 }
 
 static void count_skipped(void *context) {
@@ -227,20 +225,16 @@ static void count_skipped(void *context) {
   if (w->s->timing) w->s->skipped += w->s->params.iterations - w->s->iterations;
 }
 
-/* From here nothing can fail, and the old state gives way to the new one. */
+/* From here nothing can fail. */
 static void update_velocity(worker *w) {
   team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
-  exchange(&w->b.x, &w->b.spare[1]);
-  exchange(&w->b.v, &w->b.spare[3]);
-  exchange(&w->b.ids, &w->b.spare_ids);
-  exchange(&w->b.unrest, &w->b.sorted_unrest);
-  exchange(&w->b.sleeping_lambda, &w->b.sorted_sleeping_lambda);
+  w->b.accept_step();
   stage_end(w, PBF_STAGE_VELOCITY);
 }
 
 static void flow_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  smooth_velocities(w, piece, PBF_TO_MEAN, w->b.spare[0]);
+  smooth_velocities(w, piece, PBF_TO_MEAN, w->b.mean_velocity());
 }
 
 static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
@@ -254,10 +248,10 @@ static void undamp_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, s->quads[0]);
+  pair_pass pairs = pairs_at(w, w->b.x, packed_positions(s));
   const undamp_pass u = {s->lambda,
                          w->forces.inv_time_step,
-                         w->b.spare[0],
+                         w->b.mean_velocity(),
                          w->b.v,
                          corrects_torque(w) ? &s->torque : NULL,
                          change_between};
@@ -270,26 +264,26 @@ static void undamp_piece(void *context, uint32_t piece) {
 /* Of mean velocities, and lambda beside the positions. */
 static void flows_and_lambda_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, w->s->quads[0], &w->b.x, w->s->lambda, piece_sorted(w, piece));
-  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->lambda, piece_sorted(w, piece));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.mean_velocity(), NULL, piece_sorted(w, piece));
 }
 
 /* Of rates of rotation. */
 static void rates_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, w->s->quads[1], &w->b.spare[0], NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.rotation_rate(), NULL, piece_sorted(w, piece));
 }
 
 static void turn_rate_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   turn_awake(w, piece, &pairs, w->s->kernels->turn_rate);
-  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_DIM);
+  keep_still(w, piece_sorted(w, piece), w->b.rotation_rate().c, PBF_DIM);
 }
 
 static void turn_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  const pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   turn_awake(w, piece, &pairs, w->s->kernels->turn);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
@@ -297,35 +291,35 @@ static void turn_piece(void *context, uint32_t piece) {
 static void curl_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
-  pbf_real *sizes = spare_reals(w->s);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[0]);
+  pbf_real *sizes = curl_sizes(w->s);
+  pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    w->s->kernels->curl(&pairs, w->b.v, w->b.spare[0].c, sizes, g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.spare[0].c, PBF_CURL_DIM);
+    w->s->kernels->curl(&pairs, w->b.v, w->b.curl().c, sizes, g.first, g.last);
+  keep_still(w, piece_sorted(w, piece), w->b.curl().c, PBF_CURL_DIM);
   keep_still(w, piece_sorted(w, piece), &sizes, 1);
 }
 
 /* Positions, and the sizes of curls. */
 static void sizes_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  fill_quads(w->s, w->s->quads[1], &w->b.x, spare_reals(w->s), piece_sorted(w, piece));
+  fill_packed(w->s, packed_curl_sizes(w->s), &w->b.x, curl_sizes(w->s), piece_sorted(w, piece));
 }
 
 static void confine_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.x, w->s->quads[1]);
+  pair_pass pairs = pairs_at(w, w->b.x, packed_curl_sizes(w->s));
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->confine(&pairs, w->b.spare[0].c, spare_reals(s), w->b.v, g.first, g.last);
+    s->kernels->confine(&pairs, w->b.curl().c, curl_sizes(s), w->b.v, g.first, g.last);
   keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
 }
 
 static void viscosity_piece(void *context, uint32_t piece) {
   const worker *w = static_cast<const worker *>(context);
-  smooth_velocities(w, piece, w->constants.viscosity, w->b.spare[1]);
+  smooth_velocities(w, piece, w->constants.viscosity, w->b.smoothed_velocity());
 }
 
 static void drag_piece(void *context, uint32_t piece) {
@@ -387,7 +381,7 @@ struct executor {
   void torque(uint32_t) { over_pairs(torque_piece, PBF_STAGE_TORQUE); }
   void move(uint32_t k) {
     over_pairs(is_watched(w->s) ? watched_move_piece : move_piece);
-    exchange(&w->b.spare[0], &w->b.spare[1]);
+    w->b.accept_iteration();
     stage_end(w, PBF_STAGE_MOVE);
     w->iteration = k + 1;
   }
@@ -416,7 +410,7 @@ struct executor {
   void viscosity() {
     pack_vectors(w, velocities_piece);
     over_pairs(viscosity_piece);
-    exchange(&w->b.v, &w->b.spare[1]);
+    w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);
   }
   void drag() { over_pairs(drag_piece, PBF_STAGE_DRAG); }
@@ -432,10 +426,10 @@ static step_outcome step_once(worker *w, double time, int sorted) {
   place_obstacles(s, end, &w->obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) place_obstacles(s, time, &w->before);
   pbf_fit_to_room(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
-  w->key = &w->b.spare[0];
-  w->sorted_key = &w->b.spare[2];
-  w->other = &w->b.spare[1];
-  w->sorted_other = &w->b.spare[3];
+  w->sort_positions = &w->b.predicted();
+  w->sorted_positions = &w->b.sorted_predicted;
+  w->sort_payload = &w->b.predicted_velocity();
+  w->sorted_payload = &w->b.sorted_velocity;
   w->unrest = w->b.unrest;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;

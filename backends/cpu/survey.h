@@ -1,5 +1,5 @@
 /* What callers ask for between steps: densities, pressures and statistics at the present positions.
- * Uses the spare buffers; the state stays where it is, since a caller may be looking at it. */
+ * Uses the buffers of a step; the state stays where it is, since a caller may be looking at it. */
 #ifndef PBF_CPU_SURVEY_H
 #define PBF_CPU_SURVEY_H
 
@@ -10,29 +10,29 @@
 static void density_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
-  w->s->kernels->density(&pairs, spare_reals(w->s), w->s->cells, r.first, r.last);
+  pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
+  w->s->kernels->density(&pairs, surveyed_densities(w->s), neighbor_counts(w->s), r.first, r.last);
 }
 
 /* The sorted lambda, for who looks it up. */
 static void sort_lambda_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_particles(w, piece);
-  gather_reals(w->s->order, r, w->s->lambda, spare_reals(w->s));
-  fill_quads(w->s, w->s->quads[0], &w->b.spare[2], spare_reals(w->s), r);
+  gather_reals(w->s->order, r, w->s->lambda, sorted_lambda(w->s));
+  fill_packed(w->s, packed_positions(w->s), &w->b.sorted_x(), sorted_lambda(w->s), r);
 }
 
 static void fit_lambda_piece(void *context, uint32_t piece) {
   worker *w = static_cast<worker *>(context);
   range r = piece_groups(w, piece);
-  pair_pass pairs = pairs_at(w, w->b.spare[2], w->s->quads[0]);
-  w->s->kernels->fit(&pairs, spare_reals(w->s), fitted_lambda(w->s), r.first, r.last);
+  pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
+  w->s->kernels->fit(&pairs, sorted_lambda(w->s), w->b.fitted_lambda(), r.first, r.last);
 }
 
 static worker begin_survey(solver *s, member *me) {
   worker w = worker_of(s, me);
-  w.key = &s->buffers.x;
-  w.sorted_key = &s->buffers.spare[2];
+  w.sort_positions = &s->buffers.x;
+  w.sorted_positions = &s->buffers.sorted_x();
   place_obstacles(s, s->now, &w.obstacles);
   team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
@@ -51,8 +51,8 @@ static void survey_pressures(void *context, member *me) {
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
- * spare_reals(s)[k] and s->cells[k] neighbours, or fitted_lambda(s)[k]. 0 when the memory for the
- * neighbours is lacking. */
+ * surveyed_densities(s)[k] and neighbor_counts(s)[k] neighbours, or the fitted lambda of k. 0 when
+ * the memory for the neighbours is lacking. */
 static int survey(solver *s, team_function what) {
   if (!s->count) return 1;
   do {
@@ -67,7 +67,7 @@ static void sum_stats(const solver *s, pbf_stats *stats) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];
     pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
-                  (double)spare_reals(s)[k], s->cells[k]);
+                  (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
   }
   if (s->count) pbf_stats_finish(stats);
 }

@@ -17,12 +17,13 @@ typedef struct worker {
   buffers b;        /* every thread swaps its own copy */
   struct room room; /* for lists of neighbours */
   pbf_forces forces;
-  pbf_obstacles obstacles;                              /* at the end of the step */
-  pbf_obstacles before;                                 /* at its start, for the slack alone */
-  pbf_constants constants;                              /* of the iteration */
-  pbf_real *unrest, *sleeping_lambda;                   /* in the order of the stage */
-  uint32_t step, iteration;                             /* of this run */
-  const field *key, *sorted_key, *other, *sorted_other; /* of the sort */
+  pbf_obstacles obstacles;                        /* at the end of the step */
+  pbf_obstacles before;                           /* at its start, for the slack alone */
+  pbf_constants constants;                        /* of the iteration */
+  pbf_real *unrest, *sleeping_lambda;             /* in the order of the stage */
+  uint32_t step, iteration;                       /* of this run */
+  const field *sort_positions, *sorted_positions; /* of the sort, … */
+  const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
   double stage_begin;
 } worker;
 
@@ -111,17 +112,10 @@ static inline void place_obstacles(const solver *s, double time, pbf_obstacles *
     o->solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
 }
 
-/* Quads of these sorted particles, where loops over pairs read any (neighbors.h). */
-static inline void fill_quads(const solver *s, pbf_real *quads, const field *x,
-                              const pbf_real *number, range r) {
-  if (s->kernels->pack) s->kernels->pack(*x, number, quads, r.first, r.last);
-}
-
-template <class Buffer>
-static inline void exchange(Buffer *a, Buffer *b) {
-  Buffer kept = *a;
-  *a = *b;
-  *b = kept;
+/* What is packed of these sorted particles, where loops over pairs read any (neighbors.h). */
+static inline void fill_packed(const solver *s, pbf_real *packed, const field *x,
+                               const pbf_real *number, range r) {
+  if (s->kernels->pack) s->kernels->pack(*x, number, packed, r.first, r.last);
 }
 
 #endif
