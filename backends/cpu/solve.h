@@ -1,0 +1,205 @@
+/* Part of executor.h: the stages of the solve, from the step's start to its velocities, as pieces
+ * of the team's loops. */
+#ifndef PBF_CPU_SOLVE_H
+#define PBF_CPU_SOLVE_H
+
+#include "cpu/lists.h"
+#include "physics/passes/lambda.h"
+
+/* Lambda of all iterations starts from nothing in each step. */
+static void clear_totals(solver *s, range groups) {
+  uint64_t width = s->kernels->width;
+  uint64_t bytes = (groups.last - groups.first) * width * sizeof *s->lambda;
+  memset(s->lambda + groups.first * width, 0, bytes);
+  memset(s->added + groups.first * width, 0, bytes);
+}
+
+static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); }
+
+/* Pairs of the solve. */
+static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
+  pair_pass pairs = pairs_at(w, x_star(w), packed);
+  pairs.lent = (walls_lent){w->b.boundary_gradient(), w->b.boundary_rest()};
+  return pairs;
+}
+
+static void backtrack_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  range r = piece_sorted(w, piece);
+  w->s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
+                           w->b.step_start(), r.first, r.last);
+  fill_packed(w->s, packed_vectors(w->s), &w->b.step_start(), NULL, r);
+}
+
+static void slack_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  range r = piece_sorted(w, piece);
+  find_densities(w, piece, &w->before, w->b.step_start(), packed_vectors(s), s->slack);
+  s->kernels->slack(&w->constants, s->slack, r.first, r.last);
+}
+
+static void find_slack(worker *w) {
+  team_for(w->me, pair_pieces(w), backtrack_piece, NULL, w);
+  team_for(w->me, pair_pieces(w), slack_piece, NULL, w);
+  stage_end(w, PBF_STAGE_SLACK);
+}
+
+/* What an iteration moves particles by, of each particle. */
+static const pbf_real *pushes_of(const solver *s) {
+  return s->schedule.accelerated ? s->added : s->lambda;
+}
+
+/* Returns how many do not solve. */
+static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
+  solver *s = w->s;
+  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
+    clear_totals(s, r);
+  for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
+       g = solving_groups(w, g.last, r.last))
+    s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
+  uint32_t idle = clear_idle(w, all);
+  fill_packed(s, packed_lambda(s), &pairs->x, pushes_of(s), all);
+  return idle;
+}
+
+static void lambda_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
+  find_lambda(w, &pairs, piece);
+}
+
+/* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
+ * so none may know this between them: all go through the loops of all iterations, and find nothing
+ * to do in those. */
+static int is_over(const worker *w) {
+  return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
+}
+
+static turn_pass turns_of(const worker *w) {
+  const solver *s = w->s;
+  return (turn_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
+}
+
+static void start_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  range r = piece_sorted(w, piece);
+  s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity, s->start,
+                        r.first, r.last);
+  fill_packed(s, s->packed_start, &s->start, NULL, r);
+  for (int k = 0; k < PBF_CURL_DIM; ++k)
+    memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
+}
+
+/* A pass of the correction of angular momentum over the groups of a piece. */
+static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
+                       void (*pass)(const pair_pass *p, const turn_pass *t, uint32_t first,
+                                    uint32_t last)) {
+  range r = piece_groups(w, piece);
+  const turn_pass turns = turns_of(w);
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    pass(pairs, &turns, g.first, g.last);
+}
+
+static void torque_piece(void *context, uint32_t piece) {
+  const worker *w = static_cast<const worker *>(context);
+  pair_pass pairs = pairs_at_x_star(w, packed_lambda(w->s));
+  if (is_over(w)) return;
+  pairs.vectors = w->s->packed_start;
+  turn_awake(w, piece, &pairs, w->s->kernels->torque);
+}
+
+static void move_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
+  pair_pass pairs = pairs_at_x_star(w, packed_lambda(s));
+  const move_pass m = {pushes_of(s),
+                       &w->obstacles,
+                       s->schedule.collide_in_iteration,
+                       w->forces.inv_time_step,
+                       w->b.sorted_predicted,
+                       w->b.next_x_star(),
+                       w->b.sorted_velocity};
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    s->kernels->move(&pairs, &m, g.first, g.last);
+  keep_places(w, all, &w->b.sorted_predicted, &w->b.next_x_star());
+  fill_packed(s, packed_positions(s), &w->b.next_x_star(), NULL, all);
+}
+
+static void watched_lambda_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  if (is_over(w)) return;
+  pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
+  int64_t excess = 0;
+  pairs.excess = &excess;
+  int64_t idle = find_lambda(w, &pairs, piece);
+  w->s->excess[piece] = excess + idle * pbf_idle_excess(&w->s->params);
+}
+
+/* Once lambda is known, and with it the density error that the iteration has found. */
+static void end_when_small(void *context) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  int64_t sum = 0;
+  if (is_over(w)) return;
+  for (uint32_t piece = 0; piece < pair_pieces(w); ++piece) sum += s->excess[piece];
+  s->iterations = w->iteration + 1;
+  s->over = sum <= pbf_excess_limit(&s->params, s->count);
+}
+
+static void watched_move_piece(void *context, uint32_t piece) {
+  if (!is_over((const worker *)context)) move_piece(context, piece);
+}
+
+/* Where the solve has ended with an odd number of iterations to go, x* is in the other buffer. */
+static void fetch_x_star(const worker *w, range particles) {
+  const solver *s = w->s;
+  if ((s->params.iterations - s->iterations) % 2 == 0) return;
+  for (int k = 0; k < PBF_DIM; ++k)
+    memcpy(x_star(w).c[k] + particles.first, w->b.next_x_star().c[k] + particles.first,
+           (particles.last - particles.first) * sizeof(pbf_real));
+}
+
+/* Whether torques are made up for. */
+static int corrects_torque(const worker *w) {
+  return (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && w->s->schedule.runs[PBF_STAGE_TURN];
+}
+
+static int is_watched(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched;
+}
+
+static void velocity_piece(void *context, uint32_t piece) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  range all = piece_sorted(w, piece);
+  if (is_watched(s)) fetch_x_star(w, all);
+  for (range r = awake_particles(w, all.first, all.last);
+       s->schedule.collide_after_solve && r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.sorted_predicted, x_star(w),
+                        w->b.sorted_velocity, r.first, r.last);
+  keep_still(w, all, w->b.sorted_velocity.c, PBF_DIM);
+  calm_woken(w, all, &w->b.sorted_velocity);
+  keep_lambda(w, all);
+  if (s->schedule.collide_after_solve) fill_packed(s, packed_positions(s), &x_star(w), NULL, all);
+}
+
+static void count_skipped(void *context) {
+  const worker *w = static_cast<const worker *>(context);
+  if (w->s->timing) w->s->skipped += w->s->params.iterations - w->s->iterations;
+}
+
+/* From here nothing can fail. */
+static void update_velocity(worker *w) {
+  team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
+  w->b.accept_step();
+  stage_end(w, PBF_STAGE_VELOCITY);
+}
+
+#endif
