@@ -49,7 +49,7 @@ static inline bool pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, bool wanted
 static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params, uint32_t capacity,
                                   const pbf_obstacles *o) {
   pbf_walls walls = o->walls;
-  for (int k = 0; k < pbf_solid_count(o); ++k) walls = pbf_walls_within(walls, &o->solids[k]);
+  for (int k = 0; k < pbf_solid_count(*o); ++k) walls = pbf_walls_within(walls, &o->solids[k]);
   deep->grid = pbf_coarse_between(params, &walls, pbf_coarse_limit(capacity));
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
   memset(deep->places, 0, deep->grid.nodes * sizeof *deep->places);
@@ -97,7 +97,7 @@ static inline pbf_coarse_dose pbf_deep_dose(pbf_deep *deep, const pbf_obstacles 
     uint32_t row = pbf_deep_row(c, i);
     for (i[0] = box->first[0]; i[0] <= box->last[0]; ++i[0]) {
       uint32_t cell = row + (uint32_t)i[0];
-      deep->rooms[cell] = pbf_coarse_room_at(c, pbf_solid_count(o), o->solids, i);
+      deep->rooms[cell] = pbf_coarse_room_at(c, *o, i);
       if (pbf_coarse_is_filled(c, deep->sums[cell], deep->rooms[cell]))
         pbf_deep_extend(c, &extent, i);
     }

@@ -8,7 +8,7 @@
 /* Large, and in the stage and in the iterations: here once. */
 static __attribute__((noinline)) pbf_vec resolve(const pbf_obstacles *o, int carried, pbf_vec from,
                                                  pbf_vec x) {
-  return pbf_resolve(&o->walls, pbf_solid_count(o), o->solids, carried, from, x);
+  return pbf_resolve(*o, carried, from, x);
 }
 
 /* `met` are those of `all` that its group can meet on its way. Whom one of them pushes off it may

@@ -186,7 +186,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     for (int k = 0; k < PBF_DIM; ++k) lane_store(moved.c[k], x.c[k]);
     lane_values after = moved;
     uint32_t lanes = lanes_in_group(&p->lists, g);
-    if (m->collide && pbf_solid_count(m->obstacles)) {
+    if (m->collide && pbf_solid_count(*m->obstacles)) {
       const lane_vec start = lane_vec_load(&m->predicted, g * WIDTH);
       const lane_values starts = lane_vec_values(&start);
       resolve_group(m->obstacles, &starts, &after, lanes);

@@ -35,7 +35,7 @@ static swarm swarm_of_range(const field *from, const field *x, uint32_t first, u
 static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int carried, field from,
                                                     field x, uint32_t first, uint32_t last) {
   enum { AT_ONCE = 32 };
-  if (pbf_solid_count(o) == 0) {
+  if (pbf_solid_count(*o) == 0) {
     clamp_range(&o->walls, x, first, last);
     return;
   }

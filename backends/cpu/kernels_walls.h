@@ -11,15 +11,8 @@
 PBF_FN pbf_real wall_distances(const pbf_obstacles *o, const lane_values *x,
                                pbf_real distances[WIDTH]) {
   pbf_real least = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_real nearest =
-        pbf_real_min(x->c[0][l] - o->walls.lower.c[0], o->walls.upper.c[0] - x->c[0][l]);
-    for (int k = 1; k < PBF_DIM; ++k) {
-      nearest = pbf_real_min(nearest, x->c[k][l] - o->walls.lower.c[k]);
-      nearest = pbf_real_min(nearest, o->walls.upper.c[k] - x->c[k][l]);
-    }
-    distances[l] = nearest;
-  }
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    distances[l] = pbf_domain_distance(&o->walls, lane_value(x, l));
   for (uint32_t l = 0; l < WIDTH; ++l)
     least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
   return least;
@@ -33,7 +26,7 @@ PBF_FN pbf_real wall_reach(const pbf_constants *c) {
 /* Somebody may be; of colliders nothing is known. */
 PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
                           pbf_real distances[WIDTH]) {
-  return pbf_solid_count(o) || wall_distances(o, x, distances) < wall_reach(c);
+  return pbf_solid_count(*o) || wall_distances(o, x, distances) < wall_reach(c);
 }
 
 /* What an array has at the nodes 0 … PBF_WALL_LAST - 1, one for each lane. */
@@ -160,7 +153,7 @@ PBF_FN int solids_lend(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x
 static __attribute__((noinline)) void lent_to_group(const pbf_constants *c, const pbf_obstacles *o,
                                                     const lane_values *x, lane_lent *lent) {
   memset(lent, 0, sizeof *lent);
-  if (!pbf_solid_count(o)) {
+  if (!pbf_solid_count(*o)) {
     lent_by_walls(c, &o->walls, x, lent);
     return;
   }
@@ -175,7 +168,7 @@ static __attribute__((noinline)) void lent_to_group(const pbf_constants *c, cons
   for (uint32_t l = 0; l < WIDTH; ++l) {
     if (!(distances[l] < wall_reach(c)) && !solids_lend(c, &near, lane_value(x, l))) continue;
     pbf_vec gradient = {{0}};
-    pbf_lent by_all = pbf_lent_at(c, &near.walls, near.count, near.solids, lane_value(x, l));
+    pbf_lent by_all = pbf_lent_at(c, near, lane_value(x, l));
     pbf_add_lent(&by_all, &lent->density[l], &gradient);
     lent->resting[l] = by_all.resting;
     set_lane(&lent->gradient, l, gradient);

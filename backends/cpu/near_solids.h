@@ -47,7 +47,7 @@ typedef struct solid_motion {
 } solid_motion;
 
 static inline void solid_motions(const pbf_obstacles *o, solid_motion motions[PBF_MAX_COLLIDERS]) {
-  for (int k = 0; k < pbf_solid_count(o); ++k) {
+  for (int k = 0; k < pbf_solid_count(*o); ++k) {
     const pbf_solid *s = &o->solids[k];
     pbf_vec step = pbf_sub(s->center, s->start_center);
     pbf_real turn2 = 0;
@@ -81,7 +81,7 @@ static inline int obstacles_on_way(const pbf_obstacles *all, const swarm *of,
                                    const solid_motion *motions, pbf_obstacles *met) {
   met->walls = all->walls;
   met->count = 0;
-  for (int k = 0; k < pbf_solid_count(all); ++k)
+  for (int k = 0; k < pbf_solid_count(*all); ++k)
     if (swarm_meets(of, &all->solids[k], motions ? &motions[k] : NULL))
       met->solids[met->count++] = all->solids[k];
   return met->count;
@@ -92,7 +92,7 @@ static inline int obstacles_within(const pbf_obstacles *all, const swarm *of, pb
                                    pbf_obstacles *near) {
   near->walls = all->walls;
   near->count = 0;
-  for (int k = 0; k < pbf_solid_count(all); ++k)
+  for (int k = 0; k < pbf_solid_count(*all); ++k)
     if (swarm_is_within(of, &all->solids[k], reach)) near->solids[near->count++] = all->solids[k];
   return near->count;
 }

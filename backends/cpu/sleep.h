@@ -86,8 +86,7 @@ static void wake_piece(void *context, uint32_t piece) {
   for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
        r = sleeping_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)
-      if (pbf_moves_near(s->movers, &w->obstacles.walls, pbf_solid_count(&w->obstacles),
-                         w->obstacles.solids, s->constants.h, field_at(&w->b.x, i)))
+      if (pbf_moves_near(s->movers, w->obstacles, s->constants.h, field_at(&w->b.x, i)))
         w->unrest[i] = pbf_woken(&s->sleep);
 }
 
@@ -121,8 +120,7 @@ static int wake_near(solver *s, pbf_movers movers, double time) {
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real *unrest = &s->buffers.unrest[i];
     if (!pbf_is_asleep(*unrest) ||
-        !pbf_moves_near(movers, &obstacles.walls, pbf_solid_count(&obstacles), obstacles.solids,
-                        s->constants.h, field_at(&s->buffers.x, i)))
+        !pbf_moves_near(movers, obstacles, s->constants.h, field_at(&s->buffers.x, i)))
       continue;
     *unrest = pbf_woken(&s->sleep);
     --s->asleep;

@@ -15,8 +15,7 @@ static void flow_piece(void *context, uint32_t piece) {
 
 static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
                               pbf_vec start) {
-  return change_near_obstacles(p->constants, &p->walls->walls, pbf_solid_count(p->walls),
-                               p->walls->solids, field_at(&p->x, i), field_at(&u->flow, i),
+  return change_near_obstacles(p->constants, *p->walls, field_at(&p->x, i), field_at(&u->flow, i),
                                u->lambda[i], end, start);
 }
 

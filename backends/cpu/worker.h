@@ -106,10 +106,7 @@ static inline void stage_end(worker *w, pbf_stage stage) {
 
 /* Walls and colliders where they stand at a time. */
 static inline void place_obstacles(const solver *s, double time, pbf_obstacles *o) {
-  o->walls = pbf_walls_at(&s->params, time);
-  o->count = (int)s->collider_count;
-  for (int k = 0; k < pbf_solid_count(o); ++k)
-    o->solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+  pbf_place_obstacles(&s->params, s->collider_count, s->colliders, s->collider_time, time, o);
 }
 
 /* What is packed of these sorted particles, where loops over pairs read any (neighbors.h). */

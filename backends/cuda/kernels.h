@@ -235,8 +235,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   if (mirrored) density += slack[i];
   if (extras.wall_density) {
-    const step_obstacles &o = extras.obstacles;
-    pbf_lent lent = pbf_lent_from(c, &walls, o.count, o.solids, x, x, 1);
+    const step_obstacles before = {walls, extras.obstacles.count, extras.obstacles.solids};
+    pbf_lent lent = pbf_lent_from(c, before, x, x, 1);
     pbf_add_lent(&lent, &density, &gradient);
   }
   slack[i] = pbf_slack(c, density);
@@ -304,8 +304,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = change_near_obstacles(c, &obstacles.walls, obstacles.count, obstacles.solids, x, mean,
-                                   here.lambda, vec_of(sums.end), vec_of(sums.start));
+    change = change_near_obstacles(c, obstacles, x, mean, here.lambda, vec_of(sums.end),
+                                   vec_of(sums.start));
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
 

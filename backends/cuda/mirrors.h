@@ -22,10 +22,7 @@ static __device__ __forceinline__ uint32_t code_of(int walls) {
 }
 
 static __device__ __forceinline__ bool has_images(const pbf_walls &walls, pbf_vec x) {
-  bool near = false;
-  for (int k = 0; k < PBF_DIM; ++k)
-    near |= x.c[k] - walls.lower.c[k] < walls.reach || walls.upper.c[k] - x.c[k] < walls.reach;
-  return PBF_MIRRORS && walls.reach > 0 && near;
+  return PBF_MIRRORS && walls.reach > 0 && pbf_domain_distance(&walls, x) < walls.reach;
 }
 
 static __device__ __forceinline__ wall_images images_at(const pbf_walls &walls, pbf_vec x) {

@@ -112,7 +112,7 @@ static __device__ __forceinline__ void each_solid(const step_obstacles &o, solid
 template <solids_met SOLIDS>
 static __device__ __forceinline__ pbf_lent lent_at(const pbf_constants *c, const step_obstacles &o,
                                                    pbf_vec x) {
-  if (SOLIDS != MANY_SOLIDS) return pbf_lent_at(c, &o.walls, o.count, o.solids, x);
+  if (SOLIDS != MANY_SOLIDS) return pbf_lent_at(c, o, x);
   pbf_lent lent = pbf_lent_by_walls(c, &o.walls, x);
   each_solid(o, solids_near(o, x, pbf_lending_reach(c), false),
              [&](const pbf_solid &s) { pbf_join_solid(c, &s, x, &lent); });
@@ -132,7 +132,7 @@ template <solids_met SOLIDS>
 static __device__ __forceinline__ pbf_vec resolve(const step_obstacles &o, int carried,
                                                   pbf_vec from, pbf_vec x) {
   if (SOLIDS == NO_SOLIDS) return pbf_clamp(&o.walls, x);
-  if (SOLIDS == FEW_SOLIDS) return pbf_resolve(&o.walls, o.count, o.solids, carried, from, x);
+  if (SOLIDS == FEW_SOLIDS) return pbf_resolve(o, carried, from, x);
   pbf_vec way = pbf_sub(x, from);
   solid_set all = ~0ull >> (64 - o.count),
             near = solids_near(o, from, pbf_real_sqrt(pbf_dot(way, way)), carried);

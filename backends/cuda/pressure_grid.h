@@ -78,7 +78,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_cells_kernel(pbf_coarse grid, step_obstacles o, deep_arrays a) {
   uint32_t cell = thread_index();
   if (cell >= grid.nodes) return;
-  double room = pbf_coarse_room(&grid, o.count, o.solids, cell);
+  double room = pbf_coarse_room(&grid, o, cell);
   a.rooms[cell] = room;
   if (!pbf_coarse_is_filled(&grid, (int64_t)a.sums[cell], room)) return;
   int i[PBF_DIM];

@@ -117,8 +117,7 @@ static __global__ void wake_near_kernel(const point *points, uint32_t count, pbf
                                         pbf_real *unrest, sleep_tally *tally) {
   uint32_t i = thread_index();
   if (i >= count || !pbf_is_asleep(unrest[i])) return;
-  if (!pbf_moves_near(movers, &o.walls, o.count, o.solids, reach, position_of(load(points, i))))
-    return;
+  if (!pbf_moves_near(movers, o, reach, position_of(load(points, i)))) return;
   unrest[i] = pbf_woken(&sleep);
   tally->all = 0;
 }

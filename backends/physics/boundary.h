@@ -118,8 +118,8 @@ PBF_FN pbf_lent pbf_lent_by_walls(const pbf_constants *c, const pbf_walls *walls
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_vec axis = {{0}};
     axis.c[k] = 1;
-    pbf_real rise, fall, value = pbf_wall(c, x.c[k] - walls->lower.c[k], &rise);
-    value += pbf_wall(c, walls->upper.c[k] - x.c[k], &fall);
+    pbf_real rise, fall, value = pbf_wall(c, pbf_wall_distance(walls, 2 * k, x), &rise);
+    value += pbf_wall(c, pbf_wall_distance(walls, 2 * k + 1, x), &fall);
     pbf_join_wall(c, value, rise - fall, axis, &lent);
   }
   return lent;
@@ -145,36 +145,41 @@ PBF_FN void pbf_add_lent(const pbf_lent *lent, pbf_real *density, pbf_vec *gradi
   *gradient = pbf_add_scaled(*gradient, 1, lent->own_gradient);
 }
 
+PBF_FN pbf_vec pbf_lent_gradient(const pbf_lent *lent) {
+  return pbf_add_scaled(lent->shared_gradient, 1, lent->own_gradient);
+}
+
+namespace {
+
 /* What all walls of the domain and all colliders lend. */
-PBF_FN pbf_lent pbf_lent_at(const pbf_constants *c, const pbf_walls *walls, int count,
-                            const pbf_solid *solids, pbf_vec x) {
-  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
-  for (int k = 0; k < count; ++k) pbf_join_solid(c, &solids[k], x, &lent);
+template <class Obstacles>
+PBF_FN pbf_lent pbf_lent_at(const pbf_constants *c, const Obstacles &o, pbf_vec x) {
+  pbf_lent lent = pbf_lent_by_walls(c, &o.walls, x);
+  for (int k = 0; k < pbf_solid_count(o); ++k) pbf_join_solid(c, &o.solids[k], x, &lent);
   return lent;
 }
 
 /* What obstacles lend: the domain's walls, which don't turn, at x, and colliders at `at`, as they
  * stood `before` the step or after it. */
-PBF_FN_APART pbf_lent pbf_lent_from(const pbf_constants *c, const pbf_walls *walls, int count,
-                                    const pbf_solid *solids, pbf_vec x, pbf_vec at, int before) {
-  pbf_lent lent = pbf_lent_by_walls(c, walls, x);
-  for (int k = 0; k < count; ++k) {
-    const pbf_solid solid = before ? pbf_solid_before(&solids[k]) : solids[k];
+template <class Obstacles>
+PBF_FN_APART pbf_lent pbf_lent_from(const pbf_constants *c, const Obstacles &o, pbf_vec x,
+                                    pbf_vec at, int before) {
+  pbf_lent lent = pbf_lent_by_walls(c, &o.walls, x);
+  for (int k = 0; k < pbf_solid_count(o); ++k) {
+    const pbf_solid solid = before ? pbf_solid_before(&o.solids[k]) : o.solids[k];
     pbf_join_solid(c, &solid, at, &lent);
   }
   return lent;
 }
 
-PBF_FN pbf_vec pbf_lent_gradient(const pbf_lent *lent) {
-  return pbf_add_scaled(lent->shared_gradient, 1, lent->own_gradient);
-}
-
-PBF_FN void pbf_add_walls(const pbf_constants *c, const pbf_walls *walls, int count,
-                          const pbf_solid *solids, pbf_vec x, pbf_real *density,
+template <class Obstacles>
+PBF_FN void pbf_add_walls(const pbf_constants *c, const Obstacles &o, pbf_vec x, pbf_real *density,
                           pbf_vec *gradient) {
-  pbf_lent lent = pbf_lent_at(c, walls, count, solids, x);
+  pbf_lent lent = pbf_lent_at(c, o, x);
   pbf_add_lent(&lent, density, gradient);
 }
+
+}  // namespace
 
 /* The part of a kernel's slope along a wall that lies beyond it is to the whole as the densities
  * are (by parts). Fluid mirrored in the wall would lend that, too; without it a pressure that grows

@@ -252,26 +252,30 @@ PBF_FN double pbf_coarse_inside(const pbf_coarse *c, const int i[PBF_DIM]) {
   return inside;
 }
 
+namespace {
+
 /* The part that is free of colliders, too. */
-PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, int count, const pbf_solid *solids,
-                                 const int i[PBF_DIM]) {
+template <class Obstacles>
+PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, const Obstacles &o, const int i[PBF_DIM]) {
   double room = pbf_coarse_inside(c, i);
   pbf_vec middle;
   for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
-  for (int s = 0; s < count; ++s) {
+  for (int s = 0; s < pbf_solid_count(o); ++s) {
     pbf_vec normal;
-    double distance = (double)pbf_solid_distance(&solids[s], middle, &normal);
+    double distance = (double)pbf_solid_distance(&o.solids[s], middle, &normal);
     room *= pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
   }
   return room;
 }
 
-PBF_FN double pbf_coarse_room(const pbf_coarse *c, int count, const pbf_solid *solids,
-                              uint32_t cell) {
+template <class Obstacles>
+PBF_FN double pbf_coarse_room(const pbf_coarse *c, const Obstacles &o, uint32_t cell) {
   int i[PBF_DIM];
   pbf_coarse_place(c, cell, i);
-  return pbf_coarse_room_at(c, count, solids, i);
+  return pbf_coarse_room_at(c, o, i);
 }
+
+}  // namespace
 
 /* Whether what fills a cell counts for the fluid's depth: nodes that are not in the open have one
  * that does. */

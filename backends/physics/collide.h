@@ -3,8 +3,7 @@
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H
 
-#include "physics/surfaces/domain.h"
-#include "physics/surfaces/surface.h"
+#include "physics/surfaces/obstacles.h"
 
 /* Moves x out of the solid along the shortest way. */
 PBF_FN pbf_vec pbf_collide(const pbf_solid *s, pbf_vec x) {
@@ -54,18 +53,6 @@ PBF_FN pbf_vec pbf_collide_on_way(const pbf_solid *s, pbf_vec from, pbf_vec x) {
   return pbf_collide(s, x);
 }
 
-/* Walls and colliders of one step. */
-typedef struct pbf_obstacles {
-  pbf_walls walls;
-  int count;
-  pbf_solid solids[PBF_MAX_COLLIDERS];
-} pbf_obstacles;
-
-/* A build without colliders has no code for them. */
-PBF_FN int pbf_solid_count(const pbf_obstacles *o) {
-  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o->count : 0;
-}
-
 /* What has no other side holds particles as walls do: planes, too, make corners. */
 PBF_FN pbf_vec pbf_hold(const pbf_walls *walls, const pbf_solid *s, pbf_vec x) {
   pbf_vec normal;
@@ -82,11 +69,16 @@ PBF_FN pbf_vec pbf_resolve_one(const pbf_walls *walls, const pbf_solid *s, int c
   return pbf_collide_on_way(s, carried ? pbf_carried(s, from) : from, x);
 }
 
+namespace {
+
 /* The same past all obstacles. Walls last: whatever a collider does, the domain holds. */
-PBF_FN pbf_vec pbf_resolve(const pbf_walls *walls, int count, const pbf_solid *solids, int carried,
-                           pbf_vec from, pbf_vec x) {
-  for (int k = 0; k < count; ++k) x = pbf_resolve_one(walls, &solids[k], carried, from, x);
-  return pbf_clamp(walls, x);
+template <class Obstacles>
+PBF_FN pbf_vec pbf_resolve(const Obstacles &o, int carried, pbf_vec from, pbf_vec x) {
+  for (int k = 0; k < pbf_solid_count(o); ++k)
+    x = pbf_resolve_one(&o.walls, &o.solids[k], carried, from, x);
+  return pbf_clamp(&o.walls, x);
 }
+
+}  // namespace
 
 #endif

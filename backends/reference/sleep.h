@@ -7,10 +7,7 @@
 
 static inline pbf_obstacles obstacles_at(const solver *s, double time) {
   pbf_obstacles o;
-  o.walls = pbf_walls_at(&s->params, time);
-  o.count = PBF_BUILT & PBF_FEATURE_COLLIDERS ? (int)s->collider_count : 0;
-  for (int k = 0; k < o.count; ++k)
-    o.solids[k] = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+  pbf_place_obstacles(&s->params, s->collider_count, s->colliders, s->collider_time, time, &o);
   return o;
 }
 
@@ -76,8 +73,7 @@ static inline void wake_near(solver *s, pbf_movers movers, double time) {
   if (!sleeps(s) || !pbf_any_moves(movers)) return;
   pbf_obstacles obstacles = obstacles_at(s, time);
   for (uint32_t i = 0; i < s->count; ++i)
-    if (asleep(s, i) && pbf_moves_near(movers, &obstacles.walls, obstacles.count, obstacles.solids,
-                                       s->constants.h, s->x[i]))
+    if (asleep(s, i) && pbf_moves_near(movers, obstacles, s->constants.h, s->x[i]))
       s->unrest[i] = pbf_woken(&s->sleep);
 }
 

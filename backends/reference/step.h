@@ -23,8 +23,7 @@
 static inline void collide_all(const solver *s, const pbf_obstacles *o, int carried,
                                const pbf_vec *from) {
   for (uint32_t i = 0; i < s->count; ++i)
-    if (!asleep(s, i))
-      s->moved[i] = pbf_resolve(&o->walls, o->count, o->solids, carried, from[i], s->moved[i]);
+    if (!asleep(s, i)) s->moved[i] = pbf_resolve(*o, carried, from[i], s->moved[i]);
 }
 
 /* And once the velocity is that of x*. */
@@ -32,7 +31,7 @@ static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    pbf_vec x = pbf_resolve(&o->walls, o->count, o->solids, 0, s->predicted[i], s->moved[i]);
+    pbf_vec x = pbf_resolve(*o, 0, s->predicted[i], s->moved[i]);
     s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->moved[i], x);
     s->moved[i] = x;
   }
@@ -55,7 +54,7 @@ static inline void predict(solver *s, double time, const pbf_obstacles *o) {
 static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x, pbf_real *density,
                              pbf_vec *gradient) {
   if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
-    pbf_add_walls(&s->constants, &o->walls, o->count, o->solids, x, density, gradient);
+    pbf_add_walls(&s->constants, *o, x, density, gradient);
 }
 
 /* rho/rho0 of particle i at x[i], positions sorted into s->grid; adds up its neighbours. */
@@ -161,7 +160,7 @@ static inline void move(solver *s, const pbf_obstacles *o) {
     add_images(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
     s->change[i] = vec_of(sums.change);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
-      pbf_lent lent = pbf_lent_at(c, &o->walls, o->count, o->solids, s->moved[i]);
+      pbf_lent lent = pbf_lent_at(c, *o, s->moved[i]);
       s->change[i] = pbf_beside_lent(s->change[i], of.number[i], &lent);
     }
   }
@@ -201,8 +200,8 @@ static inline void undamp(solver *s, const pbf_obstacles *o) {
     for (int k = 0; k < PBF_CURL_DIM && s->torque; ++k) s->torque[i].c[k] -= sums.torque[k];
     pbf_vec change = pass.change(sums);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
-      change = change_near_obstacles(c, &o->walls, o->count, o->solids, s->moved[i], s->flow[i],
-                                     s->lambda[i], vec_of(sums.end), vec_of(sums.start));
+      change = change_near_obstacles(c, *o, s->moved[i], s->flow[i], s->lambda[i], vec_of(sums.end),
+                                     vec_of(sums.start));
     s->v[i] = pass.finish(inv_time_step, s->v[i], change);
   }
 }

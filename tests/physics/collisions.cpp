@@ -146,7 +146,7 @@ static void the_domain_has_the_last_word(void **state) {
   c.position[1] = 20;
   pbf_solid s = pbf_solid_at(&c, 0, 0);
   pbf_walls w = pbf_walls_at(&p, 0);
-  assert_at(pbf_resolve(&w, 1, &s, 0, point(5, 5, 5), point(5, 5, 5)), 5, 10, 5);
+  assert_at(pbf_resolve(between(w, 1, &s), 0, point(5, 5, 5), point(5, 5, 5)), 5, 10, 5);
 }
 
 /* A plate 0.01 thin, and ways that end far behind it, on the way out, and beside it. */
@@ -288,7 +288,8 @@ static void check_crossing(double angle, int passes, double most) {
       x.c[k] = 1.2 * next_random(&seed) - 0.6;
     }
     if (depth_in(plates, 2, from) > 0) continue;
-    for (int pass = 0; pass < passes; ++pass) x = pbf_resolve(&walls, 2, plates, 0, from, x);
+    for (int pass = 0; pass < passes; ++pass)
+      x = pbf_resolve(between(walls, 2, plates), 0, from, x);
     double depth = depth_in(plates, 2, x);
     if (!(depth <= most)) fail_msg("%g deep between plates at %g", depth, angle);
     assert_int_equal(room_of(plates, x), room_of(plates, from));
@@ -431,8 +432,8 @@ static void opposite_walls_lend_alike(void **state) {
     pbf_vec low = point(4, 4, 4), high = low, low_gradient = {{0}}, high_gradient = {{0}};
     double low_density = 0, high_density = 0;
     low.c[axis] = 0.0625, high.c[axis] = 8 - 0.0625;
-    pbf_add_walls(&c, &walls, 0, NULL, low, &low_density, &low_gradient);
-    pbf_add_walls(&c, &walls, 0, NULL, high, &high_density, &high_gradient);
+    pbf_add_walls(&c, between(walls), low, &low_density, &low_gradient);
+    pbf_add_walls(&c, between(walls), high, &high_density, &high_gradient);
     assert_true(low_density > 0.05);
     assert_near(high_density, low_density, 1e-12);
     assert_near(high_gradient.c[axis], -low_gradient.c[axis], 1e-12);
@@ -457,12 +458,12 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   pbf_vec x, gradient = {{0}}, unused = {{0}};
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = 0.5 * d;
   double lent = 0, up = 0, down = 0;
-  pbf_add_walls(&c, &walls, 0, NULL, x, &lent, &gradient);
+  pbf_add_walls(&c, between(walls), x, &lent, &gradient);
   assert_near(density + lent, 1, 0.02);
   x.c[1] += e;
-  pbf_add_walls(&c, &walls, 0, NULL, x, &up, &unused);
+  pbf_add_walls(&c, between(walls), x, &up, &unused);
   x.c[1] -= 2 * e;
-  pbf_add_walls(&c, &walls, 0, NULL, x, &down, &unused);
+  pbf_add_walls(&c, between(walls), x, &down, &unused);
   assert_near(gradient.c[1], wall_push(&c, x.c[0]) * (up - down) / (2 * e), 1e-4);
 }
 
@@ -482,15 +483,15 @@ static void walls_of_a_corner_push_each_for_itself(void **state) {
       double slope, lent = 0, value = pbf_wall(&c, depth * p.spacing, &slope), e = 1e-6 * p.spacing;
       pbf_vec x, gradient = {{0}}, unused = {{0}};
       for (int a = 0; a < PBF_DIM; ++a) x.c[a] = depth * p.spacing + e;
-      pbf_add_walls(&c, &walls, 0, NULL, x, &lent, &gradient);
+      pbf_add_walls(&c, between(walls), x, &lent, &gradient);
       assert_true(lent > value);
       for (int a = 0; a < PBF_DIM; ++a) {
         double up = 0, down = 0;
         assert_true(gradient.c[a] < (support > 2 ? 0.25 : 0.7) * slope);
         pbf_vec above = x, below = x;
         above.c[a] += e, below.c[a] -= e;
-        pbf_add_walls(&c, &walls, 0, NULL, above, &up, &unused);
-        pbf_add_walls(&c, &walls, 0, NULL, below, &down, &unused);
+        pbf_add_walls(&c, between(walls), above, &up, &unused);
+        pbf_add_walls(&c, between(walls), below, &down, &unused);
         assert_near(gradient.c[a] / ((up - down) / (2 * e)), wall_push(&c, depth * p.spacing + e),
                     1e-3);
       }
@@ -554,24 +555,24 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = a == 1 ? 0.5 * d : 50;
   sum.c[0] = inside;
   sum.c[1] = 1;
-  const pbf_lent floor = pbf_lent_at(&c, &walls, 0, NULL, x);
+  const pbf_lent floor = pbf_lent_at(&c, between(walls), x);
   const pbf_vec beside = pbf_beside_lent(sum, 0, &floor);
   assert_near(beside.c[0] / inside - 1, PBF_BESIDE * beyond / inside, 0.01);
   assert_near(beside.c[1], 1, 1e-9);
   /* Closer, a lone sheet would gain energy by more. */
   x.c[1] = 0.1 * d;
-  const pbf_lent closer = pbf_lent_at(&c, &walls, 0, NULL, x);
+  const pbf_lent closer = pbf_lent_at(&c, between(walls), x);
   assert_near(pbf_beside_lent(sum, 0, &closer).c[0] / beside.c[0], 1, 1e-4);
   /* Inside nothing, and a plane laid on the floor does nothing more. */
   x.c[1] = 50;
-  const pbf_lent nothing = pbf_lent_at(&c, &walls, 0, NULL, x);
+  const pbf_lent nothing = pbf_lent_at(&c, between(walls), x);
   assert_near(pbf_beside_lent(sum, 0, &nothing).c[0], inside, 0);
   x.c[1] = 0.5 * d;
   pbf_collider plane = collider(PBF_COLLIDER_PLANE);
   plane.axis[0] = plane.axis[2] = 0;
   plane.axis[1] = 1;
   const pbf_solid solid = pbf_solid_at(&plane, 0, 0);
-  const pbf_lent twice = pbf_lent_at(&c, &walls, 1, &solid, x);
+  const pbf_lent twice = pbf_lent_at(&c, between(walls, 1, &solid), x);
   assert_near(pbf_beside_lent(sum, 0, &twice).c[0], beside.c[0], 1e-6);
   /* Slots between many colliders may lend more than all. */
   const pbf_vec up = point(0, 1, 0);
@@ -595,7 +596,7 @@ static double lent_by_planes(const pbf_constants *c, int count, const double *di
     solids[k] = pbf_solid_at(&plane, 0, 0);
   }
   *gradient = (pbf_vec){{0}};
-  pbf_add_walls(c, &walls, count, solids, x, &lent, gradient);
+  pbf_add_walls(c, between(walls, count, solids), x, &lent, gradient);
   return lent;
 }
 

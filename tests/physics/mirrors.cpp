@@ -100,7 +100,7 @@ static void a_lattice_in_a_corner_knows_of_no_wall(void **state) {
         for (int k = 0; k < PBF_DIM; ++k) assert_near(gradient.c[k] * d, 0, 1e-9);
         /* By the law of the distance they lend nothing beside. */
         pbf_real lent = 0;
-        pbf_add_walls(&c, &walls, 0, NULL, x, &lent, &gradient);
+        pbf_add_walls(&c, between(walls), x, &lent, &gradient);
         assert_true(lent == 0);
       }
 }

@@ -24,6 +24,18 @@ extern "C" {
 
 enum { CLOUD = 40 };
 
+/* Walls and colliders, wherever they are. */
+typedef struct test_obstacles {
+  pbf_walls walls;
+  int count;
+  const pbf_solid *solids;
+} test_obstacles;
+
+static inline test_obstacles between(const pbf_walls &walls, int count = 0,
+                                     const pbf_solid *solids = NULL) {
+  return {walls, count, solids};
+}
+
 static inline void assert_near(double value, double expected, double tolerance) {
   if (!(fabs(value - expected) <= tolerance))
     fail_msg("%.17g is not within %g of %.17g", value, tolerance, expected);

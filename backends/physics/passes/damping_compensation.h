@@ -104,16 +104,16 @@ PBF_FN pbf_vec redirected(pbf_vec from, pbf_vec to) {
  * pairs. What obstacles push with is redirected as it was at the step's start, where the mean flow
  * had the particle and the colliders were; the domain's walls do not rotate. Beyond the reach of
  * all obstacles at the end nothing is redirected. */
-PBF_FN pbf_vec change_near_obstacles(const pbf_constants *c, const pbf_walls *walls, int count,
-                                     const pbf_solid *solids, pbf_vec x, pbf_vec flow,
-                                     pbf_real lambda, pbf_vec end, pbf_vec start) {
-  pbf_lent lent = pbf_lent_from(c, walls, count, solids, x, x, 0);
+template <class Obstacles>
+PBF_FN pbf_vec change_near_obstacles(const pbf_constants *c, const Obstacles &o, pbf_vec x,
+                                     pbf_vec flow, pbf_real lambda, pbf_vec end, pbf_vec start) {
+  pbf_lent lent = pbf_lent_from(c, o, x, x, 0);
   if (!(lent.resting > 0)) return pbf_sub(start, end);
   pbf_vec gradient = pbf_lent_gradient(&lent);
   end = pbf_beside_walls(end, lambda, lent.resting, gradient);
-  if (count > 0) {
+  if (pbf_solid_count(o) > 0) {
     const pbf_vec at = pbf_add_scaled(x, -c->flow_time, flow);
-    lent = pbf_lent_from(c, walls, count, solids, x, at, 1);
+    lent = pbf_lent_from(c, o, x, at, 1);
     gradient = redirected(gradient, pbf_lent_gradient(&lent));
   }
   start = pbf_beside_walls(start, lambda, lent.resting, gradient);

@@ -46,6 +46,22 @@ static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
   return walls;
 }
 
+/* ---- How far they are ---------------------------------------------------------------------- */
+
+/* Distance of x from a wall: the lower one across axis k is number 2 k, the upper one 2 k + 1. */
+PBF_FN pbf_real pbf_wall_distance(const pbf_walls *walls, int wall, pbf_vec x) {
+  const int k = wall / 2;
+  return wall % 2 ? walls->upper.c[k] - x.c[k] : x.c[k] - walls->lower.c[k];
+}
+
+/* From the nearest of them. */
+PBF_FN pbf_real pbf_domain_distance(const pbf_walls *walls, pbf_vec x) {
+  pbf_real nearest = pbf_wall_distance(walls, 0, x);
+  for (int wall = 1; wall < 2 * PBF_DIM; ++wall)
+    nearest = pbf_real_min(nearest, pbf_wall_distance(walls, wall, x));
+  return nearest;
+}
+
 /* ---- What they hold ------------------------------------------------------------------------ */
 
 /* How far before a wall comes back what has landed `depth` behind it: half of that, of more than

@@ -1,0 +1,91 @@
+/* All surfaces that the fluid meets: the domain's and the colliders'; and which of them move. */
+#ifndef PBF_PHYSICS_SURFACES_OBSTACLES_H
+#define PBF_PHYSICS_SURFACES_OBSTACLES_H
+
+#include "physics/surfaces/domain.h"
+#include "physics/surfaces/surface.h"
+
+/* Where they are at a time. A backend may hold them elsewhere, in a struct with members of the same
+ * names. */
+typedef struct pbf_obstacles {
+  pbf_walls walls;
+  int count;
+  pbf_solid solids[PBF_MAX_COLLIDERS];
+} pbf_obstacles;
+
+namespace {
+
+/* A build without colliders has no code for them. */
+template <class Obstacles>
+PBF_FN int pbf_solid_count(const Obstacles &o) {
+  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o.count : 0;
+}
+
+}  // namespace
+
+/* At `time`, of colliders that were set at `set_at`. */
+static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
+                                       const pbf_collider *colliders, double set_at, double time,
+                                       pbf_obstacles *o) {
+  o->walls = pbf_walls_at(params, time);
+  o->count = (int)count;
+  for (int k = 0; k < pbf_solid_count(*o); ++k)
+    o->solids[k] = pbf_solid_at(&colliders[k], time - set_at, params->time_step);
+}
+
+/* ---- Which of them move --------------------------------------------------------------------- */
+
+/* A bit each. */
+typedef struct pbf_movers {
+  uint32_t walls;
+  uint64_t solids;
+} pbf_movers;
+
+static inline pbf_movers pbf_movers_of(const pbf_params *params, uint32_t count,
+                                       const pbf_collider *colliders) {
+  pbf_movers m = {0, 0};
+  for (int w = 0; w < 2 * PBF_DIM; ++w)
+    if (params->wall_velocity[w] != 0 ||
+        (params->wall_amplitude[w] != 0 && params->wall_frequency[w] != 0))
+      m.walls |= 1u << w;
+  if (!(PBF_BUILT & PBF_FEATURE_COLLIDERS)) return m;
+  for (uint32_t k = 0; k < count; ++k)
+    for (int a = 0; a < 3; ++a)
+      if (colliders[k].velocity[a] != 0 || colliders[k].angular_velocity[a] != 0)
+        m.solids |= UINT64_C(1) << k;
+  return m;
+}
+
+static inline int pbf_any_moves(pbf_movers m) { return m.walls || m.solids; }
+
+/* Of the colliders `now` and `next`: those that are not the same in both, or move, and so may stand
+ * elsewhere. */
+static inline pbf_movers pbf_changed(uint32_t count, const pbf_collider *now, uint32_t next_count,
+                                     const pbf_collider *next) {
+  static const pbf_collider none[1] = {{0}};
+  pbf_movers m = {0, 0};
+  for (uint32_t k = 0; k < count || k < next_count; ++k) {
+    const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
+    if (memcmp(a, b, sizeof *a) != 0) m.solids |= UINT64_C(1) << k;
+  }
+  return m;
+}
+
+namespace {
+
+/* Whether one of them is within `reach` of x. */
+template <class Obstacles>
+PBF_FN int pbf_moves_near(pbf_movers m, const Obstacles &o, pbf_real reach, pbf_vec x) {
+  for (int w = 0; w < 2 * PBF_DIM && m.walls; ++w)
+    if (m.walls >> w & 1 && pbf_wall_distance(&o.walls, w, x) < reach) return 1;
+  for (int k = 0; k < pbf_solid_count(o) && m.solids; ++k) {
+    pbf_vec normal;
+    if (!(m.solids >> k & 1) || pbf_solid_beyond(&o.solids[k], x, reach)) continue;
+    if (pbf_solid_distance(&o.solids[k], x, &normal) < reach) return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+#endif
