@@ -118,9 +118,9 @@ static __attribute__((noinline)) void write_equations(const pbf_deep *deep,
   const double *rooms = deep->rooms, *weights = deep->weights, *depths = deep->depths;
   const int64_t *sums = deep->sums;
   for (int x = i[0]; x <= last; ++x) {
-    int place[PBF_DIM];
-    for (int k = 0; k < PBF_DIM; ++k) place[k] = k ? i[k] : x;
-    pbf_coarse_equation_at(&c, &d, sums, rooms, weights, depths[row + x], (int64_t)row + x, place,
+    int node[PBF_DIM];
+    for (int k = 0; k < PBF_DIM; ++k) node[k] = k ? i[k] : x;
+    pbf_coarse_equation_at(&c, &d, sums, rooms, weights, depths[row + x], (int64_t)row + x, node,
                            &right[x], &inverse[x]);
   }
 }

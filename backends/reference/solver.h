@@ -3,7 +3,7 @@
 #ifndef PBF_REFERENCE_SOLVER_H
 #define PBF_REFERENCE_SOLVER_H
 
-#include "reference/deep.h"
+#include "reference/pressure_grid.h"
 #include "physics/constants.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
