@@ -87,8 +87,8 @@ static inline void pbf_deep_extend(const pbf_coarse *c, pbf_coarse_extent *exten
 
 /* The room of the cells in a box outside which there is no fluid, and what is to be done about that
  * in them. */
-static inline pbf_coarse_dose pbf_deep_dose(pbf_deep *deep, const pbf_obstacles *o,
-                                            const pbf_deep_box *box) {
+static inline pbf_pressure_grid_source_scale pbf_grid_pressure_source_scale(
+    pbf_deep *deep, const pbf_obstacles *o, const pbf_deep_box *box) {
   const pbf_coarse *c = &deep->grid;
   pbf_coarse_extent extent = {{0}, {0}};
   int i[PBF_DIM];
@@ -102,7 +102,7 @@ static inline pbf_coarse_dose pbf_deep_dose(pbf_deep *deep, const pbf_obstacles 
         pbf_deep_extend(c, &extent, i);
     }
   } while (pbf_deep_next_row(box, i));
-  return pbf_coarse_dose_of(c, &extent);
+  return pbf_pressure_grid_source_scale_of(c, &extent);
 }
 
 /* How far the nodes of the cells in a box are below the surface. */
@@ -138,10 +138,11 @@ static inline void pbf_deep_cut(pbf_deep *deep, const pbf_deep_box *box) {
 }
 
 /* Where the solve starts, once all have an equation. */
-static inline void pbf_deep_guess(pbf_deep *deep, const pbf_coarse_dose *dose) {
+static inline void pbf_deep_guess(pbf_deep *deep,
+                                  const pbf_pressure_grid_source_scale *source_scale) {
   const pbf_coarse *c = &deep->grid;
   for (uint32_t column = 0; column < pbf_coarse_columns(c); ++column)
-    pbf_coarse_guess(c, dose->part, deep->inverse, deep->rooms, deep->weights, column,
+    pbf_coarse_guess(c, source_scale->part, deep->inverse, deep->rooms, deep->weights, column,
                      deep->lambda);
   memcpy(deep->before, deep->lambda, c->nodes * sizeof *deep->lambda);
 }

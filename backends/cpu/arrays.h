@@ -36,7 +36,7 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return take_memory(&s->memory, name, count, sizeof(uint32_t));
 }
 
-/* 0 when one is lacking. What is packed before the first particle's is nobody's. */
+/* 0 when one is lacking. What is packed before the first particle's is the sentinel's. */
 static int take_packed(solver *s) {
   for (int k = 0; k < 2 && s->kernels->pack; ++k) {
     pbf_real *base = take_memory(&s->memory, k ? "quads of lambda" : "quads",
@@ -48,16 +48,16 @@ static int take_packed(solver *s) {
 }
 
 /* What the threads need to share their work out; 0 when one is lacking. */
-static int take_pieces(solver *s) {
+static int take_tasks(solver *s) {
   pbf_memory *m = &s->memory;
   uint64_t threads = s->threads, ranges = RANGE_PIECES * threads;
   s->sample = take_indices(s, "sampled cell", ranges * SAMPLES_A_RANGE);
   s->first_cell = take_indices(s, "first cell of a range", ranges + 1);
   s->first_place = take_indices(s, "first place of a range", ranges + 1);
-  s->first_group = take_indices(s, "first group of a piece", PAIR_PIECES * threads + 1);
-  s->boxes = take_memory(m, "box of a piece", PARTICLE_PIECES * threads, sizeof *s->boxes);
+  s->first_group = take_indices(s, "first group of a task", PAIR_TASKS * threads + 1);
+  s->boxes = take_memory(m, "box of a task", PARTICLE_TASKS * threads, sizeof *s->boxes);
   s->list_sizes =
-      take_memory(m, "list size of a piece", SEARCH_PIECES * threads, sizeof *s->list_sizes);
+      take_memory(m, "list size of a task", SEARCH_TASKS * threads, sizeof *s->list_sizes);
   s->slab_counters = take_memory(m, "slabs taken", threads, sizeof *s->slab_counters);
   s->team = take_memory(m, "team", team_bytes(s->threads), 1);
   return s->team && s->sample && s->first_cell && s->first_place && s->first_group && s->boxes &&
@@ -84,7 +84,7 @@ static int take_arrays(solver *s) {
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  return s->memory.count == 16 && take_packed(s) && take_pieces(s);
+  return s->memory.count == 16 && take_packed(s) && take_tasks(s);
 }
 
 typedef struct clearing {
@@ -106,7 +106,7 @@ static void clear_part(void *context, uint32_t part) {
 /* Each thread writes its part first, so that the pages lie near it. */
 static void clear_arrays(void *context, member *me) {
   clearing c = {static_cast<solver *>(context), me->threads};
-  team_for(me, me->threads, clear_part, NULL, &c);
+  parallel_for(me, me->threads, clear_part, NULL, &c);
 }
 
 /* How much of an optional array there is: elements, and how many of them lie before the first. */
@@ -125,9 +125,9 @@ static extent quads(const solver *s) {
   return {4 * padded(s->capacity), 4 * FIELD_FRONT};
 }
 
-static extent chunks(const solver *s) { return {padded(s->capacity) / CALM_CHUNK + 1, 0}; }
+static extent chunks(const solver *s) { return {padded(s->capacity) / ACTIVITY_CHUNK + 1, 0}; }
 
-static extent pieces(const solver *s) { return {(uint64_t)PAIR_PIECES * s->threads, 0}; }
+static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
 static extent grid_words(const solver *s) { return {pbf_deep_words(s->capacity), 0}; }
 

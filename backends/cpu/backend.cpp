@@ -46,8 +46,8 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
-  if (!before) greet(s, 0);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  if (!before) init_new(s, 0);
   if (changes) wake_all(s);
 }
 
@@ -127,15 +127,15 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
-  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
-  changed.solids |= s->movers.solids;
-  wake_near(s, changed, s->now);
+  pbf_moving_obstacles changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->moving_obstacles.solids;
+  wake_near_moving(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
   s->schedule = schedule;
-  s->movers = pbf_movers_of(&s->params, count, s->colliders);
-  wake_near(s, changed, time);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
+  wake_near_moving(s, changed, time);
   return PBF_OK;
 }
 
@@ -155,20 +155,20 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
   const uint32_t ended_after = s->iterations;
-  pbf_real *slack = s->slack;
+  pbf_real *residual_density = s->residual_density;
   step_job job = {.s = s, .time = time, .steps = 1};
   add_weight(s);
   wake_all(s);
   s->params = pbf_projection_of(&params, iterations);
   s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
-  s->slack = NULL;
+  s->residual_density = NULL;
   run_job(&job);
   s->params = params;
   s->schedule = schedule;
   s->constants = constants;
   s->iterations = ended_after;
-  s->slack = slack;
+  s->residual_density = residual_density;
   s->pressure_scale = 0;
   return job.done == 1 ? PBF_OK : no_memory_for_neighbors(s);
 }
@@ -183,7 +183,7 @@ static pbf_status synchronize(solver *s) {
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
   add_weight(s);
   append(s, particles);
-  greet(s, s->count - particles->count);
+  init_new(s, s->count - particles->count);
   return PBF_OK;
 }
 
@@ -204,7 +204,7 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
     read_rest(s, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-    if (!survey(s, survey_densities)) return no_memory_for_neighbors(s);
+    if (!diagnose(s, diagnose_densities)) return no_memory_for_neighbors(s);
     read_densities(s, rows, (pbf_real *)out);
   } else {
     read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
@@ -242,7 +242,7 @@ static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
 
 static pbf_status find_pressures(solver *s) {
   add_weight(s);
-  return survey(s, survey_pressures) ? PBF_OK : no_memory_for_neighbors(s);
+  return diagnose(s, diagnose_pressures) ? PBF_OK : no_memory_for_neighbors(s);
 }
 
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
@@ -266,9 +266,9 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  if (!survey(s, survey_densities)) return no_memory_for_neighbors(s);
+  if (!diagnose(s, diagnose_densities)) return no_memory_for_neighbors(s);
   stats->count = s->count;
-  stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
+  stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
   stats->asleep = s->asleep;
   sum_stats(s, stats);
   return PBF_OK;

@@ -13,7 +13,7 @@ typedef struct block {
   uint32_t rounds;                           /* most neighbours of a particle */
 } block;
 
-enum { MOST_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 28 * PARTS };
+enum { MAX_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 28 * PARTS };
 
 /* Bytes of a block's list or masks. */
 PBF_FN uint32_t block_payload(uint32_t rounds) {
@@ -64,7 +64,7 @@ PBF_FN void walk_past(walk *w) {
 }
 
 /* The block's lists, unpacked into `space` where they are not stored; the walk goes on. */
-PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MOST_ROUNDS * WIDTH]) {
+PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MAX_ROUNDS * WIDTH]) {
   const block *b = walk_block(w);
   walk_past(w);
   return b->rounds <= DENSE_ROUNDS ? (const uint8_t *)(b + 1) : list_dense(b, space);

@@ -46,7 +46,7 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
                           const typename Pass::template own<lane> &own, uint32_t g,
                           typename Pass::template sums<lane> *sums, slots *neighbors = NULL) {
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  uint8_t space[MAX_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);

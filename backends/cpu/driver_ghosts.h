@@ -81,7 +81,7 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
   typename Pass::template sums<lane> ghosts;
   memset(&ghosts, 0, sizeof ghosts);
   add_ghosts(pass, m, own, itself, &ghosts);
-  uint8_t space[MOST_ROUNDS * WIDTH];
+  uint8_t space[MAX_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);

@@ -62,14 +62,14 @@ typedef struct pair_pass {
   const pbf_constants *constants;
   int features;
   struct lists lists;
-  field x;                    /* sorted */
-  const pbf_real *quads;      /* as pack makes them, of x and what move looks up */
-  const pbf_real *vectors;    /* and of what else a pass looks up */
-  const pbf_obstacles *walls; /* that lend density; null: none do */
-  const pbf_real *slack;      /* null: none */
-  int64_t *excess;            /* lambda adds the density error to it; null: nobody asks */
-  const pbf_real *unrest;     /* null: nobody sleeps */
-  walls_lent lent;            /* by the walls: lambda leaves it for move, at the same places */
+  field x;                          /* sorted */
+  const pbf_real *quads;            /* as pack makes them, of x and what move looks up */
+  const pbf_real *vectors;          /* and of what else a pass looks up */
+  const pbf_obstacles *walls;       /* that lend density; null: none do */
+  const pbf_real *residual_density; /* null: none */
+  int64_t *error_units;     /* lambda adds the density error to it; null: the sentinel asks */
+  const pbf_real *activity; /* null: the sentinel sleeps */
+  walls_lent lent;          /* by the walls: lambda leaves it for move, at the same places */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */
@@ -102,11 +102,11 @@ typedef struct turn_pass {
   field torque, rate, velocity;
 } turn_pass;
 
-/* Sorted particles of whom one byte says whether any of them can be stirred. */
-enum { CALM_CHUNK = 32 };
+/* Sorted particles of whom one byte says whether any of them can be awakened. */
+enum { ACTIVITY_CHUNK = 32 };
 
 /* No place in any order. */
-#define STIRRED UINT32_MAX
+#define AWAKENED UINT32_MAX
 
 /* Nodes of the pressure grid that are done at once, at most. */
 enum { DEEP_LANES = 8 };
@@ -139,32 +139,34 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
-  void (*undamp)(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last);
+  void (*compensate_damping)(const pair_pass *p, const undamp_pass *u, uint32_t first,
+                             uint32_t last);
   /* Adds the torque of the move that is next, … */
   void (*torque)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   /* … and at the end finds rates, and turns with them. */
   void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   void (*turn)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
-  /* Those who have somebody `loud` within h, above 0, are STIRRED. */
-  void (*stir)(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
-               uint32_t first, uint32_t last);
+  /* Those who have somebody `is a source` within h, above 0, are AWAKENED. */
+  void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
+                         uint32_t *awakened, uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
-  /* `neighbors` null: nobody counts them. */
+  /* `neighbors` null: the sentinel counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);
   /* What passes/pressure_fit.h makes of numbers that the particles have. */
   void (*fit)(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
               uint32_t last);
-  void (*slack)(const pbf_constants *constants, pbf_real *density, uint32_t first, uint32_t last);
+  void (*residual_density)(const pbf_constants *constants, pbf_real *density, uint32_t first,
+                           uint32_t last);
 
   /* The pressure grid's, over particles … */
-  void (*weigh)(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
-                uint32_t first, uint32_t last);
-  void (*carry)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
-                uint32_t last);
+  void (*deposit)(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
+                  uint32_t first, uint32_t last);
+  void (*apply_correction)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v,
+                           uint32_t first, uint32_t last);
   /* … and over nodes: kernels_pressure_grid.h. */
-  void (*equations)(const pbf_deep *deep, const pbf_coarse_dose *dose, const int i[PBF_DIM],
-                    int last, uint32_t row);
+  void (*equations)(const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale,
+                    const int i[PBF_DIM], int last, uint32_t row);
   int (*relax)(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first, uint32_t last);
 } kernels;
 

@@ -22,7 +22,8 @@ static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint3
   }
 }
 
-static void undamp(const pair_pass *p, const undamp_pass *u, uint32_t first, uint32_t last) {
+static void compensate_damping(const pair_pass *p, const undamp_pass *u, uint32_t first,
+                               uint32_t last) {
   typedef damping_compensation_pass<int> pass_type;
   const pbf_constants c = *p->constants;
   const int features = (hot_features(p) & PBF_FEATURE_POLY6) | (u->torque ? PBF_FEATURE_TORQUE : 0);

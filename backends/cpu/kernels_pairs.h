@@ -27,12 +27,13 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 /* Lambda of one group from its sums. */
 template <class Pass>
 PBF_FN void lambda_group(const Pass &pass, const lane *density,
-                         const lane_sums<Pass::template sums> &sums, const pbf_real *slack,
-                         pbf_real *lambda, pbf_real *added) {
+                         const lane_sums<Pass::template sums> &sums,
+                         const pbf_real *residual_density, pbf_real *lambda, pbf_real *added) {
   const pbf_constants *c = pass.c;
   alignas(64) pbf_real densities[WIDTH], lambdas[WIDTH];
   lane_store(densities, *density);
-  for (uint32_t l = 0; l < WIDTH; ++l) lambdas[l] = pass.finish(sums[l], slack ? slack[l] : 0);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    lambdas[l] = pass.finish(sums[l], residual_density ? residual_density[l] : 0);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c->accelerated)
     for (uint32_t l = 0; l < WIDTH; ++l)
       pbf_accelerate(c, densities[l], lambdas[l], &lambda[l], &added[l]);
@@ -41,19 +42,20 @@ PBF_FN void lambda_group(const Pass &pass, const lane *density,
 }
 
 /* The density error of a group's particles. */
-static __attribute__((noinline)) int64_t excess_of(const pair_pass *p, const lane *density,
-                                                   uint32_t g) {
+static __attribute__((noinline)) int64_t error_units_of(const pair_pass *p, const lane *density,
+                                                        uint32_t g) {
   _Alignas(64) pbf_real densities[WIDTH];
   int64_t sum = 0;
   lane_store(densities, *density);
   for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-    if (!p->unrest || !pbf_is_idle(p->unrest[g * WIDTH + l]))
-      sum += pbf_excess(p->constants, p->slack ? p->slack[g * WIDTH + l] : 0, densities[l]);
+    if (!p->activity || !pbf_is_inactive(p->activity[g * WIDTH + l]))
+      sum += pbf_error_units(
+          p->constants, p->residual_density ? p->residual_density[g * WIDTH + l] : 0, densities[l]);
   return sum;
 }
 
 PBF_FN int64_t *asked_excess(const pair_pass *p) {
-  return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->excess : NULL;
+  return PBF_BUILT & PBF_FEATURE_TOLERANCE ? p->error_units : NULL;
 }
 
 static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
@@ -100,9 +102,10 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
       sums.density = sums.density + lent;
       for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = lane_load(gradients.c[k]);
     }
-    if (asked_excess(p)) *p->excess += excess_of(p, &sums.density, g);
+    if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.density, g);
     lambda_group(pass, &sums.density, lane_sums<pass_type::template sums>(sums),
-                 p->slack ? p->slack + g * WIDTH : NULL, lambda + g * WIDTH, added + g * WIDTH);
+                 p->residual_density ? p->residual_density + g * WIDTH : NULL, lambda + g * WIDTH,
+                 added + g * WIDTH);
   }
 }
 
@@ -261,19 +264,21 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
 
-/* The windows of a block in which somebody can be stirred, a bit each. */
-PBF_FN uint32_t calm_windows(const block *b, const uint8_t *calm) {
+/* The windows of a block in which somebody can be awakened, a bit each. */
+PBF_FN uint32_t windows_with_sleepers(const block *b, const uint8_t *has_sleepers) {
   uint32_t windows = 0;
   for (uint32_t part = 0; part < PARTS; ++part) {
     uint32_t first = b->first[part], last = first + SLOTS - 2;
-    windows |= (uint32_t)(calm[first / CALM_CHUNK] | calm[last / CALM_CHUNK]) << part;
+    windows |=
+        (uint32_t)(has_sleepers[first / ACTIVITY_CHUNK] | has_sleepers[last / ACTIVITY_CHUNK])
+        << part;
   }
   return windows;
 }
 
 /* The neighbours of particle i, whose list begins at `list`, in these windows of a block are
- * stirred. */
-static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t i, const block *b,
+ * awakened. */
+static void wake_around(const pair_pass *p, uint32_t *awakened, uint32_t i, const block *b,
                         const uint8_t *list, uint32_t windows) {
   const pbf_vec x = field_at(&p->x, i);
   for (uint32_t round = 0; round < b->rounds; ++round) {
@@ -283,24 +288,26 @@ static void stir_around(const pair_pass *p, uint32_t *stirred, uint32_t i, const
     pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
     /* Others may say the same at the same time. */
     if (pbf_dot(x_ij, x_ij) < p->constants->h2)
-      __atomic_store_n(&stirred[j], STIRRED, __ATOMIC_RELAXED);
+      __atomic_store_n(&awakened[j], AWAKENED, __ATOMIC_RELAXED);
   }
 }
 
-static void stir(const pair_pass *p, const pbf_real *loud, const uint8_t *calm, uint32_t *stirred,
-                 uint32_t first, uint32_t last) {
-  uint8_t space[MOST_ROUNDS * WIDTH];
+static void wake_neighbors(const pair_pass *p, const pbf_real *is_source,
+                           const uint8_t *has_sleepers, uint32_t *awakened, uint32_t first,
+                           uint32_t last) {
+  uint8_t space[MAX_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g)
     for (walk w = walk_group(&p->lists, g); w.left;) {
       const block *b = walk_block(&w);
-      uint32_t windows = calm_windows(b, calm);
+      uint32_t windows = windows_with_sleepers(b, has_sleepers);
       if (!windows) {
         walk_past(&w);
         continue;
       }
       const uint8_t *list = walk_on(&w, space);
       for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-        if (loud[g * WIDTH + l] > 0) stir_around(p, stirred, g * WIDTH + l, b, list + l, windows);
+        if (is_source[g * WIDTH + l] > 0)
+          wake_around(p, awakened, g * WIDTH + l, b, list + l, windows);
     }
 }
 

@@ -98,10 +98,10 @@ static void backtrack(pbf_real time_step, field predicted, field velocity, field
     field_set(&before, i, pbf_start(time_step, field_at(&predicted, i), field_at(&velocity, i)));
 }
 
-static void slack(const pbf_constants *constants, pbf_real *density, uint32_t first,
-                  uint32_t last) {
+static void residual_density(const pbf_constants *constants, pbf_real *density, uint32_t first,
+                             uint32_t last) {
   const pbf_constants c = *constants;
-  for (uint32_t i = first; i < last; ++i) density[i] = pbf_slack(&c, density[i]);
+  for (uint32_t i = first; i < last; ++i) density[i] = pbf_residual_density(&c, density[i]);
 }
 
 /* NaN leaves the bounds as they are. */

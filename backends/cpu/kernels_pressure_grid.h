@@ -47,8 +47,8 @@ PBF_FN void add_entries(const pbf_deep *deep, const uint32_t *cells, const int64
   }
 }
 
-static void weigh(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
-                  uint32_t first, uint32_t last) {
+static void deposit(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
+                    uint32_t first, uint32_t last) {
   const pbf_coarse c = deep->grid;
   for (uint32_t count; first < last; first += count) {
     deep_places places;
@@ -81,8 +81,8 @@ PBF_FN void fetch_corners(const pbf_deep *deep, const uint32_t *cells, uint32_t 
   }
 }
 
-static void carry(const pbf_deep *deep, pbf_real inv_time_step, field x, field v, uint32_t first,
-                  uint32_t last) {
+static void apply_correction(const pbf_deep *deep, pbf_real inv_time_step, field x, field v,
+                             uint32_t first, uint32_t last) {
   const pbf_coarse c = deep->grid;
   for (uint32_t count; first < last; first += count) {
     deep_places places;
@@ -108,13 +108,11 @@ static void carry(const pbf_deep *deep, pbf_real inv_time_step, field x, field v
 
 /* Of the nodes from (i[0], i[1], i[2]) along the first axis up to `last`; `row` is the index of
  * (0, i[1], i[2]). */
-static __attribute__((noinline)) void write_equations(const pbf_deep *deep,
-                                                      const pbf_coarse_dose *dose,
-                                                      const int i[PBF_DIM], int last, uint32_t row,
-                                                      double *restrict right,
-                                                      double *restrict inverse) {
+static __attribute__((noinline)) void write_equations(
+    const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],
+    int last, uint32_t row, double *restrict right, double *restrict inverse) {
   const pbf_coarse c = deep->grid;
-  const pbf_coarse_dose d = *dose;
+  const pbf_pressure_grid_source_scale d = *source_scale;
   const double *rooms = deep->rooms, *weights = deep->weights, *depths = deep->depths;
   const int64_t *sums = deep->sums;
   for (int x = i[0]; x <= last; ++x) {
@@ -125,9 +123,9 @@ static __attribute__((noinline)) void write_equations(const pbf_deep *deep,
   }
 }
 
-static void equations(const pbf_deep *deep, const pbf_coarse_dose *dose, const int i[PBF_DIM],
-                      int last, uint32_t row) {
-  write_equations(deep, dose, i, last, row, deep->right + row, deep->inverse + row);
+static void equations(const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale,
+                      const int i[PBF_DIM], int last, uint32_t row) {
+  write_equations(deep, source_scale, i, last, row, deep->right + row, deep->inverse + row);
 }
 
 /* 1 when a node was missing more than enough. */

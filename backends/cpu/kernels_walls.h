@@ -44,7 +44,8 @@ typedef struct lane_walls {
   _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
 } lane_walls;
 
-/* Adds what the wall at these distances lends, whose normal has this sign; 0: nobody is near. */
+/* Adds what the wall at these distances lends, whose normal has this sign; 0: the sentinel is near.
+ */
 static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH], pbf_real sign,
                           lane_walls *walls) {
   _Alignas(64) pbf_real s[WIDTH], lends[WIDTH], push[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH],
@@ -94,8 +95,8 @@ typedef struct lane_lent {
 } lane_lent;
 
 /* pbf_lent_by_walls in all lanes, and what pbf_lent_at makes where there are no colliders to the
- * bit: whether a group asks colliders must not be seen in its densities, as lanes that nobody has
- * have a say in it. */
+ * bit: whether a group asks colliders must not be seen in its densities, as lanes that the sentinel
+ * has have a say in it. */
 static __attribute__((noinline)) void lent_by_walls(const pbf_constants *c, const pbf_walls *walls,
                                                     const lane_values *x, lane_lent *lent) {
   if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && walls->reach > 0) return;

@@ -24,9 +24,9 @@ PBF_FN lane_vec lane_vec_load(const field *f, uint32_t i) {
   return a;
 }
 
-PBF_FN table_vec table_vec_of(const field *f, const block *b, pbf_real nobody) {
+PBF_FN table_vec table_vec_of(const field *f, const block *b, pbf_real sentinel) {
   table_vec t;
-  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : nobody);
+  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : sentinel);
   return t;
 }
 

@@ -54,7 +54,8 @@ static void list_size_add(list_size *all, list_size more) {
 
 /* `quads` are of x, and of what the pass looks up. */
 static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
-  static const uint8_t none[LIST_UNIT] = {0}; /* where nobody has a neighbour there are no lists */
+  static const uint8_t none[LIST_UNIT] = {
+      0}; /* where the sentinel has a neighbour there are no lists */
   const solver *s = w->s;
   return (pair_pass){.constants = &w->constants,
                      .features = s->schedule.features,
@@ -66,8 +67,8 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                      .quads = quads,
                      .vectors = packed_vectors(s),
                      .walls = s->schedule.wall_density ? &w->obstacles : NULL,
-                     .slack = s->slack,
-                     .unrest = sleep_is_on(w) ? w->unrest : NULL};
+                     .residual_density = s->residual_density,
+                     .activity = sleep_is_on(w) ? w->activity : NULL};
 }
 
 static void list_neighbors(worker *w, range groups, list_size *all) {
@@ -84,67 +85,68 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 }
 
 /* The sleepers within h of somebody awake in these groups. */
-static void find_shore(const worker *w, range groups) {
+static void find_sleeping_boundary(const worker *w, range groups) {
   const solver *s = w->s;
   pair_pass pairs = pairs_at(w, *w->sorted_positions, packed_positions(s));
-  s->kernels->stir(&pairs, w->unrest, s->calm, stirred_in_search(s), groups.first, groups.last);
+  s->kernels->wake_neighbors(&pairs, w->activity, s->has_sleepers, stirred_in_search(s),
+                             groups.first, groups.last);
 }
 
-static void search_piece(void *context, uint32_t piece) {
+static void search_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = part_of(groups_of(s), piece, search_pieces(w));
+  range r = part_of(groups_of(s), task, search_task_count(w));
   list_size all = {0};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last)) {
     list_neighbors(w, g, &all);
-    if (sleep_is_on(w) && s->asleep && !all.lacking) find_shore(w, g);
+    if (sleep_is_on(w) && s->asleep && !all.lacking) find_sleeping_boundary(w, g);
   }
-  s->list_sizes[piece] = all;
+  s->list_sizes[task] = all;
 }
 
-/* The shore has lists of its own. */
-static void shore_piece(void *context, uint32_t piece) {
+/* The sleeping boundary has lists of its own. */
+static void sleeping_boundary_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = part_of(groups_of(s), piece, search_pieces(w));
+  range r = part_of(groups_of(s), task, search_task_count(w));
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
-    if (stirred_in_search(s)[i] == STIRRED && pbf_is_asleep(w->unrest[i]))
-      w->unrest[i] = pbf_shore();
+    if (stirred_in_search(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
+      w->activity[i] = pbf_sleeping_boundary();
   for (uint32_t g = r.first; g < r.last; ++g)
-    if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_shore()))
-      list_neighbors(w, (range){g, g + 1}, &s->list_sizes[piece]);
+    if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_sleeping_boundary()))
+      list_neighbors(w, (range){g, g + 1}, &s->list_sizes[task]);
 }
 
 /* What a group's pairs cost, in units of its list, without any of these. */
 enum { GROUP_COST = 3 };
 
-/* Passes over pairs have pieces of equal cost. */
+/* Passes over pairs have tasks of equal cost. */
 static void divide_groups(const worker *w) {
   solver *s = w->s;
-  uint32_t searched = search_pieces(w), pieces = pair_pieces(w), next = 1;
+  uint32_t searched = search_task_count(w), tasks = pair_task_count(w), next = 1;
   uint64_t groups = groups_of(s);
-  double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / pieces, before = 0;
+  double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / tasks, before = 0;
   for (uint32_t k = 0; k < searched; ++k) {
     range r = part_of(groups, k, searched);
     double cost = (double)s->list_sizes[k].units + GROUP_COST * (double)(r.last - r.first);
     double groups_a_cost = (r.last - r.first) / cost;
-    for (; next < pieces && each * next < before + cost; ++next)
+    for (; next < tasks && each * next < before + cost; ++next)
       s->first_group[next] = r.first + (uint32_t)((each * next - before) * groups_a_cost);
     before += cost;
   }
-  while (next < pieces) s->first_group[next++] = (uint32_t)groups;
+  while (next < tasks) s->first_group[next++] = (uint32_t)groups;
   s->first_group[0] = 0;
-  s->first_group[pieces] = (uint32_t)groups;
+  s->first_group[tasks] = (uint32_t)groups;
 }
 
 static void end_search(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   s->wanted = (list_size){0};
-  for (uint32_t k = 0; k < search_pieces(w); ++k) list_size_add(&s->wanted, s->list_sizes[k]);
+  for (uint32_t k = 0; k < search_task_count(w); ++k) list_size_add(&s->wanted, s->list_sizes[k]);
   for (uint32_t t = 0; t < w->me->threads; ++t)
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);
@@ -156,19 +158,19 @@ static void end_search(void *context) {
 /* Finds the neighbours at the sorted positions. 0 when there is no memory for them: the team then
  * stops at this step, and the caller's thread alone may take more (grow_lists). `last` is
  * end_search, with or without more. */
-static int find_neighbors(worker *w, team_last last) {
+static int find_neighbors(worker *w, completion_function last) {
   w->room = (room){.more = next_slab, .context = w};
-  team_for(w->me, search_pieces(w), search_piece, sleep_is_on(w) ? NULL : last, w);
-  if (sleep_is_on(w)) team_for(w->me, search_pieces(w), shore_piece, last, w);
+  parallel_for(w->me, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
+  if (sleep_is_on(w)) parallel_for(w->me, search_task_count(w), sleeping_boundary_task, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);
 }
 
-/* Densities of a piece's particles at the places x between these obstacles, of those in groups
+/* Densities of a task's particles at the places x between these obstacles, of those in groups
  * where somebody solves. */
-static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles *obstacles, field x,
+static void find_densities(const worker *w, uint32_t task, const pbf_obstacles *obstacles, field x,
                            const pbf_real *quads, pbf_real *densities) {
-  range groups = piece_groups(w, piece);
+  range groups = task_groups(w, task);
   pair_pass pairs = pairs_at(w, x, quads);
   if (pairs.walls) pairs.walls = obstacles;
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
@@ -176,20 +178,20 @@ static void find_densities(const worker *w, uint32_t piece, const pbf_obstacles 
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);
 }
 
-static void velocities_piece(void *context, uint32_t piece) {
+static void velocities_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, task_sorted(w, task));
 }
 
-/* Nobody's vector is 0. The next sort puts nobody far away again. */
+/* Nobody's vector is 0. The next sort puts the sentinel far away again. */
 static void end_vectors(void *context) {
   const worker *w = static_cast<const worker *>(context);
   packed_vectors(w->s)[-4] = 0;
 }
 
 /* Passes over pairs after the solve look up these vectors, where they read quads. */
-static void pack_vectors(worker *w, void (*pack_piece)(void *context, uint32_t piece)) {
-  if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_vectors, w);
+static void pack_vectors(worker *w, void (*pack_task)(void *context, uint32_t task)) {
+  if (w->s->kernels->pack) parallel_for(w->me, pair_task_count(w), pack_task, end_vectors, w);
 }
 
 /* Who is no neighbour is far away. */
@@ -199,13 +201,13 @@ static void end_positions(void *context) {
 }
 
 /* Or these positions, and a number of each. */
-static void pack_positions(worker *w, void (*pack_piece)(void *context, uint32_t piece)) {
-  if (w->s->kernels->pack) team_for(w->me, pair_pieces(w), pack_piece, end_positions, w);
+static void pack_positions(worker *w, void (*pack_task)(void *context, uint32_t task)) {
+  if (w->s->kernels->pack) parallel_for(w->me, pair_task_count(w), pack_task, end_positions, w);
 }
 
-/* The velocities of a piece's particles, smoothed by so much. */
-static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosity, field smoothed) {
-  range groups = piece_groups(w, piece);
+/* The velocities of a task's particles, smoothed by so much. */
+static void smooth_velocities(const worker *w, uint32_t task, pbf_real viscosity, field smoothed) {
+  range groups = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   pbf_constants c = w->constants;
   c.viscosity = viscosity;
@@ -213,7 +215,7 @@ static void smooth_velocities(const worker *w, uint32_t piece, pbf_real viscosit
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
     w->s->kernels->viscosity(&pairs, w->b.v, smoothed, g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), smoothed.c, PBF_DIM);
+  zero_sleeping(w, task_sorted(w, task), smoothed.c, PBF_DIM);
 }
 
 #endif

@@ -26,7 +26,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     field_set(&b->x, kept, field_at(&b->x, i));
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
-    if (b->unrest) b->unrest[kept] = b->unrest[i];
+    if (b->activity) b->activity[kept] = b->activity[i];
     b->ids[kept++] = b->ids[i];
   }
   s->count = kept;
@@ -54,29 +54,29 @@ static void write_vectors(solver *s, const field *f, const pbf_rows *rows, const
   }
 }
 
-/* Of those that may sleep: the unrest and the lambda of each. */
+/* Of those that may sleep: the activity and the lambda of each. */
 static void read_rest(const solver *s, const pbf_rows *rows, pbf_real *out) {
-  for (uint32_t i = 0; i < s->count && s->buffers.unrest; ++i) {
+  for (uint32_t i = 0; i < s->count && s->buffers.activity; ++i) {
     uint64_t row = wanted_row(rows, s->buffers.ids[i]);
     if (row == rows->count) continue;
-    out[row * 2] = s->buffers.unrest[i];
+    out[row * 2] = s->buffers.activity[i];
     out[row * 2 + 1] = s->buffers.sleeping_lambda[i];
   }
 }
 
 static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
   s->asleep = 0;
-  for (uint32_t i = 0; i < s->count && s->buffers.unrest; ++i) {
+  for (uint32_t i = 0; i < s->count && s->buffers.activity; ++i) {
     uint64_t row = wanted_row(rows, s->buffers.ids[i]);
     if (row < rows->count) {
-      s->buffers.unrest[i] = in[row * 2];
+      s->buffers.activity[i] = in[row * 2];
       s->buffers.sleeping_lambda[i] = s->lambda[i] = in[row * 2 + 1];
     }
-    s->asleep += (uint32_t)pbf_is_asleep(s->buffers.unrest[i]);
+    s->asleep += (uint32_t)pbf_is_asleep(s->buffers.activity[i]);
   }
 }
 
-/* After a survey. */
+/* After a diagnostics. */
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);

@@ -19,42 +19,42 @@ static void end_deep_search(void *context) {
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */
-static void weigh_piece(void *context, uint32_t piece) {
+static void deposit_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range all = piece_sorted(w, piece);
-  find_densities(w, piece, &w->obstacles, w->b.sorted_predicted, packed_positions(s),
+  range all = task_sorted(w, task);
+  find_densities(w, task, &w->obstacles, w->b.sorted_predicted, packed_positions(s),
                  grid_densities(s));
-  for (range r = idle_particles(w, all.first, all.last); r.first < r.last;
-       r = idle_particles(w, r.last, all.last))
+  for (range r = inactive_particles(w, all.first, all.last); r.first < r.last;
+       r = inactive_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) grid_densities(s)[i] = w->constants.target;
-  s->kernels->weigh(&s->deep, w->constants.target, w->b.sorted_predicted, grid_densities(s),
-                    all.first, all.last);
+  s->kernels->deposit(&s->deep, w->constants.target, w->b.sorted_predicted, grid_densities(s),
+                      all.first, all.last);
 }
 
-static void end_weighing(void *context) {
+static void end_deposit(void *context) {
   worker *w = static_cast<worker *>(context);
   find_solve(w->s, &w->obstacles);
   begin_solve(w->s, w->me->threads);
 }
 
-static void carry_piece(void *context, uint32_t piece) {
+static void apply_correction_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range all = piece_sorted(w, piece);
+  range all = task_sorted(w, task);
   help_solving(s);
   if (s->deep_solve.nodes == 0) return; /* lambda is 0 */
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->carry(&s->deep, w->forces.inv_time_step, w->b.sorted_predicted,
-                      w->b.sorted_velocity, r.first, r.last);
+    s->kernels->apply_correction(&s->deep, w->forces.inv_time_step, w->b.sorted_predicted,
+                                 w->b.sorted_velocity, r.first, r.last);
   fill_packed(s, packed_positions(s), &w->b.sorted_predicted, NULL, all);
 }
 
 /* What the weight presses together is undone. */
-static void carry_weight(worker *w) {
-  team_for(w->me, pair_pieces(w), weigh_piece, end_weighing, w);
-  team_for(w->me, pair_pieces(w), carry_piece, NULL, w);
+static void solve_pressure_grid(worker *w) {
+  parallel_for(w->me, pair_task_count(w), deposit_task, end_deposit, w);
+  parallel_for(w->me, pair_task_count(w), apply_correction_task, NULL, w);
   stage_end(w, PBF_STAGE_GRID);
 }
 
@@ -62,11 +62,11 @@ static void carry_weight(worker *w) {
  * added. No step asks for it. */
 static void add_weight(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->unweighed) return;
+  if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->grid_pressure_pending) return;
   for (uint32_t i = 0; i < s->count; ++i)
     s->lambda[i] +=
         pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, field_at(&s->buffers.x, i));
-  s->unweighed = 0;
+  s->grid_pressure_pending = 0;
 }
 
 #endif

@@ -67,7 +67,8 @@ static uint32_t round_runs(pbf_deep *deep) {
 }
 
 /* Returns the largest right side of a node that is not in the open. */
-static double find_equations(solver *s, const pbf_coarse_dose *dose, const pbf_deep_box *fluid) {
+static double find_equations(solver *s, const pbf_pressure_grid_source_scale *source_scale,
+                             const pbf_deep_box *fluid) {
   pbf_deep *deep = &s->deep;
   pbf_deep_box nodes = *fluid;
   double largest = 0;
@@ -77,7 +78,7 @@ static double find_equations(solver *s, const pbf_coarse_dose *dose, const pbf_d
   do {
     uint32_t row = pbf_deep_row(&deep->grid, i);
     i[0] = nodes.first[0];
-    s->kernels->equations(deep, dose, i, nodes.last[0], row);
+    s->kernels->equations(deep, source_scale, i, nodes.last[0], row);
     for (int x = nodes.first[0]; x <= nodes.last[0]; ++x) {
       uint32_t node = row + (uint32_t)x;
       if (!(deep->inverse[node] > 0)) continue;
@@ -92,19 +93,19 @@ static double find_equations(solver *s, const pbf_coarse_dose *dose, const pbf_d
 static void find_solve(solver *s, const pbf_obstacles *o) {
   pbf_deep *deep = &s->deep;
   deep_solve *d = &s->deep_solve;
-  pbf_coarse_dose dose = {0, 0, 1};
+  pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
   pbf_deep_box fluid;
   double largest = 0;
   deep->count = 0;
   memset(deep->inverse, 0, deep->grid.nodes * sizeof *deep->inverse);
   if (find_fluid(deep, &fluid)) {
-    dose = pbf_deep_dose(deep, o, &fluid);
+    source_scale = pbf_grid_pressure_source_scale(deep, o, &fluid);
     pbf_deep_cut(deep, &fluid);
-    if (dose.part > 0) largest = find_equations(s, &dose, &fluid);
+    if (source_scale.part > 0) largest = find_equations(s, &source_scale, &fluid);
   }
-  pbf_deep_guess(deep, &dose);
+  pbf_deep_guess(deep, &source_scale);
   d->nodes = round_runs(deep);
-  d->solve = pbf_coarse_begin(dose.longest, largest);
+  d->solve = pbf_coarse_begin(source_scale.longest, largest);
   d->iteration = 0;
 }
 

@@ -7,52 +7,54 @@
 
 /* ---- At the end of a step ------------------------------------------------------------------ */
 
-static void unrest_piece(void *context, uint32_t piece) {
+static void activity_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   const field &around = w->b.mean_velocity();
-  range all = piece_sorted(w, piece);
-  uint32_t drowsy = 0;
+  range all = task_sorted(w, task);
+  uint32_t near_sleep_count = 0;
   memset(stirred_at_end(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
-  smooth_velocities(w, piece, 1, around);
+  smooth_velocities(w, task, 1, around);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) {
       pbf_vec v = field_at(&around, i);
-      w->unrest[i] = pbf_unrest(&s->sleep, w->unrest[i], v);
-      w->b.wakes()[i] = pbf_stirs(&s->sleep, w->unrest[i], v);
+      w->activity[i] = pbf_activity(&s->sleep, w->activity[i], v);
+      w->b.wakes()[i] = pbf_wakes_neighbors(&s->sleep, w->activity[i], v);
     }
   for (uint32_t i = all.first; i < all.last; ++i) {
-    if (!(w->unrest[i] < s->sleep.still2)) continue;
-    mark_calm(s, i, 1);
-    ++drowsy;
+    if (!(w->activity[i] < s->sleep.still2)) continue;
+    mark_has_sleepers(s, i, 1);
+    ++near_sleep_count;
   }
-  atomic_fetch_add_explicit(&s->drowsy, drowsy, memory_order_relaxed);
+  atomic_fetch_add_explicit(&s->near_sleep_count, near_sleep_count, memory_order_relaxed);
 }
 
-/* Where nobody sleeps nor is about to, nobody need know of what stirs. */
-static void stir_piece(void *context, uint32_t piece) {
+/* Where the sentinel sleeps nor is about to, the sentinel need know of what wakes its neighbours.
+ */
+static void wake_neighbors_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range groups = piece_groups(w, piece);
+  range groups = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.x, packed_positions(s));
-  if (atomic_load_explicit(&s->drowsy, memory_order_relaxed) == 0) return;
+  if (atomic_load_explicit(&s->near_sleep_count, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    s->kernels->stir(&pairs, w->b.wakes(), s->calm, stirred_at_end(s), g.first, g.last);
+    s->kernels->wake_neighbors(&pairs, w->b.wakes(), s->has_sleepers, stirred_at_end(s), g.first,
+                               g.last);
 }
 
-static void settle_piece(void *context, uint32_t piece) {
+static void update_sleep_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range all = piece_sorted(w, piece);
+  range all = task_sorted(w, task);
   uint32_t sleepers = 0;
   for (uint32_t i = all.first; i < all.last; ++i) {
-    w->unrest[i] = pbf_settle(&s->sleep, w->unrest[i], stirred_at_end(s)[i] != 0);
-    sleepers += (uint32_t)pbf_is_asleep(w->unrest[i]);
-    if (i % CALM_CHUNK == 0 || i == all.first) mark_calm(s, i, 0);
+    w->activity[i] = pbf_update_sleep(&s->sleep, w->activity[i], stirred_at_end(s)[i] != 0);
+    sleepers += (uint32_t)pbf_is_asleep(w->activity[i]);
+    if (i % ACTIVITY_CHUNK == 0 || i == all.first) mark_has_sleepers(s, i, 0);
   }
-  keep_still(w, all, w->b.v.c, PBF_DIM);
+  zero_sleeping(w, all, w->b.v.c, PBF_DIM);
   atomic_fetch_add_explicit(&s->sleepers, sleepers, memory_order_relaxed);
 }
 
@@ -60,18 +62,18 @@ static void end_settling(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   s->asleep = atomic_exchange_explicit(&s->sleepers, 0, memory_order_relaxed);
-  atomic_store_explicit(&s->drowsy, 0, memory_order_relaxed);
+  atomic_store_explicit(&s->near_sleep_count, 0, memory_order_relaxed);
   if (s->asleep < s->count) return;
   s->all_asleep_at = w->step;
   atomic_store_explicit(&s->all_asleep, 1, memory_order_release);
 }
 
 /* 1 when now all sleep. */
-static int settle(worker *w) {
-  pack_vectors(w, velocities_piece);
-  team_for(w->me, pair_pieces(w), unrest_piece, NULL, w);
-  team_for(w->me, pair_pieces(w), stir_piece, NULL, w);
-  team_for(w->me, pair_pieces(w), settle_piece, end_settling, w);
+static int update_sleep(worker *w) {
+  pack_vectors(w, velocities_task);
+  parallel_for(w->me, pair_task_count(w), activity_task, NULL, w);
+  parallel_for(w->me, pair_task_count(w), wake_neighbors_task, NULL, w);
+  parallel_for(w->me, pair_task_count(w), update_sleep_task, end_settling, w);
   stage_end(w, PBF_STAGE_SLEEP);
   return atomic_load_explicit(&w->s->all_asleep, memory_order_acquire) &&
          w->s->all_asleep_at == w->step;
@@ -79,50 +81,54 @@ static int settle(worker *w) {
 
 /* ---- At its start -------------------------------------------------------------------------- */
 
-static void wake_piece(void *context, uint32_t piece) {
+static void wake_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range all = piece_particles(w, piece);
+  range all = task_particles(w, task);
   for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
        r = sleeping_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)
-      if (pbf_moves_near(s->movers, w->obstacles, s->constants.h, field_at(&w->b.x, i)))
-        w->unrest[i] = pbf_woken(&s->sleep);
+      if (pbf_near_moving_obstacle(s->moving_obstacles, w->obstacles, s->constants.h,
+                                   field_at(&w->b.x, i)))
+        w->activity[i] = pbf_woken_activity(&s->sleep);
 }
 
 /* ---- Between steps ------------------------------------------------------------------------- */
 
-static int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->buffers.unrest; }
+static int sleeps(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->buffers.activity;
+}
 
 /* Particles first … count - 1 are new. */
-static void greet(solver *s, uint32_t first) {
+static void init_new(solver *s, uint32_t first) {
   if (!sleeps(s)) return;
   for (uint32_t i = first; i < s->count; ++i) {
-    s->buffers.unrest[i] = pbf_newcomer(&s->sleep);
+    s->buffers.activity[i] = pbf_new_activity(&s->sleep);
     s->buffers.sleeping_lambda[i] = 0;
   }
 }
 
 static void wake_all(solver *s) {
   if (!sleeps(s) || !s->asleep) return;
-  pbf_real *unrest = s->buffers.unrest;
+  pbf_real *activity = s->buffers.activity;
   for (uint32_t i = 0; i < s->count; ++i)
-    if (pbf_is_asleep(unrest[i])) unrest[i] = pbf_woken(&s->sleep);
+    if (pbf_is_asleep(activity[i])) activity[i] = pbf_woken_activity(&s->sleep);
   s->asleep = 0;
 }
 
 /* Wakes who is near these colliders as they stand at a time; 1 where somebody is. */
-static int wake_near(solver *s, pbf_movers movers, double time) {
+static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
   pbf_obstacles obstacles;
   uint32_t before = s->asleep;
-  if (!sleeps(s) || !s->asleep || !pbf_any_moves(movers)) return 0;
+  if (!sleeps(s) || !s->asleep || !pbf_any_obstacle_moves(moving_obstacles)) return 0;
   place_obstacles(s, time, &obstacles);
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_real *unrest = &s->buffers.unrest[i];
-    if (!pbf_is_asleep(*unrest) ||
-        !pbf_moves_near(movers, obstacles, s->constants.h, field_at(&s->buffers.x, i)))
+    pbf_real *activity = &s->buffers.activity[i];
+    if (!pbf_is_asleep(*activity) ||
+        !pbf_near_moving_obstacle(moving_obstacles, obstacles, s->constants.h,
+                                  field_at(&s->buffers.x, i)))
       continue;
-    *unrest = pbf_woken(&s->sleep);
+    *activity = pbf_woken_activity(&s->sleep);
     --s->asleep;
   }
   return s->asleep < before;
@@ -131,9 +137,9 @@ static int wake_near(solver *s, pbf_movers movers, double time) {
 /* How many of `steps` steps from `time` on pass without anybody awake, when all sleep. */
 static uint32_t steps_asleep(solver *s, double time, uint32_t steps) {
   if (!sleeps(s) || s->asleep < s->count) return 0;
-  if (!pbf_any_moves(s->movers)) return steps;
+  if (!pbf_any_obstacle_moves(s->moving_obstacles)) return steps;
   for (uint32_t k = 0; k < steps; ++k)
-    if (wake_near(s, s->movers, time + (k + 1) * s->params.time_step)) return k;
+    if (wake_near_moving(s, s->moving_obstacles, time + (k + 1) * s->params.time_step)) return k;
   return steps;
 }
 

@@ -1,18 +1,18 @@
 /* What the stages of a step ask about sleepers. Where nothing sleeps all groups are awake. Once
- * neighbours are known, some sleepers are the shore (physics/sleep.h). */
+ * neighbours are known, some sleepers are the sleeping boundary (physics/sleep.h). */
 #ifndef PBF_CPU_SLEEPERS_H
 #define PBF_CPU_SLEEPERS_H
 
 #include "cpu/worker.h"
 
 static inline int sleep_is_on(const worker *w) {
-  return (PBF_BUILT & PBF_FEATURE_SLEEP) && w->unrest;
+  return (PBF_BUILT & PBF_FEATURE_SLEEP) && w->activity;
 }
 
-/* The first particle of first … last - 1 whose unrest is below a bound, or is not, or last. */
-static inline uint32_t find_rest(const pbf_real *unrest, uint32_t first, uint32_t last,
-                                 pbf_real bound, int below) {
-  while (first < last && (unrest[first] < bound) != below) ++first;
+/* The first particle of first … last - 1 whose activity is below a bound, or is not, or last. */
+static inline uint32_t find_active(const pbf_real *activity, uint32_t first, uint32_t last,
+                                   pbf_real bound, int below) {
+  while (first < last && (activity[first] < bound) != below) ++first;
   return first;
 }
 
@@ -20,8 +20,8 @@ static inline uint32_t find_rest(const pbf_real *unrest, uint32_t first, uint32_
 static inline range particles_at_rest(const worker *w, uint32_t first, uint32_t last,
                                       pbf_real bound, int below) {
   if (!sleep_is_on(w)) return (range){below ? last : first, last};
-  first = find_rest(w->unrest, first, last, bound, below);
-  return (range){first, find_rest(w->unrest, first, last, bound, !below)};
+  first = find_active(w->activity, first, last, bound, below);
+  return (range){first, find_active(w->activity, first, last, bound, !below)};
 }
 
 static inline range awake_particles(const worker *w, uint32_t first, uint32_t last) {
@@ -32,21 +32,20 @@ static inline range sleeping_particles(const worker *w, uint32_t first, uint32_t
   return particles_at_rest(w, first, last, 0, 1);
 }
 
-/* Asleep, and not the shore. */
-static inline range idle_particles(const worker *w, uint32_t first, uint32_t last) {
-  return particles_at_rest(w, first, last, pbf_shore(), 1);
+/* Asleep, and not the sleeping boundary. */
+static inline range inactive_particles(const worker *w, uint32_t first, uint32_t last) {
+  return particles_at_rest(w, first, last, pbf_sleeping_boundary(), 1);
 }
 
-/* Whether the unrest of everybody in a group is below a bound. */
+/* Whether the activity of everybody in a group is below a bound. */
 static inline int is_group_below(const worker *w, uint32_t g, pbf_real bound) {
   uint32_t width = w->s->kernels->width, count = w->s->count;
   uint32_t begin = g * width, end = count - begin < width ? count : begin + width;
-  return find_rest(w->unrest, begin, end, bound, 0) == end;
+  return find_active(w->activity, begin, end, bound, 0) == end;
 }
 
 /* The first of these groups of which that is not so, in a row. */
-static inline range restless_groups(const worker *w, uint32_t first, uint32_t last,
-                                    pbf_real bound) {
+static inline range active_groups(const worker *w, uint32_t first, uint32_t last, pbf_real bound) {
   if (!sleep_is_on(w)) return (range){first, last};
   while (first < last && is_group_below(w, first, bound)) ++first;
   range r = {first, first};
@@ -56,28 +55,28 @@ static inline range restless_groups(const worker *w, uint32_t first, uint32_t la
 
 /* Those in each of which somebody is awake, … */
 static inline range awake_groups(const worker *w, uint32_t first, uint32_t last) {
-  return restless_groups(w, first, last, 0);
+  return active_groups(w, first, last, 0);
 }
 
 /* … or solves at least. */
 static inline range solving_groups(const worker *w, uint32_t first, uint32_t last) {
-  return restless_groups(w, first, last, pbf_shore());
+  return active_groups(w, first, last, pbf_sleeping_boundary());
 }
 
-/* Chunks reach across the ends of pieces: others may say the same at the same time. */
-static inline void mark_calm(solver *s, uint32_t i, uint8_t calm) {
-  __atomic_store_n(&s->calm[i / CALM_CHUNK], calm, __ATOMIC_RELAXED);
+/* Chunks reach across the ends of tasks: others may say the same at the same time. */
+static inline void mark_has_sleepers(solver *s, uint32_t i, uint8_t has_sleepers) {
+  __atomic_store_n(&s->has_sleepers[i / ACTIVITY_CHUNK], has_sleepers, __ATOMIC_RELAXED);
 }
 
 /* Of sorted particles, before their neighbours are known. */
 static inline void mark_sleepers(const worker *w, range r) {
   if (!sleep_is_on(w) || !w->s->asleep) return;
   for (uint32_t i = r.first; i < r.last; ++i)
-    if (pbf_is_asleep(w->b.sorted_unrest[i])) mark_calm(w->s, i, 1);
+    if (pbf_is_asleep(w->b.sorted_activity[i])) mark_has_sleepers(w->s, i, 1);
 }
 
 /* Sleepers among these particles stay where they were … */
-static inline void keep_places(const worker *w, range r, const field *from, const field *to) {
+static inline void copy_sleeping(const worker *w, range r, const field *from, const field *to) {
   for (range s = sleeping_particles(w, r.first, r.last); s.first < s.last;
        s = sleeping_particles(w, s.last, r.last))
     for (int k = 0; k < PBF_DIM; ++k)
@@ -85,7 +84,8 @@ static inline void keep_places(const worker *w, range r, const field *from, cons
 }
 
 /* … and at rest. */
-static inline void keep_still(const worker *w, range r, pbf_real *const *values, int components) {
+static inline void zero_sleeping(const worker *w, range r, pbf_real *const *values,
+                                 int components) {
   for (range s = sleeping_particles(w, r.first, r.last); s.first < s.last;
        s = sleeping_particles(w, s.last, r.last))
     for (int k = 0; k < components; ++k)
@@ -93,28 +93,28 @@ static inline void keep_still(const worker *w, range r, pbf_real *const *values,
 }
 
 /* Those that have just woken begin at rest. */
-static inline void calm_woken(const worker *w, range r, const field *v) {
+static inline void zero_woken_velocity(const worker *w, range r, const field *v) {
   for (uint32_t i = r.first; i < r.last && sleep_is_on(w); ++i)
-    if (pbf_just_woke(&w->s->sleep, w->unrest[i])) field_set(v, i, (pbf_vec){{0}});
+    if (pbf_just_woke(&w->s->sleep, w->activity[i])) field_set(v, i, (pbf_vec){{0}});
 }
 
-/* Out of reach of the awake nobody pushes. Returns how many these are. */
-static inline uint32_t clear_idle(const worker *w, range r) {
+/* Out of reach of the awake the sentinel pushes. Returns how many these are. */
+static inline uint32_t clear_inactive(const worker *w, range r) {
   pbf_real *acts = w->s->added ? w->s->added : w->s->lambda;
-  uint32_t idle = 0;
-  for (range s = idle_particles(w, r.first, r.last); s.first < s.last;
-       s = idle_particles(w, s.last, r.last)) {
+  uint32_t inactive = 0;
+  for (range s = inactive_particles(w, r.first, r.last); s.first < s.last;
+       s = inactive_particles(w, s.last, r.last)) {
     memset(acts + s.first, 0, (s.last - s.first) * sizeof *acts);
-    idle += s.last - s.first;
+    inactive += s.last - s.first;
   }
-  return idle;
+  return inactive;
 }
 
 /* After the solve: sleepers keep the lambda, and so the pressure, of when they were last awake. */
-static inline void keep_lambda(const worker *w, range r) {
+static inline void keep_sleeping_lambda(const worker *w, range r) {
   pbf_real *lambda = w->s->lambda, *kept = w->sleeping_lambda;
   for (uint32_t i = r.first; i < r.last && sleep_is_on(w); ++i)
-    if (pbf_is_asleep(w->unrest[i]))
+    if (pbf_is_asleep(w->activity[i]))
       lambda[i] = kept[i];
     else
       kept[i] = lambda[i];

@@ -1,4 +1,4 @@
-/* Part of executor.h: the stages of the solve, from the step's start to its velocities, as pieces
+/* Part of executor.h: the stages of the solve, from the step's start to its velocities, as tasks
  * of the team's loops. */
 #ifndef PBF_CPU_SOLVE_H
 #define PBF_CPU_SOLVE_H
@@ -23,26 +23,26 @@ static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   return pairs;
 }
 
-static void backtrack_piece(void *context, uint32_t piece) {
+static void backtrack_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_sorted(w, piece);
+  range r = task_sorted(w, task);
   w->s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
                            w->b.step_start(), r.first, r.last);
   fill_packed(w->s, packed_vectors(w->s), &w->b.step_start(), NULL, r);
 }
 
-static void slack_piece(void *context, uint32_t piece) {
+static void residual_density_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_sorted(w, piece);
-  find_densities(w, piece, &w->before, w->b.step_start(), packed_vectors(s), s->slack);
-  s->kernels->slack(&w->constants, s->slack, r.first, r.last);
+  range r = task_sorted(w, task);
+  find_densities(w, task, &w->before, w->b.step_start(), packed_vectors(s), s->residual_density);
+  s->kernels->residual_density(&w->constants, s->residual_density, r.first, r.last);
 }
 
-static void find_slack(worker *w) {
-  team_for(w->me, pair_pieces(w), backtrack_piece, NULL, w);
-  team_for(w->me, pair_pieces(w), slack_piece, NULL, w);
-  stage_end(w, PBF_STAGE_SLACK);
+static void find_residual_density(worker *w) {
+  parallel_for(w->me, pair_task_count(w), backtrack_task, NULL, w);
+  parallel_for(w->me, pair_task_count(w), residual_density_task, NULL, w);
+  stage_end(w, PBF_STAGE_RESIDUAL_DENSITY);
 }
 
 /* What an iteration moves particles by, of each particle. */
@@ -51,29 +51,29 @@ static const pbf_real *pushes_of(const solver *s) {
 }
 
 /* Returns how many do not solve. */
-static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t piece) {
+static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t task) {
   solver *s = w->s;
-  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
+  range r = task_groups(w, task), all = task_sorted(w, task);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
-  uint32_t idle = clear_idle(w, all);
+  uint32_t inactive = clear_inactive(w, all);
   fill_packed(s, packed_lambda(s), &pairs->x, pushes_of(s), all);
-  return idle;
+  return inactive;
 }
 
-static void lambda_piece(void *context, uint32_t piece) {
+static void lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
-  find_lambda(w, &pairs, piece);
+  find_lambda(w, &pairs, task);
 }
 
 /* Whether the solve has ended before this iteration. A thread can be late for any number of loops,
  * so none may know this between them: all go through the loops of all iterations, and find nothing
  * to do in those. */
-static int is_over(const worker *w) {
+static int is_converged(const worker *w) {
   return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
 }
 
@@ -82,10 +82,10 @@ static turn_pass turns_of(const worker *w) {
   return (turn_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
 }
 
-static void start_piece(void *context, uint32_t piece) {
+static void start_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_sorted(w, piece);
+  range r = task_sorted(w, task);
   s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity, s->start,
                         r.first, r.last);
   fill_packed(s, s->packed_start, &s->start, NULL, r);
@@ -93,29 +93,29 @@ static void start_piece(void *context, uint32_t piece) {
     memset(s->torque.c[k] + r.first, 0, (r.last - r.first) * sizeof(pbf_real));
 }
 
-/* A pass of the correction of angular momentum over the groups of a piece. */
-static void turn_awake(const worker *w, uint32_t piece, const pair_pass *pairs,
+/* A pass of the correction of angular momentum over the groups of a task. */
+static void turn_awake(const worker *w, uint32_t task, const pair_pass *pairs,
                        void (*pass)(const pair_pass *p, const turn_pass *t, uint32_t first,
                                     uint32_t last)) {
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   const turn_pass turns = turns_of(w);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     pass(pairs, &turns, g.first, g.last);
 }
 
-static void torque_piece(void *context, uint32_t piece) {
+static void torque_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   pair_pass pairs = pairs_at_x_star(w, packed_lambda(w->s));
-  if (is_over(w)) return;
+  if (is_converged(w)) return;
   pairs.vectors = w->s->packed_start;
-  turn_awake(w, piece, &pairs, w->s->kernels->torque);
+  turn_awake(w, task, &pairs, w->s->kernels->torque);
 }
 
-static void move_piece(void *context, uint32_t piece) {
+static void move_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_groups(w, piece), all = piece_sorted(w, piece);
+  range r = task_groups(w, task), all = task_sorted(w, task);
   pair_pass pairs = pairs_at_x_star(w, packed_lambda(s));
   const move_pass m = {pushes_of(s),
                        &w->obstacles,
@@ -127,33 +127,33 @@ static void move_piece(void *context, uint32_t piece) {
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
-  keep_places(w, all, &w->b.sorted_predicted, &w->b.next_x_star());
+  copy_sleeping(w, all, &w->b.sorted_predicted, &w->b.next_x_star());
   fill_packed(s, packed_positions(s), &w->b.next_x_star(), NULL, all);
 }
 
-static void watched_lambda_piece(void *context, uint32_t piece) {
+static void checked_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  if (is_over(w)) return;
+  if (is_converged(w)) return;
   pair_pass pairs = pairs_at_x_star(w, packed_positions(w->s));
-  int64_t excess = 0;
-  pairs.excess = &excess;
-  int64_t idle = find_lambda(w, &pairs, piece);
-  w->s->excess[piece] = excess + idle * pbf_idle_excess(&w->s->params);
+  int64_t error_units = 0;
+  pairs.error_units = &error_units;
+  int64_t inactive = find_lambda(w, &pairs, task);
+  w->s->error_units[task] = error_units + inactive * pbf_inactive_error_units(&w->s->params);
 }
 
 /* Once lambda is known, and with it the density error that the iteration has found. */
-static void end_when_small(void *context) {
+static void end_when_converged(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   int64_t sum = 0;
-  if (is_over(w)) return;
-  for (uint32_t piece = 0; piece < pair_pieces(w); ++piece) sum += s->excess[piece];
+  if (is_converged(w)) return;
+  for (uint32_t task = 0; task < pair_task_count(w); ++task) sum += s->error_units[task];
   s->iterations = w->iteration + 1;
-  s->over = sum <= pbf_excess_limit(&s->params, s->count);
+  s->over = sum <= pbf_error_units_limit(&s->params, s->count);
 }
 
-static void watched_move_piece(void *context, uint32_t piece) {
-  if (!is_over((const worker *)context)) move_piece(context, piece);
+static void checked_move_task(void *context, uint32_t task) {
+  if (!is_converged((const worker *)context)) move_task(context, task);
 }
 
 /* Where the solve has ended with an odd number of iterations to go, x* is in the other buffer. */
@@ -167,26 +167,27 @@ static void fetch_x_star(const worker *w, range particles) {
 
 /* Whether torques are made up for. */
 static int corrects_torque(const worker *w) {
-  return (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && w->s->schedule.runs[PBF_STAGE_TURN];
+  return (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) &&
+         w->s->schedule.runs[PBF_STAGE_ANGULAR_MOMENTUM];
 }
 
-static int is_watched(const solver *s) {
-  return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched;
+static int has_convergence_check(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence;
 }
 
-static void velocity_piece(void *context, uint32_t piece) {
+static void velocity_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range all = piece_sorted(w, piece);
-  if (is_watched(s)) fetch_x_star(w, all);
+  range all = task_sorted(w, task);
+  if (has_convergence_check(s)) fetch_x_star(w, all);
   for (range r = awake_particles(w, all.first, all.last);
        s->schedule.collide_after_solve && r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.sorted_predicted, x_star(w),
                         w->b.sorted_velocity, r.first, r.last);
-  keep_still(w, all, w->b.sorted_velocity.c, PBF_DIM);
-  calm_woken(w, all, &w->b.sorted_velocity);
-  keep_lambda(w, all);
+  zero_sleeping(w, all, w->b.sorted_velocity.c, PBF_DIM);
+  zero_woken_velocity(w, all, &w->b.sorted_velocity);
+  keep_sleeping_lambda(w, all);
   if (s->schedule.collide_after_solve) fill_packed(s, packed_positions(s), &x_star(w), NULL, all);
 }
 
@@ -197,7 +198,8 @@ static void count_skipped(void *context) {
 
 /* From here nothing can fail. */
 static void update_velocity(worker *w) {
-  team_for(w->me, pair_pieces(w), velocity_piece, is_watched(w->s) ? count_skipped : NULL, w);
+  parallel_for(w->me, pair_task_count(w), velocity_task,
+               has_convergence_check(w->s) ? count_skipped : NULL, w);
   w->b.accept_step();
   stage_end(w, PBF_STAGE_VELOCITY);
 }

@@ -55,19 +55,19 @@ struct pbf_backend_solver {
 #include "physics/arrays.def"
 
   struct deep_solve deep_solve;
-  pbf_real *lambda;        /* of this iteration, or of all of a step: accelerated */
-  pbf_real *packed[2];     /* of what: see packed_positions and those after it */
-  int unweighed;           /* 1: lambda is without what its grid added in the last step */
-  pbf_real *pressure;      /* once it has been looked at */
-  pbf_real pressure_scale; /* of the last step */
+  pbf_real *lambda;          /* of this iteration, or of all of a step: accelerated */
+  pbf_real *packed[2];       /* of what: see packed_positions and those after it */
+  int grid_pressure_pending; /* 1: lambda is without what its grid added in the last step */
+  pbf_real *pressure;        /* once it has been looked at */
+  pbf_real pressure_scale;   /* of the last step */
 
   pbf_sleep sleep;
-  pbf_movers movers;
-  uint32_t asleep;        /* at the end of the last step, or 0 since somebody woke */
-  atomic_uint drowsy;     /* who sleeps or is still enough to: counted in each step, */
-  atomic_uint sleepers;   /* as are these */
-  atomic_uint all_asleep; /* 1: the run ends, since all sleep, */
-  uint32_t all_asleep_at; /* with this step */
+  pbf_moving_obstacles moving_obstacles;
+  uint32_t asleep;              /* at the end of the last step, or 0 since somebody woke */
+  atomic_uint near_sleep_count; /* who sleeps or is still enough to: counted in each step, */
+  atomic_uint sleepers;         /* as are these */
+  atomic_uint all_asleep;       /* 1: the run ends, since all sleep, */
+  uint32_t all_asleep_at;       /* with this step */
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */
@@ -77,13 +77,13 @@ struct pbf_backend_solver {
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
   struct grid grid;
 
-  /* What threads tell each other from loop to loop, by piece. */
+  /* What threads tell each other from loop to loop, by task. */
   box *boxes;
   uint32_t *sample;      /* cells of some particles */
-  uint32_t *first_cell;  /* of each range of cells that is sorted in one piece, and the end */
+  uint32_t *first_cell;  /* of each range of cells that is sorted in one task, and the end */
   uint32_t *first_place; /* of the particles of each range, and the end */
   list_size *list_sizes;
-  uint32_t *first_group; /* of each piece of a pass over pairs, and the end */
+  uint32_t *first_group; /* of each task of a pass over pairs, and the end */
 
   /* Lists of neighbours lie in slabs of one size. */
   group *groups;
@@ -91,7 +91,7 @@ struct pbf_backend_solver {
   uint64_t slab_units;
   uint32_t slabs;
   slab_counter *slab_counters; /* one a thread */
-  list_size wanted;            /* by the last search, of all pieces */
+  list_size wanted;            /* by the last search, of all tasks */
   atomic_uint stopped;         /* 1: the run ends for want of it, */
   uint32_t stopped_at;         /* in this step */
 
@@ -112,7 +112,7 @@ enum { CHUNK = 256 };
 
 /* Pieces a thread of a loop: over particles, over ranges of cells, of the search, over pairs. More
  * even out better what threads do, and cost more. */
-enum { PARTICLE_PIECES = 8, RANGE_PIECES = 2, SEARCH_PIECES = 16, PAIR_PIECES = 64 };
+enum { PARTICLE_TASKS = 8, RANGE_PIECES = 2, SEARCH_TASKS = 16, PAIR_TASKS = 64 };
 
 /* Particles of which the cell is looked at to tell the ranges of cells apart. */
 enum { SAMPLES_A_RANGE = 4 };
@@ -146,8 +146,8 @@ static inline pbf_real *surveyed_densities(const solver *s) { return scratch_rea
 /* What the pressure grid makes its sums of, before lambda is known. */
 static inline pbf_real *grid_densities(const solver *s) { return s->lambda; }
 
-/* A number of each particle that the sort no longer needs: STIRRED once something near it stirs, at
- * the end of a step and in the search; neighbours in a survey. */
+/* A number of each particle that the sort no longer needs: AWAKENED once something near it wakes
+ * its neighbours, at the end of a step and in the search; neighbours in a diagnostics. */
 static inline uint32_t *stirred_at_end(const solver *s) { return s->cells; }
 static inline uint32_t *stirred_in_search(const solver *s) { return s->order; }
 static inline uint32_t *neighbor_counts(const solver *s) { return s->cells; }

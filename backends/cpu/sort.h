@@ -1,19 +1,19 @@
 /* Sorts particles by cell and, within a cell, by id: an order that depends on nothing but where
- * particles are and who they are. A piece of the work is a range of cells: who sorts it counts, and
+ * particles are and who they are. A task of the work is a range of cells: who sorts it counts, and
  * then places, the particles that belong there, wherever they are now. */
 #ifndef PBF_CPU_SORT_H
 #define PBF_CPU_SORT_H
 
 #include "cpu/sleepers.h"
 
-static void find_bounds(void *context, uint32_t piece) {
+static void find_bounds(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_particles(w, piece);
+  range r = task_particles(w, task);
   box b;
   for (int k = 0; k < PBF_DIM; ++k)
     b.lower.c[k] = (pbf_real)INFINITY, b.upper.c[k] = (pbf_real)-INFINITY;
   w->s->kernels->bounds(*w->sort_positions, r.first, r.last, &b.lower, &b.upper);
-  w->s->boxes[piece] = b;
+  w->s->boxes[task] = b;
 }
 
 /* The grid's box is that of the particles, as far as it lies in the domain, wherever its walls have
@@ -22,10 +22,10 @@ static void make_grid(void *context) {
   worker *w = static_cast<worker *>(context);
   const pbf_walls *walls = &w->obstacles.walls;
   box all = w->s->boxes[0];
-  for (uint32_t piece = 1; piece < particle_pieces(w); ++piece)
+  for (uint32_t task = 1; task < particle_task_count(w); ++task)
     for (int k = 0; k < PBF_DIM; ++k) {
-      all.lower.c[k] = pbf_real_min(all.lower.c[k], w->s->boxes[piece].lower.c[k]);
-      all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[piece].upper.c[k]);
+      all.lower.c[k] = pbf_real_min(all.lower.c[k], w->s->boxes[task].lower.c[k]);
+      all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[task].upper.c[k]);
     }
   double size[PBF_DIM];
   int axis[PBF_DIM];
@@ -41,37 +41,37 @@ static void make_grid(void *context) {
   for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
 }
 
-static uint32_t range_pieces(const worker *w) {
-  return pieces_of(w, w->s->count, CHUNK, RANGE_PIECES);
+static uint32_t range_tasks(const worker *w) {
+  return tasks_of(w, w->s->count, CHUNK, RANGE_PIECES);
 }
 
 /* Particles are nearly sorted from the step before, and so is this sample of them. */
 static void take_sample(const worker *w, range particles) {
   solver *s = w->s;
-  uint64_t samples = (uint64_t)range_pieces(w) * SAMPLES_A_RANGE;
+  uint64_t samples = (uint64_t)range_tasks(w) * SAMPLES_A_RANGE;
   uint64_t k = (particles.first * samples + s->count - 1) / s->count, i;
   for (; k < samples && (i = s->count * k / samples) < particles.last; ++k)
     s->sample[k] = s->cells[i];
 }
 
-static void find_cells(void *context, uint32_t piece) {
+static void find_cells(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_chunks(w, piece);
+  range r = task_chunks(w, task);
   const field x = grid_field(s->grid.axis, *w->sort_positions);
   for (uint32_t chunk = r.first; chunk < r.last; ++chunk) {
     uint32_t first = chunk * CHUNK, last = s->count - first < CHUNK ? s->count : first + CHUNK;
     s->kernels->cells(&s->grid, x, first, last, s->cells, &s->chunk_low[chunk],
                       &s->chunk_high[chunk]);
   }
-  take_sample(w, piece_particles(w, piece));
+  take_sample(w, task_particles(w, task));
 }
 
 /* Ranges of cells such that all have about as many particles: quantiles of the sample. */
 static void divide_cells(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  uint32_t ranges = range_pieces(w), *sample = s->sample;
+  uint32_t ranges = range_tasks(w), *sample = s->sample;
   for (uint32_t k = 1; k < ranges * SAMPLES_A_RANGE; ++k) {
     uint32_t cell = sample[k], at = k;
     for (; at > 0 && sample[at - 1] > cell; --at) sample[at] = sample[at - 1];
@@ -82,8 +82,8 @@ static void divide_cells(void *context) {
   s->first_cell[ranges] = s->grid.total;
 }
 
-static range piece_cells(const worker *w, uint32_t piece) {
-  return (range){w->s->first_cell[piece], w->s->first_cell[piece + 1]};
+static range task_cells(const worker *w, uint32_t task) {
+  return (range){w->s->first_cell[task], w->s->first_cell[task + 1]};
 }
 
 /* Calls visit for each particle, in the present order, whose cell is in the range. */
@@ -95,29 +95,29 @@ static range piece_cells(const worker *w, uint32_t piece) {
            i < end; ++i)                                                                 \
         if ((s)->cells[i] - (range).first < (range).last - (range).first)
 
-static void count_cells(void *context, uint32_t piece) {
+static void count_cells(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range cells = piece_cells(w, piece);
+  range cells = task_cells(w, task);
   uint32_t *counts = s->cell_end, total = 0;
   memset(counts + cells.first, 0, (cells.last - cells.first) * sizeof *counts);
   FOR_PARTICLES_IN(s, cells, i) {
     ++counts[s->cells[i]];
     ++total;
   }
-  s->first_place[piece] = total;
+  s->first_place[task] = total;
 }
 
 /* Turns numbers of particles into where they begin. */
 static void divide_places(void *context) {
   worker *w = static_cast<worker *>(context);
   uint32_t next = 0;
-  for (uint32_t piece = 0; piece < range_pieces(w); ++piece) {
-    uint32_t count = w->s->first_place[piece];
-    w->s->first_place[piece] = next;
+  for (uint32_t task = 0; task < range_tasks(w); ++task) {
+    uint32_t count = w->s->first_place[task];
+    w->s->first_place[task] = next;
     next += count;
   }
-  w->s->first_place[range_pieces(w)] = next;
+  w->s->first_place[range_tasks(w)] = next;
 }
 
 /* Turns counts into ends: afterwards placing a particle moves its cell's entry from the cell's
@@ -161,17 +161,17 @@ static void gather(const uint32_t *order, range places, const field *from, const
   for (int k = 0; k < PBF_DIM; ++k) gather_reals(order, places, from->c[k], to->c[k]);
 }
 
-static void sort_range(void *context, uint32_t piece) {
+static void sort_range(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range places = {s->first_place[piece], s->first_place[piece + 1]};
-  place_particles(s, piece_cells(w, piece), places, w->b.ids, w->b.sorted_ids);
+  range places = {s->first_place[task], s->first_place[task + 1]};
+  place_particles(s, task_cells(w, task), places, w->b.ids, w->b.sorted_ids);
   order_by_id(s, places, w->b.sorted_ids);
   gather(s->order, places, w->sort_positions, w->sorted_positions);
   if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
   fill_packed(s, packed_positions(s), w->sorted_positions, NULL, places);
   if (sleep_is_on(w)) {
-    gather_reals(s->order, places, w->b.unrest, w->b.sorted_unrest);
+    gather_reals(s->order, places, w->b.activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
   mark_sleepers(w, places);
@@ -179,9 +179,9 @@ static void sort_range(void *context, uint32_t piece) {
 
 /* Sorts by the positions whose grid has been made. */
 static void sort_particles(worker *w) {
-  team_for(w->me, particle_pieces(w), find_cells, divide_cells, w);
-  team_for(w->me, range_pieces(w), count_cells, divide_places, w);
-  team_for(w->me, range_pieces(w), sort_range, NULL, w);
+  parallel_for(w->me, particle_task_count(w), find_cells, divide_cells, w);
+  parallel_for(w->me, range_tasks(w), count_cells, divide_places, w);
+  parallel_for(w->me, range_tasks(w), sort_range, NULL, w);
 }
 
 #endif

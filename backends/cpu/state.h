@@ -50,7 +50,7 @@ struct buffers {
     exchange(&x, &scratch[1]);
     exchange(&v, &sorted_velocity);
     exchange(&ids, &sorted_ids);
-    exchange(&unrest, &sorted_unrest);
+    exchange(&activity, &sorted_activity);
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
   }
 

@@ -21,13 +21,14 @@ static step_outcome step_once(worker *w, double time, int sorted) {
   w->forces = pbf_forces_of(&s->params, time);
   const double end = time + s->params.time_step;
   place_obstacles(s, end, &w->obstacles);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->slack) place_obstacles(s, time, &w->before);
-  pbf_fit_to_room(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->residual_density)
+    place_obstacles(s, time, &w->before);
+  pbf_set_target_density(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
   w->sort_positions = &w->b.predicted();
   w->sorted_positions = &w->b.sorted_predicted;
   w->sort_payload = &w->b.predicted_velocity();
   w->sorted_payload = &w->b.sorted_velocity;
-  w->unrest = w->b.unrest;
+  w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
   executor e = {w, sorted != 0};
@@ -61,11 +62,11 @@ static void run_job(step_job *job) {
     if (job->done == job->steps) break;
     atomic_store(&s->stopped, 0);
     atomic_store(&s->all_asleep, 0);
-    atomic_store(&s->drowsy, 0);
+    atomic_store(&s->near_sleep_count, 0);
     team_run(s->team, s->threads, run_steps, job);
     s->buffers = job->after;
     if (job->reached > job->done)
-      s->unweighed = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+      s->grid_pressure_pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
     job->done = job->reached;
     job->sorted = job->last == STEP_SHORT_OF_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));

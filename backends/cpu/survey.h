@@ -7,53 +7,54 @@
 #include "cpu/lists.h"
 #include "cpu/sort.h"
 
-static void density_piece(void *context, uint32_t piece) {
+static void density_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
   w->s->kernels->density(&pairs, surveyed_densities(w->s), neighbor_counts(w->s), r.first, r.last);
 }
 
 /* The sorted lambda, for who looks it up. */
-static void sort_lambda_piece(void *context, uint32_t piece) {
+static void sort_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_particles(w, piece);
+  range r = task_particles(w, task);
   gather_reals(w->s->order, r, w->s->lambda, sorted_lambda(w->s));
   fill_packed(w->s, packed_positions(w->s), &w->b.sorted_x(), sorted_lambda(w->s), r);
 }
 
-static void fit_lambda_piece(void *context, uint32_t piece) {
+static void fit_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
   w->s->kernels->fit(&pairs, sorted_lambda(w->s), w->b.fitted_lambda(), r.first, r.last);
 }
 
-static worker begin_survey(solver *s, member *me) {
+static worker begin_diagnostics(solver *s, member *me) {
   worker w = worker_of(s, me);
   w.sort_positions = &s->buffers.x;
   w.sorted_positions = &s->buffers.sorted_x();
   place_obstacles(s, s->now, &w.obstacles);
-  team_for(me, particle_pieces(&w), find_bounds, make_grid, &w);
+  parallel_for(me, particle_task_count(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
   return w;
 }
 
-static void survey_densities(void *context, member *me) {
-  worker w = begin_survey((solver *)context, me);
-  if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), density_piece, NULL, &w);
+static void diagnose_densities(void *context, member *me) {
+  worker w = begin_diagnostics((solver *)context, me);
+  if (find_neighbors(&w, end_search)) parallel_for(me, pair_task_count(&w), density_task, NULL, &w);
 }
 
-static void survey_pressures(void *context, member *me) {
-  worker w = begin_survey((solver *)context, me);
-  team_for(me, particle_pieces(&w), sort_lambda_piece, NULL, &w);
-  if (find_neighbors(&w, end_search)) team_for(me, pair_pieces(&w), fit_lambda_piece, NULL, &w);
+static void diagnose_pressures(void *context, member *me) {
+  worker w = begin_diagnostics((solver *)context, me);
+  parallel_for(me, particle_task_count(&w), sort_lambda_task, NULL, &w);
+  if (find_neighbors(&w, end_search))
+    parallel_for(me, pair_task_count(&w), fit_lambda_task, NULL, &w);
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
  * surveyed_densities(s)[k] and neighbor_counts(s)[k] neighbours, or the fitted lambda of k. 0 when
  * the memory for the neighbours is lacking. */
-static int survey(solver *s, team_function what) {
+static int diagnose(solver *s, team_function what) {
   if (!s->count) return 1;
   do {
     atomic_store(&s->stopped, 0);
@@ -62,7 +63,7 @@ static int survey(solver *s, team_function what) {
   return !atomic_load(&s->stopped);
 }
 
-/* After a survey: sums in the sorted order, which no number of threads changes. */
+/* After a diagnostics: sums in the sorted order, which no number of threads changes. */
 static void sum_stats(const solver *s, pbf_stats *stats) {
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];

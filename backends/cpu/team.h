@@ -1,6 +1,6 @@
 /* The threads of a solver: what the `serial` and the `openmp` plugin do not share. Everything that
- * computes is the same object code in both: loops over pieces of the work, whose results do not
- * depend on how many pieces there are, nor on who did which. */
+ * computes is the same object code in both: loops over tasks of the work, whose results do not
+ * depend on how many tasks there are, nor on who did which. */
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 
@@ -30,14 +30,14 @@ static inline void wait_a_little(unsigned *looks) {
 typedef struct member {
   struct team *team;
   uint32_t thread, threads;
-  uint32_t loops;  /* that this thread has come to */
-  uint64_t pieces; /* in these loops */
-  uint64_t done;   /* of them, by this thread */
+  uint32_t loops; /* that this thread has come to */
+  uint64_t tasks; /* in these loops */
+  uint64_t done;  /* of them, by this thread */
 } member;
 
 typedef void (*team_function)(void *context, member *me);
 
-/* Most pieces of a loop. */
+/* Most tasks of a loop. */
 enum { TEAM_MOST_PIECES = 0xffff };
 
 /* Threads that a solver gets when its description asks for `wanted` (0: all there are). */
@@ -51,15 +51,16 @@ uint64_t team_bytes(uint32_t threads);
 void team_run(team *all, uint32_t threads, team_function function, void *context);
 
 /* A loop that the whole team shares. Within `function` every thread calls this for the same loops
- * in the same order; `piece` is then called once for each piece, in whatever thread is free, and
+ * in the same order; `task` is then called once for each task, in whatever thread is free, and
  * when all are done `last`, unless null, once in one of them. Returns when all this has been done.
  *
  * Nobody waits for a thread that has nothing in hand: a thread may come to a loop when the others
- * are long past it. So what other threads write may be read in `piece` and `last` alone; between
+ * are long past it. So what other threads write may be read in `task` and `last` alone; between
  * loops a thread knows only what it works out for itself. `context` is the calling thread's own. */
-typedef void (*team_piece)(void *context, uint32_t piece);
-typedef void (*team_last)(void *context);
-void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context);
+typedef void (*task_function)(void *context, uint32_t task);
+typedef void (*completion_function)(void *context);
+void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+                  void *context);
 
 #ifdef __cplusplus
 }

@@ -2,8 +2,8 @@
  * microseconds long in a small scene, on cores that others may use too: OpenMP's would wait for
  * the slowest thread in each of them.
  *
- * A thread's part of a loop is a run of pieces. The thread takes them from its front; who has done
- * with his own part takes pieces from the end of another's. A loop is over when its pieces are
+ * A thread's part of a loop is a run of tasks. The thread takes them from its front; who has done
+ * with his own part takes tasks from the end of another's. A loop is over when its tasks are
  * done, whether or not all threads have come. */
 #include <omp.h>
 #include "cpu/atomics.h"
@@ -11,9 +11,9 @@
 #include "cpu/team.h"
 
 /* More threads than that gain nothing. */
-enum { MOST_THREADS = 256 };
+enum { MAX_THREADS = 256 };
 
-/* How often it looks before it counts the pieces done itself, in case thread 0 can't. */
+/* How often it looks before it counts the tasks done itself, in case thread 0 can't. */
 enum { TRUST = 64 };
 
 /* Pieces of a loop that are still to be taken from a part. */
@@ -26,7 +26,7 @@ enum { LINES = 2 * TEAM_ALIGNMENT };
 typedef struct desk {
   _Alignas(TEAM_ALIGNMENT) atomic_ullong left; /* of the thread's part: packed */
   char apart[LINES - sizeof(atomic_ullong)];
-  atomic_ullong done; /* pieces in all loops, by this thread */
+  atomic_ullong done; /* tasks in all loops, by this thread */
   char apart_too[LINES - sizeof(atomic_ullong)];
 } desk;
 
@@ -40,7 +40,7 @@ struct team {
 
 uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
-  return threads < MOST_THREADS ? threads : MOST_THREADS;
+  return threads < MAX_THREADS ? threads : MAX_THREADS;
 }
 
 uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(desk); }
@@ -72,46 +72,47 @@ static left unpack(unsigned long long word) {
   return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & 0xffff, (uint32_t)word & 0xffff};
 }
 
-/* Takes a piece of the loop from a thread's part; 0 when none is left there. The first who comes
+/* Takes a task of the loop from a thread's part; 0 when none is left there. The first who comes
  * divides the part up. */
-static int take_piece(const member *me, uint32_t thread, uint32_t pieces, uint32_t *piece) {
+static int take_task(const member *me, uint32_t thread, uint32_t tasks, uint32_t *task) {
   atomic_ullong *word = &me->team->desks[thread].left;
   unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;
   do {
     left l = unpack(seen);
     if (is_before(me->loops, l.loop)) return 0;
     if (l.loop != me->loops)
-      l = (left){me->loops, (uint32_t)((uint64_t)pieces * thread / me->threads),
-                 (uint32_t)((uint64_t)pieces * (thread + 1) / me->threads)};
+      l = (left){me->loops, (uint32_t)((uint64_t)tasks * thread / me->threads),
+                 (uint32_t)((uint64_t)tasks * (thread + 1) / me->threads)};
     if (l.first == l.last) return 0;
-    *piece = thread == me->thread ? l.first++ : --l.last;
+    *task = thread == me->thread ? l.first++ : --l.last;
     next = pack(l);
   } while (!atomic_compare_exchange_weak_explicit(word, &seen, next, memory_order_relaxed,
                                                   memory_order_relaxed));
   return 1;
 }
 
-static void work_on(member *me, uint32_t thread, uint32_t pieces, team_piece piece, void *context) {
+static void work_on(member *me, uint32_t thread, uint32_t tasks, task_function task,
+                    void *context) {
   uint64_t done = me->done;
-  for (uint32_t k; take_piece(me, thread, pieces, &k); ++me->done) piece(context, k);
+  for (uint32_t k; take_task(me, thread, tasks, &k); ++me->done) task(context, k);
   if (me->done > done)
     atomic_store_explicit(&me->team->desks[me->thread].done, me->done, memory_order_release);
 }
 
-static int is_over(const member *me) {
+static int is_converged(const member *me) {
   return !is_before(atomic_load_explicit(&me->team->over, memory_order_acquire), me->loops);
 }
 
-/* Counts only grow, and none of the next loop's pieces is done before this loop is over. */
+/* Counts only grow, and none of the next loop's tasks is done before this loop is over. */
 static int all_done(const member *me) {
   uint64_t done = 0;
   for (uint32_t t = 0; t < me->threads; ++t)
     done += atomic_load_explicit(&me->team->desks[t].done, memory_order_acquire);
-  return done >= me->pieces;
+  return done >= me->tasks;
 }
 
 /* One thread alone ends a loop. */
-static void end_loop(const member *me, team_last last, void *context) {
+static void end_loop(const member *me, completion_function last, void *context) {
   uint32_t ended = atomic_load_explicit(&me->team->ending, memory_order_relaxed);
   if (!is_before(ended, me->loops)) return;
   if (!atomic_compare_exchange_strong_explicit(&me->team->ending, &ended, me->loops,
@@ -121,20 +122,21 @@ static void end_loop(const member *me, team_last last, void *context) {
   atomic_store_explicit(&me->team->over, me->loops, memory_order_release);
 }
 
-static void wait_for_end(const member *me, team_last last, void *context) {
-  for (unsigned looks = 1; !is_over(me); wait_a_little(&looks))
+static void wait_for_end(const member *me, completion_function last, void *context) {
+  for (unsigned looks = 1; !is_converged(me); wait_a_little(&looks))
     if ((me->thread == 0 || looks % TRUST == 0) && all_done(me)) end_loop(me, last, context);
 }
 
-void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context) {
+void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+                  void *context) {
   ++me->loops;
-  me->pieces += pieces;
+  me->tasks += tasks;
   if (me->threads == 1) {
-    for (uint32_t k = 0; k < pieces; ++k) piece(context, k);
+    for (uint32_t k = 0; k < tasks; ++k) task(context, k);
     if (last) last(context);
     return;
   }
-  for (uint32_t k = 0; k < me->threads && !is_over(me); ++k)
-    work_on(me, (me->thread + me->threads - k) % me->threads, pieces, piece, context);
+  for (uint32_t k = 0; k < me->threads && !is_converged(me); ++k)
+    work_on(me, (me->thread + me->threads - k) % me->threads, tasks, task, context);
   wait_for_end(me, last, context);
 }

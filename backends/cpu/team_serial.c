@@ -15,8 +15,9 @@ void team_run(team *all, uint32_t threads, team_function function, void *context
   function(context, &me);
 }
 
-void team_for(member *me, uint32_t pieces, team_piece piece, team_last last, void *context) {
+void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+                  void *context) {
   (void)me;
-  for (uint32_t k = 0; k < pieces; ++k) piece(context, k);
+  for (uint32_t k = 0; k < tasks; ++k) task(context, k);
   if (last) last(context);
 }

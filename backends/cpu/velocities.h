@@ -1,4 +1,4 @@
-/* Part of executor.h: the stages after the solve, which change velocities alone, as pieces of the
+/* Part of executor.h: the stages after the solve, which change velocities alone, as tasks of the
  * team's loops. */
 #ifndef PBF_CPU_VELOCITIES_H
 #define PBF_CPU_VELOCITIES_H
@@ -8,9 +8,9 @@
 #include "physics/passes/drag.h"
 #include "physics/passes/viscosity.h"
 
-static void flow_piece(void *context, uint32_t piece) {
+static void flow_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  smooth_velocities(w, piece, PBF_TO_MEAN, w->b.mean_velocity());
+  smooth_velocities(w, task, PBF_TO_MEAN, w->b.mean_velocity());
 }
 
 static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
@@ -19,10 +19,10 @@ static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t
                                u->lambda[i], end, start);
 }
 
-static void undamp_piece(void *context, uint32_t piece) {
+static void compensate_damping_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.x, packed_positions(s));
   const undamp_pass u = {s->lambda,
                          w->forces.inv_time_step,
@@ -32,80 +32,80 @@ static void undamp_piece(void *context, uint32_t piece) {
                          change_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
-    s->kernels->undamp(&pairs, &u, g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
+    s->kernels->compensate_damping(&pairs, &u, g.first, g.last);
+  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 
 /* Of mean velocities, and lambda beside the positions. */
-static void flows_and_lambda_piece(void *context, uint32_t piece) {
+static void flows_and_lambda_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->lambda, piece_sorted(w, piece));
-  fill_packed(w->s, packed_vectors(w->s), &w->b.mean_velocity(), NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->lambda, task_sorted(w, task));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.mean_velocity(), NULL, task_sorted(w, task));
 }
 
 /* Of rates of rotation. */
-static void rates_piece(void *context, uint32_t piece) {
+static void rates_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.rotation_rate(), NULL, piece_sorted(w, piece));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.rotation_rate(), NULL, task_sorted(w, task));
 }
 
-static void turn_rate_piece(void *context, uint32_t piece) {
-  const worker *w = static_cast<const worker *>(context);
-  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
-  turn_awake(w, piece, &pairs, w->s->kernels->turn_rate);
-  keep_still(w, piece_sorted(w, piece), w->b.rotation_rate().c, PBF_DIM);
-}
-
-static void turn_piece(void *context, uint32_t piece) {
+static void turn_rate_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
-  turn_awake(w, piece, &pairs, w->s->kernels->turn);
-  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
+  turn_awake(w, task, &pairs, w->s->kernels->turn_rate);
+  zero_sleeping(w, task_sorted(w, task), w->b.rotation_rate().c, PBF_DIM);
 }
 
-static void curl_piece(void *context, uint32_t piece) {
+static void turn_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
+  turn_awake(w, task, &pairs, w->s->kernels->turn);
+  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
+}
+
+static void curl_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   pbf_real *sizes = curl_sizes(w->s);
   pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     w->s->kernels->curl(&pairs, w->b.v, w->b.curl().c, sizes, g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.curl().c, PBF_CURL_DIM);
-  keep_still(w, piece_sorted(w, piece), &sizes, 1);
+  zero_sleeping(w, task_sorted(w, task), w->b.curl().c, PBF_CURL_DIM);
+  zero_sleeping(w, task_sorted(w, task), &sizes, 1);
 }
 
 /* Positions, and the sizes of curls. */
-static void sizes_piece(void *context, uint32_t piece) {
+static void sizes_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_curl_sizes(w->s), &w->b.x, curl_sizes(w->s), piece_sorted(w, piece));
+  fill_packed(w->s, packed_curl_sizes(w->s), &w->b.x, curl_sizes(w->s), task_sorted(w, task));
 }
 
-static void confine_piece(void *context, uint32_t piece) {
+static void confine_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.x, packed_curl_sizes(w->s));
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->confine(&pairs, w->b.curl().c, curl_sizes(s), w->b.v, g.first, g.last);
-  keep_still(w, piece_sorted(w, piece), w->b.v.c, PBF_DIM);
+  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 
-static void viscosity_piece(void *context, uint32_t piece) {
+static void viscosity_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  smooth_velocities(w, piece, w->constants.viscosity, w->b.smoothed_velocity());
+  smooth_velocities(w, task, w->constants.viscosity, w->b.smoothed_velocity());
 }
 
-static void drag_piece(void *context, uint32_t piece) {
+static void drag_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  const range all = piece_sorted(w, piece);
+  const range all = task_sorted(w, task);
   const drag_pass pass = drag_of(&w->s->params);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)
       field_set(&w->b.v, i, pass.finish(field_at(&w->b.v, i)));
-  keep_still(w, all, w->b.v.c, PBF_DIM);
+  zero_sleeping(w, all, w->b.v.c, PBF_DIM);
 }
 
 #endif

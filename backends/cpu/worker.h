@@ -18,9 +18,9 @@ typedef struct worker {
   struct room room; /* for lists of neighbours */
   pbf_forces forces;
   pbf_obstacles obstacles;                        /* at the end of the step */
-  pbf_obstacles before;                           /* at its start, for the slack alone */
+  pbf_obstacles before;                           /* at its start, for the residual density alone */
   pbf_constants constants;                        /* of the iteration */
-  pbf_real *unrest, *sleeping_lambda;             /* in the order of the stage */
+  pbf_real *activity, *sleeping_lambda;           /* in the order of the stage */
   uint32_t step, iteration;                       /* of this run */
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
@@ -40,25 +40,25 @@ static inline range part_of(uint64_t total, uint32_t part, uint32_t parts) {
                  (uint32_t)part_begin(total, part + 1, parts)};
 }
 
-/* How many pieces a loop over `total` things has, at least `least` of them in each. One thread
- * needs no more than one piece. */
-static inline uint32_t pieces_of(const worker *w, uint64_t total, uint32_t least, uint32_t each) {
-  uint64_t most = (total + least - 1) / least, pieces = (uint64_t)each * w->me->threads;
+/* How many tasks a loop over `total` things has, at least `least` of them in each. One thread
+ * needs no more than one task. */
+static inline uint32_t tasks_of(const worker *w, uint64_t total, uint32_t least, uint32_t each) {
+  uint64_t most = (total + least - 1) / least, tasks = (uint64_t)each * w->me->threads;
   if (w->me->threads == 1) return 1;
-  return (uint32_t)(pieces < most ? pieces : most);
+  return (uint32_t)(tasks < most ? tasks : most);
 }
 
-static inline uint32_t particle_pieces(const worker *w) {
-  return pieces_of(w, chunks_of(w->s->count), 1, PARTICLE_PIECES);
+static inline uint32_t particle_task_count(const worker *w) {
+  return tasks_of(w, chunks_of(w->s->count), 1, PARTICLE_TASKS);
 }
 
-/* The chunks of a piece. */
-static inline range piece_chunks(const worker *w, uint32_t piece) {
-  return part_of(chunks_of(w->s->count), piece, particle_pieces(w));
+/* The chunks of a task. */
+static inline range task_chunks(const worker *w, uint32_t task) {
+  return part_of(chunks_of(w->s->count), task, particle_task_count(w));
 }
 
-static inline range piece_particles(const worker *w, uint32_t piece) {
-  range r = piece_chunks(w, piece);
+static inline range task_particles(const worker *w, uint32_t task) {
+  range r = task_chunks(w, task);
   uint64_t last = (uint64_t)r.last * CHUNK;
   return (range){r.first * CHUNK, last < w->s->count ? (uint32_t)last : w->s->count};
 }
@@ -67,25 +67,25 @@ static inline uint64_t groups_of(const solver *s) {
   return ((uint64_t)s->count + s->kernels->width - 1) / s->kernels->width;
 }
 
-static inline uint32_t search_pieces(const worker *w) {
+static inline uint32_t search_task_count(const worker *w) {
   enum { LEAST = 256 };
-  return pieces_of(w, groups_of(w->s), LEAST / w->s->kernels->width, SEARCH_PIECES);
+  return tasks_of(w, groups_of(w->s), LEAST / w->s->kernels->width, SEARCH_TASKS);
 }
 
-static inline uint32_t pair_pieces(const worker *w) {
+static inline uint32_t pair_task_count(const worker *w) {
   enum { LEAST = 128 };
-  return pieces_of(w, groups_of(w->s), LEAST / w->s->kernels->width, PAIR_PIECES);
+  return tasks_of(w, groups_of(w->s), LEAST / w->s->kernels->width, PAIR_TASKS);
 }
 
-/* The groups of a piece of a pass over pairs. */
-static inline range piece_groups(const worker *w, uint32_t piece) {
-  return (range){w->s->first_group[piece], w->s->first_group[piece + 1]};
+/* The groups of a task of a pass over pairs. */
+static inline range task_groups(const worker *w, uint32_t task) {
+  return (range){w->s->first_group[task], w->s->first_group[task + 1]};
 }
 
 /* The particles in these groups. */
-static inline range piece_sorted(const worker *w, uint32_t piece) {
+static inline range task_sorted(const worker *w, uint32_t task) {
   uint32_t width = w->s->kernels->width;
-  range r = piece_groups(w, piece);
+  range r = task_groups(w, task);
   uint64_t last = (uint64_t)r.last * width;
   return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
 }

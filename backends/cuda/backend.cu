@@ -64,8 +64,8 @@ static pbf_status take_for_scene(solver *s, const pbf_schedule &has, const pbf_p
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static pbf_status allow_sleep(solver *s, bool changes, bool before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
-  if (!before) return greet(s, 0, s->count);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  if (!before) return init_new(s, 0, s->count);
   return changes ? wake_all(s) : PBF_OK;
 }
 
@@ -131,14 +131,14 @@ static pbf_status take_arrays(solver *s) {
 /* The particle that fills up lists: so far away that every pair term with it is 0, near enough
  * that no distance overflows. */
 static pbf_status place_nowhere(solver *s) {
-  point far_away = {};
-  for (int k = 0; k < PBF_DIM; ++k) far_away.c[k] = (pbf_real)1e18;
-  s->lists.nowhere = s->capacity;
+  point sentinel_position = {};
+  for (int k = 0; k < PBF_DIM; ++k) sentinel_position.c[k] = (pbf_real)1e18;
+  s->lists.sentinel_index = s->capacity;
   for (point *points : {s->points, s->other})
-    if (pbf_status status =
-            pbf_cuda_check(cudaMemcpyAsync(points + s->capacity, &far_away, sizeof far_away,
-                                           cudaMemcpyHostToDevice, s->stream),
-                           "cudaMemcpyAsync"))
+    if (pbf_status status = pbf_cuda_check(
+            cudaMemcpyAsync(points + s->capacity, &sentinel_position, sizeof sentinel_position,
+                            cudaMemcpyHostToDevice, s->stream),
+            "cudaMemcpyAsync"))
       return status;
   return PBF_OK;
 }
@@ -180,7 +180,7 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = allow_lists(list_kernel<SEARCH_ALL>)) return status;
   if constexpr (PBF_SLEEP) {
     if (pbf_status status = allow_lists(list_kernel<SEARCH_AWAKE>)) return status;
-    if (pbf_status status = allow_lists(list_kernel<SEARCH_SHORE>)) return status;
+    if (pbf_status status = allow_lists(list_kernel<SEARCH_SLEEPING_BOUNDARY>)) return status;
   }
   if constexpr (PBF_DEEP)
     if (pbf_status status = allow_deep(s)) return status;
@@ -223,8 +223,8 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;
-  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
-  changed.solids |= s->movers.solids;
+  pbf_moving_obstacles changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->moving_obstacles.solids;
   if (pbf_status status = apply_params(s, &s->params, room, first)) return status;
   if (pbf_status status = wake_near_colliders(s, changed, s->time)) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
@@ -232,7 +232,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   s->collider_time = s->time = time;
   if (room != count)
     if (pbf_status status = apply_params(s, &s->params, count, s->colliders)) return status;
-  s->movers = pbf_movers_of(&s->params, count, s->colliders);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
   return wake_near_colliders(s, changed, time);
 }
 
@@ -252,7 +252,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
     if (small_serves(s)) {
-      ahead = pbf_steps_alike(&s->params, s->count, s->schedule.least_room, time + (*done + 1) * dt,
+      ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, time + (*done + 1) * dt,
                               ahead);
       if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
       *done += ahead;

@@ -49,13 +49,13 @@ struct executor {
               s->total,
               {},
               {}};
-    if (PBF_SLEEP && s->unrest)
-      extras.rest = {s->other_unrest, &s->tally->all, s->velocities, s->sleep};
+    if (PBF_SLEEP && s->activity)
+      extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
                          has.collide_after_prediction};
     n = neighborhood_of(s, grid_over(&walls(), s->params.smoothing_radius,
                                      grid_cell_limit(s->capacity), PBF_FINEST));
-    pbf_fit_to_room(&n.constants, &s->constants, &s->params, s->count, &has, time);
+    pbf_set_target_density(&n.constants, &s->constants, &s->params, s->count, &has, time);
     moved = s->points;
     images = images_between(s, walls());
     status = PBF_OK;
@@ -79,7 +79,7 @@ struct executor {
   }
 
   bool wake() {
-    status = wake_near(s, s->movers, extras.obstacles);
+    status = wake_near_moving(s, s->moving_obstacles, extras.obstacles);
     return true; /* the device alone knows whether all sleep: its kernels then do nothing */
   }
 
@@ -99,11 +99,11 @@ struct executor {
   }
 
   void begin_solve() {
-    if (status != PBF_OK || !s->schedule.watched) return;
-    extras.watch = {s->watch, (long long)pbf_excess_limit(&s->params, s->count),
-                    pbf_idle_excess(&s->params), 0};
-    if (PBF_SLEEP && s->unrest) {
-      clear_watch_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
+    if (status != PBF_OK || !s->schedule.checks_convergence) return;
+    extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, s->count),
+                    pbf_inactive_error_units(&s->params), 0};
+    if (PBF_SLEEP && s->activity) {
+      clear_convergence_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
       status = pbf_cuda_check_launch("clear_watch_kernel");
     } else {
       status = pbf_cuda_check(cudaMemsetAsync(s->watch, 0, sizeof *s->watch, s->stream),
@@ -112,19 +112,21 @@ struct executor {
   }
 
   /* Between the walls, and the colliders, of the step's start. */
-  void slack() {
+  void residual_density() {
     const pbf_walls before = pbf_walls_at(&s->params, time - s->params.time_step);
     const pbf_real time_step = (pbf_real)s->params.time_step;
     const bool mirrored = images_between(s, before) != nullptr;
-    run(PBF_STAGE_SLACK, [&] {
+    run(PBF_STAGE_RESIDUAL_DENSITY, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         typedef density_pass<fixed<F>> pass;
         if (mirrored)
-          sum_images<pass>(s, n, extras, before,
-                           reinterpret_cast<typename pass::template sums<pbf_real> *>(s->slack),
-                           at_start{time_step}, n.particles.velocities);
-        launch(slack_kernel<F>, n, extras, before, time_step, mirrored, s->slack);
+          sum_images<pass>(
+              s, n, extras, before,
+              reinterpret_cast<typename pass::template sums<pbf_real> *>(s->residual_density),
+              at_start{time_step}, n.particles.velocities);
+        launch(residual_density_kernel<F>, n, extras, before, time_step, mirrored,
+               s->residual_density);
       });
     });
   }
@@ -139,16 +141,17 @@ struct executor {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_images_of_lambda<F>();
-        launch(weigh_kernel<F>, n, extras, images, s->deep_grid, arrays);
+        launch(deposit_kernel<F>, n, extras, images, s->deep_grid, arrays);
       });
       status = solve_deep(s, extras.obstacles);
       if (status != PBF_OK) return;
-      launch(carry_kernel, n.particles, s->deep_grid, arrays, (pbf_real)(1 / s->params.time_step));
+      launch(apply_correction_kernel, n.particles, s->deep_grid, arrays,
+             (pbf_real)(1 / s->params.time_step));
     });
   }
 
   /* The device alone knows: kernels after the solve's end do nothing. */
-  bool is_over(uint32_t) const { return false; }
+  bool is_converged(uint32_t) const { return false; }
 
   void begin_iteration(uint32_t k) {
     place = {k == 0, k == 1, k + 1 == s->params.iterations};
@@ -166,12 +169,13 @@ struct executor {
     run(PBF_STAGE_LAMBDA, [&] {
       with_kernel(s->schedule.features,
                   [&](auto features) { sum_images_of_lambda<decltype(features)::value>(); });
-      const bool slack = s->schedule.runs[PBF_STAGE_SLACK];
-      launch_lambda(s, n, extras, {place.first, slack ? s->slack : nullptr, images});
+      const bool residual_density = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
+      launch_lambda(s, n, extras,
+                    {place.first, residual_density ? s->residual_density : nullptr, images});
     });
   }
 
-  void torque(uint32_t) {
+  void torque_deficit(uint32_t) {
     run(PBF_STAGE_TORQUE, [&] {
       with_features(s->schedule.features, [&](auto features) {
         launch(torque_kernel<decltype(features)::value>, n, extras.watch, place.first, s->starts,
@@ -201,38 +205,39 @@ struct executor {
     if (status != PBF_OK) return;
     if (n.particles.points == s->other) exchange(&s->points, &s->other);
     exchange(&s->ids, &s->other_ids);
-    exchange(&s->unrest, &s->other_unrest);
+    exchange(&s->activity, &s->other_activity);
     s->ordered = false;
     s->time = time;
   }
 
   /* Mean velocities take the points that the solve has left behind, … */
-  void flow() {
-    run(PBF_STAGE_FLOW, [&] {
+  void mean_velocity() {
+    run(PBF_STAGE_MEAN_VELOCITY, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         launch(flow_kernel<decltype(features)::value>, n, s->velocities, s->other);
       });
     });
   }
 
-  void undamp() {
-    run(PBF_STAGE_UNDAMP, [&] {
+  void compensate_damping() {
+    run(PBF_STAGE_DAMPING_COMPENSATION, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        launch(s->torques ? undamp_kernel<F | PBF_FEATURE_TORQUE> : undamp_kernel<F>, n,
-               extras.obstacles, s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params),
-               s->other, s->torques, s->velocities);
+        launch(s->torques ? compensate_damping_kernel<F | PBF_FEATURE_TORQUE>
+                          : compensate_damping_kernel<F>,
+               n, extras.obstacles, s->schedule.wall_density,
+               (pbf_real)pbf_per_time_step(&s->params), s->other, s->torques, s->velocities);
       });
     });
   }
 
   /* … as do rates, … */
-  void turn_rate() {
-    run(PBF_STAGE_TURN_RATE, [&] { launch(turn_rate_kernel, n, s->torques, s->other); });
+  void correction_rate() {
+    run(PBF_STAGE_CORRECTION_RATE, [&] { launch(turn_rate_kernel, n, s->torques, s->other); });
   }
 
-  void turn() {
-    run(PBF_STAGE_TURN, [&] { launch(turn_kernel, n, s->other, s->velocities); });
+  void correct_angular_momentum() {
+    run(PBF_STAGE_ANGULAR_MOMENTUM, [&] { launch(turn_kernel, n, s->other, s->velocities); });
   }
 
   /* … the sizes of curls … */
@@ -266,20 +271,20 @@ struct executor {
 
   void drag() {
     run(PBF_STAGE_DRAG,
-        [&] { launch(drag_kernel, drag_of(&s->params), s->count, s->unrest, s->velocities); });
+        [&] { launch(drag_kernel, drag_of(&s->params), s->count, s->activity, s->velocities); });
   }
 
   /* … and the marks. */
-  bool settle() {
+  bool update_sleep() {
     uint8_t *room = reinterpret_cast<uint8_t *>(s->other);
     const sleep_marks marks = {room, room + s->capacity};
     run(PBF_STAGE_SLEEP, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
-        launch(unrest_kernel<decltype(features)::value>, n, s->velocities, s->sleep, s->unrest,
+        launch(activity_kernel<decltype(features)::value>, n, s->velocities, s->sleep, s->activity,
                s->tally, marks);
       });
-      launch(stir_kernel, n, s->tally, marks);
-      launch(settle_kernel, s->count, s->sleep, s->unrest, s->velocities, s->tally, marks,
+      launch(wake_neighbors_kernel, n, s->tally, marks);
+      launch(update_sleep_kernel, s->count, s->sleep, s->activity, s->velocities, s->tally, marks,
              s->all_asleep, s->epoch);
     });
     return false; /* the device tells the host: all_asleep */
@@ -301,7 +306,7 @@ static inline pbf_status step_once(solver *s, double time, const pbf_solid *soli
 /* Whether no step has anything to do: a look, without waiting. A step launched for want of having
  * seen it changes nothing, so that results do not depend on when it is seen. */
 static inline bool all_asleep(const solver *s) {
-  return PBF_SLEEP && s->unrest && !pbf_any_moves(s->movers) &&
+  return PBF_SLEEP && s->activity && !pbf_any_obstacle_moves(s->moving_obstacles) &&
          *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch;
 }
 

@@ -43,17 +43,17 @@ static inline double grid_margin(double cells) {
 
 /* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
 static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit, double finest) {
-  enum { MOST_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
+  enum { MAX_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
   double extent[PBF_DIM], full[PBF_DIM], most = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     extent[k] = fmax(0, (double)walls->upper.c[k] - (double)walls->lower.c[k]);
     most = fmax(most, extent[k] / h);
   }
-  double reach = h * grid_margin(fmin(most, MOST_CELLS));
+  double reach = h * grid_margin(fmin(most, MAX_CELLS));
   g.reach = (pbf_real)reach;
   g.reach2 = (pbf_real)(reach * reach);
-  double row_width = fmax(reach * grid_margin(0), most * h / MOST_CELLS);
+  double row_width = fmax(reach * grid_margin(0), most * h / MAX_CELLS);
   g.row_width = (pbf_real)row_width;
   for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
   const pbf_fold stored = pbf_fold_of(limit, finest, full);

@@ -18,9 +18,9 @@ constexpr bool PBF_MIRRORS = (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) != 0;
 
 /* What an iteration knows of sleepers. */
 struct sleep_pass {
-  const pbf_real *unrest; /* null: nothing sleeps */
-  const uint32_t *all;    /* not 0: all do */
-  pbf_vec *kept;          /* its first number: the lambda that the shore keeps */
+  const pbf_real *activity; /* null: nothing sleeps */
+  const uint32_t *all;      /* not 0: all do */
+  pbf_vec *kept;            /* its first number: the lambda that the sleeping boundary keeps */
   pbf_sleep sleep;
 };
 
@@ -31,7 +31,7 @@ struct iteration_extras {
   int wall_density;
   pbf_real *total; /* accelerated: lambda that has added up; else null. Particles then hold what an
                     * iteration adds, and after the last one the total */
-  watch_pass watch;
+  convergence_check watch;
   sleep_pass rest;
 };
 static_assert(sizeof(pbf_real) > sizeof(float) || sizeof(iteration_extras) <= 128,
@@ -41,8 +41,9 @@ static_assert(sizeof(pbf_real) > sizeof(float) || sizeof(iteration_extras) <= 12
  * null. */
 template <solids_met SOLIDS, class Pass>
 static __device__ __forceinline__ pbf_real finish_lambda(const Pass &pass, const step_obstacles &o,
-                                                         bool wall_density, pbf_real slack,
-                                                         pbf_vec x, lambda_sums<pbf_real> *sums,
+                                                         bool wall_density,
+                                                         pbf_real residual_density, pbf_vec x,
+                                                         lambda_sums<pbf_real> *sums,
                                                          const lambda_sums<pbf_real> *images) {
   if (images) add_sums(sums, *images);
   if (wall_density) {
@@ -50,7 +51,7 @@ static __device__ __forceinline__ pbf_real finish_lambda(const Pass &pass, const
     add_walls<SOLIDS>(pass.c, o, x, &sums->density, &gradient);
     sums->gradient = lanes_of(gradient);
   }
-  return pass.finish(*sums, slack);
+  return pass.finish(*sums, residual_density);
 }
 
 /* How an iteration's move ends, wherever its sums come from. */

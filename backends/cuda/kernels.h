@@ -25,7 +25,7 @@ struct iteration_place {
 /* How an iteration's lambda comes about, other than from neighbours. */
 struct lambda_parts {
   bool first;
-  const pbf_real *slack;               /* in very short steps; else null */
+  const pbf_real *residual_density;    /* in very short steps; else null */
   const lambda_sums<pbf_real> *images; /* where walls mirror the fluid (mirrors.h); else null */
 };
 
@@ -51,15 +51,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
     lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
-  const bool watched = EXTRAS && PBF_TOLERANCE && extras.watch.watch;
-  if (watched && is_over(extras.watch)) return;
+  const bool checks_convergence = EXTRAS && PBF_TOLERANCE && extras.watch.watch;
+  if (checks_convergence && is_converged(extras.watch)) return;
   point *points = n.particles.points;
   uint32_t own = min(i, n.particles.count - 1);
-  pbf_real unrest = SLEEP ? extras.rest.unrest[own] : 0;
-  bool idle = SLEEP && pbf_is_idle(unrest);
-  if (SLEEP && __all_sync(~0u, idle)) {
-    if (watched && i < n.particles.count)
-      add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32), extras.watch.idle);
+  pbf_real activity = SLEEP ? extras.rest.activity[own] : 0;
+  bool inactive = SLEEP && pbf_is_inactive(activity);
+  if (SLEEP && __all_sync(~0u, inactive)) {
+    if (checks_convergence && i < n.particles.count)
+      add_error_units(extras.watch, min(32u, n.particles.count - i / 32 * 32),
+                      extras.watch.inactive);
     return;
   }
   pbf_vec x = position_of(load(points, own));
@@ -70,15 +71,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   const lambda_pass<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
   auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
   if (i >= n.particles.count) return;
-  pbf_real slack = EXTRAS && PBF_CHEBYSHEV && parts.slack ? parts.slack[i] : 0;
+  pbf_real residual_density =
+      EXTRAS && PBF_CHEBYSHEV && parts.residual_density ? parts.residual_density[i] : 0;
   const bool mirrored = EXTRAS && PBF_MIRRORS && parts.images;
-  pbf_real lambda = finish_lambda<SOLIDS>(pass, extras.obstacles, EXTRAS && extras.wall_density,
-                                          slack, x, &sums, mirrored ? parts.images + i : nullptr);
-  if (watched)
-    add_excess(extras.watch, min(32u, n.particles.count - i / 32 * 32),
-               idle ? extras.watch.idle : pbf_excess(c, slack, sums.density));
-  if (idle) return;
-  if (SLEEP && parts.first && pbf_is_asleep(unrest)) {
+  pbf_real lambda =
+      finish_lambda<SOLIDS>(pass, extras.obstacles, EXTRAS && extras.wall_density, residual_density,
+                            x, &sums, mirrored ? parts.images + i : nullptr);
+  if (checks_convergence)
+    add_error_units(
+        extras.watch, min(32u, n.particles.count - i / 32 * 32),
+        inactive ? extras.watch.inactive : pbf_error_units(c, residual_density, sums.density));
+  if (inactive) return;
+  if (SLEEP && parts.first && pbf_is_asleep(activity)) {
     extras.rest.kept[i].c[0] = points[i].lambda;
     points[i].lambda = 0;
   }
@@ -91,8 +95,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   points[i].lambda = lambda;
 }
 
-/* The shore's move: its place, with the lambda that others read, and in the state the one that it
- * keeps. No later stage asks for its neighbours. */
+/* The sleeping boundary's move: its place, with the lambda that others read, and in the state the
+ * one that it keeps. No later stage asks for its neighbours. */
 static __device__ __forceinline__ void pass_shore(const neighborhood &n,
                                                   const iteration_extras &extras, const point &own,
                                                   const move_end &end, bool last, point *moved,
@@ -140,16 +144,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
     return;
   }
   if (EXTRAS && PBF_TOLERANCE && extras.watch.watch) {
-    if (is_over(extras.watch)) { /* x* changes its place, and nothing else */
+    if (is_converged(extras.watch)) { /* x* changes its place, and nothing else */
       if (i < n.particles.count) store(moved, i, own);
       return;
     }
     last = ends(extras.watch, last, i);
   }
-  pbf_real unrest = SLEEP ? extras.rest.unrest[min(i, n.particles.count - 1)] : 0;
-  bool asleep = SLEEP && pbf_is_asleep(unrest);
+  pbf_real activity = SLEEP ? extras.rest.activity[min(i, n.particles.count - 1)] : 0;
+  bool asleep = SLEEP && pbf_is_asleep(activity);
   if (asleep && i < n.particles.count) {
-    if (pbf_is_idle(unrest))
+    if (pbf_is_inactive(activity))
       pass_idle(extras, own, end, last, moved, i);
     else
       pass_shore(n, extras, own, end, last, moved, i);
@@ -172,7 +176,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   if (accelerated || SLEEP) to.lambda = own.lambda;
   if (accelerated && last) to.lambda = extras.total[i];
   store(moved, i, to);
-  if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.unrest[i])) v = {{0}};
+  if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.activity[i])) v = {{0}};
   end.velocities[i] = v;
 }
 
@@ -187,10 +191,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* The torque of the move that is next. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    torque_kernel(neighborhood n, watch_pass watch, bool first, const point *starts,
+    torque_kernel(neighborhood n, convergence_check watch, bool first, const point *starts,
                   pbf_curl *torques) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
+  if (PBF_TOLERANCE && watch.watch && is_converged(watch)) return;
   const point here = load(n.particles.points, own);
   const pbf_vec start = position_of(load(starts, own));
   const torque_pass<fixed<FEATURES>> pass = {&n.constants, {}};
@@ -220,11 +224,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* What a very short step leaves of the density error where the particles were at its start, between
- * these walls, and the colliders, of that time. `mirrored`: `slack` holds what images add to it. */
+ * these walls, and the colliders, of that time. `mirrored`: `residual density` holds what images
+ * add to it. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    slack_kernel(neighborhood n, iteration_extras extras, pbf_walls walls, pbf_real time_step,
-                 bool mirrored, pbf_real *slack) {
+    residual_density_kernel(neighborhood n, iteration_extras extras, pbf_walls walls,
+                            pbf_real time_step, bool mirrored, pbf_real *residual_density) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
@@ -233,13 +238,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = places.place(load(n.particles.points, own), velocities[own]), gradient = {{0}};
   pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
   if (i >= n.particles.count) return;
-  if (mirrored) density += slack[i];
+  if (mirrored) density += residual_density[i];
   if (extras.wall_density) {
     const step_obstacles before = {walls, extras.obstacles.count, extras.obstacles.solids};
     pbf_lent lent = pbf_lent_from(c, before, x, x, 1);
     pbf_add_lent(&lent, &density, &gradient);
   }
-  slack[i] = pbf_slack(c, density);
+  residual_density[i] = pbf_residual_density(c, density);
 }
 
 template <int FEATURES>
@@ -290,9 +295,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * them have an instance of their own. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    undamp_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
-                  pbf_real inv_time_step, const point *flow, pbf_curl *torques,
-                  pbf_vec *velocities) {
+    compensate_damping_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+                              pbf_real inv_time_step, const point *flow, pbf_curl *torques,
+                              pbf_vec *velocities) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point here = load(n.particles.points, own);

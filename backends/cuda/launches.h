@@ -22,7 +22,7 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
                 : met == FEW_SOLIDS ? predict_kernel<FEW_SOLIDS, false>
                                     : predict_kernel<NO_SOLIDS, false>;
   if constexpr (PBF_SLEEP)
-    if (from.unrest)
+    if (from.activity)
       kernel =
           met == MANY_SOLIDS ? predict_kernel<MANY_SOLIDS, true> : predict_kernel<FEW_SOLIDS, true>;
   kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
@@ -43,7 +43,7 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
                : met == FEW_SOLIDS ? place_kernel<FEW_SOLIDS, false>
                                    : place_kernel<NO_SOLIDS, false>;
   if constexpr (PBF_SLEEP)
-    if (from.unrest)
+    if (from.activity)
       place = met == MANY_SOLIDS ? place_kernel<MANY_SOLIDS, true> : place_kernel<FEW_SOLIDS, true>;
   place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
@@ -52,7 +52,7 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
 static inline void launch_lists(solver *s, const neighborhood &n) {
   uint32_t blocks = list_blocks(s->count);
   size_t shared = list_shared(s->lists.chunks);
-  if (!PBF_SLEEP || !s->unrest) {
+  if (!PBF_SLEEP || !s->activity) {
     list_kernel<SEARCH_ALL><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(n.particles, n.grid,
                                                                          s->constants.h2, s->lists);
     return;
@@ -60,8 +60,8 @@ static inline void launch_lists(solver *s, const neighborhood &n) {
   if constexpr (PBF_SLEEP) {
     list_kernel<SEARCH_AWAKE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
         n.particles, n.grid, s->constants.h2, s->lists);
-    shore_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
-    list_kernel<SEARCH_SHORE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
+    sleeping_boundary_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
+    list_kernel<SEARCH_SLEEPING_BOUNDARY><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
         n.particles, n.grid, s->constants.h2, s->lists);
   }
 }
@@ -70,13 +70,13 @@ static inline void launch_lists(solver *s, const neighborhood &n) {
 static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   prediction at_rest = {};
   unsorted_particles from = state_of(s);
-  from.unrest = nullptr;
+  from.activity = nullptr;
   if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
   return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
 }
 
 static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.watched;
+  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence;
 }
 
 /* What images in these walls add to the sums of the kernel that comes next. */
@@ -86,7 +86,7 @@ static inline void sum_images(solver *s, const neighborhood &n, const iteration_
                               const Places &places = {}, const Value *values = nullptr) {
   if constexpr (PBF_MIRRORS)
     image_kernel<Pass><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
-        n, extras.watch, extras.rest.unrest, walls, places, values, all);
+        n, extras.watch, extras.rest.activity, walls, places, values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
@@ -105,7 +105,7 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
                   : has_extras(s) ? lambda_kernel<F, true, FEW_SOLIDS, false>
                                   : lambda_kernel<F, false, FEW_SOLIDS, false>;
     if constexpr (PBF_SLEEP)
-      if (s->unrest)
+      if (s->activity)
         kernel = many ? lambda_kernel<F, true, MANY_SOLIDS, true>
                       : lambda_kernel<F, true, FEW_SOLIDS, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
@@ -123,17 +123,20 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
                   : has_extras(s)     ? move_kernel<F, true, NO_SOLIDS, false>
                                       : move_kernel<F, false, NO_SOLIDS, false>;
     if constexpr (PBF_SLEEP)
-      if (s->unrest)
+      if (s->activity)
         kernel = met == MANY_SOLIDS ? move_kernel<F, true, MANY_SOLIDS, true>
                                     : move_kernel<F, true, FEW_SOLIDS, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }
 
-static inline pbf_status wake_near(solver *s, pbf_movers movers, const step_obstacles &obstacles) {
-  if (!PBF_SLEEP || !s->unrest || !s->count || !pbf_any_moves(movers)) return PBF_OK;
-  wake_near_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->count, s->sleep, movers, obstacles, s->constants.h, s->unrest, s->tally);
+static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles,
+                                          const step_obstacles &obstacles) {
+  if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))
+    return PBF_OK;
+  wake_near_moving_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->count, s->sleep, moving_obstacles, obstacles, s->constants.h, s->activity,
+      s->tally);
   return pbf_cuda_check_launch("wake_near_kernel");
 }
 

@@ -25,7 +25,7 @@ struct neighbor_lists {
   uint8_t *sizes;
   uint32_t *bases; /* PBF_ROWS a warp */
   uint32_t chunks; /* room of a list */
-  uint32_t nowhere;
+  uint32_t sentinel_index;
 };
 
 static __device__ __forceinline__ uint4 *list_of(const neighbor_lists &lists, uint32_t i) {
@@ -74,7 +74,7 @@ static __device__ __forceinline__ void for_chunks(const sorted_particles &p, con
   const uint32_t lane = threadIdx.x % 32, share = SHARES > 1 ? threadIdx.x / 32 : 0;
   if (i - lane >= p.count) return;
   if (lane <= PBF_ROWS) {
-    uint32_t base = lane < PBF_ROWS ? lists.bases[i / 32 * PBF_ROWS + lane] : lists.nowhere;
+    uint32_t base = lane < PBF_ROWS ? lists.bases[i / 32 * PBF_ROWS + lane] : lists.sentinel_index;
     bases[lane] = base - (lane << PBF_PLACE_BITS);
   }
   __syncwarp();
@@ -133,7 +133,7 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
           for (uint32_t q = 0; q < PBF_GATHERS; ++q) {
             uint32_t j = neighbor_at(bases, word[(k + q) / 2], q % 2);
             near[q] = load(p.points, j);
-            value[q] = load(values, j == lists.nowhere ? i : j);
+            value[q] = load(values, j == lists.sentinel_index ? i : j);
           }
 #pragma unroll
           for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q], value[q]);

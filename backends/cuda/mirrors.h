@@ -91,18 +91,18 @@ static inline uint32_t image_blocks_for(uint32_t count) { return (count + 31) / 
  * reach of the awake, are not read. */
 template <class Pass, class Places, class Value>
 static __global__ void __launch_bounds__(32 * PBF_IMAGE_SHARES)
-    image_kernel(neighborhood n, watch_pass watch, const pbf_real *unrest, pbf_walls walls,
+    image_kernel(neighborhood n, convergence_check watch, const pbf_real *activity, pbf_walls walls,
                  Places places, const Value *values, typename Pass::template sums<pbf_real> *all) {
   typedef typename Pass::template sums<pbf_real> pass_sums;
   __shared__ pass_sums parts[PBF_IMAGE_SHARES - 1][32];
   const uint32_t lane = threadIdx.x % 32, share = threadIdx.x / 32, i = blockIdx.x * 32 + lane;
   const uint32_t own = min(i, n.particles.count - 1);
   const Pass pass = {&n.constants, {}};
-  if (PBF_TOLERANCE && watch.watch && is_over(watch)) return;
+  if (PBF_TOLERANCE && watch.watch && is_converged(watch)) return;
   const point here = load(n.particles.points, own);
   const pbf_vec x = places.place(here, load(values, own));
-  const bool idle = PBF_SLEEP && unrest && pbf_is_idle(unrest[own]);
-  const wall_images images = idle ? wall_images{} : images_at(walls, x);
+  const bool inactive = PBF_SLEEP && activity && pbf_is_inactive(activity[own]);
+  const wall_images images = inactive ? wall_images{} : images_at(walls, x);
   typename Pass::template own<pbf_real> of_own;
   if constexpr (Pass::NUMBER) of_own = {here.lambda};
   pass_sums sums = {};

@@ -39,11 +39,11 @@ static __device__ __forceinline__ float from_ordered(uint32_t bits) {
   return __uint_as_float(bits >> 31 ? bits & 0x7fffffffu : ~bits);
 }
 
-static __device__ __forceinline__ float least_of(uint32_t lanes, float a) {
+static __device__ __forceinline__ float min_of(uint32_t lanes, float a) {
   return from_ordered(__reduce_min_sync(lanes, ordered(a)));
 }
 
-static __device__ __forceinline__ float most_of(uint32_t lanes, float a) {
+static __device__ __forceinline__ float max_of(uint32_t lanes, float a) {
   return from_ordered(__reduce_max_sync(lanes, ordered(a)));
 }
 
@@ -60,8 +60,8 @@ struct lane_box {
 static __device__ __forceinline__ lane_box box_around(uint32_t lanes, pbf_vec x) {
   lane_box box;
   for (int k = 0; k < PBF_DIM; ++k) {
-    box.lower[k] = least_of(lanes, below(x.c[k]));
-    box.upper[k] = most_of(lanes, above(x.c[k]));
+    box.lower[k] = min_of(lanes, below(x.c[k]));
+    box.upper[k] = max_of(lanes, above(x.c[k]));
   }
   return box;
 }
@@ -89,7 +89,7 @@ static __device__ __forceinline__ solid_set solids_near(const step_obstacles &o,
                                                         pbf_real reach, bool started) {
   uint32_t lanes = __activemask(), low = 0, high = 0, own = 1u << threadIdx.x % 32;
   lane_box box = box_around(lanes, x);
-  float most = most_of(lanes, above(reach));
+  float most = max_of(lanes, above(reach));
   for (uint32_t k = (uint32_t)__popc(lanes & (own - 1)); k < (uint32_t)o.count;
        k += (uint32_t)__popc(lanes)) {
     const pbf_solid &s = o.solids[k];

@@ -76,7 +76,7 @@ struct sorted_particles {
   uint32_t *ids, *cells;
   uint32_t *cell_start; /* first particle of each cell; one more at the end */
   uint32_t count;
-  pbf_real *unrest; /* where fluid sleeps, else null */
+  pbf_real *activity; /* where fluid sleeps, else null */
 };
 
 #endif

@@ -24,28 +24,31 @@ static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_
 /* ---- Who wakes between steps --------------------------------------------------------------- */
 
 /* `count` particles from `first` on are new. */
-static inline pbf_status greet(solver *s, uint32_t first, uint32_t count) {
-  if (!PBF_SLEEP || !s->unrest || !count) return PBF_OK;
+static inline pbf_status init_new(solver *s, uint32_t first, uint32_t count) {
+  if (!PBF_SLEEP || !s->activity || !count) return PBF_OK;
   ++s->epoch;
-  greet_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(count, s->sleep, s->unrest + first,
-                                                               s->tally);
+  init_new_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(count, s->sleep,
+                                                                  s->activity + first, s->tally);
   return pbf_cuda_check_launch("greet_kernel");
 }
 
 static inline pbf_status wake_all(solver *s) {
-  if (!PBF_SLEEP || !s->unrest || !s->count) return PBF_OK;
+  if (!PBF_SLEEP || !s->activity || !s->count) return PBF_OK;
   ++s->epoch;
-  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->count, s->sleep, s->unrest,
-                                                                     s->tally);
+  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->count, s->sleep,
+                                                                     s->activity, s->tally);
   return pbf_cuda_check_launch("wake_all_kernel");
 }
 
 /* Those near these colliders as they stood, or will stand, at a time. */
-static inline pbf_status wake_near_colliders(solver *s, pbf_movers movers, double time) {
-  if (!PBF_SLEEP || !s->unrest || !s->count || !pbf_any_moves(movers)) return PBF_OK;
+static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles moving_obstacles,
+                                             double time) {
+  if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))
+    return PBF_OK;
   ++s->epoch;
   if (pbf_status status = place_solids(s, time, 1)) return status;
-  return wake_near(s, movers, {pbf_walls_at(&s->params, time), (int)s->collider_count, s->solids});
+  return wake_near_moving(s, moving_obstacles,
+                          {pbf_walls_at(&s->params, time), (int)s->collider_count, s->solids});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */
@@ -75,7 +78,7 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
   if (!p->count) return PBF_OK;
   s->owned = 0;
   /* Those asleep keep lambda from step to step, and would take it over again and again. */
-  if (!s->unrest)
+  if (!s->activity)
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = copy_in(s, staged, p->positions, bytes)) return status;
   append_points_kernel<<<blocks_for(p->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->count,
@@ -88,7 +91,7 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
       p->velocities
           ? copy_in(s, velocities, p->velocities, bytes)
           : pbf_cuda_check(cudaMemsetAsync(velocities, 0, bytes, s->stream), "cudaMemsetAsync");
-  if (status == PBF_OK) status = greet(s, s->count, p->count);
+  if (status == PBF_OK) status = init_new(s, s->count, p->count);
   if (status == PBF_OK) s->count += p->count;
   return status;
 }
@@ -105,13 +108,13 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-      {s->points, s->velocities, s->ids, s->unrest}, s->count, place,
-      {s->other, s->other_velocities, s->other_ids, s->other_unrest});
+      {s->points, s->velocities, s->ids, s->activity}, s->count, place,
+      {s->other, s->other_velocities, s->other_ids, s->other_activity});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   exchange(&s->points, &s->other);
   exchange(&s->velocities, &s->other_velocities);
   exchange(&s->ids, &s->other_ids);
-  exchange(&s->unrest, &s->other_unrest);
+  exchange(&s->activity, &s->other_activity);
   s->count -= count;
   return PBF_OK;
 }
@@ -157,26 +160,26 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
 }
 
 static inline pbf_status population_read_rest(solver *s, const pbf_rows *rows, void *out) {
-  if (!rows->count || !s->unrest) return PBF_OK;
+  if (!rows->count || !s->activity) return PBF_OK;
   row_range range;
   pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
-  read_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->unrest, s->ids,
-                                                                      s->count, range, staged);
+  read_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->activity, s->ids, s->count, range, staged);
   if (pbf_status status = pbf_cuda_check_launch("read_rest_kernel")) return status;
   return copy_out(s, out, staged, 2 * (uint64_t)rows->count * sizeof(pbf_real));
 }
 
 static inline pbf_status population_write_rest(solver *s, const pbf_rows *rows, const void *in) {
-  if (!rows->count || !s->unrest) return PBF_OK;
+  if (!rows->count || !s->activity) return PBF_OK;
   row_range range;
   pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
   if (pbf_status status = wake_all(s)) return status;
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   if (pbf_status status = copy_in(s, staged, in, 2 * (uint64_t)rows->count * sizeof(pbf_real)))
     return status;
-  write_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->unrest, s->ids,
-                                                                       s->count, range, staged);
+  write_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->points, s->activity, s->ids, s->count, range, staged);
   return pbf_cuda_check_launch("write_rest_kernel");
 }
 

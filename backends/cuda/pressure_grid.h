@@ -55,8 +55,8 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
  * these add, or null. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
-    weigh_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *images,
-                 pbf_coarse grid, deep_arrays a) {
+    deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *images,
+                   pbf_coarse grid, deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
@@ -67,7 +67,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   if (i >= n.particles.count) return;
   if (images) density += images[i].density;
   if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
-  if (extras.rest.unrest && pbf_is_idle(extras.rest.unrest[i])) density = c->target;
+  if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);
   atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(c->target, density));
@@ -114,23 +114,23 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_coarse_cut(&grid, a.depths, a.rooms, cell, &a.parts[cell], &a.weights[cell]);
 }
 
-/* The step's dose, for all threads of a block. */
-static __device__ __forceinline__ pbf_coarse_dose deep_dose(const pbf_coarse &grid,
-                                                            const deep_arrays &a) {
-  __shared__ pbf_coarse_dose dose;
-  if (threadIdx.x == 0) dose = pbf_coarse_dose_of(&grid, &a.control->extent);
+/* The step's source scale, for all threads of a block. */
+static __device__ __forceinline__ pbf_pressure_grid_source_scale
+grid_source_scale(const pbf_coarse &grid, const deep_arrays &a) {
+  __shared__ pbf_pressure_grid_source_scale source_scale;
+  if (threadIdx.x == 0) source_scale = pbf_pressure_grid_source_scale_of(&grid, &a.control->extent);
   __syncthreads();
-  return dose;
+  return source_scale;
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_nodes_kernel(pbf_coarse grid, deep_arrays a) {
   uint32_t node = thread_index();
-  const pbf_coarse_dose dose = deep_dose(grid, a);
+  const pbf_pressure_grid_source_scale source_scale = grid_source_scale(grid, a);
   double right = 0, inverse = 0;
   if (node < grid.nodes) {
-    pbf_coarse_equation(&grid, &dose, deep_integers(a.sums), a.rooms, a.weights, a.depths[node],
-                        node, &right, &inverse);
+    pbf_coarse_equation(&grid, &source_scale, deep_integers(a.sums), a.rooms, a.weights,
+                        a.depths[node], node, &right, &inverse);
     a.right[node] = right;
     a.inverse[node] = inverse;
   }
@@ -156,7 +156,7 @@ static __device__ __forceinline__ uint32_t deep_stands(const double *inverse, ui
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deep_guess_kernel(pbf_coarse grid, deep_arrays a) {
   uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[grid.axis];
-  const double part = deep_dose(grid, a).part;
+  const double part = grid_source_scale(grid, a).part;
   if (column >= pbf_coarse_columns(&grid)) return;
   const pbf_coarse_column at = pbf_coarse_column_at(&grid, column);
   bool stays = pbf_coarse_down(&grid) == 0;
@@ -172,9 +172,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* What the grid adds to the moves. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    carry_kernel(sorted_particles p, pbf_coarse grid, deep_arrays a, pbf_real inv_time_step) {
+    apply_correction_kernel(sorted_particles p, pbf_coarse grid, deep_arrays a,
+                            pbf_real inv_time_step) {
   uint32_t i = thread_index();
-  if (i >= p.count || (p.unrest && pbf_is_asleep(p.unrest[i]))) return;
+  if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
   pbf_vec x = position_of(own);
   double at[PBF_DIM];

@@ -195,8 +195,9 @@ static __global__ void __launch_bounds__(DEEP_THREADS)
     deep_solve_kernel(const __grid_constant__ pbf_coarse grid,
                       const __grid_constant__ deep_arrays a) {
   const deep_control *control = a.control;
-  pbf_coarse_solve solve = pbf_coarse_begin(pbf_coarse_dose_of(&grid, &control->extent).longest,
-                                            __longlong_as_double((long long)control->largest));
+  pbf_coarse_solve solve =
+      pbf_coarse_begin(pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,
+                       __longlong_as_double((long long)control->largest));
   if (solve.most == 0) return;
   const deep_part part = deep_part_of(grid, control->extent);
   const uint32_t count = list_inside(a, part);

@@ -24,12 +24,12 @@ static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stat
 }
 
 static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {
-  if (!PBF_SLEEP || !s->unrest) return PBF_OK;
+  if (!PBF_SLEEP || !s->activity) return PBF_OK;
   if (pbf_status status =
           pbf_cuda_check(cudaMemsetAsync(&s->tally->asked, 0, sizeof s->tally->asked, s->stream),
                          "cudaMemsetAsync"))
     return status;
-  count_asleep_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->unrest, s->count,
+  count_asleep_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->activity, s->count,
                                                                          s->tally);
   if (pbf_status status = pbf_cuda_check_launch("count_asleep_kernel")) return status;
   return copy_out(s, asleep, &s->tally->asked, sizeof *asleep);

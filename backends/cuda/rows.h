@@ -66,24 +66,24 @@ static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids,
 }
 
 /* Unrest and lambda of each, for saved states. */
-static __global__ void read_rest_kernel(const point *points, const pbf_real *unrest,
+static __global__ void read_rest_kernel(const point *points, const pbf_real *activity,
                                         const uint32_t *ids, uint32_t count, row_range rows,
                                         pbf_real *out) {
   uint32_t i = thread_index();
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
   if (row >= rows.count) return;
-  out[2 * (size_t)row] = unrest[i];
+  out[2 * (size_t)row] = activity[i];
   out[2 * (size_t)row + 1] = points[i].lambda;
 }
 
-static __global__ void write_rest_kernel(point *points, pbf_real *unrest, const uint32_t *ids,
+static __global__ void write_rest_kernel(point *points, pbf_real *activity, const uint32_t *ids,
                                          uint32_t count, row_range rows, const pbf_real *in) {
   uint32_t i = thread_index();
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
   if (row >= rows.count) return;
-  unrest[i] = in[2 * (size_t)row];
+  activity[i] = in[2 * (size_t)row];
   points[i].lambda = in[2 * (size_t)row + 1];
 }
 
@@ -105,7 +105,7 @@ struct particle_arrays {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
-  pbf_real *unrest; /* where fluid sleeps, else null */
+  pbf_real *activity; /* where fluid sleeps, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -116,7 +116,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   store(to.points, place[i], load(from.points, i));
   to.velocities[place[i]] = from.velocities[i];
   to.ids[place[i]] = from.ids[i];
-  if (from.unrest) to.unrest[place[i]] = from.unrest[i];
+  if (from.activity) to.activity[place[i]] = from.activity[i];
 }
 
 #endif

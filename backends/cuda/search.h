@@ -24,9 +24,9 @@ static __device__ __forceinline__ uint32_t shift_in_sign(uint32_t bits, double o
 
 /* Negative where a and b are nearer than h. */
 static __device__ __forceinline__ pbf_real beyond_h(pbf_vec a, pbf_vec b, pbf_real h2) {
-  pbf_real excess = -h2;
-  for (int k = 0; k < PBF_DIM; ++k) excess += (a.c[k] - b.c[k]) * (a.c[k] - b.c[k]);
-  return excess;
+  pbf_real error_units = -h2;
+  for (int k = 0; k < PBF_DIM; ++k) error_units += (a.c[k] - b.c[k]) * (a.c[k] - b.c[k]);
+  return error_units;
 }
 
 /* Which of `count` candidates are near x, at most SEARCH_WINDOW: bit 31 for the first, and so on.
@@ -101,9 +101,9 @@ static inline uint32_t list_blocks(uint32_t count) {
   return (count + SEARCH_BLOCK - 1) / SEARCH_BLOCK;
 }
 
-/* Who gets a list. The shore (physics/sleep.h) is known once the awake have theirs; a warp's lists
- * have their bases in common, so that it gets them together. */
-enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SHORE };
+/* Who gets a list. The sleeping boundary (physics/sleep.h) is known once the awake have theirs; a
+ * warp's lists have their bases in common, so that it gets them together. */
+enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SLEEPING_BOUNDARY };
 
 template <searchers WHO>
 static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
@@ -113,11 +113,11 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   growing_list list(growing, lists.chunks * PBF_CHUNK);
-  pbf_real unrest = WHO != SEARCH_ALL && real ? p.unrest[i] : (pbf_real)PBF_ASLEEP;
-  bool looks = real && (WHO == SEARCH_ALL || !pbf_is_asleep(unrest));
-  if (WHO == SEARCH_SHORE) {
-    if (!__any_sync(~0u, unrest == pbf_shore())) return;
-    looks = !pbf_is_idle(unrest);
+  pbf_real activity = WHO != SEARCH_ALL && real ? p.activity[i] : (pbf_real)PBF_ASLEEP;
+  bool looks = real && (WHO == SEARCH_ALL || !pbf_is_asleep(activity));
+  if (WHO == SEARCH_SLEEPING_BOUNDARY) {
+    if (!__any_sync(~0u, activity == pbf_sleeping_boundary())) return;
+    looks = !pbf_is_inactive(activity);
   }
   /* The other lists are empty. */
   if (WHO == SEARCH_AWAKE && !__any_sync(~0u, looks)) {

@@ -8,91 +8,91 @@
 
 /* What the blocks of a step tell each other. */
 struct sleep_tally {
-  uint32_t drowsy;   /* somebody sleeps or is still enough to */
-  uint32_t sleepers; /* counted in each step, */
-  uint32_t blocks;   /* by so many blocks so far */
-  uint32_t all;      /* nobody is awake */
-  uint32_t some;     /* somebody may sleep */
-  uint32_t asked;    /* sleepers, for statistics */
+  uint32_t near_sleep_count; /* somebody sleeps or is still enough to */
+  uint32_t sleepers;         /* counted in each step, */
+  uint32_t blocks;           /* by so many blocks so far */
+  uint32_t all;              /* the sentinel is awake */
+  uint32_t some;             /* somebody may sleep */
+  uint32_t asked;            /* sleepers, for statistics */
 };
 
 /* Of particles in sorted order, at the end of a step; a byte each. */
 struct sleep_marks {
-  uint8_t *stirs, *stirred;
+  uint8_t *wakes_neighbors, *awakened;
 };
 
 /* Sleepers with somebody awake within h, once the awake have their lists. Several may say the same
  * of one. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    shore_kernel(neighborhood n, const sleep_tally *tally) {
+    sleeping_boundary_kernel(neighborhood n, const sleep_tally *tally) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   if (tally->all || !tally->some) return;
   const point *points = n.particles.points;
-  volatile pbf_real *unrest = n.particles.unrest;
-  bool awake = !pbf_is_asleep(unrest[own]);
+  volatile pbf_real *activity = n.particles.activity;
+  bool awake = !pbf_is_asleep(activity[own]);
   if (!__any_sync(~0u, awake)) return;
   pbf_vec x = position_of(load(points, own));
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (!awake || j == n.lists.nowhere || !pbf_is_idle(unrest[j])) return;
+    if (!awake || j == n.lists.sentinel_index || !pbf_is_inactive(activity[j])) return;
     pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    if (pbf_dot(x_ij, x_ij) < n.constants.h2) unrest[j] = pbf_shore();
+    if (pbf_dot(x_ij, x_ij) < n.constants.h2) activity[j] = pbf_sleeping_boundary();
   });
 }
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    unrest_kernel(neighborhood n, const pbf_vec *velocities, pbf_sleep sleep, pbf_real *unrest,
-                  sleep_tally *tally, sleep_marks marks) {
+    activity_kernel(neighborhood n, const pbf_vec *velocities, pbf_sleep sleep, pbf_real *activity,
+                    sleep_tally *tally, sleep_marks marks) {
   uint32_t i = thread_index();
   if (tally->all) return;
   pbf_vec around = smoothed_velocity<FEATURES>(n, velocities, 1, i);
   if (i >= n.particles.count) return;
-  pbf_real rest = unrest[i];
-  bool stirs = false;
+  pbf_real rest = activity[i];
+  bool wakes_neighbors = false;
   if (!pbf_is_asleep(rest)) {
-    unrest[i] = rest = pbf_unrest(&sleep, rest, around);
-    stirs = pbf_stirs(&sleep, rest, around);
+    activity[i] = rest = pbf_activity(&sleep, rest, around);
+    wakes_neighbors = pbf_wakes_neighbors(&sleep, rest, around);
   }
-  marks.stirs[i] = stirs;
-  marks.stirred[i] = 0;
-  if (rest < sleep.still2) tally->drowsy = 1;
+  marks.wakes_neighbors[i] = wakes_neighbors;
+  marks.awakened[i] = 0;
+  if (rest < sleep.still2) tally->near_sleep_count = 1;
 }
 
-/* Where nobody sleeps nor is about to, nobody need know of what stirs. Several may say the same of
- * a neighbour. */
+/* Where the sentinel sleeps nor is about to, the sentinel need know of what wakes its neighbours.
+ * Several may say the same of a neighbour. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    stir_kernel(neighborhood n, const sleep_tally *tally, sleep_marks marks) {
+    wake_neighbors_kernel(neighborhood n, const sleep_tally *tally, sleep_marks marks) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  if (tally->all || !tally->drowsy) return;
+  if (tally->all || !tally->near_sleep_count) return;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own));
-  bool stirs = marks.stirs[own];
-  if (!__any_sync(~0u, stirs)) return;
+  bool wakes_neighbors = marks.wakes_neighbors[own];
+  if (!__any_sync(~0u, wakes_neighbors)) return;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
-    if (!stirs || j == n.lists.nowhere) return;
+    if (!wakes_neighbors || j == n.lists.sentinel_index) return;
     pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
-    if (pbf_dot(x_ij, x_ij) < n.constants.h2) marks.stirred[j] = 1;
+    if (pbf_dot(x_ij, x_ij) < n.constants.h2) marks.awakened[j] = 1;
   });
 }
 
 /* The last block to come knows how many sleep; the host knows it by `epoch`. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    settle_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest, pbf_vec *velocities,
-                  sleep_tally *tally, sleep_marks marks, volatile uint64_t *all_asleep,
-                  uint64_t epoch) {
+    update_sleep_kernel(uint32_t count, pbf_sleep sleep, pbf_real *activity, pbf_vec *velocities,
+                        sleep_tally *tally, sleep_marks marks, volatile uint64_t *all_asleep,
+                        uint64_t epoch) {
   uint32_t i = thread_index();
   if (tally->all) {
     if (i == 0) *all_asleep = epoch;
     return;
   }
-  if (!tally->drowsy) {
+  if (!tally->near_sleep_count) {
     if (i == 0) tally->some = 0;
     return;
   }
   bool asleep = false;
   if (i < count) {
-    pbf_real rest = pbf_settle(&sleep, unrest[i], marks.stirred[i]);
-    unrest[i] = rest;
+    pbf_real rest = pbf_update_sleep(&sleep, activity[i], marks.awakened[i]);
+    activity[i] = rest;
     asleep = pbf_is_asleep(rest);
     if (asleep) velocities[i] = {{0}};
   }
@@ -108,38 +108,40 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Nobody solves while all sleep: then the iterations are those of the step before. */
-static __global__ void clear_watch_kernel(solve_watch *watch, const sleep_tally *tally) {
+static __global__ void clear_convergence_kernel(convergence_state *watch,
+                                                const sleep_tally *tally) {
   if (!tally->all) *watch = {};
 }
 
-static __global__ void wake_near_kernel(const point *points, uint32_t count, pbf_sleep sleep,
-                                        pbf_movers movers, step_obstacles o, pbf_real reach,
-                                        pbf_real *unrest, sleep_tally *tally) {
+static __global__ void wake_near_moving_kernel(const point *points, uint32_t count, pbf_sleep sleep,
+                                               pbf_moving_obstacles moving_obstacles,
+                                               step_obstacles o, pbf_real reach, pbf_real *activity,
+                                               sleep_tally *tally) {
   uint32_t i = thread_index();
-  if (i >= count || !pbf_is_asleep(unrest[i])) return;
-  if (!pbf_moves_near(movers, o, reach, position_of(load(points, i)))) return;
-  unrest[i] = pbf_woken(&sleep);
+  if (i >= count || !pbf_is_asleep(activity[i])) return;
+  if (!pbf_near_moving_obstacle(moving_obstacles, o, reach, position_of(load(points, i)))) return;
+  activity[i] = pbf_woken_activity(&sleep);
   tally->all = 0;
 }
 
-static __global__ void wake_all_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest,
+static __global__ void wake_all_kernel(uint32_t count, pbf_sleep sleep, pbf_real *activity,
                                        sleep_tally *tally) {
   uint32_t i = thread_index();
-  if (i < count && pbf_is_asleep(unrest[i])) unrest[i] = pbf_woken(&sleep);
+  if (i < count && pbf_is_asleep(activity[i])) activity[i] = pbf_woken_activity(&sleep);
   if (i == 0) tally->all = 0;
 }
 
-static __global__ void greet_kernel(uint32_t count, pbf_sleep sleep, pbf_real *unrest,
-                                    sleep_tally *tally) {
+static __global__ void init_new_kernel(uint32_t count, pbf_sleep sleep, pbf_real *activity,
+                                       sleep_tally *tally) {
   uint32_t i = thread_index();
-  if (i < count) unrest[i] = pbf_newcomer(&sleep);
+  if (i < count) activity[i] = pbf_new_activity(&sleep);
   if (i == 0) tally->all = 0;
 }
 
-static __global__ void count_asleep_kernel(const pbf_real *unrest, uint32_t count,
+static __global__ void count_asleep_kernel(const pbf_real *activity, uint32_t count,
                                            sleep_tally *tally) {
   uint32_t i = thread_index();
-  uint32_t sleepers = (uint32_t)__syncthreads_count(i < count && pbf_is_asleep(unrest[i]));
+  uint32_t sleepers = (uint32_t)__syncthreads_count(i < count && pbf_is_asleep(activity[i]));
   if (threadIdx.x == 0 && sleepers) atomicAdd(&tally->asked, sleepers);
 }
 

@@ -63,7 +63,7 @@ struct solver {
                             sleep only */
   uint64_t epoch;        /* between two events that may wake somebody */
   pbf_sleep sleep;
-  pbf_movers movers;
+  pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */
   pbf_real pressure_scale;           /* of the last step */
   bool ordered;                      /* the particles are in the order of their ids */
@@ -122,14 +122,14 @@ static inline unsorted_particles state_of(const solver *s) {
           s->velocities,
           s->ids,
           s->count,
-          s->unrest,
+          s->activity,
           s->tally ? &s->tally->all : nullptr,
           s->tally ? &s->tally->some : nullptr};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
   return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count,
-           s->other_unrest},
+           s->other_activity},
           grid,
           s->lists,
           s->constants};

@@ -24,7 +24,7 @@ struct unsorted_particles {
   const pbf_vec *velocities;
   const uint32_t *ids;
   uint32_t count;
-  const pbf_real *unrest;     /* where fluid sleeps, else null, */
+  const pbf_real *activity;   /* where fluid sleeps, else null, */
   const uint32_t *all_asleep; /* and then: when not 0 all stay in their order; */
   uint32_t *some_asleep;      /* the sort sets it where somebody sleeps */
 };
@@ -38,7 +38,7 @@ template <solids_met SOLIDS, bool SLEEP>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
-  if (SLEEP && pbf_is_asleep(from.unrest[i])) return x;
+  if (SLEEP && pbf_is_asleep(from.activity[i])) return x;
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
   return p.collide ? resolve<SOLIDS>(p.obstacles, 1, x, y) : y;
 }
@@ -73,7 +73,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   point own = load(from.points, i);
   pbf_vec x = position_of(own);
   pbf_vec predicted = predicted_position<SOLIDS, SLEEP>(from, p, i, x);
-  if (SLEEP && pbf_is_asleep(from.unrest[i])) {
+  if (SLEEP && pbf_is_asleep(from.activity[i])) {
     store(to.points, place, own);
     to.velocities[place] = {{0}};
     *from.some_asleep = 1;
@@ -82,7 +82,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
-  if (SLEEP) to.unrest[place] = from.unrest[i];
+  if (SLEEP) to.activity[place] = from.activity[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }

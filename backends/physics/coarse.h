@@ -290,36 +290,37 @@ typedef struct pbf_coarse_extent {
 } pbf_coarse_extent;
 
 /* What a step does about the fluid in these cells. */
-typedef struct pbf_coarse_dose {
+typedef struct pbf_pressure_grid_source_scale {
   double part;  /* of the forces' pressure, */
   double share; /* and of the density errors, before that part is taken */
   int longest;  /* run of nodes along an axis, at most */
-} pbf_coarse_dose;
+} pbf_pressure_grid_source_scale;
 
 /* Errors go as fast as the fluid could fall through its depth: a faster share throws it up, a
  * slower one is not heard. In long steps, which fall by a 36th of a cell and more, the weight of a
  * cell's height is left to the iterations, too, in shorter ones less of it: with too little, fluid
  * of lambda's one sign spreads until it fills 1.4 times its volume. Where forces alone cross half a
  * cell in a step, what the grid sees is not where the fluid is. */
-PBF_FN pbf_coarse_dose pbf_coarse_dose_of(const pbf_coarse *c, const pbf_coarse_extent *e) {
-  pbf_coarse_dose dose = {0, 0, 1};
+PBF_FN pbf_pressure_grid_source_scale
+pbf_pressure_grid_source_scale_of(const pbf_coarse *c, const pbf_coarse_extent *e) {
+  pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
   double head = 0, fastest = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     int last = (int)e->above[k], first = c->n[k] + 1 - (int)e->below[k], cells = last + 1 - first;
-    if (cells <= 0) return dose;
+    if (cells <= 0) return source_scale;
     double push =
         pbf_greater(fabs(c->push[k] + c->pull[k] * first), fabs(c->push[k] + c->pull[k] * last));
     head += cells * push;
     fastest = pbf_greater(fastest, push);
-    if (cells >= dose.longest) dose.longest = cells + 1;
+    if (cells >= source_scale.longest) source_scale.longest = cells + 1;
   }
   double error = c->error * head, cell = c->error * fastest;
   double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
   left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
-  if (!(error > left && fastest < 0.5)) return dose;
-  dose.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
-  dose.share = fastest / sqrt(head);
-  return dose;
+  if (!(error > left && fastest < 0.5)) return source_scale;
+  source_scale.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
+  source_scale.share = fastest / sqrt(head);
+  return source_scale;
 }
 
 #endif

@@ -20,7 +20,8 @@ typedef struct pbf_coarse_total {
 
 /* The cell of which the node, the i-th along each axis, is corner `a`. A crowd counts as an error
  * of its cell's whole room: it is for the iterations. */
-PBF_FN void pbf_coarse_add_cell(const pbf_coarse *c, const pbf_coarse_dose *dose,
+PBF_FN void pbf_coarse_add_cell(const pbf_coarse *c,
+                                const pbf_pressure_grid_source_scale *source_scale,
                                 const int64_t *sums, const double *rooms, const double *weights,
                                 int64_t node, const int i[PBF_DIM], int a, pbf_coarse_total *all) {
   int64_t cell = node - (int64_t)c->corner[a];
@@ -31,36 +32,39 @@ PBF_FN void pbf_coarse_add_cell(const pbf_coarse *c, const pbf_coarse_dose *dose
   }
   all->room += rooms[cell];
   all->weight += weights[cell];
-  all->sum += dose->share / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
-              rooms[cell] * divergence * 2 / PBF_CORNERS;
+  all->sum +=
+      source_scale->share / PBF_CORNERS * pbf_lesser(pbf_coarse_error(c, sums[cell]), rooms[cell]) +
+      rooms[cell] * divergence * 2 / PBF_CORNERS;
 }
 
 /* The system's right side and the inverse of its diagonal: 0 for a node in the open or with next to
  * no room, and where nothing is to be done. `weights` are rooms over parts. One cell by one, here
  * and below, so that the compiler can do several nodes at once. */
-PBF_FN void pbf_coarse_equation_at(const pbf_coarse *c, const pbf_coarse_dose *dose,
+PBF_FN void pbf_coarse_equation_at(const pbf_coarse *c,
+                                   const pbf_pressure_grid_source_scale *source_scale,
                                    const int64_t *sums, const double *rooms, const double *weights,
                                    double depth, int64_t node, const int i[PBF_DIM], double *right,
                                    double *inverse) {
   pbf_coarse_total all = {0, 0, 0};
-  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 0, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 1, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 2, &all);
-  pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, 3, &all);
+  pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, 0, &all);
+  pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, 1, &all);
+  pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, 2, &all);
+  pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, 3, &all);
   if (PBF_DIM == 3) {
-    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 4, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 3, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 2, &all);
-    pbf_coarse_add_cell(c, dose, sums, rooms, weights, node, i, PBF_CORNERS - 1, &all);
+    pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, PBF_CORNERS - 4, &all);
+    pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, PBF_CORNERS - 3, &all);
+    pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, PBF_CORNERS - 2, &all);
+    pbf_coarse_add_cell(c, source_scale, sums, rooms, weights, node, i, PBF_CORNERS - 1, &all);
   }
-  int has = all.room >= 0.1 && dose->part > 0;
+  int has = all.room >= 0.1 && source_scale->part > 0;
   int solved = has && !pbf_coarse_is_open(depth);
-  *right = has ? -dose->part * all.sum : 0;
+  *right = has ? -source_scale->part * all.sum : 0;
   *inverse = solved ? 1 / (PBF_COARSE_UNIT * PBF_COARSE_OWN * pbf_greater(all.weight, 0.1)) : 0;
 }
 
 /* That of any node; 0 for those outside. */
-PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const pbf_coarse_dose *dose,
+PBF_FN void pbf_coarse_equation(const pbf_coarse *c,
+                                const pbf_pressure_grid_source_scale *source_scale,
                                 const int64_t *sums, const double *rooms, const double *weights,
                                 double depth, uint32_t node, double *right, double *inverse) {
   int i[PBF_DIM];
@@ -68,7 +72,7 @@ PBF_FN void pbf_coarse_equation(const pbf_coarse *c, const pbf_coarse_dose *dose
   pbf_coarse_place(c, node, i);
   for (int k = 0; k < PBF_DIM; ++k)
     if (i[k] == 0) return;
-  pbf_coarse_equation_at(c, dose, sums, rooms, weights, depth, node, i, right, inverse);
+  pbf_coarse_equation_at(c, source_scale, sums, rooms, weights, depth, node, i, right, inverse);
 }
 
 /* The weights of the cells around a node: of the one of which it is corner a. */

@@ -63,7 +63,7 @@ PBF_FN double pbf_coarse_part_below(const double depths[PBF_CORNERS]) {
   return height < 0 ? 1 - height : pbf_greater(depth / (depth + height), PBF_COARSE_SURFACE);
 }
 
-/* Of a cell: that part, and its room over it. Cells without room are for nobody. */
+/* Of a cell: that part, and its room over it. Cells without room are for the sentinel. */
 PBF_FN void pbf_coarse_cut(const pbf_coarse *c, const double *depths, const double *rooms,
                            uint32_t cell, double *part, double *weight) {
   double corners[PBF_CORNERS];

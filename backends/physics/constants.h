@@ -21,25 +21,26 @@ typedef struct pbf_constants {
   pbf_real tension;      /* weight of densities below rest where lambda does not add up */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
-  pbf_real confinement; /* dt times the strength of eq. 16, see pbf_most_confinement */
+  pbf_real confinement; /* dt times the strength of eq. 16, see pbf_max_confinement */
   pbf_real viscosity;
-  pbf_real flow_time;   /* damping_compensation.h: dt times the part that is undone, */
-  pbf_real most_flow2;  /* … and beyond which way of the flow in a step, squared, less of it is */
+  pbf_real flow_time; /* damping_compensation.h: dt times the part that is undone, */
+  pbf_real
+      max_mean_flow2;   /* … and beyond which way of the flow in a step, squared, less of it is */
   pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
   int scorr_n;
-  int accelerated;               /* lambda adds up over the iterations, */
-  pbf_real most_pull;            /* … up to this above a density of, and to 0 elsewhere, … */
-  pbf_real least_pulled;         /* … see pbf_set_pull */
-  pbf_real step_size;            /* of the Chebyshev iteration, */
-  double contraction;            /* what its weights follow from, pbf_next_weight, */
-  pbf_real weight;               /* and the one of this iteration */
-  pbf_real most_change;          /* of lambda in an iteration, see pbf_accelerate */
-  double scorr_step, scorr_most; /* an iteration's artificial pressure, and all of it, see
-                                    pbf_most_scorr */
+  int accelerated;              /* lambda adds up over the iterations, */
+  pbf_real max_tension;         /* … up to this above a density of, and to 0 elsewhere, … */
+  pbf_real tension_min_density; /* … see pbf_set_tension */
+  pbf_real step_size;           /* of the Chebyshev iteration, */
+  double contraction;           /* what its weights follow from, pbf_next_weight, */
+  pbf_real weight;              /* and the one of this iteration */
+  pbf_real max_change;          /* of lambda in an iteration, see pbf_accelerate */
+  double scorr_step, scorr_max; /* an iteration's artificial pressure, and all of it, see
+                                    pbf_max_scorr */
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
-  pbf_real slack;    /* part of a density error that a step leaves, … */
-  pbf_real most_undone; /* … and what it undoes of it at most, … */
-  pbf_real most_slack;  /* … but for the rest of this part, see pbf_slack */
+  pbf_real residual_density;  /* part of a density error that a step leaves, … */
+  pbf_real max_undone;        /* … and what it undoes of it at most, … */
+  pbf_real max_residual_part; /* … but for the rest of this part, see pbf_residual_density */
   pbf_real wall_offset;
   pbf_real wall_weight;              /* of what walls and colliders lend */
   pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
@@ -66,7 +67,7 @@ static inline double pbf_gravity_of(const pbf_params *params) {
 /* What a step does to the density error that it finds becomes velocity: error times h / dt, without
  * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
  * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
-static inline double pbf_slack_of(const pbf_params *params) {
+static inline double pbf_residual_part(const pbf_params *params) {
   double g = pbf_gravity_of(params);
   if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g > 0)) return 0;
   double time = 0.02 * sqrt(params->smoothing_radius / g);
@@ -76,30 +77,36 @@ static inline double pbf_slack_of(const pbf_params *params) {
 /* Share by share, what starts dense would still be thrown: ten layers 6 % too dense flew at eleven
  * times the speed of a fall by half a layer. Such a step undoes no more than fluid does that
  * spreads by a tenth of its length while a particle falls by h / 2: 0.002 dt / time, of which the
- * share is told by the slack; all of an error where there is none. But always more than it adds:
- * n iterations leave g H dt² / (4 n d²) under a depth H (depth.h), which is at most the domain's,
- * and twice that where the fluid moves. Under 144 layers it would be squeezed ever more. */
-static inline double pbf_most_undone_of(const pbf_params *params, double slack) {
+ * share is told by the residual density; all of an error where there is none. But always more than
+ * it adds: n iterations leave g H dt² / (4 n d²) under a depth H (depth.h), which is at most the
+ * domain's, and twice that where the fluid moves. Under 144 layers it would be squeezed ever more.
+ */
+static inline double pbf_max_undone_of(const pbf_params *params, double residual_density) {
   double head = 0, dt = params->time_step;
   for (int k = 0; k < PBF_DIM; ++k)
     head += fabs(params->gravity[k]) * (params->domain_max[k] - params->domain_min[k]);
   double left = pbf_depth_error(params, head * dt * dt);
-  return slack > 0 ? fmax(0.002 * (1 - slack) / slack, 2 * left) : 1e30;
+  return residual_density > 0 ? fmax(0.002 * (1 - residual_density) / residual_density, 2 * left)
+                              : 1e30;
 }
 
 /* And a part of the rest: pressure that is the same however great an error holds no weight, for
  * what holds it is that there is more of it below. With one iteration a step of 2 ms, where water
  * at rest is a percent dense, it fell to half its height. What weight asks for goes with dt², and
  * so does the part: shorter steps would throw by more of it. */
-static inline double pbf_most_slack_of(double slack) { return 1 - 0.1 * (1 - slack) * (1 - slack); }
+static inline double pbf_max_residual_part(double residual_density) {
+  return 1 - 0.1 * (1 - residual_density) * (1 - residual_density);
+}
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
  * about that becomes velocity, too: in a step of 1e-7 s half a metre a second. So where a step is
- * short for gravity, `slack` > 0, or no gravity says what is short, errors of no more than that are
- * none: in float32 1e-5 for a domain of ten h. Larger ones are undone as elsewhere. */
-static inline double pbf_density_rounding(const pbf_params *params, double slack, double diagonal) {
+ * short for gravity, `residual density` > 0, or no gravity says what is short, errors of no more
+ * than that are none: in float32 1e-5 for a domain of ten h. Larger ones are undone as elsewhere.
+ */
+static inline double pbf_density_rounding(const pbf_params *params, double residual_density,
+                                          double diagonal) {
   const double bit = sizeof(pbf_real) == sizeof(float) ? 0x1p-23 : 0x1p-52;
-  double extent = 0, part = pbf_gravity_of(params) > 0 ? slack : 1;
+  double extent = 0, part = pbf_gravity_of(params) > 0 ? residual_density : 1;
   for (int k = 0; k < PBF_DIM; ++k)
     extent = fmax(extent, fmax(fabs(params->domain_min[k]), fabs(params->domain_max[k])));
   return part * fmin(1e-4, 2 * bit * (4 + extent * sqrt(diagonal)));
@@ -109,7 +116,7 @@ static inline double pbf_density_rounding(const pbf_params *params, double slack
  * all bounds: a fluid at rest boils from 15 on at h = 2 spacings (the paper's own iteration from
  * 40 on), from 0.3 on at 3, where its share at rest spacing is 0.7 instead of 0.02; a dam break
  * gains energy from 3 on. */
-static inline double pbf_most_scorr(const pbf_params *params) {
+static inline double pbf_max_scorr(const pbf_params *params) {
   double q = pbf_derive_spacing(params) / params->smoothing_radius;
   double rest = pbf_shape_value(params->kernel, q);
   double share = params->scorr_k > 0 ? rest / pbf_shape_value(params->kernel, params->scorr_dq) : 0;
@@ -121,7 +128,7 @@ static inline double pbf_most_scorr(const pbf_params *params) {
  * steps of 1.3 to 20 ms: at 0.01 h they gain next to nothing (in the shortest steps up to twice
  * their energy), at 0.02 h up to ten times, from 0.1 h on a hundred times and more. The paper's own
  * iteration has the paper's confinement. */
-static inline double pbf_most_confinement(const pbf_params *params) {
+static inline double pbf_max_confinement(const pbf_params *params) {
   int accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   return accelerated ? 0.01 * params->smoothing_radius : INFINITY;
 }
@@ -130,7 +137,7 @@ static inline double pbf_most_confinement(const pbf_params *params) {
  * fluid is stiffer than its lattice by far. With h of fewer than two spacings it boils under its
  * weight in long steps; in 2D, from 2 on, what hits a wall at half a spacing a step flies off with
  * twice its energy. Measured from 1.3 to 3 spacings. */
-static inline double pbf_most_change_of(const pbf_params *params) {
+static inline double pbf_max_change_of(const pbf_params *params) {
   double spacings = params->smoothing_radius / pbf_derive_spacing(params);
   return fmin(fmax(1 + (spacings - 1.4) / 0.3, 0.5), PBF_DIM == 2 ? 1.5 : 3);
 }
@@ -141,23 +148,23 @@ static inline double pbf_most_change_of(const pbf_params *params) {
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
                                         double stiffness, double pressure) {
-  const double rest = 0.3, least_angle = 0.25, room = 1.05;
+  const double rest = 0.3, min_angle = 0.25, room = 1.05;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
-  double angle = fmax(acosh(1 / rest) / params->iterations, least_angle);
+  double angle = fmax(acosh(1 / rest) / params->iterations, min_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
   c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);
   c->weight = 1;
-  c->most_change = (pbf_real)(stiffness > 0 ? pbf_most_change_of(params) / stiffness : 1e30);
+  c->max_change = (pbf_real)(stiffness > 0 ? pbf_max_change_of(params) / stiffness : 1e30);
   c->scorr_step = params->scorr_k * (double)c->omega;
-  c->scorr_most = stiffness > 0 ? pbf_most_scorr(params) / stiffness : 0;
+  c->scorr_max = stiffness > 0 ? pbf_max_scorr(params) / stiffness : 0;
   c->pressure = (pbf_real)(c->accelerated && params->time_step > 0
                                ? pressure / (params->time_step * params->time_step)
                                : 0);
-  c->slack = (pbf_real)pbf_slack_of(params);
-  c->most_undone = (pbf_real)pbf_most_undone_of(params, pbf_slack_of(params));
-  c->most_slack = (pbf_real)pbf_most_slack_of(pbf_slack_of(params));
+  c->residual_density = (pbf_real)pbf_residual_part(params);
+  c->max_undone = (pbf_real)pbf_max_undone_of(params, pbf_residual_part(params));
+  c->max_residual_part = (pbf_real)pbf_max_residual_part(pbf_residual_part(params));
   if (c->accelerated) c->omega = 1;
 }
 
@@ -167,13 +174,14 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
  * energy.) No more pull than holds up a column of 8 h, so that short steps do not throw what they
  * find torn, and none without gravity, which is what says that; nor more than a lattice takes
  * without falling together, since pull undoes what pressed lattices are stiff by. */
-static inline void pbf_set_pull(pbf_constants *c, const pbf_params *params, const pbf_derived *d) {
+static inline void pbf_set_tension(pbf_constants *c, const pbf_params *params,
+                                   const pbf_derived *d) {
   const double layers = 8, part = 0.1;
   double dt = params->time_step, weight = layers * d->h * pbf_gravity_of(params) * dt * dt;
   double pull =
       d->stiffness > 0 && d->pressure > 0 ? fmin(weight / d->pressure, 1 / d->stiffness) : 0;
-  c->most_pull = (pbf_real)(params->cohesion * pull);
-  c->least_pulled = (pbf_real)(1 - part * d->surface_lacks);
+  c->max_tension = (pbf_real)(params->cohesion * pull);
+  c->tension_min_density = (pbf_real)(1 - part * d->surface_lacks);
 }
 
 /* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga
@@ -182,7 +190,7 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
   if (!c->accelerated) return;
   double r2 = c->contraction * c->contraction;
   c->weight = (pbf_real)(k == 0 ? 1 : k == 1 ? 2 / (2 - r2) : 4 / (4 - r2 * (double)c->weight));
-  double left = fmax(0, c->scorr_most - c->scorr_step * k);
+  double left = fmax(0, c->scorr_max - c->scorr_step * k);
   c->scorr_k = (pbf_real)fmin(c->scorr_step, left);
 }
 
@@ -245,19 +253,20 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.scorr_k = (pbf_real)d.scorr_k;
   c.scorr_inv_w = (pbf_real)d.scorr_inv_w;
   c.confinement =
-      (pbf_real)fmin(params->time_step * params->vorticity, pbf_most_confinement(params));
+      (pbf_real)fmin(params->time_step * params->vorticity, pbf_max_confinement(params));
   c.viscosity = (pbf_real)fmin(params->viscosity, 1);
   c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
-  c.most_flow2 = (pbf_real)(0.01 * d.h * d.h);
+  c.max_mean_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part = (pbf_real)(params->time_step > 0
                                  ? 0.5 * params->angular_momentum_correction / params->time_step
                                  : 0);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
-  pbf_set_pull(&c, params, &d);
+  pbf_set_tension(&c, params, &d);
   pbf_set_walls(&c, params, &d);
-  c.rounding =
-      c.accelerated ? (pbf_real)pbf_density_rounding(params, (double)c.slack, d.diagonal) : 0;
+  c.rounding = c.accelerated
+                   ? (pbf_real)pbf_density_rounding(params, (double)c.residual_density, d.diagonal)
+                   : 0;
   c.tension = c.accelerated ? 1 : (pbf_real)params->cohesion;
   return c;
 }

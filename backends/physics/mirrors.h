@@ -18,10 +18,10 @@
 
 /* In which walls some particles have images: a corner of three makes seven. Before an image in more
  * than one wall are those in each of them, which are nearer. */
-enum { PBF_MOST_IMAGES = PBF_DIM == 3 ? 26 : 8 };
+enum { PBF_MAX_GHOSTS = PBF_DIM == 3 ? 26 : 8 };
 typedef struct pbf_mirrors {
   int count;
-  unsigned char walls[PBF_MOST_IMAGES]; /* bits of those that an image is in */
+  unsigned char walls[PBF_MAX_GHOSTS]; /* bits of those that an image is in */
 } pbf_mirrors;
 
 /* Of particles between `lower` and `upper`, between walls with this reach: those in whose images

@@ -10,12 +10,12 @@
 #include "physics/schedule.h"
 
 /* Density, over that at rest, with which the fluid fills all room between the walls, or
- * `least_room`, that of the smallest container; 1 where there is more. A two-hundredth more: no
+ * `min_volume`, that of the smallest container; 1 where there is more. A two-hundredth more: no
  * disordered fluid is as even as a lattice, and its mean density is that of the room and more. In
  * full tanks, where that pressed all against all, flow was lost to it in no time, or gained a
  * hundred times its energy. */
-static inline double pbf_density_for_room(const pbf_params *params, uint32_t count,
-                                          double least_room, double time) {
+static inline double pbf_density_in_volume(const pbf_params *params, uint32_t count,
+                                           double min_volume, double time) {
   const double unevenness = 0.005;
   double between = 1, volume = 1, spacing = pbf_derive_spacing(params);
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -25,7 +25,7 @@ static inline double pbf_density_for_room(const pbf_params *params, uint32_t cou
     volume *= spacing;
   }
   if (params->particle_volume > 0) volume = params->particle_volume;
-  double density = (1 + unevenness) * count * volume / fmin(between, least_room);
+  double density = (1 + unevenness) * count * volume / fmin(between, min_volume);
   return fmin(fmax(density, 1), 1e6);
 }
 
@@ -33,24 +33,24 @@ static inline double pbf_density_for_room(const pbf_params *params, uint32_t cou
  * too deep for the iterations, of which no grid over the domain can relieve them: between four
  * boxes in a wide domain 60 layers gained energy with 3 / stiffness an iteration, trembled with
  * 1.9, and settle with 1.7. */
-static inline void pbf_fit_to_room(pbf_constants *c, const pbf_constants *usual,
-                                   const pbf_params *params, uint32_t count,
-                                   const pbf_schedule *has, double time) {
-  double all = pbf_most_change_of(params), most = all, target = 1;
+static inline void pbf_set_target_density(pbf_constants *c, const pbf_constants *usual,
+                                          const pbf_params *params, uint32_t count,
+                                          const pbf_schedule *has, double time) {
+  double all = pbf_max_change_of(params), most = all, target = 1;
   if (has->colliders) most = fmin(most, 1.6);
-  if (usual->accelerated) target = pbf_density_for_room(params, count, has->least_room, time);
-  c->most_change = usual->most_change * (pbf_real)(most / all);
+  if (usual->accelerated) target = pbf_density_in_volume(params, count, has->min_volume, time);
+  c->max_change = usual->max_change * (pbf_real)(most / all);
   c->target = (pbf_real)target;
-  c->least_pulled = usual->least_pulled + (pbf_real)(target - 1);
+  c->tension_min_density = usual->tension_min_density + (pbf_real)(target - 1);
 }
 
 /* How many of these steps, of which the first ends at `time`, are like it in this. */
-static inline uint32_t pbf_steps_alike(const pbf_params *params, uint32_t count, double least_room,
+static inline uint32_t pbf_steps_alike(const pbf_params *params, uint32_t count, double min_volume,
                                        double time, uint32_t steps) {
-  double target = pbf_density_for_room(params, count, least_room, time);
+  double target = pbf_density_in_volume(params, count, min_volume, time);
   uint32_t k = 1;
   while (k < steps &&
-         pbf_density_for_room(params, count, least_room, time + k * params->time_step) == target)
+         pbf_density_in_volume(params, count, min_volume, time + k * params->time_step) == target)
     ++k;
   return k;
 }

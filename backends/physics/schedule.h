@@ -20,10 +20,10 @@ typedef struct pbf_schedule {
   uint32_t runs[PBF_STAGE_COUNT]; /* a step, at most */
   int features;
   int colliders;
-  double least_room; /* of the smallest container, see physics/containers.h */
-  int accelerated;   /* lambda adds up over the iterations */
-  int wall_density;  /* walls and colliders lend density */
-  int watched;       /* the solve ends when its density error is small enough */
+  double min_volume;      /* of the smallest container, see physics/containers.h */
+  int accelerated;        /* lambda adds up over the iterations */
+  int wall_density;       /* walls and colliders lend density */
+  int checks_convergence; /* the solve ends when its density error is small enough */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
@@ -33,10 +33,10 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
   s.colliders = (int)colliders;
-  s.least_room = pbf_containers_volume(params, colliders, list);
+  s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
-  s.watched = params->tolerance > 0;
+  s.checks_convergence = params->tolerance > 0;
   s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;

@@ -45,22 +45,22 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
   e.begin_solve();
-  if (runs<PBF_STAGE_SLACK>(has)) e.slack();
+  if (runs<PBF_STAGE_RESIDUAL_DENSITY>(has)) e.residual_density();
   if (runs<PBF_STAGE_GRID>(has)) e.pressure_grid();
-  for (uint32_t k = 0; k < has.runs[PBF_STAGE_LAMBDA] && !e.is_over(k); ++k) {
+  for (uint32_t k = 0; k < has.runs[PBF_STAGE_LAMBDA] && !e.is_converged(k); ++k) {
     e.begin_iteration(k);
     e.lambda(k);
-    if (runs<PBF_STAGE_TORQUE>(has)) e.torque(k);
+    if (runs<PBF_STAGE_TORQUE>(has)) e.torque_deficit(k);
     e.move(k);
   }
   e.velocity();
-  if (runs<PBF_STAGE_UNDAMP>(has)) {
-    e.flow();
-    e.undamp();
+  if (runs<PBF_STAGE_DAMPING_COMPENSATION>(has)) {
+    e.mean_velocity();
+    e.compensate_damping();
   }
-  if (runs<PBF_STAGE_TURN>(has)) {
-    e.turn_rate();
-    e.turn();
+  if (runs<PBF_STAGE_ANGULAR_MOMENTUM>(has)) {
+    e.correction_rate();
+    e.correct_angular_momentum();
   }
   if (runs<PBF_STAGE_CURL>(has)) {
     e.curl();
@@ -68,7 +68,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   }
   if (runs<PBF_STAGE_VISCOSITY>(has)) e.viscosity();
   if (runs<PBF_STAGE_DRAG>(has)) e.drag();
-  const bool all_asleep = runs<PBF_STAGE_SLEEP>(has) && e.settle();
+  const bool all_asleep = runs<PBF_STAGE_SLEEP>(has) && e.update_sleep();
   e.end();
   return all_asleep ? STEP_COMPLETE_ALL_ASLEEP : STEP_COMPLETE;
 }

@@ -19,8 +19,8 @@ static pbf_status out_of_memory(const solver *s, const char *what) {
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->movers = pbf_movers_of(&s->params, s->collider_count, s->colliders);
-  if (!before) greet(s, 0);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  if (!before) init_new(s, 0);
   if (changes) wake_all(s);
 }
 
@@ -83,22 +83,22 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
-  pbf_movers changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
-  changed.solids |= s->movers.solids;
-  wake_near(s, changed, s->now);
+  pbf_moving_obstacles changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
+  changed.solids |= s->moving_obstacles.solids;
+  wake_near_moving(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
   s->schedule = schedule;
-  s->movers = pbf_movers_of(&s->params, count, s->colliders);
-  wake_near(s, changed, time);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
+  wake_near_moving(s, changed, time);
   return PBF_OK;
 }
 
 static void bounded_step(solver *s, double time) {
   const pbf_constants usual = s->constants;
-  pbf_fit_to_room(&s->constants, &usual, &s->params, s->count, &s->schedule,
-                  time + s->params.time_step);
+  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule,
+                         time + s->params.time_step);
   solver_step(s, time);
   s->constants = usual;
 }
@@ -120,12 +120,12 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   s->params = pbf_projection_of(&now.params, iterations);
   s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
-  s->slack = NULL;
+  s->residual_density = NULL;
   bounded_step(s, time);
   s->params = now.params;
   s->schedule = now.schedule;
   s->constants = now.constants;
-  s->slack = now.slack;
+  s->residual_density = now.residual_density;
   s->iterations = now.iterations;
   s->pressure_scale = 0;
   s->now = time;
@@ -147,7 +147,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
   else
     memset(s->v + s->count, 0, bytes);
   s->count += p->count;
-  greet(s, s->count - p->count);
+  init_new(s, s->count - p->count);
   return PBF_OK;
 }
 
@@ -162,7 +162,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->x[kept] = s->x[i];
     s->v[kept] = s->v[i];
     s->lambda[kept] = s->lambda[i];
-    if (sleeps(s)) s->unrest[kept] = s->unrest[i];
+    if (sleeps(s)) s->activity[kept] = s->activity[i];
     s->ids[kept++] = s->ids[i];
   }
   s->count = kept;
@@ -249,7 +249,7 @@ static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   stats->count = s->count;
-  stats->iterations = s->schedule.watched ? s->iterations : s->params.iterations;
+  stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
   stats->asleep = sleepers(s);
   if (!s->count) return PBF_OK;
   sort_present(s);

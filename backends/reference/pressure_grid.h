@@ -18,11 +18,12 @@ static inline pbf_vec deep_move(const pbf_deep *deep, pbf_vec x) {
 }
 
 /* Returns the largest right side of a node that is not in the open. */
-static inline double deep_equations(pbf_deep *deep, const pbf_coarse_dose *dose) {
+static inline double deep_equations(pbf_deep *deep,
+                                    const pbf_pressure_grid_source_scale *source_scale) {
   double largest = 0;
   for (uint32_t node = 0; node < deep->grid.nodes; ++node) {
     double *right = &deep->right[node], *inverse = &deep->inverse[node];
-    pbf_coarse_equation(&deep->grid, dose, deep->sums, deep->rooms, deep->weights,
+    pbf_coarse_equation(&deep->grid, source_scale, deep->sums, deep->rooms, deep->weights,
                         deep->depths[node], node, right, inverse);
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
@@ -53,10 +54,11 @@ static inline void deep_solve(pbf_deep *deep, const pbf_obstacles *o) {
     all.first[k] = 0;
     all.last[k] = deep->grid.n[k] + 1;
   }
-  pbf_coarse_dose dose = pbf_deep_dose(deep, o, &all);
+  pbf_pressure_grid_source_scale source_scale = pbf_grid_pressure_source_scale(deep, o, &all);
   pbf_deep_cut(deep, &all);
-  pbf_coarse_solve solve = pbf_coarse_begin(dose.longest, deep_equations(deep, &dose));
-  pbf_deep_guess(deep, &dose);
+  pbf_coarse_solve solve =
+      pbf_coarse_begin(source_scale.longest, deep_equations(deep, &source_scale));
+  pbf_deep_guess(deep, &source_scale);
   for (int k = 0; k < solve.most; ++k) {
     double miss = deep_iterate(deep, &solve);
     if (pbf_coarse_asks(k) && miss <= solve.enough) break;

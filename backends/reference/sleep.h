@@ -11,18 +11,18 @@ static inline pbf_obstacles obstacles_at(const solver *s, double time) {
   return o;
 }
 
-static inline int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->unrest; }
+static inline int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->activity; }
 
 static inline int asleep(const solver *s, uint32_t i) {
-  return sleeps(s) && pbf_is_asleep(s->unrest[i]);
+  return sleeps(s) && pbf_is_asleep(s->activity[i]);
 }
 
-static inline int idle(const solver *s, uint32_t i) {
-  return sleeps(s) && pbf_is_idle(s->unrest[i]);
+static inline int inactive(const solver *s, uint32_t i) {
+  return sleeps(s) && pbf_is_inactive(s->activity[i]);
 }
 
 static inline int just_woke(const solver *s, uint32_t i) {
-  return sleeps(s) && pbf_just_woke(&s->sleep, s->unrest[i]);
+  return sleeps(s) && pbf_just_woke(&s->sleep, s->activity[i]);
 }
 
 static inline uint32_t sleepers(const solver *s) {
@@ -32,12 +32,12 @@ static inline uint32_t sleepers(const solver *s) {
 }
 
 /* Sleepers within h of somebody awake, once all are predicted. */
-static inline void find_shore(solver *s) {
+static inline void find_sleeping_boundary(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     neighbor n = neighbors_of(&s->grid, i);
     while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n))
-      if (asleep(s, n.j)) s->unrest[n.j] = pbf_shore();
+      if (asleep(s, n.j)) s->activity[n.j] = pbf_sleeping_boundary();
   }
 }
 
@@ -48,61 +48,62 @@ static inline pbf_vec smoothed_velocity(const solver *s, pbf_real viscosity, uin
                      viscosity, s->v[i]);
 }
 
-static inline void stir_around(solver *s, uint32_t i) {
+static inline void wake_around(solver *s, uint32_t i) {
   neighbor n = neighbors_of(&s->grid, i);
-  while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) s->stirred[n.j] = 1;
+  while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) s->awakened[n.j] = 1;
 }
 
 /* At the end of a step. */
-static inline void settle(solver *s) {
-  memset(s->stirred, 0, s->count);
+static inline void update_sleep(solver *s) {
+  memset(s->awakened, 0, s->count);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     pbf_vec around = smoothed_velocity(s, 1, i);
-    s->unrest[i] = pbf_unrest(&s->sleep, s->unrest[i], around);
-    if (pbf_stirs(&s->sleep, s->unrest[i], around)) stir_around(s, i);
+    s->activity[i] = pbf_activity(&s->sleep, s->activity[i], around);
+    if (pbf_wakes_neighbors(&s->sleep, s->activity[i], around)) wake_around(s, i);
   }
   for (uint32_t i = 0; i < s->count; ++i) {
-    s->unrest[i] = pbf_settle(&s->sleep, s->unrest[i], s->stirred[i]);
+    s->activity[i] = pbf_update_sleep(&s->sleep, s->activity[i], s->awakened[i]);
     if (asleep(s, i)) memset(&s->v[i], 0, sizeof s->v[i]);
   }
 }
 
 /* Wakes who is near what moves, or has been moved, as it stands at a time. */
-static inline void wake_near(solver *s, pbf_movers movers, double time) {
-  if (!sleeps(s) || !pbf_any_moves(movers)) return;
+static inline void wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
+  if (!sleeps(s) || !pbf_any_obstacle_moves(moving_obstacles)) return;
   pbf_obstacles obstacles = obstacles_at(s, time);
   for (uint32_t i = 0; i < s->count; ++i)
-    if (asleep(s, i) && pbf_moves_near(movers, obstacles, s->constants.h, s->x[i]))
-      s->unrest[i] = pbf_woken(&s->sleep);
+    if (asleep(s, i) &&
+        pbf_near_moving_obstacle(moving_obstacles, obstacles, s->constants.h, s->x[i]))
+      s->activity[i] = pbf_woken_activity(&s->sleep);
 }
 
 /* ---- Between steps ------------------------------------------------------------------------- */
 
 /* Particles first … count - 1 are new. */
-static inline void greet(solver *s, uint32_t first) {
+static inline void init_new(solver *s, uint32_t first) {
   for (uint32_t i = first; i < s->count && sleeps(s); ++i) {
-    s->unrest[i] = pbf_newcomer(&s->sleep);
+    s->activity[i] = pbf_new_activity(&s->sleep);
     s->held[i] = 0;
   }
 }
 
 static inline void wake_all(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i)
-    if (asleep(s, i)) s->unrest[i] = pbf_woken(&s->sleep);
+    if (asleep(s, i)) s->activity[i] = pbf_woken_activity(&s->sleep);
 }
 
-/* The unrest and the lambda of each. */
+/* The activity and the lambda of each. */
 static inline void read_rest(const solver *s, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t k = 0; k < rows->count && sleeps(s); ++k) {
-    out[2 * k] = s->unrest[rows->first + k];
+    out[2 * k] = s->activity[rows->first + k];
     out[2 * k + 1] = s->held[rows->first + k];
   }
 }
 
 static inline void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
   for (uint32_t k = 0; k < rows->count && sleeps(s); ++k) {
-    s->unrest[rows->first + k] = in[2 * k];
+    s->activity[rows->first + k] = in[2 * k];
     s->held[rows->first + k] = s->lambda[rows->first + k] = in[2 * k + 1];
   }
 }

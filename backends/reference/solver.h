@@ -31,7 +31,7 @@ struct pbf_backend_solver {
   pbf_real *pressure;      /* once it has been looked at */
   pbf_real pressure_scale; /* of the last step */
   pbf_sleep sleep;
-  pbf_movers movers;
+  pbf_moving_obstacles moving_obstacles;
   uint32_t *ids;
   struct grid grid;
   uint32_t collider_count;

@@ -80,19 +80,19 @@ static inline pbf_real fitted_lambda(const solver *s, uint32_t i) {
 }
 
 /* From the positions at the start of the step, between the obstacles of that time. */
-static inline void compute_slack(solver *s, const pbf_obstacles *o) {
+static inline void compute_residual_density(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i)
-    s->slack[i] = pbf_slack(&s->constants, density_at(s, o, s->x, i, NULL));
+    s->residual_density[i] = pbf_residual_density(&s->constants, density_at(s, o, s->x, i, NULL));
 }
 
 /* Deep water: what its weight presses together is undone before the iterations. */
-static inline void carry_weight(solver *s, const pbf_obstacles *o) {
+static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_deep_begin(&s->deep, &s->params, s->capacity, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     deep_add(&s->deep, s->moved[i], target,
-             idle(s, i) ? target : density_at(s, o, s->moved, i, NULL));
+             inactive(s, i) ? target : density_at(s, o, s->moved, i, NULL));
   }
   deep_solve(&s->deep, o);
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -110,14 +110,14 @@ static inline void add_weight(solver *s) {
     s->lambda[i] += pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, s->moved[i]);
 }
 
-/* Returns the density error, where it is wanted, in pbf_excess's units. */
+/* Returns the density error, where it is wanted, in pbf_error_units's units. */
 static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const lambda_pass<int, SCALED_PAIRS> pass = {c, s->schedule.features};
-  int64_t excess = 0;
+  int64_t error_units = 0;
   for (uint32_t i = 0; i < s->count; ++i) {
-    if (idle(s, i)) {
-      excess += pbf_idle_excess(&s->params);
+    if (inactive(s, i)) {
+      error_units += pbf_inactive_error_units(&s->params);
       continue;
     }
     auto sums = sums_around(s, pass, s->moved, {}, {}, i);
@@ -125,15 +125,16 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     add_walls(s, o, s->moved[i], &sums.density, &gradient);
     sums.gradient = lanes_of(gradient);
     add_images(s, pass, o, s->moved, {}, {}, i, &sums);
-    pbf_real slack = s->slack ? s->slack[i] : 0, lambda = pass.finish(sums, slack);
-    if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.watched)
-      excess += pbf_excess(c, slack, sums.density);
+    pbf_real residual_density = s->residual_density ? s->residual_density[i] : 0,
+             lambda = pass.finish(sums, residual_density);
+    if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
+      error_units += pbf_error_units(c, residual_density, sums.density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       pbf_accelerate(c, sums.density, lambda, &s->lambda[i], &s->added[i]);
     else
       s->lambda[i] = lambda;
   }
-  return excess;
+  return error_units;
 }
 
 /* Before the move that it is of. */
@@ -189,7 +190,7 @@ static inline void find_flow(solver *s) {
     s->flow[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, PBF_TO_MEAN, i);
 }
 
-static inline void undamp(solver *s, const pbf_obstacles *o) {
+static inline void compensate_damping(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   const damping_compensation_pass<int> pass = {c, s->schedule.features | PBF_FEATURE_TORQUE};
@@ -264,46 +265,46 @@ struct executor {
 
   bool wake() {
     if (!sleeps(s)) return true;
-    wake_near(s, s->movers, time + s->params.time_step);
+    wake_near_moving(s, s->moving_obstacles, time + s->params.time_step);
     return sleepers(s) < s->count;
   }
   void predict() { ::predict(s, time, &obstacles); }
   bool find_neighbors() {
     grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
-    if (sleeps(s)) find_shore(s);
+    if (sleeps(s)) find_sleeping_boundary(s);
     if (s->torque) memset(s->torque, 0, s->count * sizeof *s->torque);
     return true;
   }
-  void slack() { compute_slack(s, &before); }
+  void residual_density() { compute_residual_density(s, &before); }
   void begin_solve() {
     for (uint32_t i = 0; i < s->count; ++i)
-      if (idle(s, i) || s->schedule.accelerated) s->lambda[i] = 0;
+      if (inactive(s, i) || s->schedule.accelerated) s->lambda[i] = 0;
     if (s->schedule.accelerated) memset(s->added, 0, s->count * sizeof *s->added);
-    limit = s->schedule.watched ? pbf_excess_limit(&s->params, s->count) : -1;
+    limit = s->schedule.checks_convergence ? pbf_error_units_limit(&s->params, s->count) : -1;
     over = false;
     s->iterations = 0;
   }
-  void pressure_grid() { carry_weight(s, &obstacles); }
-  bool is_over(uint32_t) const { return over; }
+  void pressure_grid() { solve_pressure_grid(s, &obstacles); }
+  bool is_converged(uint32_t) const { return over; }
   void begin_iteration(uint32_t k) { pbf_set_iteration(&s->constants, k); }
   void lambda(uint32_t) { over = compute_lambda(s, &obstacles) <= limit; }
-  void torque(uint32_t) { add_torques(s); }
+  void torque_deficit(uint32_t) { add_torques(s); }
   void move(uint32_t k) {
     ::move(s, &obstacles);
     if (s->schedule.collide_in_iteration) collide_moving(s, &obstacles);
     s->iterations = k + 1;
   }
   void velocity() { end_solve(s, &obstacles); }
-  void flow() { find_flow(s); }
-  void undamp() { ::undamp(s, &obstacles); }
-  void turn_rate() { find_turn_rates(s); }
-  void turn() { ::turn(s); }
+  void mean_velocity() { find_flow(s); }
+  void compensate_damping() { ::compensate_damping(s, &obstacles); }
+  void correction_rate() { find_turn_rates(s); }
+  void correct_angular_momentum() { ::turn(s); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
   void viscosity() { apply_viscosity(s); }
   void drag() { apply_drag(s); }
-  bool settle() {
-    ::settle(s);
+  bool update_sleep() {
+    ::update_sleep(s);
     return false;
   }
   void end() {

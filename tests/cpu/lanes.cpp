@@ -142,7 +142,7 @@ static void look_ups(void **state) {
   }
 }
 
-/* The quad before the first is nobody's. */
+/* The quad before the first is the sentinel's. */
 static void quads(void **state) {
   (void)state;
 #ifdef LANES_QUADS

@@ -110,7 +110,7 @@ static double worst_x, worst_v, worst_rho;
 static unsigned combinations_asleep; /* those in which somebody slept */
 
 /* Confinement divides by the size of a gradient, however small: rounding shows more there. */
-static double most_velocity(unsigned bits, double most) {
+static double max_velocity(unsigned bits, double most) {
   return (bits & VORTICITY ? 50 : 2) * most / 2e-4;
 }
 
@@ -126,11 +126,11 @@ static void compare(const cpu_block *block, uint32_t precision, unsigned bits, d
   double x = cpu_difference(expected, found, PBF_FIELD_POSITION);
   double v = cpu_difference(expected, found, PBF_FIELD_VELOCITY);
   double rho = cpu_difference(expected, found, PBF_FIELD_DENSITY);
-  if (!(x < most && v < most_velocity(bits, most) && rho < 200 * most))
+  if (!(x < most && v < max_velocity(bits, most) && rho < 200 * most))
     print_error("%ud, f%u, stages %u: x %g, v %g, density %g\n", block->dimension, 8 * precision,
                 bits, x, v, rho);
   assert_true(x < most);
-  assert_true(v < most_velocity(bits, most));
+  assert_true(v < max_velocity(bits, most));
   assert_true(rho < 200 * most);
   assert_int_equal(asleep_in(expected), asleep_in(found));
   combinations_asleep += asleep_in(found) > 0;

@@ -36,7 +36,8 @@ void cuda_hold(cuda_stream stream, volatile uint32_t *go);
 /* A word, 0 at first, that kernels of the current context can read. */
 volatile uint32_t *cuda_new_switch(void);
 
-/* A kernel that writes to an address that is nobody's. Afterwards the current context is lost. */
+/* A kernel that writes to an address that is the sentinel's. Afterwards the current context is
+ * lost. */
 void cuda_fault(void);
 
 #endif

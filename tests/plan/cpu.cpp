@@ -38,10 +38,10 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(curl, VORTICITY, "curl"),
       WATCH_STAGE(confine, VORTICITY, "confine"),
       WATCH_STAGE(executor::viscosity, VISCOSITY, "viscosity"),
-      WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
-      WATCH_STAGE(settle, SLEEP, "sleep"),
+      WATCH_STAGE(solve_pressure_grid, PRESSURE_GRID, "pressure grid"),
+      WATCH_STAGE(update_sleep, SLEEP, "sleep"),
       WATCH(viscosity, VISCOSITY | SLEEP),
-      WATCH(pbf_unrest, SLEEP),
+      WATCH(pbf_activity, SLEEP),
       WATCH(poly6<pbf_real>, POLY6),
       WATCH(artificial_pressure<pbf_real>, SCORR),
       WATCH(add_cross<pbf_real>, VORTICITY),
@@ -53,15 +53,15 @@ static const watched *watched_at(unsigned k) {
       WATCH(wall_distances, WALL_DENSITY),
       WATCH(clear_totals, CHEBYSHEV),
       WATCH(pbf_accelerate, CHEBYSHEV),
-      WATCH(pbf_excess, TOLERANCE),
-      WATCH(end_when_small, TOLERANCE),
+      WATCH(pbf_error_units, TOLERANCE),
+      WATCH(end_when_converged, TOLERANCE),
       WATCH(density, STATS | PRESSURE_GRID),
-      WATCH(survey_densities, STATS),
+      WATCH(diagnose_densities, STATS),
       WATCH(pbf_stats_add, STATS),
       WATCH(seconds_now, TIMING),
       {NULL, NULL, 0, NULL},
   };
-  static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  static_assert(sizeof list / sizeof *list <= MAX_WATCHED + 1, "counters for all");
   return &list[k];
 }
 

@@ -32,9 +32,9 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(compute_curl, VORTICITY, "curl"),
       WATCH_STAGE(confine_vorticity, VORTICITY, "confine"),
       WATCH_STAGE(apply_viscosity, VISCOSITY, "viscosity"),
-      WATCH_STAGE(carry_weight, PRESSURE_GRID, "pressure grid"),
-      WATCH_STAGE(settle, SLEEP, "sleep"),
-      WATCH(pbf_unrest, SLEEP),
+      WATCH_STAGE(solve_pressure_grid, PRESSURE_GRID, "pressure grid"),
+      WATCH_STAGE(update_sleep, SLEEP, "sleep"),
+      WATCH(pbf_activity, SLEEP),
       WATCH(poly6<pbf_real>, POLY6),
       WATCH(artificial_pressure<pbf_real>, SCORR),
       WATCH(add_cross<pbf_real>, VORTICITY),
@@ -43,12 +43,12 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_collide_on_way, COLLIDERS),
       WATCH(pbf_wall, WALL_DENSITY),
       WATCH(pbf_accelerate, CHEBYSHEV),
-      WATCH(pbf_excess, TOLERANCE),
+      WATCH(pbf_error_units, TOLERANCE),
       WATCH(solver_density, STATS),
       WATCH(add_to_stats, STATS),
       {NULL, NULL, 0, NULL},
   };
-  static_assert(sizeof list / sizeof *list <= MOST_WATCHED + 1, "counters for all");
+  static_assert(sizeof list / sizeof *list <= MAX_WATCHED + 1, "counters for all");
   return &list[k];
 }
 

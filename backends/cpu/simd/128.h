@@ -5,7 +5,7 @@ typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
 typedef struct table {
   const pbf_real *array;
-  pbf_real nobody;
+  pbf_real sentinel;
 } table;
 typedef struct place {
   uint32_t index[WIDTH];
@@ -93,13 +93,13 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   }
   return p;
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, nobody};
+  return (table){array, sentinel};
 }
 PBF_FN lane table_at(const table *t, place p) {
   lane a;
-  for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->nobody;
+  for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->sentinel;
   return a;
 }
 

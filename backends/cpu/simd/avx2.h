@@ -11,7 +11,7 @@ typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
 typedef struct table {
   const pbf_real *array;
-  lane nobody;
+  lane sentinel;
 } table;
 
 #if PBF_BITS == 32
@@ -62,23 +62,23 @@ PBF_FN slots slots_of_bytes(const uint8_t *p) {
 }
 
 typedef struct place {
-  __m256i index; /* -1: nobody, and nobody is there */
+  __m256i index; /* -1: the sentinel, and the sentinel is there */
   __m256 known;
 } place;
 PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
   slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
   __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
-  __m256i nobody = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
+  __m256i sentinel = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
   slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
-  return (place){(__m256i)(index | (slots)nobody), _mm256_castsi256_ps(known)};
+  return (place){(__m256i)(index | (slots)sentinel), _mm256_castsi256_ps(known)};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(nobody)};
+  return (table){array, lane_set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
-  return (lane)_mm256_mask_i32gather_ps((__m256)t->nobody, t->array, p.index, p.known, 4);
+  return (lane)_mm256_mask_i32gather_ps((__m256)t->sentinel, t->array, p.index, p.known, 4);
 }
 
 /* Row k of four: the quad of lane k's, and behind it that of lane k + 4's. Offsets go through
@@ -167,17 +167,17 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   __m256i part = _mm256_castsi128_si256((__m128i)slots_shift_right(s, 5));
   slots begin = (slots)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
   __m128i known = _mm_cmpgt_epi32((__m128i)s, _mm_setzero_si128());
-  __m128i nobody = _mm_cmpeq_epi32((__m128i)s, _mm_setzero_si128());
+  __m128i sentinel = _mm_cmpeq_epi32((__m128i)s, _mm_setzero_si128());
   slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
-  return (place){(__m128i)(index | (slots)nobody),
+  return (place){(__m128i)(index | (slots)sentinel),
                  _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(nobody)};
+  return (table){array, lane_set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
-  return (lane)_mm256_mask_i32gather_pd((__m256d)t->nobody, t->array, p.index, p.known, 8);
+  return (lane)_mm256_mask_i32gather_pd((__m256d)t->sentinel, t->array, p.index, p.known, 8);
 }
 
 PBF_FN void lanes_transpose(const __m256d a[4], lane b[4]) {

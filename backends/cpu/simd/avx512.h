@@ -68,13 +68,13 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   (void)first;
   return (place){(__m512i)s, _mm512_test_epi32_mask((__m512i)s, _mm512_set1_epi32(SLOTS))};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   table t;
   for (int part = 0; part < PARTS; ++part) {
     t.low[part] = _mm512_loadu_ps(array + first[part] - 1);
     t.high[part] = _mm512_loadu_ps(array + first[part] - 1 + WIDTH);
   }
-  t.low[0] = _mm512_mask_mov_ps(t.low[0], 1, _mm512_set1_ps(nobody));
+  t.low[0] = _mm512_mask_mov_ps(t.low[0], 1, _mm512_set1_ps(sentinel));
   return t;
 }
 /* The permutation looks at the slot's low five bits. */
@@ -112,7 +112,7 @@ PBF_FN void slots_list(const slots masks[PARTS], uint32_t rounds, uint8_t *list)
 enum { PARTS = 8 };
 typedef struct table {
   const pbf_real *array;
-  lane nobody;
+  lane sentinel;
 } table;
 typedef struct place {
   __m256i index;
@@ -178,12 +178,12 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   return (place){(__m256i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
                  _mm256_test_epi32_mask((__m256i)s, (__m256i)s)};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(nobody)};
+  return (table){array, lane_set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
-  return (lane)_mm512_mask_i32gather_pd((__m512d)t->nobody, p.known, p.index, t->array, 8);
+  return (lane)_mm512_mask_i32gather_pd((__m512d)t->sentinel, p.known, p.index, t->array, 8);
 }
 
 #endif

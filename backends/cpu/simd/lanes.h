@@ -5,9 +5,10 @@
  *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *
  * A window is 31 consecutive elements: slots 1 … 31 of part 0, 33 … 63 of part 1, and so on. Slot 0
- * is nobody: a value given with the table. Where LANES_QUADS is defined there are also
+ * is the sentinel: a value given with the table. Where LANES_QUADS is defined there are also
  *
- *   quads   four reals a particle, side by side, nobody's before them: a load a lane gets all four
+ *   quads   four reals a particle, side by side, the sentinel's before them: a load a lane gets all
+ * four
  *
  * Which slots of a window a lane wants is a mask, slot s
  * being bit 31 - s % 32.

@@ -6,7 +6,7 @@ typedef uint32_t slots;
 enum { PARTS = 8 };
 typedef struct table {
   const pbf_real *array;
-  pbf_real nobody;
+  pbf_real sentinel;
 } table;
 typedef struct place {
   uint32_t index;
@@ -38,8 +38,8 @@ PBF_FN slots slots_of_bytes(const uint8_t *p) { return *p; }
 PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
   return (place){first[s / SLOTS] + s % SLOTS - 1, s != 0};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real nobody) {
+PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, nobody};
+  return (table){array, sentinel};
 }
-PBF_FN lane table_at(const table *t, place p) { return p.known ? t->array[p.index] : t->nobody; }
+PBF_FN lane table_at(const table *t, place p) { return p.known ? t->array[p.index] : t->sentinel; }

@@ -15,14 +15,14 @@ static inline uint32_t small_cells(const solver *s) {
 
 /* Whether this solver can ever be small: decided once, by what cannot change. */
 static inline bool small_possible(const solver *s) {
-  return sizeof(pbf_real) == sizeof(float) && s->capacity <= SMALL_MOST_PARTICLES &&
+  return sizeof(pbf_real) == sizeof(float) && s->capacity <= SMALL_MAX_PARTICLES &&
          s->multiprocessors * SMALL_THREADS >= s->capacity;
 }
 
 /* Whether it has the memory for it. */
 static inline bool small_wanted(const solver *s, const pbf_params *params,
                                 const pbf_schedule &has) {
-  return small_possible(s) && has_only(has, SMALL_STAGES) && !has.watched &&
+  return small_possible(s) && has_only(has, SMALL_STAGES) && !has.checks_convergence &&
          !pbf_may_mirror(params) && params->iterations <= SMALL_ITERATIONS;
 }
 
@@ -33,7 +33,7 @@ static inline double small_reach(const pbf_params *params) { /* in spacings */
 /* Particles of a block, one block a multiprocessor. */
 static inline uint32_t small_own(const solver *s) {
   uint32_t own = (s->count + s->multiprocessors - 1) / s->multiprocessors;
-  return own > SMALL_LEAST_OWN ? own : (uint32_t)SMALL_LEAST_OWN;
+  return own > SMALL_MIN_OWN ? own : (uint32_t)SMALL_MIN_OWN;
 }
 
 /* Threads of a particle: as many as a block has for each, but no more than short lists
@@ -70,7 +70,7 @@ static inline uint32_t small_cells_wanted(const solver *s) {
 
 /* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
 static inline small_layout small_layout_of(const solver *s) {
-  double list_room = fmin(SMALL_MOST_LISTED, small_list_wanted(s));
+  double list_room = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
   small_layout layout = {(small_cells(s) + 31) / 32, small_cells_wanted(s), 0,
                          ((uint32_t)list_room + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
   size_t none = layout.bytes();
@@ -85,7 +85,7 @@ static inline small_layout small_layout_of(const solver *s) {
  * times are taken. */
 static inline bool small_serves(const solver *s) {
   return s->small_upload && !s->clock.begin && s->count > 0 &&
-         small_list_wanted(s) <= SMALL_MOST_LISTED &&
+         small_list_wanted(s) <= SMALL_MAX_LISTED &&
          small_layout_of(s).slot_room >= 1.75 * small_slots_expected(s);
 }
 
@@ -222,7 +222,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.lanes = small_lanes(s);
   scene.layout = small_layout_of(s);
   scene.constants = s->constants;
-  pbf_fit_to_room(&scene.constants, &s->constants, &s->params, s->count, &has, time);
+  pbf_set_target_density(&scene.constants, &s->constants, &s->params, s->count, &has, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
   scene.wall_density = has.wall_density;

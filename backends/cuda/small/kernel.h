@@ -203,10 +203,10 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   }
   if (me.leads) forget(room.exchange, i);
   if (threadIdx.x == 0) {
-    pbf_vec far_away;
-    for (int k = 0; k < PBF_DIM; ++k) far_away.c[k] = (pbf_real)1e18;
-    set_position(tile, tile.nowhere(), far_away);
-    tile.lambdas[tile.nowhere()] = 0;
+    pbf_vec sentinel_position;
+    for (int k = 0; k < PBF_DIM; ++k) sentinel_position.c[k] = (pbf_real)1e18;
+    set_position(tile, tile.sentinel_index(), sentinel_position);
+    tile.lambdas[tile.sentinel_index()] = 0;
   }
   clear_counts(room, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});

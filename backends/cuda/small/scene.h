@@ -18,15 +18,15 @@
 #include "cuda/iteration.h"
 
 enum {
-  SMALL_MOST_PARTICLES = 65535,         /* cells and lists hold 16-bit numbers of particles */
+  SMALL_MAX_PARTICLES = 65535,          /* cells and lists hold 16-bit numbers of particles */
   SMALL_STEPS = PBF_DIM == 3 ? 16 : 64, /* a launch, and the most that owners last */
   SMALL_THREADS = 512,                  /* of a block */
-  SMALL_LEAST_OWN = 16,                 /* particles of a block */
+  SMALL_MIN_OWN = 16,                   /* particles of a block */
   SMALL_CELL_ROOM = PBF_DIM == 3 ? 32 : 16,
   SMALL_ITERATIONS = 256,
-  SMALL_CHUNK = 4,         /* entries of a list that lie side by side */
-  SMALL_MOST_LISTED = 128, /* by a thread */
-  SMALL_KEPT = 8,          /* pairs of a thread in registers */
+  SMALL_CHUNK = 4,        /* entries of a list that lie side by side */
+  SMALL_MAX_LISTED = 128, /* by a thread */
+  SMALL_KEPT = 8,         /* pairs of a thread in registers */
   SMALL_NOBODY = 0xffff
 };
 

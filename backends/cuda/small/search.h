@@ -131,12 +131,12 @@ struct small_neighbors {
   uint32_t kept[SMALL_KEPT / 2];
 
   __device__ __forceinline__ void keep() {
-    uint32_t nobody = in_memory ? (uint32_t)SMALL_NOBODY : tile.nowhere();
-    list.fill_up(nobody);
+    uint32_t sentinel = in_memory ? (uint32_t)SMALL_NOBODY : tile.sentinel_index();
+    list.fill_up(sentinel);
 #pragma unroll
     for (uint32_t k = 0; k < SMALL_KEPT / 2; ++k) {
-      uint32_t low = 2 * k < list.size ? list.at(2 * k) : nobody;
-      uint32_t high = 2 * k + 1 < list.size ? list.at(2 * k + 1) : nobody;
+      uint32_t low = 2 * k < list.size ? list.at(2 * k) : sentinel;
+      uint32_t high = 2 * k + 1 < list.size ? list.at(2 * k + 1) : sentinel;
       kept[k] = low | high << 16;
     }
   }
@@ -157,7 +157,7 @@ struct small_neighbors {
       await_positions(exchange, particles, pass, x);
 #pragma unroll
       for (int q = 0; q < SMALL_CHUNK; ++q)
-        if (entries[q] == SMALL_NOBODY) x[q] = position_in(tile, tile.nowhere());
+        if (entries[q] == SMALL_NOBODY) x[q] = position_in(tile, tile.sentinel_index());
       return;
     }
 #pragma unroll

@@ -19,7 +19,7 @@ struct small_tile {
   uint8_t *used;             /* a slot each: it is in a list */
   small_layout layout;
 
-  __device__ __forceinline__ uint32_t nowhere() const { return layout.slot_room; }
+  __device__ __forceinline__ uint32_t sentinel_index() const { return layout.slot_room; }
   __device__ __forceinline__ uint32_t index_of(uint32_t cell) const {
     uint32_t below = (1u << cell % 32) - 1;
     return before[cell / 32] + (uint32_t)__popc(marks[cell / 32] & below);
@@ -57,7 +57,7 @@ static __device__ __forceinline__ void set_position(const small_tile &t, uint32_
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
 /* A particle's cell: its column, and its indices across the rows. Where the domain has more columns
- * than the grid, they begin anew, and the run around a column at an end is in two pieces: turning
+ * than the grid, they begin anew, and the run around a column at an end is in two tasks: turning
  * back, as in grid.h, would crowd the cells where it does, and tiles have little room. */
 struct cell_place {
   uint32_t at[PBF_DIM];
@@ -85,7 +85,7 @@ static __device__ __forceinline__ uint32_t runs_around(const cell_grid &g, const
 }
 
 /* The cells of run 0 … runs_around - 1 around `own`, one after the other; false when there are
- * none. The second pieces come after all rows. */
+ * none. The second tasks come after all rows. */
 static __device__ __forceinline__ bool run_around(const cell_grid &g, const cell_place &own,
                                                   uint32_t run, uint32_t *first, uint32_t *cells) {
   uint32_t at[PBF_DIM], row = run % PBF_ROWS;

@@ -58,7 +58,7 @@ struct damping_compensation_pass {
   /* A pair that does not push at the end, beyond h, where `within` is 0, does not at the start. */
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
-    const L time = ops<L>::set(c->flow_time), most2 = ops<L>::set(c->most_flow2);
+    const L time = ops<L>::set(c->flow_time), most2 = ops<L>::set(c->max_mean_flow2);
     const L near = ramp(j.r2, ops<L>::set(-c->inv_h2));
     const L within = -ops<L>::max(near * ops<L>::set((pbf_real)-1e6), ops<L>::set(-1));
     const L lambdas = (i.lambda + j.number) * within;

@@ -38,9 +38,9 @@ struct density_pass {
 }  // namespace
 
 /* What a step leaves of the density error at its start. */
-PBF_FN pbf_real pbf_slack(const pbf_constants *c, pbf_real density) {
+PBF_FN pbf_real pbf_residual_density(const pbf_constants *c, pbf_real density) {
   pbf_real error = pbf_real_max(density - c->target, 0);
-  return pbf_real_max(c->slack * error, c->most_slack * error - c->most_undone);
+  return pbf_real_max(c->residual_density * error, c->max_residual_part * error - c->max_undone);
 }
 
 #endif

@@ -9,10 +9,10 @@
  * over the others of V grad W, slope2 = sum over the others of |V grad W|². In a crowd the
  * eigenvalues of the iteration grow with the density, and a step that is to stay inside them has to
  * shrink with it. The error itself is not bounded: a crowd that pushes less the denser it is draws
- * in what is around it. `slack` is 0 or pbf_slack's. */
-PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real density,
+ * in what is around it. `residual density` is 0 or pbf_residual_density's. */
+PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real residual_density, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
-  pbf_real constraint = density - c->target - slack;
+  pbf_real constraint = density - c->target - residual_density;
   pbf_real diagonal = slope2 + pbf_dot(gradient, gradient) + c->cfm;
   if (constraint < 0) constraint *= c->tension;
   if (constraint > 0 && constraint < c->rounding) constraint = 0;
@@ -23,18 +23,20 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real slack, pbf_real dens
 
 /* A particle's part of the density error that ends a solve, in units of 2^-24: the sum of integers
  * is the same in any order. Above 64, and what is no number, it counts as 64, and as nothing. */
-PBF_FN int32_t pbf_excess(const pbf_constants *c, pbf_real slack, pbf_real density) {
+PBF_FN int32_t pbf_error_units(const pbf_constants *c, pbf_real residual_density,
+                               pbf_real density) {
   const pbf_real most = 64, unit = (pbf_real)(1 << 24);
-  return (int32_t)(pbf_real_min(pbf_real_max(density - c->target - slack, 0), most) * unit);
+  return (int32_t)(pbf_real_min(pbf_real_max(density - c->target - residual_density, 0), most) *
+                   unit);
 }
 
 /* The part of a particle that does not solve, and so has no say in when the others have done. */
-static inline int32_t pbf_idle_excess(const pbf_params *params) {
+static inline int32_t pbf_inactive_error_units(const pbf_params *params) {
   return (int32_t)(fmin(params->tolerance, 64) * (1 << 24));
 }
 
 /* What the sum over all particles may be when the solve ends. */
-static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count) {
+static inline int64_t pbf_error_units_limit(const pbf_params *params, uint32_t count) {
   return (int64_t)fmin(params->tolerance * count * (1 << 24), 0x1p62);
 }
 
@@ -44,15 +46,15 @@ static inline int64_t pbf_excess_limit(const pbf_params *params, uint32_t count)
  * Where fluid is pressed hard, the large forces of a particle's neighbours cancel, and what is left
  * when one is out of place grows like stiffness * |lambda|. So no iteration adds more than a few
  * parts of 1 / stiffness, at places where neighbours have moved by as much: momentum is kept to
- * rounding however hard. Nothing pulls, lambda > 0, but as pbf_set_pull says. */
+ * rounding however hard. Nothing pulls, lambda > 0, but as pbf_set_tension says. */
 PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real density, pbf_real lambda,
                            pbf_real *total, pbf_real *change) {
   const pbf_real crowd = (pbf_real)1.5;
-  pbf_real most = c->most_change / pbf_real_max(density / crowd, 1);
+  pbf_real most = c->max_change / pbf_real_max(density / crowd, 1);
   pbf_real add = (c->weight - 1) * *change + c->weight * c->step_size * lambda;
   add = pbf_real_max(pbf_real_min(add, most), -most);
   pbf_real next = *total + add;
-  next = pbf_real_min(next, density > c->least_pulled ? c->most_pull : 0);
+  next = pbf_real_min(next, density > c->tension_min_density ? c->max_tension : 0);
   *change = next - *total;
   *total = next;
 }
@@ -116,8 +118,8 @@ struct lambda_pass {
     s->gradient.scale(scale);
   }
 
-  PBF_IN pbf_real finish(const sums<pbf_real> &s, pbf_real slack) const {
-    return pbf_lambda(c, slack, s.density, s.slope2, vec_of(s.gradient));
+  PBF_IN pbf_real finish(const sums<pbf_real> &s, pbf_real residual_density) const {
+    return pbf_lambda(c, residual_density, s.density, s.slope2, vec_of(s.gradient));
   }
 };
 

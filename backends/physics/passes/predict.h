@@ -10,8 +10,8 @@
 /* Forces of one step (Algorithm 1, line 2), in the precision of the particles. */
 typedef struct pbf_forces {
   pbf_real time_step, inv_time_step;
-  pbf_real most_speed; /* along an axis, see pbf_most_speed_of */
-  pbf_real rounding;   /* part of a last bit that predictions are off, see pbf_rounding_of */
+  pbf_real max_speed; /* along an axis, see pbf_max_speed_of */
+  pbf_real rounding;  /* part of a last bit that predictions are off, see pbf_rounding_of */
   pbf_vec gravity;
   pbf_real attraction;
   pbf_vec attraction_center;
@@ -31,7 +31,7 @@ static inline pbf_real pbf_rounding_of(double time, double time_step) {
 
 /* What crosses the domain in less than a step is as fast as what crosses it in one: walls stop
  * both, and squares of what is faster overflow. So may those of more than 1e15 h a time unit. */
-static inline pbf_real pbf_most_speed_of(const pbf_params *params) {
+static inline pbf_real pbf_max_speed_of(const pbf_params *params) {
   double way = 0, most = 1e15 * params->smoothing_radius;
   for (int k = 0; k < PBF_DIM; ++k) way += params->domain_max[k] - params->domain_min[k];
   way *= pbf_per_time_step(params);
@@ -42,7 +42,7 @@ static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   pbf_forces f;
   f.time_step = (pbf_real)params->time_step;
   f.inv_time_step = (pbf_real)pbf_per_time_step(params);
-  f.most_speed = pbf_most_speed_of(params);
+  f.max_speed = pbf_max_speed_of(params);
   f.rounding = pbf_rounding_of(time, params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -79,7 +79,7 @@ PBF_FN pbf_vec pbf_predicted_velocity(const pbf_forces *f, pbf_vec x, pbf_vec v,
   pbf_vec moved = pbf_sub(after, predicted);
   pbf_vec velocity = pbf_add_scaled(pbf_apply_forces(f, x, v), f->inv_time_step, moved);
   for (int k = 0; k < PBF_DIM; ++k)
-    velocity.c[k] = pbf_real_max(-f->most_speed, pbf_real_min(velocity.c[k], f->most_speed));
+    velocity.c[k] = pbf_real_max(-f->max_speed, pbf_real_min(velocity.c[k], f->max_speed));
   return velocity;
 }
 

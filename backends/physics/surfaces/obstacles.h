@@ -36,14 +36,14 @@ static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
 /* ---- Which of them move --------------------------------------------------------------------- */
 
 /* A bit each. */
-typedef struct pbf_movers {
+typedef struct pbf_moving_obstacles {
   uint32_t walls;
   uint64_t solids;
-} pbf_movers;
+} pbf_moving_obstacles;
 
-static inline pbf_movers pbf_movers_of(const pbf_params *params, uint32_t count,
-                                       const pbf_collider *colliders) {
-  pbf_movers m = {0, 0};
+static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *params, uint32_t count,
+                                                           const pbf_collider *colliders) {
+  pbf_moving_obstacles m = {0, 0};
   for (int w = 0; w < 2 * PBF_DIM; ++w)
     if (params->wall_velocity[w] != 0 ||
         (params->wall_amplitude[w] != 0 && params->wall_frequency[w] != 0))
@@ -56,14 +56,14 @@ static inline pbf_movers pbf_movers_of(const pbf_params *params, uint32_t count,
   return m;
 }
 
-static inline int pbf_any_moves(pbf_movers m) { return m.walls || m.solids; }
+static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) { return m.walls || m.solids; }
 
 /* Of the colliders `now` and `next`: those that are not the same in both, or move, and so may stand
  * elsewhere. */
-static inline pbf_movers pbf_changed(uint32_t count, const pbf_collider *now, uint32_t next_count,
-                                     const pbf_collider *next) {
+static inline pbf_moving_obstacles pbf_changed(uint32_t count, const pbf_collider *now,
+                                               uint32_t next_count, const pbf_collider *next) {
   static const pbf_collider none[1] = {{0}};
-  pbf_movers m = {0, 0};
+  pbf_moving_obstacles m = {0, 0};
   for (uint32_t k = 0; k < count || k < next_count; ++k) {
     const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
     if (memcmp(a, b, sizeof *a) != 0) m.solids |= UINT64_C(1) << k;
@@ -75,7 +75,8 @@ namespace {
 
 /* Whether one of them is within `reach` of x. */
 template <class Obstacles>
-PBF_FN int pbf_moves_near(pbf_movers m, const Obstacles &o, pbf_real reach, pbf_vec x) {
+PBF_FN int pbf_near_moving_obstacle(pbf_moving_obstacles m, const Obstacles &o, pbf_real reach,
+                                    pbf_vec x) {
   for (int w = 0; w < 2 * PBF_DIM && m.walls; ++w)
     if (m.walls >> w & 1 && pbf_wall_distance(&o.walls, w, x) < reach) return 1;
   for (int k = 0; k < pbf_solid_count(o) && m.solids; ++k) {
