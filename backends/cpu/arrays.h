@@ -5,6 +5,8 @@
 
 #include "cpu/worker.h"
 
+namespace {
+
 /* Memory for whatever array it is for. */
 struct memory_taken {
   void *data;
@@ -13,6 +15,8 @@ struct memory_taken {
     return static_cast<Value *>(data);
   }
 };
+
+}  // namespace
 
 static memory_taken take_memory(pbf_memory *m, const char *name, uint64_t count, uint64_t element) {
   return {pbf_memory_take(m, name, count, element)};

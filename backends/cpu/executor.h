@@ -23,6 +23,8 @@ static void predict_task(void *context, uint32_t task) {
   find_bounds(w, task);
 }
 
+namespace {
+
 /* All threads of the team come to all of its loops. */
 struct executor {
   worker *w;
@@ -108,5 +110,7 @@ struct executor {
   bool update_sleep() { return ::update_sleep(w); }
   void end() {}
 };
+
+}  // namespace
 
 #endif

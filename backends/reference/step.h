@@ -255,6 +255,8 @@ static inline void apply_drag(solver *s) {
     if (!asleep(s, i)) s->v[i] = pass.finish(s->v[i]);
 }
 
+namespace {
+
 /* Stages as loops over all particles. */
 struct executor {
   solver *s;
@@ -312,6 +314,8 @@ struct executor {
     memcpy(s->x, s->moved, s->count * sizeof *s->x);
   }
 };
+
+}  // namespace
 
 static inline void solver_step(solver *s, double time) {
   executor e = {s, time, obstacles_at(s, time + s->params.time_step), obstacles_at(s, time),
