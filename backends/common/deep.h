@@ -48,9 +48,10 @@ static inline bool pbf_deep_keep(pbf_memory *memory, pbf_deep *deep, bool wanted
 /* Before particles add to the sums. */
 static inline void pbf_deep_begin(pbf_deep *deep, const pbf_params *params, uint32_t capacity,
                                   const pbf_obstacles *o) {
-  pbf_walls walls = o->walls;
-  for (int k = 0; k < pbf_solid_count(*o); ++k) walls = pbf_walls_within(walls, &o->solids[k]);
-  deep->grid = pbf_coarse_between(params, &walls, pbf_coarse_limit(capacity));
+  pbf_domain domain = o->domain;
+  for (int k = 0; k < pbf_surface_count(*o); ++k)
+    domain = pbf_domain_within(domain, &o->surfaces[k]);
+  deep->grid = pbf_coarse_between(params, &domain, pbf_coarse_limit(capacity));
   memset(deep->sums, 0, deep->grid.nodes * sizeof *deep->sums);
   memset(deep->places, 0, deep->grid.nodes * sizeof *deep->places);
 }

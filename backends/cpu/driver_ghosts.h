@@ -1,55 +1,56 @@
-/* The loop over pairs for groups near walls that mirror the fluid: neighbours, and their ghosts
- * (physics/mirrors.h). It is not driver.h's, so that that stays as it is. */
+/* The loop over pairs for groups near walls with ghosts: neighbours, and their ghosts
+ * (physics/ghosts.h). It is not driver.h's, so that that stays as it is. */
 #ifndef PBF_CPU_DRIVER_GHOSTS_H
 #define PBF_CPU_DRIVER_GHOSTS_H
 
 #include "cpu/driver.h"
-#include "cpu/kernels_walls.h"
-#include "physics/passes/ghost.h"
+#include "cpu/boundary.h"
+#include "physics/ghosts.h"
 
 namespace {
 
-/* Where the particles of a group have images. */
-typedef struct lane_mirrors {
-  pbf_mirrors near;
-  lane twice[2][PBF_DIM];
-} lane_mirrors;
+/* The walls in which the particles of a group have ghosts. */
+typedef struct lane_ghost_walls {
+  pbf_ghost_walls near;
+  lane doubled[2][PBF_DIM];
+} lane_ghost_walls;
 
-PBF_FN int has_mirrors(const pair_pass *p) {
-  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->walls && p->walls->walls.reach > 0;
+PBF_FN int has_ghosts(const pair_pass *p) {
+  return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && p->contributing &&
+         p->contributing->domain.ghost_reach > 0;
 }
 
-/* Of a pass that has mirrors; returns whether there are any near the group. */
-PBF_FN int find_mirrors(const pair_pass *p, uint32_t g, lane_mirrors *m) {
-  const pbf_walls *walls = &p->walls->walls;
+/* Of a pass that has ghosts; returns whether there are any near the group. */
+PBF_FN int find_ghost_walls(const pair_pass *p, uint32_t g, lane_ghost_walls *m) {
+  const pbf_domain *domain = &p->contributing->domain;
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
   const lane_values xs = lane_vec_values(&x);
   pbf_real distances[WIDTH];
-  if (!(wall_distances(p->walls, &xs, distances) < walls->reach)) return 0;
+  if (!(domain_distances(p->contributing, &xs, distances) < domain->ghost_reach)) return 0;
   pbf_vec lower = lane_value(&xs, 0), upper = lower;
   for (uint32_t l = 1; l < WIDTH && g * WIDTH + l < p->lists.count; ++l)
     for (int k = 0; k < PBF_DIM; ++k) {
       lower.c[k] = pbf_real_min(lower.c[k], xs.c[k][l]);
       upper.c[k] = pbf_real_max(upper.c[k], xs.c[k][l]);
     }
-  m->near = pbf_mirrors_near(walls, lower, upper);
+  m->near = pbf_ghost_walls_near(domain, lower, upper);
   for (int k = 0; k < PBF_DIM; ++k) {
-    m->twice[0][k] = lane_set(2) * (x.c[k] - lane_set(walls->lower.c[k]));
-    m->twice[1][k] = lane_set(2) * (x.c[k] - lane_set(walls->upper.c[k]));
+    m->doubled[0][k] = lane_set(2) * (x.c[k] - lane_set(domain->lower.c[k]));
+    m->doubled[1][k] = lane_set(2) * (x.c[k] - lane_set(domain->upper.c[k]));
   }
   return m->near.count > 0;
 }
 
 /* Adds the ghosts of a neighbour. */
 template <class Pass>
-PBF_FN void add_ghosts(const Pass &pass, const lane_mirrors &m,
+PBF_FN void add_ghosts(const Pass &pass, const lane_ghost_walls &m,
                        const typename Pass::template own<lane> &own, const neighbor_of<lane> &j,
                        typename Pass::template sums<lane> *sums) {
   for (int k = 0, out = 0; k < m.near.count; ++k) {
     const int walls = m.near.walls[k];
     if (walls & out) continue;
     neighbor_of<lane> ghost = j;
-    ghost.r2 = ghost_in(walls, m.twice, j.x_ij, &ghost.x_ij);
+    ghost.r2 = ghost_in(walls, m.doubled, j.x_ij, &ghost.x_ij);
     if (lane_any_below(ghost.r2, lane_set(pass.c->h2)))
       pass.pair(sums, own, ghost);
     else
@@ -69,7 +70,7 @@ PBF_FN void add_weighted(Sums *sums, lane weight, const Sums &ghosts) {
 template <class Pass>
 PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, const pair_pass *p,
                                                            const lookups &of, uint32_t g,
-                                                           const lane_mirrors &m) {
+                                                           const lane_ghost_walls &m) {
   const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
   neighbor_of<lane> itself = {lane_vector<lane>::zero(), lane_set(0), lane_set(0), {}};
   typename Pass::template own<lane> own;
@@ -96,7 +97,7 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
       add_ghosts(pass, m, own, j, &ghosts);
     }
   }
-  add_weighted(&sums, lane_set(pass.c->wall_weight), ghosts);
+  add_weighted(&sums, lane_set(pass.c->boundary_weight), ghosts);
   pass.end(&sums);
   return sums;
 }
@@ -107,8 +108,8 @@ template <template <class, scaling> class Pass, class Sums>
 static __attribute__((noinline)) int sum_with_ghosts(const pair_pass *p, int features,
                                                      const lookups &of, uint32_t g, Sums *sums) {
   const pbf_constants c = *p->constants;
-  lane_mirrors m;
-  if (!find_mirrors(p, g, &m)) return 0;
+  lane_ghost_walls m;
+  if (!find_ghost_walls(p, g, &m)) return 0;
   if (BUILT_FOR_SIZE || features)
     *sums = sums_with_ghosts(Pass<int, SCALED_SUMS>{&c, features}, p, of, g, m);
   else

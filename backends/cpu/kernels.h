@@ -51,25 +51,25 @@ typedef struct search {
   uint8_t *data;
 } search;
 
-/* What pbf_beside_walls needs, of particles in groups near walls. */
-typedef struct walls_lent {
+/* What pbf_boundary_correction needs, of particles in groups near walls. */
+typedef struct boundary_cache {
   field gradient;
-  pbf_real *resting;
-} walls_lent;
+  pbf_real *rest;
+} boundary_cache;
 
 /* What a pass over pairs needs beside the lists and its own arrays. */
 typedef struct pair_pass {
   const pbf_constants *constants;
   int features;
   struct lists lists;
-  field x;                          /* sorted */
-  const pbf_real *quads;            /* as pack makes them, of x and what move looks up */
-  const pbf_real *vectors;          /* and of what else a pass looks up */
-  const pbf_obstacles *walls;       /* that lend density; null: none do */
-  const pbf_real *residual_density; /* null: none */
+  field x;                           /* sorted */
+  const pbf_real *quads;             /* as pack makes them, of x and what move looks up */
+  const pbf_real *vectors;           /* and of what else a pass looks up */
+  const pbf_obstacles *contributing; /* density; null: none do */
+  const pbf_real *residual_density;  /* null: none */
   int64_t *error_units;     /* lambda adds the density error to it; null: the sentinel asks */
   const pbf_real *activity; /* null: the sentinel sleeps */
-  walls_lent lent;          /* by the walls: lambda leaves it for move, at the same places */
+  boundary_cache boundary;  /* lambda leaves it for move, at the same places */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */

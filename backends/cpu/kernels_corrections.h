@@ -30,7 +30,7 @@ static void compensate_damping(const pair_pass *p, const undamp_pass *u, uint32_
   const pass_type pass = {&c, features};
   const lookups of = {u->lambda, &u->flow};
   for (uint32_t g = first; g < last; ++g) {
-    const int near = lending_walls(p) && group_near_obstacles(p, g);
+    const int near = contributing_obstacles(p) && group_near_obstacles(p, g);
     const auto sums = sums_of_group(
         pass, p, of, {lane_load(u->lambda + g * WIDTH), load_vector(u->flow, g * WIDTH)}, g);
     for (int k = 0; k < PBF_CURL_DIM && u->torque; ++k) {

@@ -14,8 +14,8 @@
 /* What the loops are built for; a build that is without a feature has no loop for it. */
 PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
 
-PBF_FN const pbf_obstacles *lending_walls(const pair_pass *p) {
-  return PBF_BUILT & PBF_FEATURE_WALL_DENSITY ? p->walls : NULL;
+PBF_FN const pbf_obstacles *contributing_obstacles(const pair_pass *p) {
+  return PBF_BUILT & PBF_FEATURE_WALL_DENSITY ? p->contributing : NULL;
 }
 
 PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
@@ -61,26 +61,27 @@ PBF_FN int64_t *asked_excess(const pair_pass *p) {
 static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
   const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
   _Alignas(64) pbf_real distances[WIDTH];
-  return near_obstacles(p->constants, p->walls, &xs, distances);
+  return near_obstacles(p->constants, p->contributing, &xs, distances);
 }
 
-PBF_FN lane_lent lent_at(const pair_pass *p, uint32_t g) {
+PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g) {
   const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
-  lane_lent lent;
-  lent_to_group(p->constants, p->walls, &xs, &lent);
-  return lent;
+  lane_boundary boundary;
+  boundary_of_group(p->constants, p->contributing, &xs, &boundary);
+  return boundary;
 }
 
-/* What walls lend a group's densities; adds to their gradients, and leaves it for move. */
-static __attribute__((noinline)) lane add_lent(const pair_pass *p, uint32_t g,
-                                               lane_values *gradients) {
-  const lane_lent lent = lent_at(p, g);
-  lane_store(p->lent.resting + g * WIDTH, lane_load(lent.resting));
+/* What surfaces contribute to a group's densities; adds to their gradients, and leaves it for move.
+ */
+static __attribute__((noinline)) lane add_boundary(const pair_pass *p, uint32_t g,
+                                                   lane_values *gradients) {
+  const lane_boundary boundary = group_boundary(p, g);
+  lane_store(p->boundary.rest + g * WIDTH, lane_load(boundary.rest));
   for (int k = 0; k < PBF_DIM; ++k) {
-    lane_store(p->lent.gradient.c[k] + g * WIDTH, lane_load(lent.gradient.c[k]));
-    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += lent.gradient.c[k][l];
+    lane_store(p->boundary.gradient.c[k] + g * WIDTH, lane_load(boundary.gradient.c[k]));
+    for (uint32_t l = 0; l < WIDTH; ++l) gradients->c[k][l] += boundary.gradient.c[k][l];
   }
-  return lane_load(lent.density);
+  return lane_load(boundary.density);
 }
 
 template <class Features>
@@ -90,16 +91,16 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
   const pbf_constants c = *p->constants;
   const pass_type pass = {&c, features};
   for (uint32_t g = first; g < last; ++g) {
-    lambda_sums<lane> sums, mirrored;
-    if (has_mirrors(p) && sum_with_ghosts<lambda_pass>(p, features, {}, g, &mirrored))
-      sums = mirrored;
+    lambda_sums<lane> sums, with_ghosts;
+    if (has_ghosts(p) && sum_with_ghosts<lambda_pass>(p, features, {}, g, &with_ghosts))
+      sums = with_ghosts;
     else
       sums = sums_of_group(pass, p, {}, {}, g);
-    if (lending_walls(p) && group_near_obstacles(p, g)) {
+    if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
       lane_values gradients;
       for (int k = 0; k < PBF_DIM; ++k) lane_store(gradients.c[k], sums.gradient.c[k]);
-      const lane lent = add_lent(p, g, &gradients);
-      sums.density = sums.density + lent;
+      const lane boundary = add_boundary(p, g, &gradients);
+      sums.density = sums.density + boundary;
       for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = lane_load(gradients.c[k]);
     }
     if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.density, g);
@@ -118,18 +119,18 @@ static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32
 }
 
 /* The walls' part of the change, by what lambda has left of it. */
-PBF_FN void add_walls_to_change(const pair_pass *p, const pbf_real *lambda, uint32_t g,
-                                lane_values *sums) {
+PBF_FN void correct_change(const pair_pass *p, const pbf_real *lambda, uint32_t g,
+                           lane_values *sums) {
   for (uint32_t l = 0, i = g * WIDTH; l < WIDTH; ++l, ++i) {
-    pbf_vec sum = pbf_beside_walls(lane_value(sums, l), lambda[i], p->lent.resting[i],
-                                   field_at(&p->lent.gradient, i));
+    pbf_vec sum = pbf_boundary_correction(lane_value(sums, l), lambda[i], p->boundary.rest[i],
+                                          field_at(&p->boundary.gradient, i));
     set_lane(sums, l, sum);
   }
 }
 
 PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec clamped = pbf_clamp(&obstacles->walls, lane_value(x, l));
+    pbf_vec clamped = pbf_keep_in_domain(&obstacles->domain, lane_value(x, l));
     set_lane(x, l, clamped);
   }
 }
@@ -137,14 +138,15 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
 static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
-  pbf_obstacles met;
-  const swarm these = swarm_of_group(from, x);
-  if (!obstacles_on_way(obstacles, &these, NULL, &met)) {
+  pbf_obstacles candidates;
+  const group_bounds these = bounds_of_group(from, x);
+  if (!collision_candidates(obstacles, &these, NULL, &candidates)) {
     clamp_group(obstacles, x);
     return;
   }
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved = resolve_met(obstacles, &met, 0, lane_value(from, l), lane_value(x, l));
+    pbf_vec resolved =
+        resolve_candidates(obstacles, &candidates, 0, lane_value(from, l), lane_value(x, l));
     set_lane(x, l, resolved);
   }
 }
@@ -173,15 +175,15 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
   const lookups of = {m->lambda, NULL};
   for (uint32_t g = first; g < last; ++g) {
     lane_vector<lane> x = load_vector(p->x, g * WIDTH), v = load_vector(m->velocity, g * WIDTH);
-    move_sums<lane> sums, mirrored;
-    if (has_mirrors(p) && sum_with_ghosts<move_pass_of>(p, pass.features, of, g, &mirrored))
-      sums = mirrored;
+    move_sums<lane> sums, with_ghosts;
+    if (has_ghosts(p) && sum_with_ghosts<move_pass_of>(p, pass.features, of, g, &with_ghosts))
+      sums = with_ghosts;
     else
       sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
-    if (lending_walls(p) && group_near_obstacles(p, g)) {
+    if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
       lane_values change;
       for (int k = 0; k < PBF_DIM; ++k) lane_store(change.c[k], sums.change.c[k]);
-      add_walls_to_change(p, m->lambda, g, &change);
+      correct_change(p, m->lambda, g, &change);
       for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
     }
     pass.finish(sums, m->inv_time_step, &x, &v);
@@ -189,7 +191,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     for (int k = 0; k < PBF_DIM; ++k) lane_store(moved.c[k], x.c[k]);
     lane_values after = moved;
     uint32_t lanes = lanes_in_group(&p->lists, g);
-    if (m->collide && pbf_solid_count(*m->obstacles)) {
+    if (m->collide && pbf_surface_count(*m->obstacles)) {
       const lane_vec start = lane_vec_load(&m->predicted, g * WIDTH);
       const lane_values starts = lane_vec_values(&start);
       resolve_group(m->obstacles, &starts, &after, lanes);
@@ -320,14 +322,14 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   for (uint32_t g = first; g < last; ++g) {
     slots count = slots_set(0);
     lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
-    lambda_sums<lane> mirrored;
-    if (has_mirrors(p) && sum_with_ghosts<lambda_pass>(p, pass.features, {}, g, &mirrored))
-      density = mirrored.density;
+    lambda_sums<lane> with_ghosts;
+    if (has_ghosts(p) && sum_with_ghosts<lambda_pass>(p, pass.features, {}, g, &with_ghosts))
+      density = with_ghosts.density;
     lane_store(densities + g * WIDTH, density);
     if (neighbors) slots_store(neighbors + g * WIDTH, count);
-    if (lending_walls(p) && group_near_obstacles(p, g)) {
-      const lane_lent lent = lent_at(p, g);
-      for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += lent.density[l];
+    if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
+      const lane_boundary boundary = group_boundary(p, g);
+      for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];
     }
   }
 }

@@ -9,13 +9,15 @@
 #include "physics/passes/start.h"
 #include "physics/passes/velocity.h"
 
-static void clamp_range(const pbf_walls *between, field x, uint32_t first, uint32_t last) {
-  const pbf_walls walls = *between;
-  for (uint32_t i = first; i < last; ++i) field_set(&x, i, pbf_clamp(&walls, field_at(&x, i)));
+static void clamp_range(const pbf_domain *between, field x, uint32_t first, uint32_t last) {
+  const pbf_domain domain = *between;
+  for (uint32_t i = first; i < last; ++i)
+    field_set(&x, i, pbf_keep_in_domain(&domain, field_at(&x, i)));
 }
 
 /* Where they are and where they come from. */
-static swarm swarm_of_range(const field *from, const field *x, uint32_t first, uint32_t last) {
+static group_bounds bounds_of_range(const field *from, const field *x, uint32_t first,
+                                    uint32_t last) {
   pbf_vec lower = field_at(x, first), upper = lower;
   pbf_real way2 = 0;
   for (uint32_t i = first; i < last; ++i) {
@@ -26,31 +28,33 @@ static swarm swarm_of_range(const field *from, const field *x, uint32_t first, u
     }
     way2 = pbf_real_max(way2, pbf_dot(way, way));
   }
-  return swarm_between(lower, upper, pbf_real_sqrt(way2));
+  return bounds_between(lower, upper, pbf_real_sqrt(way2));
 }
 
-/* Particles on their way from `from` to x; from before the obstacles moved where these `carried`
- * it.
- */
-static __attribute__((noinline)) void collide_range(const pbf_obstacles *o, int carried, field from,
-                                                    field x, uint32_t first, uint32_t last) {
+/* Particles on their way from `from` to x; from before the obstacles moved where
+ * `with_obstacle_motion`. */
+static __attribute__((noinline)) void collide_range(const pbf_obstacles *o,
+                                                    int with_obstacle_motion, field from, field x,
+                                                    uint32_t first, uint32_t last) {
   enum { AT_ONCE = 32 };
-  if (pbf_solid_count(*o) == 0) {
-    clamp_range(&o->walls, x, first, last);
+  if (pbf_surface_count(*o) == 0) {
+    clamp_range(&o->domain, x, first, last);
     return;
   }
-  solid_motion motions[PBF_MAX_COLLIDERS];
-  if (carried) solid_motions(o, motions);
+  surface_motion motions[PBF_MAX_COLLIDERS];
+  if (with_obstacle_motion) surface_motions(o, motions);
   for (uint32_t begin = first, end; begin < last; begin = end) {
-    pbf_obstacles met;
+    pbf_obstacles candidates;
     end = last - begin < AT_ONCE ? last : begin + AT_ONCE;
-    const swarm these = swarm_of_range(&from, &x, begin, end);
-    if (!obstacles_on_way(o, &these, carried ? motions : NULL, &met)) {
-      clamp_range(&o->walls, x, begin, end);
+    const group_bounds these = bounds_of_range(&from, &x, begin, end);
+    if (!collision_candidates(o, &these, with_obstacle_motion ? motions : NULL, &candidates)) {
+      clamp_range(&o->domain, x, begin, end);
       continue;
     }
     for (uint32_t i = begin; i < end; ++i)
-      field_set(&x, i, resolve_met(o, &met, carried, field_at(&from, i), field_at(&x, i)));
+      field_set(&x, i,
+                resolve_candidates(o, &candidates, with_obstacle_motion, field_at(&from, i),
+                                   field_at(&x, i)));
   }
 }
 

@@ -66,7 +66,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                      .x = x,
                      .quads = quads,
                      .vectors = packed_vectors(s),
-                     .walls = s->schedule.wall_density ? &w->obstacles : NULL,
+                     .contributing = s->schedule.wall_density ? &w->obstacles : NULL,
                      .residual_density = s->residual_density,
                      .activity = sleep_is_on(w) ? w->activity : NULL};
 }
@@ -172,7 +172,7 @@ static void find_densities(const worker *w, uint32_t task, const pbf_obstacles *
                            const pbf_real *quads, pbf_real *densities) {
   range groups = task_groups(w, task);
   pair_pass pairs = pairs_at(w, x, quads);
-  if (pairs.walls) pairs.walls = obstacles;
+  if (pairs.contributing) pairs.contributing = obstacles;
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
     w->s->kernels->density(&pairs, densities, NULL, g.first, g.last);

@@ -19,7 +19,7 @@ static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); 
 /* Pairs of the solve. */
 static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pair_pass pairs = pairs_at(w, x_star(w), packed);
-  pairs.lent = (walls_lent){w->b.boundary_gradient(), w->b.boundary_rest()};
+  pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
   return pairs;
 }
 

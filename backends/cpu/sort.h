@@ -20,7 +20,7 @@ static void find_bounds(void *context, uint32_t task) {
  * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. */
 static void make_grid(void *context) {
   worker *w = static_cast<worker *>(context);
-  const pbf_walls *walls = &w->obstacles.walls;
+  const pbf_domain *domain = &w->obstacles.domain;
   box all = w->s->boxes[0];
   for (uint32_t task = 1; task < particle_task_count(w); ++task)
     for (int k = 0; k < PBF_DIM; ++k) {
@@ -30,7 +30,7 @@ static void make_grid(void *context) {
   double size[PBF_DIM];
   int axis[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
-    const double low = (double)walls->lower.c[k], high = (double)walls->upper.c[k];
+    const double low = (double)domain->lower.c[k], high = (double)domain->upper.c[k];
     size[k] = high - low;
     all.lower.c[k] = pbf_real_max(all.lower.c[k], (pbf_real)(low - size[k]));
     all.upper.c[k] = pbf_real_min(all.upper.c[k], (pbf_real)(high + size[k]));

@@ -40,8 +40,8 @@ struct buffers {
   PBF_IN const field &next_x_star() const { return scratch[0]; }
   PBF_IN void accept_iteration() { exchange(&scratch[0], &scratch[1]); }
 
-  /* From the sort to the end of the solve nothing reads the old state: what walls lend is kept
-   * there. */
+  /* From the sort to the end of the solve nothing reads the old state: what surfaces contribute is
+   * kept there. */
   PBF_IN const field &boundary_gradient() const { return v; }
   PBF_IN pbf_real *boundary_rest() const { return x.c[0]; }
 

@@ -15,8 +15,8 @@ static void flow_task(void *context, uint32_t task) {
 
 static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
                               pbf_vec start) {
-  return change_near_obstacles(p->constants, *p->walls, field_at(&p->x, i), field_at(&u->flow, i),
-                               u->lambda[i], end, start);
+  return change_near_obstacles(p->constants, *p->contributing, field_at(&p->x, i),
+                               field_at(&u->flow, i), u->lambda[i], end, start);
 }
 
 static void compensate_damping_task(void *context, uint32_t task) {

@@ -223,8 +223,9 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;
-  pbf_moving_obstacles changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
-  changed.solids |= s->moving_obstacles.solids;
+  pbf_moving_obstacles changed =
+      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
+  changed.surfaces |= s->moving_obstacles.surfaces;
   if (pbf_status status = apply_params(s, &s->params, room, first)) return status;
   if (pbf_status status = wake_near_colliders(s, changed, s->time)) return status;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
@@ -250,7 +251,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
       break;
     }
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
-    if (pbf_status status = place_solids(s, time + (*done + 1) * dt, ahead)) return status;
+    if (pbf_status status = place_surfaces(s, time + (*done + 1) * dt, ahead)) return status;
     if (small_serves(s)) {
       ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, time + (*done + 1) * dt,
                               ahead);
@@ -261,7 +262,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s); ++k, ++*done) {
       if (pbf_status status =
-              step_once(s, time + (*done + 1) * dt, s->solids + k * s->collider_count))
+              step_once(s, time + (*done + 1) * dt, s->surfaces + k * s->collider_count))
         return status;
       s->pressure_scale = s->constants.pressure;
     }
@@ -280,8 +281,8 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   s->params = pbf_projection_of(&params, iterations);
   s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
   s->constants = pbf_constants_of(&s->params);
-  pbf_status status = place_solids(s, time, 1);
-  if (status == PBF_OK) status = step_once(s, time, s->solids);
+  pbf_status status = place_surfaces(s, time, 1);
+  if (status == PBF_OK) status = step_once(s, time, s->surfaces);
   s->params = params;
   s->schedule = schedule;
   s->constants = constants;

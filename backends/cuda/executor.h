@@ -10,7 +10,7 @@
 
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
-  const uint32_t ghosts = s->images != nullptr, starts = s->starts != nullptr;
+  const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr;
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"
@@ -38,13 +38,13 @@ struct executor {
   iteration_extras extras;
   iteration_place place;
   point *moved;                  /* where a move goes */
-  lambda_sums<pbf_real> *images; /* where walls mirror the fluid, else null */
+  lambda_sums<pbf_real> *ghosts; /* where walls have them, else null */
   pbf_status status;             /* of the first call that failed */
 
   /* Between these colliders. */
-  executor(solver *of, double end, const pbf_solid *solids) : s(of), time(end) {
+  executor(solver *of, double end, const pbf_surface *surfaces) : s(of), time(end) {
     const pbf_schedule &has = s->schedule;
-    extras = {{pbf_walls_at(&s->params, time), (int)s->collider_count, solids},
+    extras = {{pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces},
               has.wall_density,
               s->total,
               {},
@@ -53,15 +53,15 @@ struct executor {
       extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
                          has.collide_after_prediction};
-    n = neighborhood_of(s, grid_over(&walls(), s->params.smoothing_radius,
+    n = neighborhood_of(s, grid_over(&domain(), s->params.smoothing_radius,
                                      grid_cell_limit(s->capacity), PBF_FINEST));
     pbf_set_target_density(&n.constants, &s->constants, &s->params, s->count, &has, time);
     moved = s->points;
-    images = images_between(s, walls());
+    ghosts = ghosts_between(s, domain());
     status = PBF_OK;
   }
 
-  const pbf_walls &walls() const { return extras.obstacles.walls; }
+  const pbf_domain &domain() const { return extras.obstacles.domain; }
 
   /* Runs launches(), which puts into `status` what they can tell at once. */
   template <class Launches>
@@ -113,19 +113,19 @@ struct executor {
 
   /* Between the walls, and the colliders, of the step's start. */
   void residual_density() {
-    const pbf_walls before = pbf_walls_at(&s->params, time - s->params.time_step);
+    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
     const pbf_real time_step = (pbf_real)s->params.time_step;
-    const bool mirrored = images_between(s, before) != nullptr;
+    const bool with_ghosts = ghosts_between(s, before) != nullptr;
     run(PBF_STAGE_RESIDUAL_DENSITY, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         typedef density_pass<fixed<F>> pass;
-        if (mirrored)
-          sum_images<pass>(
+        if (with_ghosts)
+          sum_ghosts<pass>(
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(s->residual_density),
               at_start{time_step}, n.particles.velocities);
-        launch(residual_density_kernel<F>, n, extras, before, time_step, mirrored,
+        launch(residual_density_kernel<F>, n, extras, before, time_step, with_ghosts,
                s->residual_density);
       });
     });
@@ -134,14 +134,14 @@ struct executor {
   void pressure_grid() {
     run(PBF_STAGE_GRID, [&] {
       s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
-      s->deep_grid = deep_grid_at(s, walls(), time);
+      s->deep_grid = deep_grid_at(s, domain(), time);
       const deep_arrays arrays = deep_of(s);
       status = clear_deep(s, arrays);
       if (status != PBF_OK) return;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        sum_images_of_lambda<F>();
-        launch(deposit_kernel<F>, n, extras, images, s->deep_grid, arrays);
+        sum_ghosts_of_lambda<F>();
+        launch(deposit_kernel<F>, n, extras, ghosts, s->deep_grid, arrays);
       });
       status = solve_deep(s, extras.obstacles);
       if (status != PBF_OK) return;
@@ -160,18 +160,18 @@ struct executor {
   }
 
   template <int FEATURES>
-  void sum_images_of_lambda() {
+  void sum_ghosts_of_lambda() {
     typedef lambda_pass<fixed<FEATURES>, SCALED_PAIRS> pass;
-    if (images) sum_images<pass>(s, n, extras, walls(), images);
+    if (ghosts) sum_ghosts<pass>(s, n, extras, domain(), ghosts);
   }
 
   void lambda(uint32_t) {
     run(PBF_STAGE_LAMBDA, [&] {
       with_kernel(s->schedule.features,
-                  [&](auto features) { sum_images_of_lambda<decltype(features)::value>(); });
+                  [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(); });
       const bool residual_density = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
       launch_lambda(s, n, extras,
-                    {place.first, residual_density ? s->residual_density : nullptr, images});
+                    {place.first, residual_density ? s->residual_density : nullptr, ghosts});
     });
   }
 
@@ -184,18 +184,18 @@ struct executor {
     });
   }
 
-  /* Lambda is known: in its images' memory are those of moves. */
+  /* Lambda is known: in its ghosts' memory are those of moves. */
   void move(uint32_t) {
-    auto *image_moves = reinterpret_cast<move_sums<pbf_real> *>(images);
+    auto *ghost_moves = reinterpret_cast<move_sums<pbf_real> *>(ghosts);
     run(PBF_STAGE_MOVE, [&] {
-      if (images)
+      if (ghosts)
         with_features(s->schedule.features, [&](auto features) {
           typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
-          sum_images<pass>(s, n, extras, walls(), image_moves);
+          sum_ghosts<pass>(s, n, extras, domain(), ghost_moves);
         });
       launch_move(s, n, moved, extras,
                   {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
-                   s->schedule.collide_after_solve, s->velocities, image_moves});
+                   s->schedule.collide_after_solve, s->velocities, ghost_moves});
     });
     exchange(&n.particles.points, &moved);
   }
@@ -297,8 +297,8 @@ struct executor {
 }  // namespace
 
 /* The step that ends at `time`, between these colliders. */
-static inline pbf_status step_once(solver *s, double time, const pbf_solid *solids) {
-  executor e(s, time, solids);
+static inline pbf_status step_once(solver *s, double time, const pbf_surface *surfaces) {
+  executor e(s, time, surfaces);
   run_step(e, s->schedule);
   return e.status;
 }

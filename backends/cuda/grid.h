@@ -42,12 +42,13 @@ static inline double grid_margin(double cells) {
 }
 
 /* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
-static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t limit, double finest) {
+static inline cell_grid grid_over(const pbf_domain *domain, double h, uint32_t limit,
+                                  double finest) {
   enum { MAX_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
   double extent[PBF_DIM], full[PBF_DIM], most = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
-    extent[k] = fmax(0, (double)walls->upper.c[k] - (double)walls->lower.c[k]);
+    extent[k] = fmax(0, (double)domain->upper.c[k] - (double)domain->lower.c[k]);
     most = fmax(most, extent[k] / h);
   }
   double reach = h * grid_margin(fmin(most, MAX_CELLS));
@@ -59,7 +60,7 @@ static inline cell_grid grid_over(const pbf_walls *walls, double h, uint32_t lim
   const pbf_fold stored = pbf_fold_of(limit, finest, full);
   double width = stored.turns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
   for (int k = 0; k < PBF_DIM; ++k) {
-    g.origin.c[k] = walls->lower.c[k];
+    g.origin.c[k] = domain->lower.c[k];
     g.scale.c[k] = (pbf_real)(1 / (k ? row_width : width));
     g.cells[k] = (uint32_t)(k ? full[k] : stored.columns);
     g.last.c[k] = (pbf_real)(g.cells[k] - 1);

@@ -13,8 +13,8 @@
 /* Whether the build has the accelerated solve. */
 constexpr bool PBF_CHEBYSHEV = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) != 0;
 
-/* Whether it has walls that mirror the fluid. */
-constexpr bool PBF_MIRRORS = (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) != 0;
+/* Whether it has walls with ghosts. */
+constexpr bool PBF_GHOSTS = (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) != 0;
 
 /* What an iteration knows of sleepers. */
 struct sleep_pass {
@@ -37,18 +37,18 @@ struct iteration_extras {
 static_assert(sizeof(pbf_real) > sizeof(float) || sizeof(iteration_extras) <= 128,
               "of larger arguments the compiler holds no part in registers");
 
-/* Lambda of a particle at x, with what obstacles lend it. `images` are part of the sums unless
+/* Lambda of a particle at x, with what obstacles contribute. `ghosts` are part of the sums unless
  * null. */
-template <solids_met SOLIDS, class Pass>
+template <surfaces_met SURFACES, class Pass>
 static __device__ __forceinline__ pbf_real finish_lambda(const Pass &pass, const step_obstacles &o,
                                                          bool wall_density,
                                                          pbf_real residual_density, pbf_vec x,
                                                          lambda_sums<pbf_real> *sums,
-                                                         const lambda_sums<pbf_real> *images) {
-  if (images) add_sums(sums, *images);
+                                                         const lambda_sums<pbf_real> *ghosts) {
+  if (ghosts) add_sums(sums, *ghosts);
   if (wall_density) {
     pbf_vec gradient = vec_of(sums->gradient);
-    add_walls<SOLIDS>(pass.c, o, x, &sums->density, &gradient);
+    add_boundary<SURFACES>(pass.c, o, x, &sums->density, &gradient);
     sums->gradient = lanes_of(gradient);
   }
   return pass.finish(*sums, residual_density);
@@ -62,27 +62,27 @@ struct move_finish {
 };
 
 /* Where a move takes a particle from x, and its velocity with it; `predicted` counts where there
- * are colliders. `images` push, too, unless null. */
-template <solids_met SOLIDS, class Pass>
+ * are colliders. `ghosts` push, too, unless null. */
+template <surfaces_met SURFACES, class Pass>
 static __device__ __forceinline__ pbf_vec finish_move(const Pass &pass, const step_obstacles &o,
                                                       const move_finish &end, pbf_real lambda,
                                                       pbf_vec predicted, pbf_vec x,
                                                       move_sums<pbf_real> sums,
-                                                      const move_sums<pbf_real> *images,
+                                                      const move_sums<pbf_real> *ghosts,
                                                       pbf_vec *velocity) {
-  if (images) add_sums(&sums, *images);
+  if (ghosts) add_sums(&sums, *ghosts);
   if (end.wall_density) {
-    pbf_lent lent = lent_at<SOLIDS>(pass.c, o, x);
-    sums.change = lanes_of(pbf_beside_lent(vec_of(sums.change), lambda, &lent));
+    pbf_boundary boundary = boundary_at<SURFACES>(pass.c, o, x);
+    sums.change = lanes_of(pbf_boundary_correction(vec_of(sums.change), lambda, &boundary));
   }
   lane_vector<pbf_real> y = lanes_of(x), v = lanes_of(*velocity);
   pass.finish(sums, end.inv_time_step, &y, &v);
   x = vec_of(y);
   *velocity = vec_of(v);
   int collisions = end.collisions;
-  if (SOLIDS == NO_SOLIDS) collisions = collisions > 0; /* walls push once */
+  if (SURFACES == NO_SURFACES) collisions = collisions > 0; /* walls push once */
   for (; collisions > 0; --collisions) {
-    pbf_vec after = resolve<SOLIDS>(o, 0, predicted, x);
+    pbf_vec after = resolve_collisions<SURFACES>(o, 0, predicted, x);
     *velocity = pbf_velocity(end.inv_time_step, *velocity, x, after);
     x = after;
   }

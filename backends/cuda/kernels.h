@@ -4,7 +4,7 @@
 #define PBF_CUDA_KERNELS_H
 
 #include "cuda/driver.h"
-#include "cuda/mirrors.h"
+#include "cuda/ghosts.h"
 #include "physics/passes/angular_momentum.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
@@ -26,7 +26,7 @@ struct iteration_place {
 struct lambda_parts {
   bool first;
   const pbf_real *residual_density;    /* in very short steps; else null */
-  const lambda_sums<pbf_real> *images; /* where walls mirror the fluid (mirrors.h); else null */
+  const lambda_sums<pbf_real> *ghosts; /* where walls have them (ghosts.h); else null */
 };
 
 /* How an iteration's move ends. */
@@ -36,18 +36,18 @@ struct move_end {
   int collide;                       /* with the obstacles, */
   int collide_last;                  /* and in the last iteration */
   pbf_vec *velocities;               /* with all moves so far, from the first on */
-  const move_sums<pbf_real> *images; /* where walls mirror the fluid; else null */
+  const move_sums<pbf_real> *ghosts; /* where walls have them; else null */
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
  * lets several loads of a thread be under way at once. Colliders need more registers. */
-constexpr int blocks_at_once(solids_met any) {
+constexpr int blocks_at_once(surfaces_met any) {
   return sizeof(pbf_real) == sizeof(float) ? (any ? 4 : 5) : (any ? 2 : 4);
 }
 
-/* SOLIDS and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, solids_met SOLIDS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
+/* SURFACES and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
     lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -73,10 +73,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   if (i >= n.particles.count) return;
   pbf_real residual_density =
       EXTRAS && PBF_CHEBYSHEV && parts.residual_density ? parts.residual_density[i] : 0;
-  const bool mirrored = EXTRAS && PBF_MIRRORS && parts.images;
+  const bool with_ghosts = EXTRAS && PBF_GHOSTS && parts.ghosts;
   pbf_real lambda =
-      finish_lambda<SOLIDS>(pass, extras.obstacles, EXTRAS && extras.wall_density, residual_density,
-                            x, &sums, mirrored ? parts.images + i : nullptr);
+      finish_lambda<SURFACES>(pass, extras.obstacles, EXTRAS && extras.wall_density,
+                              residual_density, x, &sums, with_ghosts ? parts.ghosts + i : nullptr);
   if (checks_convergence)
     add_error_units(
         extras.watch, min(32u, n.particles.count - i / 32 * 32),
@@ -127,9 +127,9 @@ static __device__ __forceinline__ void pass_idle(const iteration_extras &extras,
   store(moved, i, to);
 }
 
-/* From n.particles.points to `moved`. SOLIDS and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, solids_met SOLIDS, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
+/* From n.particles.points to `moved`. SURFACES and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -164,13 +164,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SOLIDS))
   auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
   if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
-  if (SOLIDS != NO_SOLIDS && !end.place.first && end.inv_time_step > 0)
+  if (SURFACES != NO_SURFACES && !end.place.first && end.inv_time_step > 0)
     predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
-  const bool mirrored = EXTRAS && PBF_MIRRORS && end.images;
-  x = finish_move<SOLIDS>(
+  const bool with_ghosts = EXTRAS && PBF_GHOSTS && end.ghosts;
+  x = finish_move<SURFACES>(
       pass, extras.obstacles,
       {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step},
-      own.lambda, predicted, x, sums, mirrored ? end.images + i : nullptr, &v);
+      own.lambda, predicted, x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -224,12 +224,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* What a very short step leaves of the density error where the particles were at its start, between
- * these walls, and the colliders, of that time. `mirrored`: `residual density` holds what images
- * add to it. */
+ * these walls, and the colliders, of that time. `with_ghosts`: `residual_density` holds
+ * what these add to it. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    residual_density_kernel(neighborhood n, iteration_extras extras, pbf_walls walls,
-                            pbf_real time_step, bool mirrored, pbf_real *residual_density) {
+    residual_density_kernel(neighborhood n, iteration_extras extras, pbf_domain domain,
+                            pbf_real time_step, bool with_ghosts, pbf_real *residual_density) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
@@ -238,11 +238,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = places.place(load(n.particles.points, own), velocities[own]), gradient = {{0}};
   pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
   if (i >= n.particles.count) return;
-  if (mirrored) density += residual_density[i];
+  if (with_ghosts) density += residual_density[i];
   if (extras.wall_density) {
-    const step_obstacles before = {walls, extras.obstacles.count, extras.obstacles.solids};
-    pbf_lent lent = pbf_lent_from(c, before, x, x, 1);
-    pbf_add_lent(&lent, &density, &gradient);
+    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
+    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    pbf_add_boundary(&boundary, &density, &gradient);
   }
   residual_density[i] = pbf_residual_density(c, density);
 }
@@ -323,17 +323,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = v;
 }
 
-/* rho/rho0, but for what walls and colliders lend, and the number of neighbours nearer than h. */
+/* rho/rho0, but for what surfaces contribute, and the number of neighbours nearer than h. */
 template <int FEATURES>
-static __device__ __forceinline__ pbf_real density_at(const neighborhood &n, const pbf_walls &walls,
-                                                      uint32_t i, uint32_t *neighbors) {
+static __device__ __forceinline__ pbf_real density_at(const neighborhood &n,
+                                                      const pbf_domain &domain, uint32_t i,
+                                                      uint32_t *neighbors) {
   const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
-  const wall_images images = images_at(walls, position_of(load(n.particles.points, i)));
+  const wall_ghosts ghosts = ghosts_at(domain, position_of(load(n.particles.points, i)));
   auto sums = pass.template begin<pbf_real>();
-  add_images(pass, images, {}, {{0}}, 0, &sums);
+  add_ghosts(pass, ghosts, {}, {{0}}, 0, &sums);
   for_present_neighbors(n, i, [&](const neighbor_of<pbf_real> &j) {
     pass.pair(&sums, {}, j);
-    add_images(pass, images, {}, vec_of(j.x_ij), 0, &sums);
+    add_ghosts(pass, ghosts, {}, vec_of(j.x_ij), 0, &sums);
     ++*neighbors;
   });
   return sums.density;

@@ -6,8 +6,8 @@
 #include "cuda/search.h"
 #include "cuda/solver.h"
 
-static inline solids_met solids_of(const solver *s) {
-  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? solids_of(s->collider_count) : NO_SOLIDS;
+static inline surfaces_met surfaces_of(const solver *s) {
+  return PBF_BUILT & PBF_FEATURE_COLLIDERS ? surfaces_of(s->collider_count) : NO_SURFACES;
 }
 
 /* Predicts and counts the particles of each cell. */
@@ -17,14 +17,14 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
           cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
           "cudaMemsetAsync"))
     return status;
-  solids_met met = solids_of(s);
-  auto kernel = met == MANY_SOLIDS  ? predict_kernel<MANY_SOLIDS, false>
-                : met == FEW_SOLIDS ? predict_kernel<FEW_SOLIDS, false>
-                                    : predict_kernel<NO_SOLIDS, false>;
+  surfaces_met met = surfaces_of(s);
+  auto kernel = met == MANY_SURFACES  ? predict_kernel<MANY_SURFACES, false>
+                : met == FEW_SURFACES ? predict_kernel<FEW_SURFACES, false>
+                                      : predict_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      kernel =
-          met == MANY_SOLIDS ? predict_kernel<MANY_SOLIDS, true> : predict_kernel<FEW_SOLIDS, true>;
+      kernel = met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
+                                    : predict_kernel<FEW_SURFACES, true>;
   kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
                                                             scratch_of(s));
   return PBF_OK;
@@ -38,13 +38,14 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
           pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
-  solids_met met = solids_of(s);
-  auto place = met == MANY_SOLIDS  ? place_kernel<MANY_SOLIDS, false>
-               : met == FEW_SOLIDS ? place_kernel<FEW_SOLIDS, false>
-                                   : place_kernel<NO_SOLIDS, false>;
+  surfaces_met met = surfaces_of(s);
+  auto place = met == MANY_SURFACES  ? place_kernel<MANY_SURFACES, false>
+               : met == FEW_SURFACES ? place_kernel<FEW_SURFACES, false>
+                                     : place_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      place = met == MANY_SOLIDS ? place_kernel<MANY_SOLIDS, true> : place_kernel<FEW_SOLIDS, true>;
+      place = met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
+                                   : place_kernel<FEW_SURFACES, true>;
   place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
 }
@@ -79,20 +80,20 @@ static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence;
 }
 
-/* What images in these walls add to the sums of the kernel that comes next. */
+/* What ghosts in these walls add to the sums of the kernel that comes next. */
 template <class Pass, class Places = at_points, class Value = no_value>
-static inline void sum_images(solver *s, const neighborhood &n, const iteration_extras &extras,
-                              const pbf_walls &walls, typename Pass::template sums<pbf_real> *all,
+static inline void sum_ghosts(solver *s, const neighborhood &n, const iteration_extras &extras,
+                              const pbf_domain &domain, typename Pass::template sums<pbf_real> *all,
                               const Places &places = {}, const Value *values = nullptr) {
-  if constexpr (PBF_MIRRORS)
-    image_kernel<Pass><<<image_blocks_for(s->count), 32 * PBF_IMAGE_SHARES, 0, s->stream>>>(
+  if constexpr (PBF_GHOSTS)
+    ghost_kernel<Pass><<<ghost_blocks_for(s->count), 32 * PBF_GHOST_SHARES, 0, s->stream>>>(
         n, extras.watch, extras.rest.activity, walls, places, values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
- * nothing is mirrored. */
-static inline lambda_sums<pbf_real> *images_between(const solver *s, const pbf_walls &walls) {
-  return walls.reach > 0 ? s->images : nullptr;
+ * there are none. */
+static inline lambda_sums<pbf_real> *ghosts_between(const solver *s, const pbf_domain &domain) {
+  return domain.ghost_reach > 0 ? s->ghosts : nullptr;
 }
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
@@ -100,14 +101,14 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    bool many = solids_of(s) == MANY_SOLIDS;
-    auto kernel = many            ? lambda_kernel<F, true, MANY_SOLIDS, false>
-                  : has_extras(s) ? lambda_kernel<F, true, FEW_SOLIDS, false>
-                                  : lambda_kernel<F, false, FEW_SOLIDS, false>;
+    bool many = surfaces_of(s) == MANY_SURFACES;
+    auto kernel = many            ? lambda_kernel<F, true, MANY_SURFACES, false>
+                  : has_extras(s) ? lambda_kernel<F, true, FEW_SURFACES, false>
+                                  : lambda_kernel<F, false, FEW_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
-        kernel = many ? lambda_kernel<F, true, MANY_SOLIDS, true>
-                      : lambda_kernel<F, true, FEW_SOLIDS, true>;
+        kernel = many ? lambda_kernel<F, true, MANY_SURFACES, true>
+                      : lambda_kernel<F, true, FEW_SURFACES, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
   });
 }
@@ -117,15 +118,15 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   uint32_t blocks = blocks_for(s->count);
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    solids_met met = solids_of(s);
-    auto kernel = met == MANY_SOLIDS  ? move_kernel<F, true, MANY_SOLIDS, false>
-                  : met == FEW_SOLIDS ? move_kernel<F, true, FEW_SOLIDS, false>
-                  : has_extras(s)     ? move_kernel<F, true, NO_SOLIDS, false>
-                                      : move_kernel<F, false, NO_SOLIDS, false>;
+    surfaces_met met = surfaces_of(s);
+    auto kernel = met == MANY_SURFACES  ? move_kernel<F, true, MANY_SURFACES, false>
+                  : met == FEW_SURFACES ? move_kernel<F, true, FEW_SURFACES, false>
+                  : has_extras(s)       ? move_kernel<F, true, NO_SURFACES, false>
+                                        : move_kernel<F, false, NO_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
-        kernel = met == MANY_SOLIDS ? move_kernel<F, true, MANY_SOLIDS, true>
-                                    : move_kernel<F, true, FEW_SOLIDS, true>;
+        kernel = met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, true>
+                                      : move_kernel<F, true, FEW_SURFACES, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }
@@ -142,24 +143,24 @@ static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving
 
 /* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads
  * them in one go. */
-static inline pbf_status place_solids(solver *s, double time, uint32_t steps) {
-  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_solid);
+static inline pbf_status place_surfaces(solver *s, double time, uint32_t steps) {
+  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_surface);
   if (!bytes) return PBF_OK;
-  pbf_solid *placed =
-      static_cast<pbf_solid *>(s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_solid)));
+  pbf_surface *placed = static_cast<pbf_surface *>(
+      s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_surface)));
   if (!placed) {
     pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
     return PBF_ERROR_OUT_OF_MEMORY;
   }
   for (uint32_t k = 0; k < steps; ++k)
     for (uint32_t c = 0; c < s->collider_count; ++c)
-      placed[k * s->collider_count + c] = pbf_solid_at(
+      placed[k * s->collider_count + c] = pbf_surface_at(
           &s->colliders[c], time + k * s->params.time_step - s->collider_time, s->params.time_step);
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
-      pbf_cuda_check(cudaMemcpyAsync(s->solids, placed, bytes, cudaMemcpyHostToDevice, s->stream),
+      pbf_cuda_check(cudaMemcpyAsync(s->surfaces, placed, bytes, cudaMemcpyHostToDevice, s->stream),
                      "cudaMemcpyAsync of the colliders");
-  s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_solid));
+  s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_surface));
   return status;
 }
 

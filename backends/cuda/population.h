@@ -46,9 +46,9 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
   if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))
     return PBF_OK;
   ++s->epoch;
-  if (pbf_status status = place_solids(s, time, 1)) return status;
+  if (pbf_status status = place_surfaces(s, time, 1)) return status;
   return wake_near_moving(s, moving_obstacles,
-                          {pbf_walls_at(&s->params, time), (int)s->collider_count, s->solids});
+                          {pbf_domain_at(&s->params, time), (int)s->collider_count, s->surfaces});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */
@@ -130,19 +130,19 @@ static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range 
 /* Walls and colliders where the last step left them. */
 static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
-  extras->obstacles = {pbf_walls_at(&s->params, s->time), (int)s->collider_count, s->solids};
+  extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count, s->surfaces};
   extras->wall_density = s->schedule.wall_density;
-  return extras->wall_density ? place_solids(s, s->time, 1) : PBF_OK;
+  return extras->wall_density ? place_surfaces(s, s->time, 1) : PBF_OK;
 }
 
-static inline cell_grid present_grid(const solver *s, const pbf_walls &walls) {
-  return grid_over(&walls, s->params.smoothing_radius, grid_cell_limit(s->capacity), PBF_FINEST);
+static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) {
+  return grid_over(&domain, s->params.smoothing_radius, grid_cell_limit(s->capacity), PBF_FINEST);
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
-  cell_grid grid = present_grid(s, extras.obstacles.walls);
+  cell_grid grid = present_grid(s, extras.obstacles.domain);
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_real *densities = reinterpret_cast<pbf_real *>(s->other_velocities);
@@ -204,7 +204,7 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
 
 /* In the order of the particles. */
 static inline pbf_status find_pressures(solver *s, pbf_real *out) {
-  cell_grid grid = present_grid(s, pbf_walls_at(&s->params, s->time));
+  cell_grid grid = present_grid(s, pbf_domain_at(&s->params, s->time));
   uint32_t blocks = blocks_for(s->count), *present = static_cast<uint32_t *>(s->list_room);
   neighborhood n = neighborhood_of(s, grid);
   if (pbf_status status = sort_present(s, grid)) return status;

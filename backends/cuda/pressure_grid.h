@@ -51,11 +51,11 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
   return a.control->odd ? a.before : a.lambda;
 }
 
-/* Sums the particles up; sleepers out of reach of the awake pass for free of error. `images`: what
+/* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
  * these add, or null. */
 template <int FEATURES>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
-    deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *images,
+static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
+    deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
                    pbf_coarse grid, deep_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
@@ -65,8 +65,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SOLIDS))
   const no_value *nothing = nullptr;
   pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
   if (i >= n.particles.count) return;
-  if (images) density += images[i].density;
-  if (extras.wall_density) add_walls<FEW_SOLIDS>(c, extras.obstacles, x, &density, &gradient);
+  if (ghosts) density += ghosts[i].density;
+  if (extras.wall_density) add_boundary<FEW_SURFACES>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_coarse_cell(&grid, x, at);

@@ -101,12 +101,13 @@ static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) 
 }
 
 /* Of the step that ends at `time`, between these walls and in the containers. */
-static inline pbf_coarse deep_grid_at(const solver *s, pbf_walls walls, double time) {
+static inline pbf_coarse deep_grid_at(const solver *s, pbf_domain domain, double time) {
   for (uint32_t k = 0; k < s->collider_count; ++k) {
-    pbf_solid solid = pbf_solid_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
-    walls = pbf_walls_within(walls, &solid);
+    pbf_surface surface =
+        pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+    domain = pbf_domain_within(domain, &surface);
   }
-  return pbf_coarse_between(&s->params, &walls, pbf_coarse_limit(s->capacity));
+  return pbf_coarse_between(&s->params, &domain, pbf_coarse_limit(s->capacity));
 }
 
 #endif

@@ -46,7 +46,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
-  cell_grid grid = present_grid(s, extras.obstacles.walls);
+  cell_grid grid = present_grid(s, extras.obstacles.domain);
   if (pbf_status status = sort_present(s, grid)) return status;
   /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
   uint32_t blocks =

@@ -5,7 +5,7 @@
 
 #include "cuda/grid.h"
 #include "cuda/launch.h"
-#include "cuda/near_solids.h"
+#include "cuda/obstacles.h"
 #include "cuda/particles.h"
 #include "physics/passes/predict.h"
 #include "physics/sleep.h"
@@ -34,23 +34,23 @@ struct sort_scratch {
   uint32_t *cell, *arrival, *id_by_cell;
 };
 
-template <solids_met SOLIDS, bool SLEEP>
+template <surfaces_met SURFACES, bool SLEEP>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
   if (SLEEP && pbf_is_asleep(from.activity[i])) return x;
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
-  return p.collide ? resolve<SOLIDS>(p.obstacles, 1, x, y) : y;
+  return p.collide ? resolve_collisions<SURFACES>(p.obstacles, 1, x, y) : y;
 }
 
 /* The stages of the sort for particle i. */
-template <solids_met SOLIDS, bool SLEEP>
+template <surfaces_met SURFACES, bool SLEEP>
 static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
                                                       const prediction &p, const cell_grid &grid,
                                                       uint32_t *cell_count,
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
-  uint32_t cell = grid_cell(grid, predicted_position<SOLIDS, SLEEP>(from, p, i, x));
+  uint32_t cell = grid_cell(grid, predicted_position<SURFACES, SLEEP>(from, p, i, x));
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
@@ -61,7 +61,7 @@ static __device__ __forceinline__ void scatter_particle(const unsorted_particles
   scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
 }
 
-template <solids_met SOLIDS, bool SLEEP>
+template <surfaces_met SURFACES, bool SLEEP>
 static __device__ __forceinline__ void place_particle(const unsorted_particles &from,
                                                       const prediction &p,
                                                       const sort_scratch &scratch,
@@ -72,7 +72,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   if (SLEEP && *from.all_asleep) place = i;
   point own = load(from.points, i);
   pbf_vec x = position_of(own);
-  pbf_vec predicted = predicted_position<SOLIDS, SLEEP>(from, p, i, x);
+  pbf_vec predicted = predicted_position<SURFACES, SLEEP>(from, p, i, x);
   if (SLEEP && pbf_is_asleep(from.activity[i])) {
     store(to.points, place, own);
     to.velocities[place] = {{0}};
@@ -87,12 +87,12 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   to.cells[place] = cell;
 }
 
-template <solids_met SOLIDS, bool SLEEP>
+template <surfaces_met SURFACES, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
                    sort_scratch scratch) {
   uint32_t i = thread_index();
-  if (i < from.count) count_particle<SOLIDS, SLEEP>(from, p, grid, cell_count, scratch, i);
+  if (i < from.count) count_particle<SURFACES, SLEEP>(from, p, grid, cell_count, scratch, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -101,11 +101,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < from.count) scatter_particle(from, cell_start, scratch, i);
 }
 
-template <solids_met SOLIDS, bool SLEEP>
+template <surfaces_met SURFACES, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
   uint32_t i = thread_index();
-  if (i < from.count) place_particle<SOLIDS, SLEEP>(from, p, scratch, to, i);
+  if (i < from.count) place_particle<SURFACES, SLEEP>(from, p, scratch, to, i);
 }
 
 #endif

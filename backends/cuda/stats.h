@@ -44,11 +44,11 @@ template <int FEATURES>
 static __device__ __forceinline__ pbf_real full_density(const neighborhood &n,
                                                         const iteration_extras &extras, uint32_t i,
                                                         uint32_t *neighbors) {
-  pbf_real density = density_at<FEATURES>(n, extras.obstacles.walls, i, neighbors);
+  pbf_real density = density_at<FEATURES>(n, extras.obstacles.domain, i, neighbors);
   pbf_vec gradient = {{0}};
   if (extras.wall_density)
-    add_walls<FEW_SOLIDS>(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)),
-                          &density, &gradient);
+    add_boundary<FEW_SURFACES>(&n.constants, extras.obstacles,
+                               position_of(load(n.particles.points, i)), &density, &gradient);
   return density;
 }
 

@@ -67,29 +67,29 @@ static inline uint64_t pbf_coarse_limit(uint32_t capacity) {
   return 4096 + (uint64_t)capacity / (PBF_DIM == 3 ? 8 : 2);
 }
 
-static inline int pbf_coarse_cells(const pbf_walls *walls, int axis, double width) {
-  double length = (double)walls->upper.c[axis] - (double)walls->lower.c[axis];
+static inline int pbf_coarse_cells(const pbf_domain *domain, int axis, double width) {
+  double length = (double)domain->upper.c[axis] - (double)domain->lower.c[axis];
   return (int)fmin(fmax(ceil(length / width - 1e-6), 1), 1e6);
 }
 
 /* Indices that a grid takes, with those behind its last node. */
-static inline double pbf_coarse_taken(const pbf_walls *walls, double width) {
+static inline double pbf_coarse_taken(const pbf_domain *domain, double width) {
   double nodes = 1, rows = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     rows = nodes;
-    nodes *= pbf_coarse_cells(walls, k, width) + 2;
+    nodes *= pbf_coarse_cells(domain, k, width) + 2;
   }
   return nodes + 2 * rows + 2;
 }
 
 /* The grid between walls, in a limited number of indices. */
-static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_walls *walls,
+static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_domain *domain,
                                             uint64_t limit) {
   pbf_coarse c;
   double dt2 = params->time_step * params->time_step;
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
   double width = cells * params->smoothing_radius;
-  while (pbf_coarse_taken(walls, width) > (double)limit) width *= 1.1;
+  while (pbf_coarse_taken(domain, width) > (double)limit) width *= 1.1;
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
@@ -100,10 +100,10 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    double length = (double)walls->upper.c[k] - (double)walls->lower.c[k];
-    c.n[k] = pbf_coarse_cells(walls, k, width);
+    double length = (double)domain->upper.c[k] - (double)domain->lower.c[k];
+    c.n[k] = pbf_coarse_cells(domain, k, width);
     double beyond = fmax(0, c.n[k] - length / width);
-    c.lower[k] = (double)walls->lower.c[k] - 0.5 * beyond * width;
+    c.lower[k] = (double)domain->lower.c[k] - 0.5 * beyond * width;
     c.edge[k] = c.n[k] == 1 ? 1 - beyond : 1 - 0.5 * beyond;
     c.unit /= width;
     c.push[k] = dt2 / width *
@@ -260,9 +260,9 @@ PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, const Obstacles &o, const 
   double room = pbf_coarse_inside(c, i);
   pbf_vec middle;
   for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
-  for (int s = 0; s < pbf_solid_count(o); ++s) {
+  for (int s = 0; s < pbf_surface_count(o); ++s) {
     pbf_vec normal;
-    double distance = (double)pbf_solid_distance(&o.solids[s], middle, &normal);
+    double distance = (double)pbf_surface_distance(&o.surfaces[s], middle, &normal);
     room *= pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
   }
   return room;

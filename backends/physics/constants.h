@@ -42,11 +42,13 @@ typedef struct pbf_constants {
   pbf_real max_undone;        /* … and what it undoes of it at most, … */
   pbf_real max_residual_part; /* … but for the rest of this part, see pbf_residual_density */
   pbf_real wall_offset;
-  pbf_real wall_weight;              /* of what walls and colliders lend */
-  pbf_real wall_rest, wall_inv_rest; /* density of a wall at a lattice's first layer, or 0 */
-  pbf_real wall_push; /* from the slope of two nodes to the gradient that a wall pushes with, … */
-  pbf_real wall_push_rise; /* … and how much more for each node beyond the first layer, up to the
-                              second, between which there are so many */
+  pbf_real boundary_weight; /* of what surfaces contribute, and of ghosts */
+  pbf_real boundary_rest_density,
+      inv_boundary_rest_density; /* density of a wall at a lattice's first layer, or 0 */
+  pbf_real wall_gradient_scale;  /* from the slope of two nodes to the gradient that a wall pushes
+                                    with, … */
+  pbf_real wall_gradient_rise; /* … and how much more for each node beyond the first layer, up to
+                              the second, between which there are so many */
   pbf_real wall_first, wall_layer;
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
@@ -195,19 +197,20 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
 }
 
 /* What a wall pushes with. */
-static inline void pbf_set_wall_push(pbf_constants *c, const pbf_derived *d) {
+static inline void pbf_set_wall_gradient(pbf_constants *c, const pbf_derived *d) {
   enum { LAST = PBF_WALL_NODES - 1 };
   double layer = LAST * d->spacing / d->h;
-  c->wall_push = (pbf_real)(LAST / d->h * d->wall_push);
-  c->wall_push_rise = (pbf_real)(LAST / d->h * (d->wall_push_far - d->wall_push) / layer);
+  c->wall_gradient_scale = (pbf_real)(LAST / d->h * d->wall_gradient_scale);
+  c->wall_gradient_rise =
+      (pbf_real)(LAST / d->h * (d->wall_gradient_scale_far - d->wall_gradient_scale) / layer);
   c->wall_first = (pbf_real)(LAST * d->wall_first);
   c->wall_layer = (pbf_real)layer;
 }
 
-/* Density that a wall lends at the nodes t h. The half-space beyond it would lend f(t), and with
- * f's own slope the first layer of a fluid at rest is not held half a spacing off: a tank ten
- * layers wide lost 8 % of its height. So f0 (f/f0)^s is lent, f0 the value at that layer and s from
- * pbf_derive_wall: with it, what walls lend is to about a hundredth what the fluid mirrored in them
+/* Density that a wall contributes at the nodes t h. The half-space beyond it would have f(t), and
+ * with f's own slope the first layer of a fluid at rest is not held half a spacing off: a tank ten
+ * layers wide lost 8 % of its height. So it is f0 (f/f0)^s, f0 the value at that layer and s from
+ * pbf_derive_wall: with it, what walls contribute is to about a hundredth what ghosts in them
  * would on average, in motion too. Where that is thrice f0 it goes on in a straight line: the power
  * would throw particles about at contact. */
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
@@ -218,16 +221,16 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
-  c->wall_weight = (pbf_real)params->wall_density;
-  c->wall_rest = c->wall_inv_rest = 0;
-  pbf_set_wall_push(c, derived);
+  c->boundary_weight = (pbf_real)params->wall_density;
+  c->boundary_rest_density = c->inv_boundary_rest_density = 0;
+  pbf_set_wall_gradient(c, derived);
   if (!(params->wall_density > 0)) return;
-  double scale = derived->wall_lent * params->wall_density;
-  c->wall_rest = (pbf_real)scale;
-  c->wall_inv_rest = (pbf_real)(scale > 0 ? 1 / scale : 0);
+  double scale = derived->wall_first_density * params->wall_density;
+  c->boundary_rest_density = (pbf_real)scale;
+  c->inv_boundary_rest_density = (pbf_real)(scale > 0 ? 1 / scale : 0);
   for (int k = LAST - 1; k >= 0; --k) {
     double t = (double)k / LAST, steeper, more;
-    more = pbf_wall_lent(derived, params->kernel, PBF_DIM, t, &steeper);
+    more = pbf_wall_contribution(derived, params->kernel, PBF_DIM, t, &steeper);
     if (more <= most) at = t, value = more, slope = steeper;
     c->wall_value[k] = (pbf_real)(scale * (value + (t - at) * slope));
     c->wall_slope[k] = (pbf_real)(scale * slope / LAST);

@@ -16,8 +16,8 @@ static inline int pbf_is_container(const pbf_collider *collider) {
   return collider->inverted && pbf_container_volume(collider, 0) < INFINITY;
 }
 
-/* How far beyond the centres that touch a wall fluid reaches: walls that lend no density let them
- * come so near. */
+/* How far beyond the centres that touch a wall fluid reaches: walls that contribute no density let
+ * them come so near. */
 static inline double pbf_reach_beyond_walls(const pbf_params *params) {
   return 0.5 * (1 - params->wall_density) * pbf_derive_spacing(params);
 }
@@ -34,17 +34,17 @@ static inline double pbf_containers_volume(const pbf_params *params, uint32_t co
 }
 
 /* The walls, moved farther in to where a container ends, unless it has left the domain. */
-static inline pbf_walls pbf_walls_within(pbf_walls walls, const pbf_solid *s) {
-  if (s->sign > 0) return walls;
+static inline pbf_domain pbf_domain_within(pbf_domain domain, const pbf_surface *s) {
+  if (s->sign > 0) return domain;
   for (int k = 0; k < PBF_DIM; ++k) {
-    pbf_real reach = (pbf_real)pbf_solid_extent(s, k);
-    pbf_real lower = pbf_real_max(walls.lower.c[k], s->center.c[k] - reach);
-    pbf_real upper = pbf_real_min(walls.upper.c[k], s->center.c[k] + reach);
+    pbf_real reach = (pbf_real)pbf_surface_extent(s, k);
+    pbf_real lower = pbf_real_max(domain.lower.c[k], s->center.c[k] - reach);
+    pbf_real upper = pbf_real_min(domain.upper.c[k], s->center.c[k] + reach);
     if (!(lower < upper)) continue;
-    walls.lower.c[k] = lower;
-    walls.upper.c[k] = upper;
+    domain.lower.c[k] = lower;
+    domain.upper.c[k] = upper;
   }
-  return walls;
+  return domain;
 }
 
 /* The largest depth along an axis of so much fluid at rest in one of the containers, as deep as a
@@ -54,9 +54,9 @@ static inline double pbf_containers_depth(uint32_t count, const pbf_collider *co
   double depth = 0;
   for (uint32_t k = 0; k < count; ++k) {
     if (!pbf_is_container(&colliders[k])) continue;
-    pbf_solid s = pbf_solid_at(&colliders[k], 0, 0);
+    pbf_surface s = pbf_surface_at(&colliders[k], 0, 0);
     double part = fmin(fluid / pbf_container_volume(&colliders[k], 0), 1);
-    depth = fmax(depth, 2 * pbf_solid_extent(&s, axis) * part);
+    depth = fmax(depth, 2 * pbf_surface_extent(&s, axis) * part);
   }
   return depth;
 }

@@ -30,8 +30,10 @@ typedef struct pbf_derived {
   double surface_lacks; /* density that the outermost layer of a lattice lacks */
   double wall_offset;   /* from a particle's distance to a wall to the t h that its density is taken
                            at */
-  double wall_first, wall_lent; /* t of a lattice's first layer, what the half-space lends it */
-  double wall_steepness, wall_fade, wall_push, wall_push_far; /* see pbf_derive_wall */
+  double wall_first,
+      wall_first_density; /* t of a lattice's first layer, and the half-space's density there */
+  double wall_steepness, wall_fade, wall_gradient_scale,
+      wall_gradient_scale_far; /* see pbf_derive_wall */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -184,7 +186,7 @@ static inline double pbf_half_space(uint32_t kernel, uint32_t dimension, double 
 }
 
 /* A lattice that fills the space before a wall has its first layer half a spacing off. What that
- * layer lacks, the half-space must lend: its t h there, less the half spacing. */
+ * layer lacks, the half-space must contribute: its t h there, less the half spacing. */
 static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double h, double d,
                                      double volume) {
   double missing = 0;
@@ -205,10 +207,10 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
   return low * h - 0.5 * d;
 }
 
-/* The layers of a lattice, from 1, that one of its layers lacks at a wall which mirrored it. They
- * would lend `density`. A particle that moves alone towards the wall changes that by `rate`: with
- * its distances from the others' images, and twice as fast with that from its own. And its
- * neighbours and the images push it with lambda_i + lambda_j, 2 for lambda = 1, so that it takes
+/* The layers of a lattice, from 1, that one of its layers lacks at a wall with ghosts. They
+ * would contribute `density`. A particle that moves alone towards the wall changes that by `rate`:
+ * with its distances from the others' ghosts, and twice as fast with that from its own. And its
+ * neighbours and the ghosts push it with lambda_i + lambda_j, 2 for lambda = 1, so that it takes
  * `force` to hold it against those inside. That is more than `rate`, which is all that its own
  * constraint gives: the rest is from the neighbours' constraints. */
 typedef struct pbf_missing {
@@ -242,13 +244,13 @@ static inline double pbf_half_space_slope(uint32_t kernel, uint32_t dimension, d
          (2 * e);
 }
 
-/* What walls lend at a distance t h and its derivative, over what they lend the first layer: what
+/* What a wall contributes at a distance t h and its derivative, over that at the first layer: what
  * the half-space would, f, with the exponent wall_steepness, from that layer on
  * 1 + (wall_steepness - 1) wall_fade^x at x spacings beyond. */
-static inline double pbf_wall_lent(const pbf_derived *d, uint32_t kernel, uint32_t dimension,
-                                   double t, double *slope) {
-  double f = pbf_half_space(kernel, dimension, t) / d->wall_lent;
-  double change = pbf_half_space_slope(kernel, dimension, t) / d->wall_lent;
+static inline double pbf_wall_contribution(const pbf_derived *d, uint32_t kernel,
+                                           uint32_t dimension, double t, double *slope) {
+  double f = pbf_half_space(kernel, dimension, t) / d->wall_first_density;
+  double change = pbf_half_space_slope(kernel, dimension, t) / d->wall_first_density;
   double exponent = d->wall_steepness, bends = 0;
   if (t > d->wall_first && d->wall_fade < 1) {
     double x = (t - d->wall_first) * d->h / d->spacing;
@@ -266,32 +268,33 @@ static inline double pbf_wall_lent(const pbf_derived *d, uint32_t kernel, uint32
 static inline double pbf_wall_fade(const pbf_derived *d, uint32_t kernel, uint32_t dimension,
                                    double lacks) {
   double t = d->wall_first + d->spacing / d->h;
-  double f = pbf_half_space(kernel, dimension, t) / d->wall_lent;
+  double f = pbf_half_space(kernel, dimension, t) / d->wall_first_density;
   if (!(f > 0 && lacks > 0 && d->wall_steepness > 1)) return 1;
   return fmin(fmax((log(lacks) / log(f) - 1) / (d->wall_steepness - 1), 0.05), 1);
 }
 
-/* The density that walls lend is right at a lattice's first two layers, with `rate` at the first.
- * They push with its slope times wall_push, from the second layer on wall_push_far, so that a
- * lattice is balanced but for a thirtieth: balanced in full, fluid of wide kernels moves half as
- * fast again at rest. Where the second layer lacks little its balance counts less. */
+/* The density that walls contribute is right at a lattice's first two layers, with `rate` at the
+ * first. They push with its slope times wall_gradient_scale, from the second layer on
+ * wall_gradient_scale_far, so that a lattice is balanced but for a thirtieth: balanced in full,
+ * fluid of wide kernels moves half as fast again at rest. Where the second layer lacks little its
+ * balance counts less. */
 static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_missing first,
                                    pbf_derived *d) {
   const double share = 0.965;
   pbf_missing second = pbf_wall_lattice(kernel, dimension, d->h, d->spacing, d->volume, 2);
   d->wall_offset = pbf_wall_offset(kernel, dimension, d->h, d->spacing, d->volume);
   d->wall_first = (0.5 * d->spacing + d->wall_offset) / d->h;
-  d->wall_lent = pbf_half_space(kernel, dimension, d->wall_first);
+  d->wall_first_density = pbf_half_space(kernel, dimension, d->wall_first);
   double slope = -pbf_half_space_slope(kernel, dimension, d->wall_first) / d->h;
   d->wall_steepness = fmin(fmax(first.rate / slope, 1), 4);
-  d->wall_push = fmin(fmax(share * first.force / slope, 1), 4) / d->wall_steepness;
-  d->wall_push_far = d->wall_push;
+  d->wall_gradient_scale = fmin(fmax(share * first.force / slope, 1), 4) / d->wall_steepness;
+  d->wall_gradient_scale_far = d->wall_gradient_scale;
   d->wall_fade = pbf_wall_fade(d, kernel, dimension, second.density / first.density);
   if (!(d->wall_fade < 1)) return;
   double fall, t = d->wall_first + d->spacing / d->h, counts = fmin(1, 4 * (1 - d->wall_fade));
-  pbf_wall_lent(d, kernel, dimension, t, &fall);
-  double balance = -share * second.force * d->h / (d->wall_lent * fall);
-  d->wall_push_far += counts * fmin(fmax(balance - d->wall_push, 0), 4);
+  pbf_wall_contribution(d, kernel, dimension, t, &fall);
+  double balance = -share * second.force * d->h / (d->wall_first_density * fall);
+  d->wall_gradient_scale_far += counts * fmin(fmax(balance - d->wall_gradient_scale, 0), 4);
 }
 
 static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {

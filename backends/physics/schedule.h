@@ -22,7 +22,7 @@ typedef struct pbf_schedule {
   int colliders;
   double min_volume;      /* of the smallest container, see physics/containers.h */
   int accelerated;        /* lambda adds up over the iterations */
-  int wall_density;       /* walls and colliders lend density */
+  int wall_density;       /* walls and colliders contribute density */
   int checks_convergence; /* the solve ends when its density error is small enough */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;

@@ -83,8 +83,9 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
-  pbf_moving_obstacles changed = pbf_changed(s->collider_count, s->colliders, count, colliders);
-  changed.solids |= s->moving_obstacles.solids;
+  pbf_moving_obstacles changed =
+      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
+  changed.surfaces |= s->moving_obstacles.surfaces;
   wake_near_moving(s, changed, s->now);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;

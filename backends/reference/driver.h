@@ -4,7 +4,7 @@
 #define PBF_REFERENCE_DRIVER_H
 
 #include "physics/passes/curl.h"
-#include "reference/mirrors.h"
+#include "reference/ghosts.h"
 
 namespace {
 
@@ -55,14 +55,15 @@ static inline typename Pass::template sums<pbf_real> sums_around(
   return sums;
 }
 
-/* Adds the images in walls that mirror the fluid. */
+/* Adds the ghosts in walls that have them. */
 template <class Pass>
-static inline void add_images(const solver *s, const Pass &pass, const pbf_obstacles *o,
+static inline void add_ghosts(const solver *s, const Pass &pass, const pbf_obstacles *o,
                               const pbf_vec *x, const lookups &of,
                               const typename Pass::template own<pbf_real> &own, uint32_t i,
                               typename Pass::template sums<pbf_real> *sums) {
-  image m = images_of(s, o, x, i);
-  while (next_image(s, x, &m)) pass.pair(sums, own, looked_up(m.n, of), s->constants.wall_weight);
+  ghost m = ghosts_of(s, o, x, i);
+  while (next_ghost(s, x, &m))
+    pass.pair(sums, own, looked_up(m.n, of), s->constants.boundary_weight);
 }
 
 }  // namespace

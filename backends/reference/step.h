@@ -18,12 +18,13 @@
 #include "reference/driver.h"
 #include "reference/sleep.h"
 
-/* Particles on their way from `from` to x*; from before the obstacles moved where these `carried`
- * it. */
-static inline void collide_all(const solver *s, const pbf_obstacles *o, int carried,
+/* Particles on their way from `from` to x*; from before the obstacles moved where
+ * `with_obstacle_motion`. */
+static inline void collide_all(const solver *s, const pbf_obstacles *o, int with_obstacle_motion,
                                const pbf_vec *from) {
   for (uint32_t i = 0; i < s->count; ++i)
-    if (!asleep(s, i)) s->moved[i] = pbf_resolve(*o, carried, from[i], s->moved[i]);
+    if (!asleep(s, i))
+      s->moved[i] = pbf_resolve_collisions(*o, with_obstacle_motion, from[i], s->moved[i]);
 }
 
 /* And once the velocity is that of x*. */
@@ -31,7 +32,7 @@ static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    pbf_vec x = pbf_resolve(*o, 0, s->predicted[i], s->moved[i]);
+    pbf_vec x = pbf_resolve_collisions(*o, 0, s->predicted[i], s->moved[i]);
     s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->moved[i], x);
     s->moved[i] = x;
   }
@@ -51,10 +52,10 @@ static inline void predict(solver *s, double time, const pbf_obstacles *o) {
 }
 
 /* What walls and colliders add to the density of particle i at x, and to its gradient. */
-static inline void add_walls(const solver *s, const pbf_obstacles *o, pbf_vec x, pbf_real *density,
-                             pbf_vec *gradient) {
+static inline void add_boundary(const solver *s, const pbf_obstacles *o, pbf_vec x,
+                                pbf_real *density, pbf_vec *gradient) {
   if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
-    pbf_add_walls(&s->constants, *o, x, density, gradient);
+    pbf_add_boundary_at(&s->constants, *o, x, density, gradient);
 }
 
 /* rho/rho0 of particle i at x[i], positions sorted into s->grid; adds up its neighbours. */
@@ -63,8 +64,8 @@ static inline pbf_real density_at(const solver *s, const pbf_obstacles *o, const
   const density_pass<int> pass = {&s->constants, s->schedule.features};
   auto sums = sums_around(s, pass, x, {}, {}, i, neighbors);
   pbf_vec gradient = {{0}};
-  add_walls(s, o, x[i], &sums.density, &gradient);
-  add_images(s, pass, o, x, {}, {}, i, &sums);
+  add_boundary(s, o, x[i], &sums.density, &gradient);
+  add_ghosts(s, pass, o, x, {}, {}, i, &sums);
   return sums.density;
 }
 
@@ -122,9 +123,9 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     }
     auto sums = sums_around(s, pass, s->moved, {}, {}, i);
     pbf_vec gradient = vec_of(sums.gradient);
-    add_walls(s, o, s->moved[i], &sums.density, &gradient);
+    add_boundary(s, o, s->moved[i], &sums.density, &gradient);
     sums.gradient = lanes_of(gradient);
-    add_images(s, pass, o, s->moved, {}, {}, i, &sums);
+    add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
     pbf_real residual_density = s->residual_density ? s->residual_density[i] : 0,
              lambda = pass.finish(sums, residual_density);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
@@ -158,11 +159,11 @@ static inline void move(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     auto sums = sums_around(s, pass, s->moved, of, {of.number[i]}, i);
-    add_images(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
+    add_ghosts(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
     s->change[i] = vec_of(sums.change);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
-      pbf_lent lent = pbf_lent_at(c, *o, s->moved[i]);
-      s->change[i] = pbf_beside_lent(s->change[i], of.number[i], &lent);
+      pbf_boundary boundary = pbf_boundary_at(c, *o, s->moved[i]);
+      s->change[i] = pbf_boundary_correction(s->change[i], of.number[i], &boundary);
     }
   }
   for (uint32_t i = 0; i < s->count; ++i) {

@@ -22,12 +22,12 @@ enum { PAIRS = 20000 };
 const uint32_t CELLS_OF_H[] = {1024, 1500, 16024, 31024, 70000, 1000000};
 
 cell_grid grid_of(const test_domain &d, uint32_t limit, double finest) {
-  pbf_walls walls = {};
+  pbf_domain domain = {};
   for (int k = 0; k < PBF_DIM; ++k) {
-    walls.lower.c[k] = (pbf_real)d.lower[k];
-    walls.upper.c[k] = (pbf_real)(d.lower[k] + d.size[k]);
+    domain.lower.c[k] = (pbf_real)d.lower[k];
+    domain.upper.c[k] = (pbf_real)(d.lower[k] + d.size[k]);
   }
-  return grid_over(&walls, 1, limit, finest);
+  return grid_over(&domain, 1, limit, finest);
 }
 
 template <class Visit>

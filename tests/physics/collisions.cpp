@@ -36,15 +36,15 @@ static void walls_move_as_said(void **state) {
   p.wall_amplitude[PBF_WALL_X_MAX] = 2;
   p.wall_frequency[PBF_WALL_X_MAX] = PBF_PI;
   p.wall_phase[PBF_WALL_X_MAX] = PBF_PI / 2;
-  pbf_walls w = pbf_walls_at(&p, 2.0);
+  pbf_domain w = pbf_domain_at(&p, 2.0);
   assert_at(w.lower, 0, 1, 0);
   assert_at(w.upper, 12, 10, 10);
-  assert_at(pbf_clamp(&w, point(-3, 0.2, 4)), 0, 1, 4);
-  assert_at(pbf_clamp(&w, point(13, 11, 11)), 12, 10, 10);
-  assert_at(pbf_clamp(&w, point(NAN, 5, 5)), 0, 5, 5); /* at either wall, but at one */
+  assert_at(pbf_keep_in_domain(&w, point(-3, 0.2, 4)), 0, 1, 4);
+  assert_at(pbf_keep_in_domain(&w, point(13, 11, 11)), 12, 10, 10);
+  assert_at(pbf_keep_in_domain(&w, point(NAN, 5, 5)), 0, 5, 5); /* at either wall, but at one */
   p.solver = PBF_SOLVER_CHEBYSHEV;
-  w = pbf_walls_at(&p, 2.0);
-  assert_at(pbf_clamp(&w, point(NAN, 5, 5)), 12, 5, 5);
+  w = pbf_domain_at(&p, 2.0);
+  assert_at(pbf_keep_in_domain(&w, point(NAN, 5, 5)), 12, 5, 5);
 }
 
 /* From far behind a corner, where the accelerated solve's walls keep apart what the paper's lay
@@ -54,16 +54,17 @@ static void what_lands_behind_a_corner_stays_apart(void **state) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
   p.solver = PBF_SOLVER_CHEBYSHEV;
-  pbf_walls w = pbf_walls_at(&p, 0);
+  pbf_domain w = pbf_domain_at(&p, 0);
   const double far = 0.49 * 0.5 * p.smoothing_radius; /* and a hundredth of the depth */
-  assert_at(pbf_clamp(&w, point(-3, 12, -1)), far + 0.03, 10 - far - 0.02, far + 0.01);
-  assert_at(pbf_clamp(&w, point(-2, 11, -4)), far + 0.02, 10 - far - 0.01, far + 0.04);
-  assert_at(pbf_clamp(&w, point(-0.1, 10.2, -0.3)), 0.05, 9.9, 0.15);
-  assert_at(pbf_clamp(&w, point(0, 5, 10)), 0, 5, 10);
-  assert_at(pbf_clamp(&w, point(-1e9, 1e9, 5)), 0, 0, 5); /* held, however far it was thrown */
+  assert_at(pbf_keep_in_domain(&w, point(-3, 12, -1)), far + 0.03, 10 - far - 0.02, far + 0.01);
+  assert_at(pbf_keep_in_domain(&w, point(-2, 11, -4)), far + 0.02, 10 - far - 0.01, far + 0.04);
+  assert_at(pbf_keep_in_domain(&w, point(-0.1, 10.2, -0.3)), 0.05, 9.9, 0.15);
+  assert_at(pbf_keep_in_domain(&w, point(0, 5, 10)), 0, 5, 10);
+  assert_at(pbf_keep_in_domain(&w, point(-1e9, 1e9, 5)), 0, 0,
+            5); /* held, however far it was thrown */
   p.solver = PBF_SOLVER_JACOBI;
-  w = pbf_walls_at(&p, 0);
-  assert_at(pbf_clamp(&w, point(-3, 12, -1)), 0, 10, 0);
+  w = pbf_domain_at(&p, 0);
+  assert_at(pbf_keep_in_domain(&w, point(-3, 12, -1)), 0, 10, 0);
 }
 
 static void plane(void **state) {
@@ -71,11 +72,11 @@ static void plane(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_PLANE);
   c.axis[0] = c.axis[1] = 3; /* any length */
   c.position[0] = 1;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0, 0, 1)), 0.5, 0.5, 1);
   assert_at(pbf_collide(&s, point(2, 2, 1)), 2, 2, 1);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0, 0);
+  s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0, 0, 1)), 0, 0, 1);
   assert_at(pbf_collide(&s, point(2, 1, 1)), 1, 0, 1);
 }
@@ -85,14 +86,14 @@ static void sphere(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_SPHERE);
   c.position[0] = 1;
   c.position[1] = 1;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(1.25, 1, 0)), 1.5, 1, 0);
   assert_at(pbf_collide(&s, point(1, 2, 0)), 1, 2, 0);
   pbf_vec out = pbf_collide(&s, point(1, 1, 0)); /* from the very centre: out, somewhere */
   pbf_vec r = pbf_sub(out, point(1, 1, 0));
   assert_near(pbf_dot(r, r), 0.25, 1e-12);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0, 0);
+  s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(1, 4, 0)), 1, 1.5, 0);
   assert_at(pbf_collide(&s, point(1.1, 1, 0)), 1.1, 1, 0);
 }
@@ -100,7 +101,7 @@ static void sphere(void **state) {
 static void capsule(void **state) {
   (void)state;
   pbf_collider c = collider(PBF_COLLIDER_CAPSULE); /* from (0,-1,0) to (0,1,0), radius 0.5 */
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0.2, 0.7, 0)), 0.5, 0.7, 0);
   assert_at(pbf_collide(&s, point(0, 1.2, 0)), 0, 1.5, 0);
   assert_at(pbf_collide(&s, point(0, 1.6, 0)), 0, 1.6, 0);
@@ -112,12 +113,12 @@ static void capsule(void **state) {
 static void box(void **state) {
   (void)state;
   pbf_collider c = collider(PBF_COLLIDER_BOX); /* 2 × 4 (× 6) */
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(0.9, 0.3, 1)), 1, 0.3, 1);
   assert_at(pbf_collide(&s, point(-0.5, -1.9, 1)), -0.5, -2, 1);
   assert_at(pbf_collide(&s, point(1.2, 0, 0)), 1.2, 0, 0);
   c.inverted = 1;
-  s = pbf_solid_at(&c, 0, 0);
+  s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide(&s, point(4, 7, 1)), 1, 2, 1);
   assert_at(pbf_collide(&s, point(0, 0, 0)), 0, 0, 0);
 }
@@ -128,7 +129,7 @@ static void a_box_turns_and_travels(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.velocity[0] = 2;
   c.angular_velocity[2] = PBF_PI / 4;
-  pbf_solid s = pbf_solid_at(&c, 2, 0);
+  pbf_surface s = pbf_surface_at(&c, 2, 0);
   assert_at(s.center, 4, 0, 0);
   assert_at(pbf_collide(&s, point(4, 0.8, 0)), 4, 1, 0);
   assert_at(pbf_collide(&s, point(5.9, 0.1, 0)), 6, 0.1, 0);
@@ -144,9 +145,9 @@ static void the_domain_has_the_last_word(void **state) {
   for (int k = 0; k < 3; ++k) p.domain_max[k] = 10;
   pbf_collider c = collider(PBF_COLLIDER_PLANE);
   c.position[1] = 20;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
-  pbf_walls w = pbf_walls_at(&p, 0);
-  assert_at(pbf_resolve(between(w, 1, &s), 0, point(5, 5, 5), point(5, 5, 5)), 5, 10, 5);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
+  pbf_domain w = pbf_domain_at(&p, 0);
+  assert_at(pbf_resolve_collisions(between(w, 1, &s), 0, point(5, 5, 5), point(5, 5, 5)), 5, 10, 5);
 }
 
 /* A plate 0.01 thin, and ways that end far behind it, on the way out, and beside it. */
@@ -155,7 +156,7 @@ static void nothing_goes_through_a_thin_plate(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.half_extents[0] = 0.005;
   c.half_extents[1] = c.half_extents[2] = 2;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide_on_way(&s, point(-3, 0.5, 0), point(40, 0.7, 0)), -0.005, 0.7, 0);
   assert_at(pbf_collide_on_way(&s, point(3, -1, 0), point(-1, -1.5, 0)), 0.005, -1.5, 0);
   assert_at(pbf_collide_on_way(&s, point(-0.005, 0, 0), point(0.001, 0.1, 0)), -0.005, 0.1, 0);
@@ -164,7 +165,7 @@ static void nothing_goes_through_a_thin_plate(void **state) {
   assert_at(pbf_collide_on_way(&s, point(-0.004, 0, 0), point(0.004, 0, 0)), -0.005, 0, 0);
   c = collider(PBF_COLLIDER_SPHERE);
   c.radius = 0.01;
-  s = pbf_solid_at(&c, 0, 0);
+  s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide_on_way(&s, point(-3, 0, 0), point(5, 0, 0)), -0.01, 0, 0);
   assert_at(pbf_collide_on_way(&s, point(-3, 1, 0), point(5, 1, 0)), 5, 1, 0);
 }
@@ -176,7 +177,7 @@ static void nothing_goes_through_from_the_surface(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.half_extents[0] = 0.005;
   c.half_extents[1] = c.half_extents[2] = 2;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   assert_at(pbf_collide_on_way(&s, point(-0.005, 0, 0), point(0.5, 0.1, 0)), -0.005, 0.1, 0);
   assert_at(pbf_collide_on_way(&s, point(0.005, 1, 0), point(-40, 0.1, 0)), 0.005, 0.1, 0);
   assert_at(pbf_collide_on_way(&s, point(-0.004, 0, 0), point(9, 1, 0)), -0.005, 1, 0);
@@ -189,7 +190,7 @@ static void a_grazing_way_stays_on_its_side(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.half_extents[0] = 0.005;
   c.half_extents[1] = c.half_extents[2] = 2;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   for (int k = 1; k <= 20; ++k) {
     pbf_vec out = pbf_collide_on_way(&s, point(-0.1, -1.9, 0), point(-0.1 + 0.011 * k, 1.9, 0));
     assert_true(out.c[0] <= -0.005 + 1e-9);
@@ -215,7 +216,7 @@ static void no_way_leads_through_a_box(void **state) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.half_extents[0] = 0.005;
   c.half_extents[1] = 0.5, c.half_extents[2] = 0.8;
-  pbf_solid s = pbf_solid_at(&c, 0, 0);
+  pbf_surface s = pbf_surface_at(&c, 0, 0);
   for (int k = 0; k < 20000; ++k) {
     pbf_vec at = {{0}}, to = {{0}};
     double far = k % 2 ? 1 : 0.02;
@@ -239,38 +240,39 @@ static void a_moving_plate_takes_along(void **state) {
   c.half_extents[0] = 0.005;
   c.half_extents[1] = c.half_extents[2] = 2;
   c.velocity[0] = 10;
-  pbf_solid s = pbf_solid_at(&c, 1, 1);
-  assert_at(pbf_carried(&s, point(3, 1, 0)), 13, 1, 0);
-  assert_at(pbf_collide_on_way(&s, pbf_carried(&s, point(3, 1, 0)), point(3, 1, 0)), 10.005, 1, 0);
+  pbf_surface s = pbf_surface_at(&c, 1, 1);
+  assert_at(pbf_surface_carries(&s, point(3, 1, 0)), 13, 1, 0);
+  assert_at(pbf_collide_on_way(&s, pbf_surface_carries(&s, point(3, 1, 0)), point(3, 1, 0)), 10.005,
+            1, 0);
   c.velocity[0] = 0;
   c.angular_velocity[2] = 1;
-  s = pbf_solid_at(&c, 0.5, 0.5);
+  s = pbf_surface_at(&c, 0.5, 0.5);
   pbf_vec rest = point(-0.2, 1, 0);
-  pbf_vec out = pbf_collide_on_way(&s, pbf_carried(&s, rest), rest), n = s.frame[0];
+  pbf_vec out = pbf_collide_on_way(&s, pbf_surface_carries(&s, rest), rest), n = s.frame[0];
   assert_near(pbf_dot(pbf_sub(out, s.center), n), -0.005, 1e-5);
 }
 
 /* A thin plate through the origin, turned about z. */
-static pbf_solid plate_at(double angle) {
+static pbf_surface plate_at(double angle) {
   pbf_collider c = collider(PBF_COLLIDER_BOX);
   c.half_extents[0] = c.half_extents[2] = 2;
   c.half_extents[1] = 0.05;
   c.orientation[2] = sin(angle / 2);
   c.orientation[3] = cos(angle / 2);
-  return pbf_solid_at(&c, 0, 0);
+  return pbf_surface_at(&c, 0, 0);
 }
 
-static double depth_in(const pbf_solid *solids, int count, pbf_vec x) {
+static double depth_in(const pbf_surface *surfaces, int count, pbf_vec x) {
   double deepest = 0;
   for (int k = 0; k < count; ++k) {
     pbf_vec normal;
-    deepest = fmax(deepest, -pbf_solid_distance(&solids[k], x, &normal));
+    deepest = fmax(deepest, -pbf_surface_distance(&surfaces[k], x, &normal));
   }
   return deepest;
 }
 
 /* Which of the four rooms between two plates a point is in. */
-static int room_of(const pbf_solid *plates, pbf_vec x) {
+static int room_of(const pbf_surface *plates, pbf_vec x) {
   return (pbf_dot(plates[0].frame[1], x) > 0) + 2 * (pbf_dot(plates[1].frame[1], x) > 0);
 }
 
@@ -278,8 +280,8 @@ static int room_of(const pbf_solid *plates, pbf_vec x) {
  * of both. At right angles at once; else each pass of a step, which are iterations + 2, leaves of
  * the depth in one plate no more than the cosine of the angle. */
 static void check_crossing(double angle, int passes, double most) {
-  pbf_solid plates[2] = {plate_at(0), plate_at(angle)};
-  pbf_walls walls = {.lower = point(-10, -10, -10), .upper = point(10, 10, 10)};
+  pbf_surface plates[2] = {plate_at(0), plate_at(angle)};
+  pbf_domain domain = {.lower = point(-10, -10, -10), .upper = point(10, 10, 10)};
   uint32_t seed = 7;
   for (int tried = 0; tried < 4000; ++tried) {
     pbf_vec from, x;
@@ -289,7 +291,7 @@ static void check_crossing(double angle, int passes, double most) {
     }
     if (depth_in(plates, 2, from) > 0) continue;
     for (int pass = 0; pass < passes; ++pass)
-      x = pbf_resolve(between(walls, 2, plates), 0, from, x);
+      x = pbf_resolve_collisions(between(domain, 2, plates), 0, from, x);
     double depth = depth_in(plates, 2, x);
     if (!(depth <= most)) fail_msg("%g deep between plates at %g", depth, angle);
     assert_int_equal(room_of(plates, x), room_of(plates, from));
@@ -311,12 +313,11 @@ static pbf_constants wall_constants(uint32_t kernel) {
 
 static void add_wall(const pbf_constants *c, double distance, pbf_vec normal, double *density,
                      pbf_vec *gradient) {
-  double slope, value = pbf_wall(c, distance, &slope);
-  pbf_lent lent = {0};
-  pbf_join_wall(c, value, slope, normal, &lent);
-  *density += lent.shared + lent.own;
-  *gradient =
-      pbf_add_scaled(*gradient, 1, pbf_add_scaled(lent.shared_gradient, 1, lent.own_gradient));
+  double slope, value = pbf_wall_density(c, distance, &slope);
+  pbf_boundary boundary = {0};
+  pbf_accumulate_wall(c, value, slope, normal, &boundary);
+  *density += boundary.overlapping + boundary.additive;
+  *gradient = pbf_add_scaled(*gradient, 1, pbf_boundary_gradient(&boundary));
 }
 
 /* Half the kernel lies beyond a plane through its centre; of Wendland C2 in 3D, with u = 1 - t,
@@ -336,13 +337,14 @@ static void half_space_density(void **state) {
 static double wall_rate(const pbf_constants *c, double distance) {
   const double e = 1e-6;
   double slope;
-  return (pbf_wall(c, distance + e, &slope) - pbf_wall(c, distance - e, &slope)) / (2 * e);
+  return (pbf_wall_density(c, distance + e, &slope) - pbf_wall_density(c, distance - e, &slope)) /
+         (2 * e);
 }
 
 /* Of its push, over what its density alone would give. */
-static double wall_push(const pbf_constants *c, double distance) {
+static double wall_gradient_scale(const pbf_constants *c, double distance) {
   double slope;
-  pbf_wall(c, distance, &slope);
+  pbf_wall_density(c, distance, &slope);
   return slope / wall_rate(c, distance);
 }
 
@@ -352,7 +354,7 @@ static void walls_push_in_proportion_to_the_derivative(void **state) {
   for (uint32_t kernel = 0; kernel < 2; ++kernel) {
     pbf_constants c = wall_constants(kernel);
     const double d = test_params(kernel).spacing;
-    double last = wall_push(&c, 0.0625), far = wall_push(&c, 1.5 * d);
+    double last = wall_gradient_scale(&c, 0.0625), far = wall_gradient_scale(&c, 1.5 * d);
     pbf_vec normal = {{0}};
     normal.c[1] = 1;
     assert_true(last > 0.9 && last < 2 && far > 0.999 * last && far < 4);
@@ -427,13 +429,13 @@ static void opposite_walls_lend_alike(void **state) {
   p.wall_density = 1;
   for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 8;
   pbf_constants c = pbf_constants_of(&p);
-  pbf_walls walls = pbf_walls_at(&p, 0);
+  pbf_domain domain = pbf_domain_at(&p, 0);
   for (int axis = 0; axis < PBF_DIM; ++axis) {
     pbf_vec low = point(4, 4, 4), high = low, low_gradient = {{0}}, high_gradient = {{0}};
     double low_density = 0, high_density = 0;
     low.c[axis] = 0.0625, high.c[axis] = 8 - 0.0625;
-    pbf_add_walls(&c, between(walls), low, &low_density, &low_gradient);
-    pbf_add_walls(&c, between(walls), high, &high_density, &high_gradient);
+    pbf_add_boundary_at(&c, between(domain), low, &low_density, &low_gradient);
+    pbf_add_boundary_at(&c, between(domain), high, &high_density, &high_gradient);
     assert_true(low_density > 0.05);
     assert_near(high_density, low_density, 1e-12);
     assert_near(high_gradient.c[axis], -low_gradient.c[axis], 1e-12);
@@ -448,7 +450,7 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   p.wall_density = 1;
   for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
   pbf_constants c = pbf_constants_of(&p);
-  pbf_walls walls = pbf_walls_at(&p, 0);
+  pbf_domain domain = pbf_domain_at(&p, 0);
   double d = p.spacing, density = 0, e = 1e-6;
   int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
   for (int k = 0; k <= nz; ++k)
@@ -458,13 +460,13 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   pbf_vec x, gradient = {{0}}, unused = {{0}};
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = 0.5 * d;
   double lent = 0, up = 0, down = 0;
-  pbf_add_walls(&c, between(walls), x, &lent, &gradient);
+  pbf_add_boundary_at(&c, between(domain), x, &lent, &gradient);
   assert_near(density + lent, 1, 0.02);
   x.c[1] += e;
-  pbf_add_walls(&c, between(walls), x, &up, &unused);
+  pbf_add_boundary_at(&c, between(domain), x, &up, &unused);
   x.c[1] -= 2 * e;
-  pbf_add_walls(&c, between(walls), x, &down, &unused);
-  assert_near(gradient.c[1], wall_push(&c, x.c[0]) * (up - down) / (2 * e), 1e-4);
+  pbf_add_boundary_at(&c, between(domain), x, &down, &unused);
+  assert_near(gradient.c[1], wall_gradient_scale(&c, x.c[0]) * (up - down) / (2 * e), 1e-4);
 }
 
 /* Fluid presses into edges and corners from all sides but theirs, and whom an impact has thrown
@@ -477,23 +479,24 @@ static void walls_of_a_corner_push_each_for_itself(void **state) {
     p.smoothing_radius = support * p.spacing;
     for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
     pbf_constants c = pbf_constants_of(&p);
-    pbf_walls walls = pbf_walls_at(&p, 0);
-    walls.reach = 0; /* no mirrors */
+    pbf_domain domain = pbf_domain_at(&p, 0);
+    domain.ghost_reach = 0; /* no mirrors */
     for (double depth = 0; depth < 0.25; depth += 0.1) {
-      double slope, lent = 0, value = pbf_wall(&c, depth * p.spacing, &slope), e = 1e-6 * p.spacing;
+      double slope, lent = 0, value = pbf_wall_density(&c, depth * p.spacing, &slope),
+                    e = 1e-6 * p.spacing;
       pbf_vec x, gradient = {{0}}, unused = {{0}};
       for (int a = 0; a < PBF_DIM; ++a) x.c[a] = depth * p.spacing + e;
-      pbf_add_walls(&c, between(walls), x, &lent, &gradient);
+      pbf_add_boundary_at(&c, between(domain), x, &lent, &gradient);
       assert_true(lent > value);
       for (int a = 0; a < PBF_DIM; ++a) {
         double up = 0, down = 0;
         assert_true(gradient.c[a] < (support > 2 ? 0.25 : 0.7) * slope);
         pbf_vec above = x, below = x;
         above.c[a] += e, below.c[a] -= e;
-        pbf_add_walls(&c, between(walls), above, &up, &unused);
-        pbf_add_walls(&c, between(walls), below, &down, &unused);
-        assert_near(gradient.c[a] / ((up - down) / (2 * e)), wall_push(&c, depth * p.spacing + e),
-                    1e-3);
+        pbf_add_boundary_at(&c, between(domain), above, &up, &unused);
+        pbf_add_boundary_at(&c, between(domain), below, &down, &unused);
+        assert_near(gradient.c[a] / ((up - down) / (2 * e)),
+                    wall_gradient_scale(&c, depth * p.spacing + e), 1e-3);
       }
     }
   }
@@ -522,7 +525,7 @@ static void a_lattice_of_any_support_is_at_rest_on_a_wall(void **state) {
     p.smoothing_radius = support * p.spacing;
     pbf_constants c = pbf_constants_of(&p);
     for (int layer = 1; layer <= (support > 2 ? 2 : 1); ++layer) {
-      double density, force, push, lent = pbf_wall(&c, (layer - 0.5) * p.spacing, &push);
+      double density, force, push, lent = pbf_wall_density(&c, (layer - 0.5) * p.spacing, &push);
       lacks(&c, p.spacing, layer, &density, &force);
       assert_near(lent, density, 1e-3);
       assert_near(push / force, 0.965, layer == 1 ? 0.01 : 0.05);
@@ -531,7 +534,7 @@ static void a_lattice_of_any_support_is_at_rest_on_a_wall(void **state) {
 }
 
 /* With a pressure that grows along it, the neighbours of a particle next to a wall do for the
- * images that they would have in it what PBF_BESIDE says. */
+ * images that they would have in it what PBF_TANGENTIAL_FRACTION says. */
 static void walls_mirror_what_neighbors_do_along_them(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
@@ -539,8 +542,8 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
   p.smoothing_radius = 3 * p.spacing;
   for (int a = 0; a < 3; ++a) p.domain_min[a] = 0, p.domain_max[a] = 100;
   const pbf_constants c = pbf_constants_of(&p);
-  pbf_walls walls = pbf_walls_at(&p, 0);
-  walls.reach = 0; /* no mirrors */
+  pbf_domain domain = pbf_domain_at(&p, 0);
+  domain.ghost_reach = 0; /* no mirrors */
   const double d = p.spacing;
   const int n = (int)ceil(c.h / d), nz = PBF_DIM == 3 ? n : 0;
   double inside = 0, beyond = 0;
@@ -555,48 +558,49 @@ static void walls_mirror_what_neighbors_do_along_them(void **state) {
   for (int a = 0; a < PBF_DIM; ++a) x.c[a] = a == 1 ? 0.5 * d : 50;
   sum.c[0] = inside;
   sum.c[1] = 1;
-  const pbf_lent floor = pbf_lent_at(&c, between(walls), x);
-  const pbf_vec beside = pbf_beside_lent(sum, 0, &floor);
-  assert_near(beside.c[0] / inside - 1, PBF_BESIDE * beyond / inside, 0.01);
+  const pbf_boundary floor = pbf_boundary_at(&c, between(domain), x);
+  const pbf_vec beside = pbf_boundary_correction(sum, 0, &floor);
+  assert_near(beside.c[0] / inside - 1, PBF_TANGENTIAL_FRACTION * beyond / inside, 0.01);
   assert_near(beside.c[1], 1, 1e-9);
   /* Closer, a lone sheet would gain energy by more. */
   x.c[1] = 0.1 * d;
-  const pbf_lent closer = pbf_lent_at(&c, between(walls), x);
-  assert_near(pbf_beside_lent(sum, 0, &closer).c[0] / beside.c[0], 1, 1e-4);
+  const pbf_boundary closer = pbf_boundary_at(&c, between(domain), x);
+  assert_near(pbf_boundary_correction(sum, 0, &closer).c[0] / beside.c[0], 1, 1e-4);
   /* Inside nothing, and a plane laid on the floor does nothing more. */
   x.c[1] = 50;
-  const pbf_lent nothing = pbf_lent_at(&c, between(walls), x);
-  assert_near(pbf_beside_lent(sum, 0, &nothing).c[0], inside, 0);
+  const pbf_boundary nothing = pbf_boundary_at(&c, between(domain), x);
+  assert_near(pbf_boundary_correction(sum, 0, &nothing).c[0], inside, 0);
   x.c[1] = 0.5 * d;
   pbf_collider plane = collider(PBF_COLLIDER_PLANE);
   plane.axis[0] = plane.axis[2] = 0;
   plane.axis[1] = 1;
-  const pbf_solid solid = pbf_solid_at(&plane, 0, 0);
-  const pbf_lent twice = pbf_lent_at(&c, between(walls, 1, &solid), x);
-  assert_near(pbf_beside_lent(sum, 0, &twice).c[0], beside.c[0], 1e-6);
+  const pbf_surface surface = pbf_surface_at(&plane, 0, 0);
+  const pbf_boundary twice = pbf_boundary_at(&c, between(domain, 1, &surface), x);
+  assert_near(pbf_boundary_correction(sum, 0, &twice).c[0], beside.c[0], 1e-6);
   /* Slots between many colliders may lend more than all. */
   const pbf_vec up = point(0, 1, 0);
   for (double resting = 0.8; resting < 2; resting += 0.2)
-    assert_near(pbf_beside_walls(sum, 0, resting, up).c[0] / inside, 1 + 3 * PBF_BESIDE, 1e-9);
+    assert_near(pbf_boundary_correction(sum, 0, resting, up).c[0] / inside,
+                1 + 3 * PBF_TANGENTIAL_FRACTION, 1e-9);
 }
 
 /* Planes at these distances from a point, whose normals turn away from +y by these angles. */
-static double lent_by_planes(const pbf_constants *c, int count, const double *distances,
-                             const double *angles, pbf_vec x, pbf_vec *gradient) {
+static double boundary_of_planes(const pbf_constants *c, int count, const double *distances,
+                                 const double *angles, pbf_vec x, pbf_vec *gradient) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   for (int a = 0; a < 3; ++a) p.domain_min[a] = -100, p.domain_max[a] = 100;
-  const pbf_walls walls = pbf_walls_at(&p, 0);
-  pbf_solid solids[3];
+  const pbf_domain domain = pbf_domain_at(&p, 0);
+  pbf_surface surfaces[3];
   double lent = 0;
   for (int k = 0; k < count; ++k) {
     pbf_collider plane = collider(PBF_COLLIDER_PLANE);
     plane.axis[0] = sin(angles[k]);
     plane.axis[1] = cos(angles[k]);
     for (int a = 0; a < 2; ++a) plane.position[a] = -distances[k] * plane.axis[a];
-    solids[k] = pbf_solid_at(&plane, 0, 0);
+    surfaces[k] = pbf_surface_at(&plane, 0, 0);
   }
   *gradient = (pbf_vec){{0}};
-  pbf_add_walls(c, between(walls, count, solids), x, &lent, gradient);
+  pbf_add_boundary_at(c, between(domain, count, surfaces), x, &lent, gradient);
   return lent;
 }
 
@@ -613,19 +617,21 @@ static void planes_lend_by_how_they_face(void **state) {
   const double d = p.spacing, near = 0.5 * d, far = 0.6 * d;
   const pbf_vec here = {{0}};
   double near_slope, far_slope;
-  const double a = pbf_wall(&c, near, &near_slope), b = pbf_wall(&c, far, &far_slope);
+  const double a = pbf_wall_density(&c, near, &near_slope),
+               b = pbf_wall_density(&c, far, &far_slope);
   pbf_vec gradient;
   assert_true(a > 0.05 && b > 0.05 && a > b);
   const double distances[2][3] = {{near, near, near}, {near, far, near}};
   for (int k = 0; k < 2; ++k) {
     const double ways[] = {0, 0, 0};
-    assert_near(lent_by_planes(&c, 3, distances[k], ways, here, &gradient), a, 1e-12);
+    assert_near(boundary_of_planes(&c, 3, distances[k], ways, here, &gradient), a, 1e-12);
     assert_near(gradient.c[1], near_slope, 1e-10);
   }
   const double facing[] = {0, 2 * right}, crossed[] = {0, right};
-  assert_near(lent_by_planes(&c, 2, distances[1], facing, here, &gradient), a + b, 1e-12);
+  assert_near(boundary_of_planes(&c, 2, distances[1], facing, here, &gradient), a + b, 1e-12);
   assert_near(gradient.c[1], near_slope - far_slope, 1e-10);
-  assert_near(lent_by_planes(&c, 2, distances[1], crossed, here, &gradient), a + b - a * b, 1e-12);
+  assert_near(boundary_of_planes(&c, 2, distances[1], crossed, here, &gradient), a + b - a * b,
+              1e-12);
   assert_near(gradient.c[0], far_slope * (1 - a), 1e-10);
   assert_near(gradient.c[1], near_slope * (1 - b), 1e-10);
 }
@@ -641,15 +647,15 @@ static void planes_lend_less_the_more_they_agree(void **state) {
   for (double angle = 3.1; angle > 0; angle -= 0.2) {
     const double angles[] = {0, angle};
     pbf_vec x = {{0}}, gradient, unused;
-    const double lent = lent_by_planes(&c, 2, distances, angles, x, &gradient);
+    const double lent = boundary_of_planes(&c, 2, distances, angles, x, &gradient);
     assert_true(lent < before);
     before = lent;
     for (int k = 0; k < 2; ++k) {
       pbf_vec above = x, below = x;
       above.c[k] += e, below.c[k] -= e;
-      const double rise = lent_by_planes(&c, 2, distances, angles, above, &unused) -
-                          lent_by_planes(&c, 2, distances, angles, below, &unused);
-      assert_near(gradient.c[k], wall_push(&c, distances[0]) * rise / (2 * e),
+      const double rise = boundary_of_planes(&c, 2, distances, angles, above, &unused) -
+                          boundary_of_planes(&c, 2, distances, angles, below, &unused);
+      assert_near(gradient.c[k], wall_gradient_scale(&c, distances[0]) * rise / (2 * e),
                   1e-3 * fabs(gradient.c[k]) + 1e-4);
     }
   }

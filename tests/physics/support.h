@@ -26,14 +26,14 @@ enum { CLOUD = 40 };
 
 /* Walls and colliders, wherever they are. */
 typedef struct test_obstacles {
-  pbf_walls walls;
+  pbf_domain domain;
   int count;
-  const pbf_solid *solids;
+  const pbf_surface *surfaces;
 } test_obstacles;
 
-static inline test_obstacles between(const pbf_walls &walls, int count = 0,
-                                     const pbf_solid *solids = NULL) {
-  return {walls, count, solids};
+static inline test_obstacles between(const pbf_domain &domain, int count = 0,
+                                     const pbf_surface *surfaces = NULL) {
+  return {domain, count, surfaces};
 }
 
 static inline void assert_near(double value, double expected, double tolerance) {

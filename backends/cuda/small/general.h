@@ -49,7 +49,7 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> general
 
 /* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
  * particles and a barrier, and no lists. Returns the number of the last barrier. */
-template <int FEATURES, solids_met SOLIDS>
+template <int FEATURES, surfaces_met SURFACES>
 static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
                                                      const small_room &small,
                                                      const general_room &room, uint32_t step,
@@ -58,8 +58,8 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   const cell_grid grid = scene.table[step].grid;
   uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
   const sorted_particles &p = room.sorted;
-  step_obstacles obstacles = {scene.table[step].walls, SOLIDS ? scene.solid_count : 0,
-                              scene.solids + step * scene.solid_count};
+  step_obstacles obstacles = {scene.table[step].domain, SURFACES ? scene.surface_count : 0,
+                              scene.surfaces + step * scene.surface_count};
   prediction predict = {forces_at(scene, scene.table[step]), obstacles,
                         scene.collide_after_prediction};
   unsorted_particles from = {scene.points, scene.velocities, room.numbers, n};
@@ -68,7 +68,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
   for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    count_particle<SOLIDS, false>(from, predict, grid, p.cell_start, room.scratch, i);
+    count_particle<SURFACES, false>(from, predict, grid, p.cell_start, room.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   scan_by_first_block(p.cell_start, grid.count + 1);
   grid_barrier(&small.control->general, ++turn);
@@ -76,7 +76,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
     scatter_particle(from, p.cell_start, room.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    place_particle<SOLIDS, false>(from, predict, room.scratch, p, i);
+    place_particle<SURFACES, false>(from, predict, room.scratch, p, i);
   grid_barrier(&small.control->general, ++turn);
   point *points = p.points, *moved = room.moved[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
@@ -88,7 +88,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       pbf_vec x = position_of(load(points, i));
       auto sums = general_sums(of_lambda, p, grid, points, i, x, {});
       pbf_real lambda =
-          finish_lambda<SOLIDS>(of_lambda, obstacles, scene.wall_density, 0, x, &sums, nullptr);
+          finish_lambda<SURFACES>(of_lambda, obstacles, scene.wall_density, 0, x, &sums, nullptr);
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -104,7 +104,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       const auto sums = general_sums(of_pairs, p, grid, points, i, x, {own.lambda});
       pbf_vec predicted = position_of(load(p.points, i));
       pbf_vec v = p.velocities[i];
-      x = finish_move<SOLIDS>(
+      x = finish_move<SURFACES>(
           of_move, obstacles,
           {scene.wall_density != 0,
            scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step},

@@ -23,7 +23,7 @@ static inline bool small_possible(const solver *s) {
 static inline bool small_wanted(const solver *s, const pbf_params *params,
                                 const pbf_schedule &has) {
   return small_possible(s) && has_only(has, SMALL_STAGES) && !has.checks_convergence &&
-         !pbf_may_mirror(params) && params->iterations <= SMALL_ITERATIONS;
+         !pbf_may_have_ghosts(params) && params->iterations <= SMALL_ITERATIONS;
 }
 
 static inline double small_reach(const pbf_params *params) { /* in spacings */
@@ -168,9 +168,9 @@ static inline pbf_status small_upload_table(solver *s, double time, uint32_t ste
   memset(static_cast<void *>(&upload), 0, sizeof upload);
   const double dt = s->params.time_step;
   for (uint32_t k = 0; k < steps; ++k) {
-    upload.steps[k].walls = pbf_walls_at(&s->params, time + k * dt);
+    upload.steps[k].domain = pbf_domain_at(&s->params, time + k * dt);
     upload.steps[k].grid =
-        grid_over(&upload.steps[k].walls, s->params.smoothing_radius, small_cells(s), 1);
+        grid_over(&upload.steps[k].domain, s->params.smoothing_radius, small_cells(s), 1);
     upload.steps[k].rounding = pbf_rounding_of(time + (k - 1.0) * dt, dt);
   }
   for (uint32_t k = 0; k < s->params.iterations; ++k) {
@@ -190,9 +190,9 @@ static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t st
     s->owned_steps -= steps;
     return PBF_OK;
   }
-  pbf_walls walls = pbf_walls_at(&s->params, time);
+  pbf_domain domain = pbf_domain_at(&s->params, time);
   uint32_t bits = owner_bits(s->capacity), keys = 1u << (bits * PBF_DIM);
-  owner_grid grid = owner_grid_over(&walls, s->params.smoothing_radius, bits);
+  owner_grid grid = owner_grid_over(&domain, s->params.smoothing_radius, bits);
   uint32_t *starts = reinterpret_cast<uint32_t *>(small_part(s, small_parts_of(s).cell_count));
   if (pbf_status status = pbf_cuda_check(
           cudaMemsetAsync(starts, 0, keys * sizeof(uint32_t), s->stream), "cudaMemsetAsync"))
@@ -232,8 +232,8 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.collide_after_solve = has.collide_after_solve;
   scene.table = s->small_upload->steps;
   scene.iteration_table = s->small_upload->iterations;
-  scene.solids = s->solids;
-  scene.solid_count = (int)s->collider_count;
+  scene.surfaces = s->surfaces;
+  scene.surface_count = (int)s->collider_count;
   return scene;
 }
 
@@ -247,10 +247,10 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
     general_room general = general_room_of(s);
     with_features(s->schedule.features, [&](auto features) {
       constexpr int FEATURES = decltype(features)::value;
-      auto kernel = scene.solid_count ? small_kernel<FEATURES, true, FEW_SOLIDS>
+      auto kernel = scene.surface_count ? small_kernel<FEATURES, true, FEW_SURFACES>
                     : scene.accelerated || scene.wall_density
-                        ? small_kernel<FEATURES, true, NO_SOLIDS>
-                        : small_kernel<FEATURES, false, NO_SOLIDS>;
+                        ? small_kernel<FEATURES, true, NO_SURFACES>
+                        : small_kernel<FEATURES, false, NO_SURFACES>;
       status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
                                "small_kernel", scene, room, general);
     });
@@ -267,8 +267,8 @@ static pbf_status small_allow_shared(const solver *s) {
       with_features(k, [&](auto features) {
         constexpr int FEATURES = decltype(features)::value;
         for (auto kernel :
-             {small_kernel<FEATURES, false, NO_SOLIDS>, small_kernel<FEATURES, true, NO_SOLIDS>,
-              small_kernel<FEATURES, true, FEW_SOLIDS>})
+             {small_kernel<FEATURES, false, NO_SURFACES>, small_kernel<FEATURES, true, NO_SURFACES>,
+              small_kernel<FEATURES, true, FEW_SURFACES>})
           if (status == PBF_OK)
             status = pbf_cuda_check(
                 cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,

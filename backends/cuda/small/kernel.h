@@ -177,10 +177,10 @@ static __device__ __forceinline__ void find_neighbors(const small_tile &tile,
 static const pbf_stage SMALL_STAGES[] = {PBF_STAGE_PREDICT, PBF_STAGE_NEIGHBORS, PBF_STAGE_LAMBDA,
                                          PBF_STAGE_MOVE, PBF_STAGE_VELOCITY};
 
-/* Without EXTRAS for scenes without acceleration and wall density, without SOLIDS, which are
+/* Without EXTRAS for scenes without acceleration and wall density, without SURFACES, which are
  * EXTRAS, too, for those without colliders: these take registers.
  * The numbers of passes begin at 1: 0 is that of no pass. */
-template <int FEATURES, bool EXTRAS, solids_met SOLIDS>
+template <int FEATURES, bool EXTRAS, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
                  const __grid_constant__ general_room general) {
@@ -215,11 +215,11 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
     const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
-    step_obstacles obstacles = {table[step].walls, SOLIDS ? scene.solid_count : 0,
-                                scene.solids + step * scene.solid_count};
+    step_obstacles obstacles = {table[step].domain, SURFACES ? scene.surface_count : 0,
+                                scene.surfaces + step * scene.surface_count};
     const pbf_forces forces = forces_at(scene, table[step]);
     pbf_vec y = pbf_predict(&forces, x, v);
-    if (scene.collide_after_prediction) y = resolve<SOLIDS>(obstacles, 1, x, y);
+    if (scene.collide_after_prediction) y = resolve_collisions<SURFACES>(obstacles, 1, x, y);
     const small_search look = {place_in(grid, y), y, i, me.lane, me.lanes, c->h2};
     const uint32_t cell = cell_number(grid, look.place.at);
     uint32_t cells =
@@ -254,7 +254,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, me.lanes);
         add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
         of_lambda.end(&sums);
-        lambda = finish_lambda<SOLIDS>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
+        lambda = finish_lambda<SURFACES>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
@@ -283,7 +283,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         __syncwarp();
         sum_lanes(&pairs.change, me.lanes);
         of_pairs.end(&pairs.change);
-        y = finish_move<SOLIDS>(
+        y = finish_move<SURFACES>(
             of_move, obstacles,
             {wall_density, scene.collide_in_iteration + (last && scene.collide_after_solve),
              scene.inv_time_step},
@@ -302,7 +302,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
       }
-      general_turn = general_step<FEATURES, SOLIDS>(scene, room, general, step, general_turn);
+      general_turn = general_step<FEATURES, SURFACES>(scene, room, general, step, general_turn);
       if (me.leads) forget(room.exchange, i);
       if (me.real) {
         point own = load(scene.points, i);

@@ -20,12 +20,12 @@ static inline uint32_t owner_bits(uint32_t capacity) {
 }
 
 /* Cells that cover the domain if that leaves them of about the size that suits a block. */
-static inline owner_grid owner_grid_over(const pbf_walls *walls, double h, uint32_t bits) {
+static inline owner_grid owner_grid_over(const pbf_domain *domain, double h, uint32_t bits) {
   double width = 0, least = PBF_DIM == 3 ? 0.75 : 1.5;
   for (int k = 0; k < PBF_DIM; ++k)
-    width = fmax(width, ((double)walls->upper.c[k] - (double)walls->lower.c[k]) / (1 << bits));
+    width = fmax(width, ((double)domain->upper.c[k] - (double)domain->lower.c[k]) / (1 << bits));
   width = fmin(fmax(width, least * h), 3 * least * h);
-  return {walls->lower, (pbf_real)(1 / width), bits};
+  return {domain->lower, (pbf_real)(1 / width), bits};
 }
 
 static __device__ __forceinline__ uint32_t owner_key(const owner_grid &g, pbf_vec x) {

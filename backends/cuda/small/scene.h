@@ -32,7 +32,7 @@ enum {
 
 /* What differs from step to step. */
 struct small_step {
-  pbf_walls walls;
+  pbf_domain domain;
   cell_grid grid;
   pbf_real rounding; /* of pbf_forces */
 };
@@ -87,8 +87,8 @@ struct small_scene {
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
   const small_step *table; /* a step each */
   const small_iteration *iteration_table;
-  const pbf_solid *solids; /* solid_count a step */
-  int solid_count;
+  const pbf_surface *surfaces; /* surface_count a step */
+  int surface_count;
 };
 
 struct small_control {

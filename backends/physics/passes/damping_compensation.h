@@ -100,23 +100,23 @@ PBF_FN pbf_vec redirected(pbf_vec from, pbf_vec to) {
   return pbf_add_scaled(none, pbf_real_sqrt(from2 / to2), to);
 }
 
-/* The change of the pushes of a particle at x near obstacles that lend density, from its sums over
- * pairs. What obstacles push with is redirected as it was at the step's start, where the mean flow
- * had the particle and the colliders were; the domain's walls do not rotate. Beyond the reach of
- * all obstacles at the end nothing is redirected. */
+/* The change of the pushes of a particle at x near obstacles that contribute density, from its sums
+ * over pairs. What obstacles push with is redirected as it was at the step's start, where the mean
+ * flow had the particle and the colliders were; the domain's walls do not rotate. Beyond the reach
+ * of all obstacles at the end nothing is redirected. */
 template <class Obstacles>
 PBF_FN pbf_vec change_near_obstacles(const pbf_constants *c, const Obstacles &o, pbf_vec x,
                                      pbf_vec flow, pbf_real lambda, pbf_vec end, pbf_vec start) {
-  pbf_lent lent = pbf_lent_from(c, o, x, x, 0);
-  if (!(lent.resting > 0)) return pbf_sub(start, end);
-  pbf_vec gradient = pbf_lent_gradient(&lent);
-  end = pbf_beside_walls(end, lambda, lent.resting, gradient);
-  if (pbf_solid_count(o) > 0) {
+  pbf_boundary boundary = pbf_boundary_at_time(c, o, x, x, 0);
+  if (!(boundary.rest > 0)) return pbf_sub(start, end);
+  pbf_vec gradient = pbf_boundary_gradient(&boundary);
+  end = pbf_boundary_correction(end, lambda, boundary.rest, gradient);
+  if (pbf_surface_count(o) > 0) {
     const pbf_vec at = pbf_add_scaled(x, -c->flow_time, flow);
-    lent = pbf_lent_from(c, o, x, at, 1);
-    gradient = redirected(gradient, pbf_lent_gradient(&lent));
+    boundary = pbf_boundary_at_time(c, o, x, at, 1);
+    gradient = redirected(gradient, pbf_boundary_gradient(&boundary));
   }
-  start = pbf_beside_walls(start, lambda, lent.resting, gradient);
+  start = pbf_boundary_correction(start, lambda, boundary.rest, gradient);
   return pbf_sub(start, end);
 }
 

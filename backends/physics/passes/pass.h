@@ -6,7 +6,7 @@
  *   template own<L>            what it knows of its particle
  *   template sums<L>           what it sums up
  *   begin<L>()                 sums of no neighbour
- *   pair(sums, own, j, w = {}) adds a neighbour, or with a weight w the image of one
+ *   pair(sums, own, j, w = {}) adds a neighbour, or with a weight w a ghost
  *   end(sums)                  once all are added
  *   finish(…)                  what the particle makes of them; its arguments are the pass's own
  *

@@ -19,14 +19,14 @@ struct box_shape {
     for (int k = 0; k < PBF_DIM; ++k) volume *= 2 * (c->half_extents[k] + beyond);
     return volume;
   }
-  static PBF_IN double extent(const pbf_solid *s, int axis) {
+  static PBF_IN double extent(const pbf_surface *s, int axis) {
     double extent = 0;
     for (int row = 0; row < PBF_DIM; ++row)
       extent += (double)s->half_extents.c[row] * fabs((double)s->frame[row].c[axis]);
     return extent;
   }
 
-  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+  static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     pbf_vec local, local_normal;
     for (int k = 0; k < PBF_DIM; ++k) local.c[k] = pbf_dot(p, s->frame[k]);
     const pbf_real distance = local_distance(local, s->half_extents, &local_normal);
@@ -38,7 +38,7 @@ struct box_shape {
     return distance;
   }
 
-  static PBF_IN pbf_real face(const pbf_solid *s, int k, pbf_vec p, pbf_vec *normal) {
+  static PBF_IN pbf_real face(const pbf_surface *s, int k, pbf_vec p, pbf_vec *normal) {
     const int row = k / 2;
     const pbf_real sign = k % 2 ? (pbf_real)-1 : (pbf_real)1;
     for (int a = 0; a < PBF_DIM; ++a) normal->c[a] = sign * s->frame[row].c[a];

@@ -1,5 +1,5 @@
-/* The domain's surface: walls across each axis, with the fluid between them. Each wall moves by
- * itself. */
+/* The surface of the domain: a wall at either end of each axis, with the fluid between them. Each
+ * wall moves by itself. */
 #ifndef PBF_PHYSICS_SURFACES_DOMAIN_H
 #define PBF_PHYSICS_SURFACES_DOMAIN_H
 
@@ -7,78 +7,77 @@
 #include "physics/motion.h"
 #include "physics/real.h"
 
-typedef struct pbf_walls {
+typedef struct pbf_domain {
   pbf_vec lower, upper;
-  pbf_real near;  /* half of h, or 0 where walls give nothing back: see pbf_bounce */
-  pbf_real reach; /* how far from them there are images: h, or 0 where they mirror nothing */
-} pbf_walls;
+  pbf_real bounce_depth; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
+  pbf_real ghost_reach;  /* particles this near to a wall have ghosts in it (ghosts.h): h, or 0 */
+} pbf_domain;
 
-/* ---- Where walls mirror the fluid ---------------------------------------------------------- */
+/* ---- Whether its walls have ghosts ---------------------------------------------------------- */
 
-/* From here on walls mirror the fluid; in spacings. Up to 2.5 tanks rest by the law, too, in half
- * the time. */
+/* From here on they have; in spacings. Up to 2.5 tanks rest without them, too, in half the time. */
 #define PBF_WIDE_KERNEL 2.55
 
-static inline int pbf_may_mirror(const pbf_params *params) {
+static inline int pbf_may_have_ghosts(const pbf_params *params) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && params->wall_density > 0 &&
          params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params);
 }
 
-/* How far from walls that stand like this there are images: h, or 0. */
-static inline pbf_real pbf_mirror_reach(const pbf_params *params, pbf_vec lower, pbf_vec upper) {
+static inline pbf_real pbf_ghost_reach(const pbf_params *params, pbf_vec lower, pbf_vec upper) {
   pbf_real h = (pbf_real)params->smoothing_radius;
-  int mirror = pbf_may_mirror(params);
-  for (int k = 0; k < PBF_DIM; ++k) mirror = mirror && upper.c[k] - lower.c[k] >= h;
-  return mirror ? h : 0;
+  int have = pbf_may_have_ghosts(params);
+  for (int k = 0; k < PBF_DIM; ++k) have = have && upper.c[k] - lower.c[k] >= h;
+  return have ? h : 0;
 }
 
-/* ---- Where they are ------------------------------------------------------------------------ */
+/* ---- Where it is ---------------------------------------------------------------------------- */
 
-static inline pbf_walls pbf_walls_at(const pbf_params *params, double time) {
-  pbf_walls walls;
+static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
+  pbf_domain domain;
   int bounces = params->solver == PBF_SOLVER_CHEBYSHEV;
-  walls.near = bounces ? (pbf_real)(0.5 * params->smoothing_radius) : 0;
+  domain.bounce_depth = bounces ? (pbf_real)(0.5 * params->smoothing_radius) : 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    walls.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
-    walls.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
+    domain.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
+    domain.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
   }
-  walls.reach = pbf_mirror_reach(params, walls.lower, walls.upper);
-  return walls;
+  domain.ghost_reach = pbf_ghost_reach(params, domain.lower, domain.upper);
+  return domain;
 }
 
-/* ---- How far they are ---------------------------------------------------------------------- */
+/* ---- How far it is -------------------------------------------------------------------------- */
 
-/* Distance of x from a wall: the lower one across axis k is number 2 k, the upper one 2 k + 1. */
-PBF_FN pbf_real pbf_wall_distance(const pbf_walls *walls, int wall, pbf_vec x) {
+/* Signed distance of x from a wall: number 2 k is at the lower end of axis k, 2 k + 1 at the upper
+ * one. */
+PBF_FN pbf_real pbf_wall_distance(const pbf_domain *domain, int wall, pbf_vec x) {
   const int k = wall / 2;
-  return wall % 2 ? walls->upper.c[k] - x.c[k] : x.c[k] - walls->lower.c[k];
+  return wall % 2 ? domain->upper.c[k] - x.c[k] : x.c[k] - domain->lower.c[k];
 }
 
-/* From the nearest of them. */
-PBF_FN pbf_real pbf_domain_distance(const pbf_walls *walls, pbf_vec x) {
-  pbf_real nearest = pbf_wall_distance(walls, 0, x);
+/* From the nearest wall. */
+PBF_FN pbf_real pbf_domain_distance(const pbf_domain *domain, pbf_vec x) {
+  pbf_real nearest = pbf_wall_distance(domain, 0, x);
   for (int wall = 1; wall < 2 * PBF_DIM; ++wall)
-    nearest = pbf_real_min(nearest, pbf_wall_distance(walls, wall, x));
+    nearest = pbf_real_min(nearest, pbf_wall_distance(domain, wall, x));
   return nearest;
 }
 
-/* ---- What they hold ------------------------------------------------------------------------ */
+/* ---- What it holds -------------------------------------------------------------------------- */
 
 /* How far before a wall comes back what has landed `depth` behind it: half of that, of more than
- * half an h a hundredth. It so keeps apart from what else does: laid onto the wall itself, or
- * always to a small part of the depth, what a crowd presses into a corner ends in one point of it,
- * where a pair has no direction to part in. And what has fallen from far is not lifted far. */
-PBF_FN pbf_real pbf_bounce(const pbf_walls *walls, pbf_real depth) {
-  pbf_real near = pbf_real_min(depth, walls->near);
-  return walls->near > 0 ? (pbf_real)0.01 * depth + (pbf_real)0.49 * near : 0;
+ * half an h a hundredth. Particles so stay apart: laid onto the wall itself, or always to a small
+ * part of the depth, what a crowd presses into a corner ends in one point of it, where a pair has
+ * no direction to part in. And what has fallen from far is not lifted far. */
+PBF_FN pbf_real pbf_bounce(const pbf_domain *domain, pbf_real depth) {
+  pbf_real near = pbf_real_min(depth, domain->bounce_depth);
+  return domain->bounce_depth > 0 ? (pbf_real)0.01 * depth + (pbf_real)0.49 * near : 0;
 }
 
 /* Walls that have crossed leave particles at the lower one. */
-PBF_FN pbf_vec pbf_clamp(const pbf_walls *walls, pbf_vec x) {
+PBF_FN pbf_vec pbf_keep_in_domain(const pbf_domain *domain, pbf_vec x) {
   for (int k = 0; k < PBF_DIM; ++k) {
-    pbf_real lower = walls->lower.c[k], upper = walls->upper.c[k];
-    pbf_real at = pbf_real_max(x.c[k], lower + pbf_bounce(walls, lower - x.c[k]));
-    at = pbf_real_min(at, upper - pbf_bounce(walls, at - upper));
+    pbf_real lower = domain->lower.c[k], upper = domain->upper.c[k];
+    pbf_real at = pbf_real_max(x.c[k], lower + pbf_bounce(domain, lower - x.c[k]));
+    at = pbf_real_min(at, upper - pbf_bounce(domain, at - upper));
     x.c[k] = pbf_real_max(pbf_real_min(at, upper), lower);
   }
   return x;

@@ -8,16 +8,16 @@
 /* Where they are at a time. A backend may hold them elsewhere, in a struct with members of the same
  * names. */
 typedef struct pbf_obstacles {
-  pbf_walls walls;
+  pbf_domain domain;
   int count;
-  pbf_solid solids[PBF_MAX_COLLIDERS];
+  pbf_surface surfaces[PBF_MAX_COLLIDERS];
 } pbf_obstacles;
 
 namespace {
 
 /* A build without colliders has no code for them. */
 template <class Obstacles>
-PBF_FN int pbf_solid_count(const Obstacles &o) {
+PBF_FN int pbf_surface_count(const Obstacles &o) {
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o.count : 0;
 }
 
@@ -27,10 +27,10 @@ PBF_FN int pbf_solid_count(const Obstacles &o) {
 static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
                                        const pbf_collider *colliders, double set_at, double time,
                                        pbf_obstacles *o) {
-  o->walls = pbf_walls_at(params, time);
+  o->domain = pbf_domain_at(params, time);
   o->count = (int)count;
-  for (int k = 0; k < pbf_solid_count(*o); ++k)
-    o->solids[k] = pbf_solid_at(&colliders[k], time - set_at, params->time_step);
+  for (int k = 0; k < pbf_surface_count(*o); ++k)
+    o->surfaces[k] = pbf_surface_at(&colliders[k], time - set_at, params->time_step);
 }
 
 /* ---- Which of them move --------------------------------------------------------------------- */
@@ -38,7 +38,7 @@ static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
 /* A bit each. */
 typedef struct pbf_moving_obstacles {
   uint32_t walls;
-  uint64_t solids;
+  uint64_t surfaces;
 } pbf_moving_obstacles;
 
 static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *params, uint32_t count,
@@ -52,21 +52,22 @@ static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *par
   for (uint32_t k = 0; k < count; ++k)
     for (int a = 0; a < 3; ++a)
       if (colliders[k].velocity[a] != 0 || colliders[k].angular_velocity[a] != 0)
-        m.solids |= UINT64_C(1) << k;
+        m.surfaces |= UINT64_C(1) << k;
   return m;
 }
 
-static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) { return m.walls || m.solids; }
+static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) { return m.walls || m.surfaces; }
 
 /* Of the colliders `now` and `next`: those that are not the same in both, or move, and so may stand
  * elsewhere. */
-static inline pbf_moving_obstacles pbf_changed(uint32_t count, const pbf_collider *now,
-                                               uint32_t next_count, const pbf_collider *next) {
+static inline pbf_moving_obstacles pbf_changed_surfaces(uint32_t count, const pbf_collider *now,
+                                                        uint32_t next_count,
+                                                        const pbf_collider *next) {
   static const pbf_collider none[1] = {{0}};
   pbf_moving_obstacles m = {0, 0};
   for (uint32_t k = 0; k < count || k < next_count; ++k) {
     const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
-    if (memcmp(a, b, sizeof *a) != 0) m.solids |= UINT64_C(1) << k;
+    if (memcmp(a, b, sizeof *a) != 0) m.surfaces |= UINT64_C(1) << k;
   }
   return m;
 }
@@ -78,11 +79,11 @@ template <class Obstacles>
 PBF_FN int pbf_near_moving_obstacle(pbf_moving_obstacles m, const Obstacles &o, pbf_real reach,
                                     pbf_vec x) {
   for (int w = 0; w < 2 * PBF_DIM && m.walls; ++w)
-    if (m.walls >> w & 1 && pbf_wall_distance(&o.walls, w, x) < reach) return 1;
-  for (int k = 0; k < pbf_solid_count(o) && m.solids; ++k) {
+    if (m.walls >> w & 1 && pbf_wall_distance(&o.domain, w, x) < reach) return 1;
+  for (int k = 0; k < pbf_surface_count(o) && m.surfaces; ++k) {
     pbf_vec normal;
-    if (!(m.solids >> k & 1) || pbf_solid_beyond(&o.solids[k], x, reach)) continue;
-    if (pbf_solid_distance(&o.solids[k], x, &normal) < reach) return 1;
+    if (!(m.surfaces >> k & 1) || pbf_surface_is_beyond(&o.surfaces[k], x, reach)) continue;
+    if (pbf_surface_distance(&o.surfaces[k], x, &normal) < reach) return 1;
   }
   return 0;
 }

@@ -11,9 +11,9 @@ struct plane_shape {
 
   static PBF_IN double bound(const pbf_collider *) { return INFINITY; }
   static PBF_IN double volume(const pbf_collider *, double) { return INFINITY; }
-  static PBF_IN double extent(const pbf_solid *, int) { return INFINITY; }
+  static PBF_IN double extent(const pbf_surface *, int) { return INFINITY; }
 
-  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+  static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     *normal = s->frame[0];
     return pbf_dot(p, *normal);
   }

@@ -24,7 +24,7 @@
 
 /* A collider at the end of a step, and where it was at its start; prepared once a step in float64
  * for use in the particles' precision. Rows of `frame` are directions in space. */
-typedef struct pbf_solid {
+typedef struct pbf_surface {
   int shape;
   pbf_real sign; /* 1: the fluid stays outside, -1: inside */
   pbf_vec center;
@@ -33,6 +33,6 @@ typedef struct pbf_solid {
   pbf_real radius, half_length;
   pbf_real bound; /* nothing of it is farther from the centre */
   pbf_vec start_center, start_frame[PBF_DIM];
-} pbf_solid;
+} pbf_surface;
 
 #endif

@@ -15,10 +15,10 @@ struct sphere_shape {
     const double r = c->radius + beyond, disc = PBF_PI * r * r;
     return PBF_DIM == 3 ? 4.0 / 3 * disc * r : disc;
   }
-  static PBF_IN double extent(const pbf_solid *s, int) { return (double)s->radius; }
+  static PBF_IN double extent(const pbf_surface *s, int) { return (double)s->radius; }
 
   /* From the very center, out along an axis of the frame. */
-  static PBF_IN pbf_real distance(const pbf_solid *s, pbf_vec p, pbf_vec *normal) {
+  static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     const pbf_real r = pbf_real_sqrt(pbf_dot(p, p));
     *normal = s->frame[1];
     if (r > 0)

@@ -61,8 +61,8 @@ PBF_FN int pbf_has_axis(const pbf_collider *collider) {
   return shapes::ask((int)collider->shape, [](auto shape) -> int { return shape.HAS_AXIS; });
 }
 
-static inline void pbf_place_solid(const pbf_collider *at_set, double elapsed, pbf_vec *center,
-                                   pbf_vec frame[PBF_DIM]) {
+static inline void pbf_place_surface(const pbf_collider *at_set, double elapsed, pbf_vec *center,
+                                     pbf_vec frame[PBF_DIM]) {
   pbf_collider now;
   double own[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   pbf_motion_collider(at_set, elapsed, &now);
@@ -80,29 +80,30 @@ PBF_FN double pbf_bound(const pbf_collider *collider) {
 }
 
 /* At the end of a step, `elapsed` after the collider was set. */
-static inline pbf_solid pbf_solid_at(const pbf_collider *at_set, double elapsed, double time_step) {
-  pbf_solid s = {0};
+static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elapsed,
+                                         double time_step) {
+  pbf_surface s = {0};
   s.shape = (int)at_set->shape;
   s.sign = at_set->inverted ? (pbf_real)-1 : (pbf_real)1;
   s.radius = (pbf_real)at_set->radius;
   s.half_length = (pbf_real)at_set->half_length;
   for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)at_set->half_extents[k];
   s.bound = (pbf_real)(at_set->inverted ? INFINITY : 1.0001 * pbf_bound(at_set));
-  pbf_place_solid(at_set, elapsed, &s.center, s.frame);
-  pbf_place_solid(at_set, elapsed - time_step, &s.start_center, s.start_frame);
+  pbf_place_surface(at_set, elapsed, &s.center, s.frame);
+  pbf_place_surface(at_set, elapsed - time_step, &s.start_center, s.start_frame);
   return s;
 }
 
 /* As it stood at the start of the step. */
-PBF_FN pbf_solid pbf_solid_before(const pbf_solid *solid) {
-  pbf_solid before = *solid;
-  before.center = solid->start_center;
-  for (int k = 0; k < PBF_DIM; ++k) before.frame[k] = solid->start_frame[k];
+PBF_FN pbf_surface pbf_surface_before(const pbf_surface *surface) {
+  pbf_surface before = *surface;
+  before.center = surface->start_center;
+  for (int k = 0; k < PBF_DIM; ++k) before.frame[k] = surface->start_frame[k];
   return before;
 }
 
-/* Where a point that the solid carries along is at the end of the step. */
-PBF_FN pbf_vec pbf_carried(const pbf_solid *s, pbf_vec x) {
+/* Where a point that the surface carries along is at the end of the step. */
+PBF_FN pbf_vec pbf_surface_carries(const pbf_surface *s, pbf_vec x) {
   pbf_vec p = pbf_sub(x, s->start_center), moved = s->center;
   for (int row = 0; row < PBF_DIM; ++row)
     moved = pbf_add_scaled(moved, pbf_dot(p, s->start_frame[row]), s->frame[row]);
@@ -111,9 +112,10 @@ PBF_FN pbf_vec pbf_carried(const pbf_solid *s, pbf_vec x) {
 
 /* ---- How far it is ------------------------------------------------------------------------- */
 
-/* Distance of x from the solid, negative where the fluid must not be; *normal points to the fluid.
+/* Distance of x from the surface, negative where the fluid must not be; *normal points to the
+ * fluid.
  */
-PBF_FN_APART pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec *normal) {
+PBF_FN_APART pbf_real pbf_surface_distance(const pbf_surface *s, pbf_vec x, pbf_vec *normal) {
   const pbf_vec p = pbf_sub(x, s->center);
   pbf_vec n;
   const pbf_real distance =
@@ -122,18 +124,18 @@ PBF_FN_APART pbf_real pbf_solid_distance(const pbf_solid *s, pbf_vec x, pbf_vec 
   return s->sign * distance;
 }
 
-/* Whether x is farther than `reach` from anything of the solid, cheaply. */
-PBF_FN int pbf_solid_beyond(const pbf_solid *s, pbf_vec x, pbf_real reach) {
+/* Whether x is farther than `reach` from anything of it, cheaply. */
+PBF_FN int pbf_surface_is_beyond(const pbf_surface *s, pbf_vec x, pbf_real reach) {
   pbf_vec p = pbf_sub(x, s->center);
   pbf_real far = s->bound + reach;
   return pbf_dot(p, p) > far * far;
 }
 
 /* What has no other side: a plane, and all that fluid is inside of. */
-PBF_FN int pbf_solid_is_endless(const pbf_solid *s) { return s->bound == (pbf_real)INFINITY; }
+PBF_FN int pbf_surface_is_unbounded(const pbf_surface *s) { return s->bound == (pbf_real)INFINITY; }
 
 /* How far it reaches from its centre along an axis. */
-PBF_FN double pbf_solid_extent(const pbf_solid *s, int axis) {
+PBF_FN double pbf_surface_extent(const pbf_surface *s, int axis) {
   return shapes::ask(s->shape, [&](auto shape) { return shape.extent(s, axis); });
 }
 
@@ -141,14 +143,14 @@ PBF_FN double pbf_solid_extent(const pbf_solid *s, int axis) {
 
 /* An inside with faces contributes by all of these, as the domain does, everything else by its
  * nearest plane. */
-PBF_FN int pbf_lending_planes(const pbf_solid *s) {
+PBF_FN int pbf_surface_planes(const pbf_surface *s) {
   const int faces = shapes::ask(s->shape, [](auto shape) -> int { return shape.FACES; });
   return faces > 0 && s->sign < 0 ? faces : 1;
 }
 
-PBF_FN pbf_real pbf_plane_distance(const pbf_solid *s, int plane, int planes, pbf_vec x,
-                                   pbf_vec *normal) {
-  if (planes == 1) return pbf_solid_distance(s, x, normal);
+PBF_FN pbf_real pbf_surface_plane_distance(const pbf_surface *s, int plane, int planes, pbf_vec x,
+                                           pbf_vec *normal) {
+  if (planes == 1) return pbf_surface_distance(s, x, normal);
   const pbf_vec p = pbf_sub(x, s->center);
   return shapes::ask(s->shape, [&](auto shape) -> pbf_real {
     if constexpr (decltype(shape)::FACES > 0)

@@ -2,7 +2,7 @@
  * and lend it nothing. */
 #include "support.h"
 
-#include "cpu/near_solids.h"
+#include "cpu/broad_phase.h"
 #include "support/random.h"
 
 enum { SCENES = 20000, PARTICLES = 6 };
@@ -14,7 +14,7 @@ static pbf_vec random_vec(uint64_t *state, double size) {
 }
 
 /* Of the size of the group's way and distance, so that every other one is met. */
-static pbf_solid random_solid(uint64_t *state) {
+static pbf_surface random_surface(uint64_t *state) {
   pbf_collider c;
   double norm2 = 0;
   memset(&c, 0, sizeof c);
@@ -34,12 +34,12 @@ static pbf_solid random_solid(uint64_t *state) {
   }
   for (int k = 0; k < 4; ++k) c.orientation[k] /= sqrt(norm2);
   if (random_in(state, 0, 1) < 0.5) c.angular_velocity[2] = random_in(state, -3, 3);
-  return pbf_solid_at(&c, 0, 1);
+  return pbf_surface_at(&c, 0, 1);
 }
 
 typedef struct group {
   pbf_vec from[PARTICLES], x[PARTICLES];
-  swarm around;
+  group_bounds around;
 } group;
 
 static group random_group(uint64_t *state) {
@@ -58,43 +58,44 @@ static group random_group(uint64_t *state) {
       upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(g.x[i].c[k], g.from[i].c[k]));
     }
   }
-  g.around = swarm_between(lower, upper, pbf_real_sqrt(longest2));
+  g.around = bounds_between(lower, upper, pbf_real_sqrt(longest2));
   return g;
 }
 
 static void who_is_not_met_does_nothing(void **state) {
   (void)state;
   uint64_t random = 1;
-  pbf_walls walls;
+  pbf_domain domain;
   int met[2] = {0, 0}, all[2] = {0, 0};
-  for (int k = 0; k < PBF_DIM; ++k) walls.lower.c[k] = -100, walls.upper.c[k] = 100;
-  walls.near = (pbf_real)0.1;
+  for (int k = 0; k < PBF_DIM; ++k) domain.lower.c[k] = -100, domain.upper.c[k] = 100;
+  domain.bounce_depth = (pbf_real)0.1;
   for (int scene = 0; scene < SCENES; ++scene) {
     static pbf_obstacles o;
-    solid_motion motions[PBF_MAX_COLLIDERS];
-    o.walls = walls;
+    surface_motion motions[PBF_MAX_COLLIDERS];
+    o.domain = domain;
     o.count = 1;
-    o.solids[0] = random_solid(&random);
+    o.surfaces[0] = random_surface(&random);
     group g = random_group(&random);
-    solid_motions(&o, motions);
-    for (int carried = 0; carried < 2; ++carried) {
+    surface_motions(&o, motions);
+    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
       static pbf_obstacles near;
-      ++all[carried];
-      if (obstacles_on_way(&o, &g.around, carried ? motions : NULL, &near)) {
-        ++met[carried];
+      ++all[with_obstacle_motion];
+      if (collision_candidates(&o, &g.around, with_obstacle_motion ? motions : NULL, &near)) {
+        ++met[with_obstacle_motion];
         continue;
       }
       for (int i = 0; i < PARTICLES; ++i) {
-        pbf_vec after = pbf_resolve(o, carried, g.from[i], g.x[i]);
+        pbf_vec after = pbf_resolve_collisions(o, with_obstacle_motion, g.from[i], g.x[i]);
         if (memcmp(&after, &g.x[i], sizeof after) != 0)
           fail_msg("scene %d: a shape %d that is not met moves a particle", scene,
-                   o.solids[0].shape);
+                   o.surfaces[0].shape);
       }
     }
   }
-  for (int carried = 0; carried < 2; ++carried)
-    if (!(met[carried] > all[carried] / 20 && met[carried] < all[carried] * 19 / 20))
-      fail_msg("%d of %d are met", met[carried], all[carried]);
+  for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion)
+    if (!(met[with_obstacle_motion] > all[with_obstacle_motion] / 20 &&
+          met[with_obstacle_motion] < all[with_obstacle_motion] * 19 / 20))
+      fail_msg("%d of %d are met", met[with_obstacle_motion], all[with_obstacle_motion]);
 }
 
 static void who_is_not_near_lends_nothing(void **state) {
@@ -106,13 +107,13 @@ static void who_is_not_near_lends_nothing(void **state) {
     static pbf_obstacles o, near;
     pbf_vec normal;
     o.count = 1;
-    o.solids[0] = random_solid(&random);
+    o.surfaces[0] = random_surface(&random);
     group g = random_group(&random);
     found += obstacles_within(&o, &g.around, reach, &near);
     if (near.count) continue;
     for (int i = 0; i < PARTICLES; ++i)
-      if (!(pbf_solid_distance(&o.solids[0], g.x[i], &normal) >= reach))
-        fail_msg("scene %d: a shape %d is nearer than that", scene, o.solids[0].shape);
+      if (!(pbf_surface_distance(&o.surfaces[0], g.x[i], &normal) >= reach))
+        fail_msg("scene %d: a shape %d is nearer than that", scene, o.surfaces[0].shape);
   }
   if (!(found > SCENES / 20 && found < SCENES * 19 / 20)) fail_msg("%d are near", found);
 }

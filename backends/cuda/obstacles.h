@@ -1,32 +1,32 @@
 /* What walls and colliders do to particles. Where colliders are many a particle does not ask all of
  * them in each pass, one after the other: the lanes of a warp share them out, and look which are
  * near the box around their particles. The others leave each particle as it is, to the bit. */
-#ifndef PBF_CUDA_NEAR_SOLIDS_H
-#define PBF_CUDA_NEAR_SOLIDS_H
+#ifndef PBF_CUDA_OBSTACLES_H
+#define PBF_CUDA_OBSTACLES_H
 
 #include <float.h>
 
 #include "pbf/pbf.h"
 #include "physics/boundary.h"
 
-/* Walls and colliders of one step; `solids` is on the device. */
+/* Walls and colliders of one step; `surfaces` is on the device. */
 struct step_obstacles {
-  pbf_walls walls;
+  pbf_domain domain;
   int count;
-  const pbf_solid *solids;
+  const pbf_surface *surfaces;
 };
 
 /* A bit for each collider. */
-typedef unsigned long long solid_set;
+typedef unsigned long long surface_set;
 static_assert(PBF_MAX_COLLIDERS <= 64, "a set has 64 bits");
 
 /* Kernels that are short of registers are built for each: colliders take half as many again, and
  * looking for them takes more. */
-enum solids_met { NO_SOLIDS, FEW_SOLIDS, MANY_SOLIDS };
+enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES };
 
 /* Fewer are asked faster than looked for. */
-static inline solids_met solids_of(uint32_t count) {
-  return count == 0 ? NO_SOLIDS : count < 8 ? FEW_SOLIDS : MANY_SOLIDS;
+static inline surfaces_met surfaces_of(uint32_t count) {
+  return count == 0 ? NO_SURFACES : count < 8 ? FEW_SURFACES : MANY_SURFACES;
 }
 
 /* Numbers whose order as integers is that of the floats. */
@@ -85,64 +85,67 @@ static __device__ __forceinline__ bool is_near_box(const lane_box &box, pbf_vec 
 
 /* The colliders that may be within `reach` of the lanes' particles, where these colliders are, or
  * where they `started`. All lanes that are here together look for it. */
-static __device__ __forceinline__ solid_set solids_near(const step_obstacles &o, pbf_vec x,
-                                                        pbf_real reach, bool started) {
+static __device__ __forceinline__ surface_set surfaces_near(const step_obstacles &o, pbf_vec x,
+                                                            pbf_real reach, bool started) {
   uint32_t lanes = __activemask(), low = 0, high = 0, own = 1u << threadIdx.x % 32;
   lane_box box = box_around(lanes, x);
   float most = max_of(lanes, above(reach));
   for (uint32_t k = (uint32_t)__popc(lanes & (own - 1)); k < (uint32_t)o.count;
        k += (uint32_t)__popc(lanes)) {
-    const pbf_solid &s = o.solids[k];
+    const pbf_surface &s = o.surfaces[k];
     bool near = is_near_box(box, started ? s.start_center : s.center, above(s.bound), most);
     low |= near && k < 32 ? 1u << k % 32 : 0;
     high |= near && k >= 32 ? 1u << k % 32 : 0;
   }
   low = __reduce_or_sync(lanes, low);
-  return o.count > 32 ? (solid_set)__reduce_or_sync(lanes, high) << 32 | low : low;
+  return o.count > 32 ? (surface_set)__reduce_or_sync(lanes, high) << 32 | low : low;
 }
 
-/* Calls visit(solid) for those of the set, in their order. */
+/* Calls visit(surface) for those of the set, in their order. */
 template <class Visit>
-static __device__ __forceinline__ void each_solid(const step_obstacles &o, solid_set set,
-                                                  Visit visit) {
-  for (; set; set &= set - 1) visit(o.solids[__ffsll((long long)set) - 1]);
+static __device__ __forceinline__ void each_surface(const step_obstacles &o, surface_set set,
+                                                    Visit visit) {
+  for (; set; set &= set - 1) visit(o.surfaces[__ffsll((long long)set) - 1]);
 }
 
-/* What walls and colliders lend. */
-template <solids_met SOLIDS>
-static __device__ __forceinline__ pbf_lent lent_at(const pbf_constants *c, const step_obstacles &o,
-                                                   pbf_vec x) {
-  if (SOLIDS != MANY_SOLIDS) return pbf_lent_at(c, o, x);
-  pbf_lent lent = pbf_lent_by_walls(c, &o.walls, x);
-  each_solid(o, solids_near(o, x, pbf_lending_reach(c), false),
-             [&](const pbf_solid &s) { pbf_join_solid(c, &s, x, &lent); });
-  return lent;
+/* What they contribute at x. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *c,
+                                                           const step_obstacles &o, pbf_vec x) {
+  if (SURFACES != MANY_SURFACES) return pbf_boundary_at(c, o, x);
+  pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
+  each_surface(o, surfaces_near(o, x, pbf_boundary_reach(c), false),
+               [&](const pbf_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
+  return boundary;
 }
 
-template <solids_met SOLIDS>
-static __device__ __forceinline__ void add_walls(const pbf_constants *c, const step_obstacles &o,
-                                                 pbf_vec x, pbf_real *density, pbf_vec *gradient) {
-  pbf_lent lent = lent_at<SOLIDS>(c, o, x);
-  pbf_add_lent(&lent, density, gradient);
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ void add_boundary(const pbf_constants *c, const step_obstacles &o,
+                                                    pbf_vec x, pbf_real *density,
+                                                    pbf_vec *gradient) {
+  pbf_boundary boundary = boundary_at<SURFACES>(c, o, x);
+  pbf_add_boundary(&boundary, density, gradient);
 }
 
-/* A particle on its way from `from` to x, see pbf_resolve. Whom one collider pushes off it may meet
- * any of them. */
-template <solids_met SOLIDS>
-static __device__ __forceinline__ pbf_vec resolve(const step_obstacles &o, int carried,
-                                                  pbf_vec from, pbf_vec x) {
-  if (SOLIDS == NO_SOLIDS) return pbf_clamp(&o.walls, x);
-  if (SOLIDS == FEW_SOLIDS) return pbf_resolve(o, carried, from, x);
+/* A particle on its way from `from` to x, see pbf_resolve_collisions. Whom one collider pushes off
+ * it may meet any of them. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacles &o,
+                                                             int with_obstacle_motion, pbf_vec from,
+                                                             pbf_vec x) {
+  if (SURFACES == NO_SURFACES) return pbf_keep_in_domain(&o.domain, x);
+  if (SURFACES == FEW_SURFACES) return pbf_resolve_collisions(o, with_obstacle_motion, from, x);
   pbf_vec way = pbf_sub(x, from);
-  solid_set all = ~0ull >> (64 - o.count),
-            near = solids_near(o, from, pbf_real_sqrt(pbf_dot(way, way)), carried);
+  surface_set all = ~0ull >> (64 - o.count),
+              near = surfaces_near(o, from, pbf_real_sqrt(pbf_dot(way, way)), with_obstacle_motion);
   for (;; near = all) {
     pbf_vec y = x;
     bool pushed = false;
-    each_solid(o, near,
-               [&](const pbf_solid &s) { y = pbf_resolve_one(&o.walls, &s, carried, from, y); });
+    each_surface(o, near, [&](const pbf_surface &s) {
+      y = pbf_resolve_collision(&o.domain, &s, with_obstacle_motion, from, y);
+    });
     for (int k = 0; k < PBF_DIM; ++k) pushed |= y.c[k] != x.c[k];
-    if (!pushed || near == all) return pbf_clamp(&o.walls, y);
+    if (!pushed || near == all) return pbf_keep_in_domain(&o.domain, y);
   }
 }
 

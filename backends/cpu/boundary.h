@@ -1,0 +1,186 @@
+/* What surfaces contribute to the densities of a group, a particle in each lane. The domain has a
+ * path of its own, for all lanes at once: most groups are near no collider. */
+#ifndef PBF_CPU_BOUNDARY_H
+#define PBF_CPU_BOUNDARY_H
+
+#include "cpu/kernels_collide.h"
+#include "cpu/lane_vec.h"
+#include "physics/boundary.h"
+
+/* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
+ * all. */
+PBF_FN pbf_real domain_distances(const pbf_obstacles *o, const lane_values *x,
+                                 pbf_real distances[WIDTH]) {
+  pbf_real least = 0;
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    distances[l] = pbf_domain_distance(&o->domain, lane_value(x, l));
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
+  return least;
+}
+
+/* Beyond this distance no surface contributes; with a margin for rounding. */
+PBF_FN pbf_real contribution_reach(const pbf_constants *c) {
+  return (pbf_real)1.001 * (c->h - c->wall_offset);
+}
+
+/* Somebody may be; of colliders nothing is known. */
+PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
+                          pbf_real distances[WIDTH]) {
+  return pbf_surface_count(*o) || domain_distances(o, x, distances) < contribution_reach(c);
+}
+
+/* What an array has at the nodes 0 … PBF_WALL_LAST - 1, one for each lane. */
+PBF_FN void at_nodes(const pbf_real *array, const int nodes[WIDTH], pbf_real values[WIDTH]) {
+#ifdef LANES_LOOK_UP
+  _Static_assert(PBF_WALL_LAST == 32, "as many as lanes_look_up can tell apart");
+  lane_store(values, lanes_look_up(array, nodes));
+#else
+  for (uint32_t l = 0; l < WIDTH; ++l) values[l] = array[nodes[l]];
+#endif
+}
+
+/* What the walls of an axis contribute, in all lanes. */
+typedef struct lane_walls {
+  _Alignas(64) pbf_real value[WIDTH], slope[WIDTH];
+} lane_walls;
+
+/* Adds what the wall at these distances contributes, whose normal has this sign; 0: none of them is
+ * near. */
+static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH], pbf_real sign,
+                          lane_walls *walls) {
+  _Alignas(64) pbf_real s[WIDTH], within[WIDTH], push[WIDTH], v0[WIDTH], v1[WIDTH], g0[WIDTH],
+      g1[WIDTH];
+  _Alignas(64) int nodes[WIDTH];
+  const pbf_real last = PBF_WALL_LAST;
+  if (!lane_any_below(lane_load(distances), lane_set(contribution_reach(c)))) return 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real t = pbf_wall_node(c, distances[l]), inside = pbf_real_max(t, 0);
+    within[l] = t < last ? 1 : 0;
+    s[l] = pbf_real_min(inside, last);
+    push[l] = pbf_boundary_gradient_scale(c, s[l]);
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    int node = (int)s[l];
+    nodes[l] = node < PBF_WALL_LAST ? node : PBF_WALL_LAST - 1;
+    s[l] -= (pbf_real)nodes[l];
+  }
+  at_nodes(c->wall_value, nodes, v0);
+  at_nodes(c->wall_value + 1, nodes, v1);
+  at_nodes(c->wall_slope, nodes, g0);
+  at_nodes(c->wall_slope + 1, nodes, g1);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real slope, value = pbf_wall_interpolated(s[l], v0[l], v1[l], g0[l], g1[l], &slope);
+    walls->value[l] += within[l] * value;
+    walls->slope[l] += sign * within[l] * (push[l] * slope);
+  }
+  return 1;
+}
+
+/* Takes the additive part out of what the walls of an axis contribute. */
+PBF_FN void keep_additive_part(const pbf_constants *c, lane_walls *walls, pbf_real additive[WIDTH],
+                               pbf_real additive_slopes[WIDTH]) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real rate, part = pbf_overlapping_part(c, walls->value[l], &rate);
+    additive[l] += walls->value[l] - part;
+    additive_slopes[l] += (1 - rate) * walls->slope[l];
+    walls->value[l] = part;
+    walls->slope[l] *= rate;
+  }
+}
+
+/* What surfaces contribute to the particles of a group. */
+typedef struct lane_boundary {
+  _Alignas(64) pbf_real density[WIDTH], rest[WIDTH];
+  lane_values gradient;
+} lane_boundary;
+
+/* pbf_boundary_of_domain in all lanes, the same as pbf_boundary_at without colliders to the bit:
+ * whether a group asks colliders must not show in its densities, as lanes without a particle have a
+ * say in it. */
+static __attribute__((noinline)) void boundary_of_domain(const pbf_constants *c,
+                                                         const pbf_domain *domain,
+                                                         const lane_values *x,
+                                                         lane_boundary *boundary) {
+  if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && domain->ghost_reach > 0) return;
+  _Alignas(64) pbf_real overlapping[WIDTH] = {0}, additive[WIDTH] = {0};
+  lane_values slopes = {{{0}}}, additive_slopes = {{{0}}};
+  for (int k = 0; k < PBF_DIM; ++k) {
+    _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
+    lane_walls along = {{0}, {0}};
+    for (uint32_t l = 0; l < WIDTH; ++l) below[l] = x->c[k][l] - domain->lower.c[k];
+    for (uint32_t l = 0; l < WIDTH; ++l) above[l] = domain->upper.c[k] - x->c[k][l];
+    int near = add_wall_lanes(c, below, 1, &along);
+    near |= add_wall_lanes(c, above, -1, &along);
+    if (near) keep_additive_part(c, &along, additive, additive_slopes.c[k]);
+    for (int j = 0; j < PBF_DIM && near; ++j)
+      for (uint32_t l = 0; l < WIDTH; ++l)
+        slopes.c[j][l] = pbf_union_slope(along.value[l], j == k ? along.slope[l] : 0,
+                                         overlapping[l], slopes.c[j][l]);
+    for (uint32_t l = 0; l < WIDTH && near; ++l) {
+      overlapping[l] = pbf_union_value(along.value[l], overlapping[l]);
+      boundary->rest[l] = pbf_union_value(pbf_real_min(along.value[l], c->boundary_rest_density),
+                                          boundary->rest[l]);
+    }
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) boundary->density[l] = overlapping[l] + additive[l];
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      boundary->gradient.c[k][l] = slopes.c[k][l] + additive_slopes.c[k][l];
+}
+
+/* Of a group's particles, on their way from `from`. */
+static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values *from,
+                                                              const lane_values *x) {
+  pbf_vec lower = lane_value(x, 0), upper = lower;
+  pbf_real way2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(x->c[k][l], from->c[k][l]));
+      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(x->c[k][l], from->c[k][l]));
+    }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec way = pbf_sub(lane_value(x, l), lane_value(from, l));
+    way2 = pbf_real_max(way2, pbf_dot(way, way));
+  }
+  return bounds_between(lower, upper, pbf_real_sqrt(way2));
+}
+
+PBF_FN int surfaces_contribute(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x) {
+  pbf_vec normal;
+  for (int k = 0; k < o->count; ++k)
+    if (!(pbf_surface_distance(&o->surfaces[k], x, &normal) > contribution_reach(c))) return 1;
+  return 0;
+}
+
+/* pbf_boundary_at in all lanes. */
+static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
+                                                        const pbf_obstacles *o,
+                                                        const lane_values *x,
+                                                        lane_boundary *boundary) {
+  memset(boundary, 0, sizeof *boundary);
+  if (!pbf_surface_count(*o)) {
+    boundary_of_domain(c, &o->domain, x, boundary);
+    return;
+  }
+  pbf_obstacles near;
+  const group_bounds these = bounds_of_group(x, x);
+  pbf_real distances[WIDTH];
+  if (!obstacles_within(o, &these, contribution_reach(c), &near)) {
+    if (domain_distances(&near, x, distances) < contribution_reach(c))
+      boundary_of_domain(c, &o->domain, x, boundary);
+    return;
+  }
+  domain_distances(&near, x, distances);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    if (!(distances[l] < contribution_reach(c)) && !surfaces_contribute(c, &near, lane_value(x, l)))
+      continue;
+    pbf_vec gradient = {{0}};
+    pbf_boundary by_all = pbf_boundary_at(c, near, lane_value(x, l));
+    pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
+    boundary->rest[l] = by_all.rest;
+    set_lane(&boundary->gradient, l, gradient);
+  }
+}
+
+#endif
