@@ -38,6 +38,15 @@ struct executor {
     stage_end(w, stage);
   }
 
+  /* What loops over pairs read is packed for them (neighbors.h): positions and lambda by the tasks
+   * that find them, while they are in the cache, the others here. */
+  void exchange(int fields) {
+    if (fields & FIELD_VELOCITY) pack_vectors(w, velocities_task);
+    if (fields & FIELD_MEAN_VELOCITY) pack_vectors(w, flows_and_lambda_task);
+    if (fields & FIELD_CORRECTION_RATE) pack_vectors(w, rates_task);
+    if (fields & FIELD_CURL_SIZE) pack_positions(w, sizes_task);
+  }
+
   bool wake() {
     if (!sorted && sleep_is_on(w) && pbf_any_obstacle_moves(w->s->moving_obstacles))
       parallel_for(w->me, particle_task_count(w), wake_task, NULL, w);
@@ -79,29 +88,13 @@ struct executor {
     w->iteration = k + 1;
   }
   void velocity() { update_velocity(w); }
-  void mean_velocity() {
-    pack_vectors(w, velocities_task);
-    over_pairs(flow_task, PBF_STAGE_MEAN_VELOCITY);
-  }
-  void compensate_damping() {
-    pack_vectors(w, flows_and_lambda_task);
-    over_pairs(compensate_damping_task, PBF_STAGE_DAMPING_COMPENSATION);
-  }
+  void mean_velocity() { over_pairs(flow_task, PBF_STAGE_MEAN_VELOCITY); }
+  void compensate_damping() { over_pairs(compensate_damping_task, PBF_STAGE_DAMPING_COMPENSATION); }
   void correction_rate() { over_pairs(turn_rate_task, PBF_STAGE_CORRECTION_RATE); }
-  void correct_angular_momentum() {
-    pack_vectors(w, rates_task);
-    over_pairs(turn_task, PBF_STAGE_ANGULAR_MOMENTUM);
-  }
-  void curl() {
-    pack_vectors(w, velocities_task);
-    over_pairs(curl_task, PBF_STAGE_CURL);
-  }
-  void confine() {
-    pack_positions(w, sizes_task);
-    over_pairs(confine_task, PBF_STAGE_CONFINE);
-  }
+  void correct_angular_momentum() { over_pairs(turn_task, PBF_STAGE_ANGULAR_MOMENTUM); }
+  void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
+  void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
   void viscosity() {
-    pack_vectors(w, velocities_task);
     over_pairs(viscosity_task);
     w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);

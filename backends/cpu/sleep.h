@@ -70,7 +70,6 @@ static void end_settling(void *context) {
 
 /* 1 when now all sleep. */
 static int update_sleep(worker *w) {
-  pack_vectors(w, velocities_task);
   parallel_for(w->me, pair_task_count(w), activity_task, NULL, w);
   parallel_for(w->me, pair_task_count(w), wake_neighbors_task, NULL, w);
   parallel_for(w->me, pair_task_count(w), update_sleep_task, end_settling, w);

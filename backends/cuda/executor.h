@@ -78,6 +78,8 @@ struct executor {
     kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(arguments...);
   }
 
+  void exchange(int) {} /* neighbours are read where they are */
+
   bool wake() {
     status = wake_near_moving(s, s->moving_obstacles, extras.obstacles);
     return true; /* the device alone knows whether all sleep: its kernels then do nothing */
@@ -197,15 +199,15 @@ struct executor {
                   {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
                    s->schedule.collide_after_solve, s->velocities, ghost_moves});
     });
-    exchange(&n.particles.points, &moved);
+    swap_arrays(&n.particles.points, &moved);
   }
 
   /* The last move's end has made it. From here the old state gives way to the new one. */
   void velocity() {
     if (status != PBF_OK) return;
-    if (n.particles.points == s->other) exchange(&s->points, &s->other);
-    exchange(&s->ids, &s->other_ids);
-    exchange(&s->activity, &s->other_activity);
+    if (n.particles.points == s->other) swap_arrays(&s->points, &s->other);
+    swap_arrays(&s->ids, &s->other_ids);
+    swap_arrays(&s->activity, &s->other_activity);
     s->ordered = false;
     s->time = time;
   }
@@ -265,7 +267,7 @@ struct executor {
       with_kernel(s->schedule.features, [&](auto features) {
         launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
       });
-      exchange(&s->velocities, &s->smoothed);
+      swap_arrays(&s->velocities, &s->smoothed);
     });
   }
 

@@ -111,10 +111,10 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
       {s->points, s->velocities, s->ids, s->activity}, s->count, place,
       {s->other, s->other_velocities, s->other_ids, s->other_activity});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
-  exchange(&s->points, &s->other);
-  exchange(&s->velocities, &s->other_velocities);
-  exchange(&s->ids, &s->other_ids);
-  exchange(&s->activity, &s->other_activity);
+  swap_arrays(&s->points, &s->other);
+  swap_arrays(&s->velocities, &s->other_velocities);
+  swap_arrays(&s->ids, &s->other_ids);
+  swap_arrays(&s->activity, &s->other_activity);
   s->count -= count;
   return PBF_OK;
 }

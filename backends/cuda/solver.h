@@ -142,7 +142,7 @@ static inline deep_arrays deep_of(const solver *s) {
 }
 
 template <class Value>
-static inline void exchange(Value *a, Value *b) {
+static inline void swap_arrays(Value *a, Value *b) {
   Value kept = *a;
   *a = *b;
   *b = kept;

@@ -12,6 +12,17 @@ enum step_outcome {
   STEP_COMPLETE_ALL_ASLEEP
 };
 
+/* What stages read of neighbours, one bit each: what the ghosts of a particle (ghosts.h) repeat. */
+enum exchanged_fields {
+  FIELD_POSITION = 1 << 0,
+  FIELD_LAMBDA = 1 << 1,       /* what an iteration moves by */
+  FIELD_LAMBDA_TOTAL = 1 << 2, /* of the step */
+  FIELD_VELOCITY = 1 << 3,
+  FIELD_MEAN_VELOCITY = 1 << 4,
+  FIELD_CORRECTION_RATE = 1 << 5,
+  FIELD_CURL_SIZE = 1 << 6
+};
+
 namespace {
 
 /* What a build must have to run each stage, by stages.def. */
@@ -39,6 +50,10 @@ PBF_FN bool has_only(const pbf_schedule &has, const pbf_stage (&stages)[N]) {
   return true;
 }
 
+/* e.exchange(fields) stands between what changes a field of particles and what reads it of their
+ * neighbours. Where an executor holds copies of it, packed for its loops, or in ghosts of its own
+ * or of other processes, they are refreshed there; where all is read from where it is, it does
+ * nothing. find_neighbors() finds the ghosts, too, with what they repeat. */
 template <class Executor>
 static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.wake()) return STEP_OF_NONE_AWAKE; /* who is near what moves */
@@ -46,29 +61,47 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
   e.begin_solve();
   if (runs<PBF_STAGE_RESIDUAL_DENSITY>(has)) e.residual_density();
-  if (runs<PBF_STAGE_GRID>(has)) e.pressure_grid();
+  if (runs<PBF_STAGE_GRID>(has)) {
+    e.pressure_grid();
+    e.exchange(FIELD_POSITION);
+  }
   for (uint32_t k = 0; k < has.runs[PBF_STAGE_LAMBDA] && !e.is_converged(k); ++k) {
     e.begin_iteration(k);
     e.lambda(k);
+    e.exchange(FIELD_LAMBDA);
     if (runs<PBF_STAGE_TORQUE>(has)) e.torque_deficit(k);
     e.move(k);
+    e.exchange(FIELD_POSITION);
   }
   e.velocity();
+  e.exchange(FIELD_POSITION);
   if (runs<PBF_STAGE_DAMPING_COMPENSATION>(has)) {
+    e.exchange(FIELD_VELOCITY);
     e.mean_velocity();
+    e.exchange(FIELD_MEAN_VELOCITY | FIELD_LAMBDA_TOTAL);
     e.compensate_damping();
   }
   if (runs<PBF_STAGE_ANGULAR_MOMENTUM>(has)) {
     e.correction_rate();
+    e.exchange(FIELD_CORRECTION_RATE);
     e.correct_angular_momentum();
   }
   if (runs<PBF_STAGE_CURL>(has)) {
+    e.exchange(FIELD_VELOCITY);
     e.curl();
+    e.exchange(FIELD_CURL_SIZE);
     e.confine();
   }
-  if (runs<PBF_STAGE_VISCOSITY>(has)) e.viscosity();
+  if (runs<PBF_STAGE_VISCOSITY>(has)) {
+    e.exchange(FIELD_VELOCITY);
+    e.viscosity();
+  }
   if (runs<PBF_STAGE_DRAG>(has)) e.drag();
-  const bool all_asleep = runs<PBF_STAGE_SLEEP>(has) && e.update_sleep();
+  bool all_asleep = false;
+  if (runs<PBF_STAGE_SLEEP>(has)) {
+    e.exchange(FIELD_VELOCITY);
+    all_asleep = e.update_sleep();
+  }
   e.end();
   return all_asleep ? STEP_COMPLETE_ALL_ASLEEP : STEP_COMPLETE;
 }

@@ -155,9 +155,9 @@ static inline pbf_status small_order(solver *s) {
   if (s->ordered) return PBF_OK;
   order_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
       state_of(s), s->other, s->other_velocities, s->other_ids);
-  exchange(&s->points, &s->other);
-  exchange(&s->velocities, &s->other_velocities);
-  exchange(&s->ids, &s->other_ids);
+  swap_arrays(&s->points, &s->other);
+  swap_arrays(&s->velocities, &s->other_velocities);
+  swap_arrays(&s->ids, &s->other_ids);
   s->ordered = true;
   return pbf_cuda_check_launch("order_kernel");
 }
