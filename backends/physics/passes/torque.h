@@ -41,10 +41,11 @@ struct torque_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
+    const lane_vector<L> start_ij = i.start - j.v;
     L value, slope, lambdas = i.lambda + j.number;
     kernel_and_slope(features, c, j.r2, &value, &slope);
     if (features & PBF_FEATURE_SCORR) lambdas = lambdas + artificial_pressure(c, value);
-    add_cross(s->torque, lambdas * slope, j.x_ij, i.start - j.v);
+    add_cross(s->torque, lambdas * slope, j.x_ij, start_ij);
   }
 
   template <class L>
