@@ -61,7 +61,7 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
       if (Pass::NUMBER) j.number = number_of(&around, &now);
       if (Pass::VECTOR) {
         const lane_vec v = vectors_at(&vectors, now.j);
-        for (int k = 0; k < PBF_DIM; ++k) j.v.c[k] = v.c[k];
+        for (int k = 0; k < PBF_DIM; ++k) j.vector.c[k] = v.c[k];
       }
       pass.pair(sums, own, j);
     };

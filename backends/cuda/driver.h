@@ -65,7 +65,7 @@ static __device__ __forceinline__ void add_neighbors(
   for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
     neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
     if constexpr (Pass::NUMBER) j.number = number_in(other, v);
-    if constexpr (Pass::VECTOR) j.v = lanes_of(vector_in(v));
+    if constexpr (Pass::VECTOR) j.vector = lanes_of(vector_in(v));
     pass.pair(sums, own, j);
   });
 }

@@ -17,7 +17,7 @@ struct lookups {
 PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const lookups &of) {
   neighbor_of<pbf_real> j = {lanes_of(n.x_ij), n.r2, 0, {}};
   if (of.number) j.number = of.number[n.j];
-  if (of.vector) j.v = lanes_of(of.vector[n.j]);
+  if (of.vector) j.vector = lanes_of(of.vector[n.j]);
   return j;
 }
 

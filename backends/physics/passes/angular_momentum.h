@@ -109,7 +109,7 @@ struct rotation_pass {
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
     const L weight = rotation_weight(c, j.r2);
     lane_vector<L> rate;
-    for (int k = 0; k < PBF_DIM; ++k) rate.c[k] = i.rate.c[k] + j.v.c[k];
+    for (int k = 0; k < PBF_DIM; ++k) rate.c[k] = i.rate.c[k] + j.vector.c[k];
     if constexpr (PBF_DIM == 3) {
       add_cross(s->velocity.c, weight, rate, j.x_ij);
     } else {

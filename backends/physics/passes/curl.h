@@ -38,7 +38,7 @@ struct curl_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
-    add_cross(s->curl, kernel_slope(features, c, j.r2), j.x_ij, j.v - i.v);
+    add_cross(s->curl, kernel_slope(features, c, j.r2), j.x_ij, j.vector - i.v);
   }
 
   template <class L>

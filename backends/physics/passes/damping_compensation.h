@@ -62,7 +62,7 @@ struct damping_compensation_pass {
     const L near = ramp(j.r2, ops<L>::set(-c->inv_h2));
     const L within = -ops<L>::max(near * ops<L>::set((pbf_real)-1e6), ops<L>::set(-1));
     const L lambdas = (i.lambda + j.number) * within;
-    const lane_vector<L> flow_ij = i.flow - j.v;
+    const lane_vector<L> flow_ij = i.flow - j.vector;
     L way2 = ops<L>::set(0), r2 = ops<L>::set(0);
     for (int k = 0; k < PBF_DIM; ++k)
       way2 = ops<L>::fma(time * flow_ij.c[k], time * flow_ij.c[k], way2);

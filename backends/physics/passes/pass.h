@@ -29,7 +29,7 @@ template <class L>
 struct neighbor_of {
   lane_vector<L> x_ij;
   L r2, number;
-  lane_vector<L> v;
+  lane_vector<L> vector;
 };
 
 /* The weight of what counts in full. */

@@ -41,7 +41,7 @@ struct torque_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
-    const lane_vector<L> start_ij = i.start - j.v;
+    const lane_vector<L> start_ij = i.start - j.vector;
     L value, slope, lambdas = i.lambda + j.number;
     kernel_and_slope(features, c, j.r2, &value, &slope);
     if (features & PBF_FEATURE_SCORR) lambdas = lambdas + artificial_pressure(c, value);
