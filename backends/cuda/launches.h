@@ -87,7 +87,7 @@ static inline void sum_ghosts(solver *s, const neighborhood &n, const iteration_
                               const Places &places = {}, const Value *values = nullptr) {
   if constexpr (PBF_GHOSTS)
     ghost_kernel<Pass><<<ghost_blocks_for(s->count), 32 * PBF_GHOST_SHARES, 0, s->stream>>>(
-        n, extras.watch, extras.rest.activity, walls, places, values, all);
+        n, extras.watch, extras.rest.activity, domain, places, values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
