@@ -25,6 +25,8 @@ static void predict_task(void *context, uint32_t task) {
 
 namespace {
 
+namespace {
+
 /* All threads of the team come to all of its loops. */
 struct executor {
   worker *w;
@@ -103,6 +105,8 @@ struct executor {
   bool update_sleep() { return ::update_sleep(w); }
   void end() {}
 };
+
+}  // namespace
 
 }  // namespace
 

@@ -258,6 +258,8 @@ static inline void apply_drag(solver *s) {
 
 namespace {
 
+namespace {
+
 /* Stages as loops over all particles. */
 struct executor {
   solver *s;
@@ -317,6 +319,8 @@ struct executor {
     memcpy(s->x, s->moved, s->count * sizeof *s->x);
   }
 };
+
+}  // namespace
 
 }  // namespace
 
