@@ -24,7 +24,7 @@ PBF_FN pbf_real contribution_reach(const pbf_constants *c) {
   return (pbf_real)1.001 * (c->h - c->wall_offset);
 }
 
-/* Somebody may be; of colliders nothing is known. */
+/* Some may be; of colliders nothing is known. */
 PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
                           pbf_real distances[WIDTH]) {
   return pbf_surface_count(*o) || domain_distances(o, x, distances) < contribution_reach(c);

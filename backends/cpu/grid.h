@@ -20,7 +20,7 @@ typedef struct grid {
   uint32_t row_mask;
   uint32_t reach; /* cells along a row that h can span */
   uint32_t total;
-  pbf_real far; /* an x out of everybody's reach */
+  pbf_real far; /* an x out of reach of all particles */
 } grid;
 
 /* Cells are narrower along rows, where this costs nothing: fewer candidates at the ends of a run.

@@ -20,7 +20,7 @@ enum { LIST_UNIT = 16 };
 typedef struct lists {
   const group *groups;
   const uint8_t *data;
-  pbf_real far;   /* an x out of everybody's reach */
+  pbf_real far;   /* an x out of reach of all particles */
   uint32_t count; /* particles */
 } lists;
 
@@ -102,7 +102,7 @@ typedef struct turn_pass {
   field torque, rate, velocity;
 } turn_pass;
 
-/* Sorted particles of whom one byte says whether any of them can be awakened. */
+/* Sorted particles of which one byte says whether any of them can be awakened. */
 enum { ACTIVITY_CHUNK = 32 };
 
 /* No place in any order. */
@@ -146,7 +146,7 @@ typedef struct kernels {
   /* … and at the end finds rates, and turns with them. */
   void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   void (*turn)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
-  /* Those who have somebody `is a source` within h, above 0, are AWAKENED. */
+  /* Particles with a source within h, `is_source` above 0, are AWAKENED. */
   void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
                          uint32_t *awakened, uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);

@@ -12,8 +12,8 @@ static __attribute__((noinline)) pbf_vec resolve_collisions(const pbf_obstacles 
   return pbf_resolve_collisions(*o, with_obstacle_motion, from, x);
 }
 
-/* `met` are those of `all` that its group can meet on its way. Whom one of them pushes off it may
- * meet others. */
+/* `met` are those of `all` that its group can meet on its way. A particle that one of them pushes
+ * off it may meet others. */
 PBF_FN pbf_vec resolve_candidates(const pbf_obstacles *all, const pbf_obstacles *candidates,
                                   int with_obstacle_motion, pbf_vec from, pbf_vec x) {
   pbf_vec after = resolve_collisions(candidates, with_obstacle_motion, from, x),

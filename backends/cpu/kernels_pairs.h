@@ -266,7 +266,7 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
 
-/* The windows of a block in which somebody can be awakened, a bit each. */
+/* The windows of a block in which a particle can be awakened, a bit each. */
 PBF_FN uint32_t windows_with_sleepers(const block *b, const uint8_t *has_sleepers) {
   uint32_t windows = 0;
   for (uint32_t part = 0; part < PARTS; ++part) {

@@ -84,7 +84,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
   list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->room));
 }
 
-/* The sleepers within h of somebody awake in these groups. */
+/* The sleepers within h of a particle awake in these groups. */
 static void find_sleeping_boundary(const worker *w, range groups) {
   const solver *s = w->s;
   pair_pass pairs = pairs_at(w, *w->sorted_positions, packed_positions(s));
@@ -167,7 +167,7 @@ static int find_neighbors(worker *w, completion_function last) {
 }
 
 /* Densities of a task's particles at the places x between these obstacles, of those in groups
- * where somebody solves. */
+ * where a particle solves. */
 static void find_densities(const worker *w, uint32_t task, const pbf_obstacles *obstacles, field x,
                            const pbf_real *quads, pbf_real *densities) {
   range groups = task_groups(w, task);
@@ -183,7 +183,7 @@ static void velocities_task(void *context, uint32_t task) {
   fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, task_sorted(w, task));
 }
 
-/* Nobody's vector is 0. The next sort puts the sentinel far away again. */
+/* The sentinel's vector is 0. The next sort puts the sentinel far away again. */
 static void end_vectors(void *context) {
   const worker *w = static_cast<const worker *>(context);
   packed_vectors(w->s)[-4] = 0;

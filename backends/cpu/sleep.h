@@ -115,7 +115,7 @@ static void wake_all(solver *s) {
   s->asleep = 0;
 }
 
-/* Wakes who is near these colliders as they stand at a time; 1 where somebody is. */
+/* Wakes particles near these colliders as they stand at a time; 1 where there are any. */
 static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
   pbf_obstacles obstacles;
   uint32_t before = s->asleep;

@@ -16,7 +16,7 @@ static inline uint32_t find_active(const pbf_real *activity, uint32_t first, uin
   return first;
 }
 
-/* The first of these particles of whom that is so, in a row. */
+/* The first of these particles of which that is so, in a row. */
 static inline range particles_at_rest(const worker *w, uint32_t first, uint32_t last,
                                       pbf_real bound, int below) {
   if (!sleep_is_on(w)) return (range){below ? last : first, last};
@@ -37,7 +37,7 @@ static inline range inactive_particles(const worker *w, uint32_t first, uint32_t
   return particles_at_rest(w, first, last, pbf_sleeping_boundary(), 1);
 }
 
-/* Whether the activity of everybody in a group is below a bound. */
+/* Whether the activity of all in a group is below a bound. */
 static inline int is_group_below(const worker *w, uint32_t g, pbf_real bound) {
   uint32_t width = w->s->kernels->width, count = w->s->count;
   uint32_t begin = g * width, end = count - begin < width ? count : begin + width;
@@ -53,7 +53,7 @@ static inline range active_groups(const worker *w, uint32_t first, uint32_t last
   return r;
 }
 
-/* Those in each of which somebody is awake, … */
+/* Those in each of which a particle is awake, … */
 static inline range awake_groups(const worker *w, uint32_t first, uint32_t last) {
   return active_groups(w, first, last, 0);
 }

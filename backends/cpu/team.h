@@ -54,7 +54,7 @@ void team_run(team *all, uint32_t threads, team_function function, void *context
  * in the same order; `task` is then called once for each task, in whatever thread is free, and
  * when all are done `last`, unless null, once in one of them. Returns when all this has been done.
  *
- * Nobody waits for a thread that has nothing in hand: a thread may come to a loop when the others
+ * No thread waits for one that has nothing in hand: a thread may come to a loop when the others
  * are long past it. So what other threads write may be read in `task` and `last` alone; between
  * loops a thread knows only what it works out for itself. `context` is the calling thread's own. */
 typedef void (*task_function)(void *context, uint32_t task);

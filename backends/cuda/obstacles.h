@@ -127,8 +127,8 @@ static __device__ __forceinline__ void add_boundary(const pbf_constants *c, cons
   pbf_add_boundary(&boundary, density, gradient);
 }
 
-/* A particle on its way from `from` to x, see pbf_resolve_collisions. Whom one collider pushes off
- * it may meet any of them. */
+/* A particle on its way from `from` to x, see pbf_resolve_collisions. A particle that one collider
+ * pushes off it may meet any of them. */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacles &o,
                                                              int with_obstacle_motion, pbf_vec from,

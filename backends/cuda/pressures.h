@@ -1,4 +1,4 @@
-/* Pressures of the last step, where somebody reads them: lambda and what the pressure grid adds to
+/* Pressures of the last step, where they are read: lambda and what the pressure grid adds to
  * it, fitted to the particles around (passes/pressure_fit.h). */
 #ifndef PBF_CUDA_PRESSURES_H
 #define PBF_CUDA_PRESSURES_H

@@ -8,11 +8,11 @@
 
 /* What the blocks of a step tell each other. */
 struct sleep_tally {
-  uint32_t near_sleep_count; /* somebody sleeps or is still enough to */
+  uint32_t near_sleep_count; /* a particle sleeps or is still enough to */
   uint32_t sleepers;         /* counted in each step, */
   uint32_t blocks;           /* by so many blocks so far */
   uint32_t all;              /* the sentinel is awake */
-  uint32_t some;             /* somebody may sleep */
+  uint32_t some;             /* a particle may sleep */
   uint32_t asked;            /* sleepers, for statistics */
 };
 
@@ -21,8 +21,8 @@ struct sleep_marks {
   uint8_t *wakes_neighbors, *awakened;
 };
 
-/* Sleepers with somebody awake within h, once the awake have their lists. Several may say the same
- * of one. */
+/* Sleepers with a particle awake within h, once the awake have their lists. Several may say the
+ * same of one. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     sleeping_boundary_kernel(neighborhood n, const sleep_tally *tally) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
@@ -107,7 +107,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   *tally = {0, 0, 0, all, 0, 0};
 }
 
-/* Nobody solves while all sleep: then the iterations are those of the step before. */
+/* No particle solves while all sleep: then the iterations are those of the step before. */
 static __global__ void clear_convergence_kernel(convergence_state *watch,
                                                 const sleep_tally *tally) {
   if (!tally->all) *watch = {};

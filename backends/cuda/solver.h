@@ -61,7 +61,7 @@ struct solver {
   double deep_scale;     /* … as is this, of lambda */
   uint64_t *all_asleep;  /* in the host's memory: the epoch in which the device found that; with
                             sleep only */
-  uint64_t epoch;        /* between two events that may wake somebody */
+  uint64_t epoch;        /* between two events that may wake a particle */
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */

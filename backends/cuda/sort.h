@@ -26,7 +26,7 @@ struct unsorted_particles {
   uint32_t count;
   const pbf_real *activity;   /* where fluid sleeps, else null, */
   const uint32_t *all_asleep; /* and then: when not 0 all stay in their order; */
-  uint32_t *some_asleep;      /* the sort sets it where somebody sleeps */
+  uint32_t *some_asleep;      /* the sort sets it where a particle sleeps */
 };
 
 /* One entry a particle; dead after the sort. */

@@ -1,5 +1,5 @@
-/* Pre-stabilization: positions alone are moved to rest density, by a step of no time. Nobody falls
- * or flies in it, and no move becomes velocity, for that is the move times 1 / dt. */
+/* Pre-stabilization: positions alone are moved to rest density, by a step of no time. No particle
+ * falls or flies in it, and no move becomes velocity, for that is the move times 1 / dt. */
 #ifndef PBF_PHYSICS_PROJECT_H
 #define PBF_PHYSICS_PROJECT_H
 

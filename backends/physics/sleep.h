@@ -24,7 +24,7 @@ static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
   return s;
 }
 
-/* What stands for sleep in place of an activity. Sleepers within h of somebody awake are the
+/* What stands for sleep in place of an activity. Sleepers within h of a particle awake are the
  * sleeping boundary of the sleeping fluid: they do not move, yet go on solving for their density,
  * so that the awake find pressure where they come too near to them. The solve begins anew in each
  * step, and so does who is the sleeping boundary: from the search of its neighbours until all

@@ -31,7 +31,7 @@ static inline uint32_t sleepers(const solver *s) {
   return count;
 }
 
-/* Sleepers within h of somebody awake, once all are predicted. */
+/* Sleepers within h of a particle awake, once all are predicted. */
 static inline void find_sleeping_boundary(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;

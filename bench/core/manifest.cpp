@@ -19,7 +19,8 @@ nlohmann::json walls_of(const pbf_params &params, unsigned dimension) {
       {"frequency", list(params.wall_frequency, 2 * dimension)},
       {"phase", list(params.wall_phase, 2 * dimension)},
   };
-  // Walls that lend density keep particles half a spacing off: they begin where the domain ends.
+  // Walls that contribute density keep particles half a spacing off: they begin where the domain
+  // ends.
   if (params.wall_density > 0) walls["offset"] = 0;
   return walls;
 }

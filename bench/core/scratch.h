@@ -1,4 +1,4 @@
-/* A folder for files that nobody wants to keep. */
+/* A folder for files that are not kept. */
 #ifndef PBF_BENCH_SCRATCH_H
 #define PBF_BENCH_SCRATCH_H
 

@@ -69,9 +69,9 @@ void choose_support(pbf_params &params, double support) {
   params.smoothing_radius = support * params.spacing;
 }
 
-// The walls' matter begins at one place for every point. Walls that lend density keep particles
-// half a spacing off; without it their centres reach the bound, which so moves to where the
-// centres of the first layer are.
+// The walls' matter begins at one place for every point. Walls that contribute density keep
+// particles half a spacing off; without it their centres reach the bound, which so moves to where
+// the centres of the first layer are.
 void keep_walls(Scene &scene, const pbf_params &base) {
   pbf_params &params = scene.params;
   const double lent_before = base.wall_density > 0, lent_now = params.wall_density > 0;

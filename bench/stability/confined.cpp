@@ -13,7 +13,7 @@ void thin_domain(Record &record) {
       .run(steps, 12);
 }
 
-// The policy: walls hold the particles, whatever brought them there; nobody is taken out.
+// The policy: walls hold the particles, whatever brought them there; none is taken out.
 void leaving(Record &record) {
   Start start = tank({1, 1, 0.3}, {0.3, 0.3, 0.3});
   for (uint64_t i = 0; i < start.particles.count; ++i) {

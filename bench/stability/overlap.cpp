@@ -32,7 +32,7 @@ void two_coincident(Record &record) {
 void thousand_coincident(Record &record) {
   Start start;
   start.params.gravity[1] = 0;
-  // So far from the walls that nobody reaches one in 2 s: walls take momentum.
+  // So far from the walls that no particle reaches one in 2 s: walls take momentum.
   for (double &end : start.params.domain_min) end = -40;
   for (double &end : start.params.domain_max) end = 40;
   // Others beside them, since a clump alone starts point-symmetric and hides what momentum it

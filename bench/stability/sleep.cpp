@@ -44,7 +44,7 @@ pbf_collider ball_above(const Trial &trial, double side) {
   return ball;
 }
 
-// Steps until somebody wakes, and notes how far the ball is then from the fluid as it slept.
+// Steps until a particle wakes, and notes how far the ball is then from the fluid as it slept.
 void touch(Record &record, Trial &trial, const pbf_collider &ball) {
   const double surface = trial.stats().position_max[1];
   pbf_collider now = ball;

@@ -50,7 +50,7 @@ void fast_at_thin_wall(Record &record) {
   set_speed(domain.particles, speed, 0);
   Trial(record, "domain", domain).run(60, 60);
 
-  // The same in the plate's own frame: the plate flies, and stops for nobody.
+  // The same in the plate's own frame: the plate flies, and stops for none.
   Start swept = start;
   swept.colliders = {plate(20, 2)};
   swept.colliders[0].velocity[0] = -speed;

@@ -101,7 +101,7 @@ typedef struct pbf_desc {
   uint32_t api_version; /* PBF_API_VERSION */
   uint32_t dimension;   /* 2 or 3 */
   uint32_t precision;   /* PBF_FLOAT32 or PBF_FLOAT64 */
-  uint32_t capacity;    /* most particles ever held at once, 1 … PBF_MAX_CAPACITY */
+  uint32_t capacity;    /* maximum of particles held at once, 1 … PBF_MAX_CAPACITY */
   uint32_t strict;      /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
   const char *backend;  /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
   int32_t device;       /* which device of that backend; 0 is the first */
@@ -180,13 +180,13 @@ typedef struct pbf_params {
                       surfaces never pull; fluid inside, which lacks little density, holds together
                       with this part of the weight of a column of 8 h, or of what its stiffness
                       allows (docs/solver.md); without gravity nothing pulls */
-  double
-      min_diagonal;    /* least denominator of eq. 11, in units of that of the rest lattice, >= 0:
-                          keeps particles with few or coincident neighbours calm; 0: as in the paper */
-  double wall_density; /* 0 … 1: weight of the density that walls and colliders lend to the fluid
-                          before them, as if they were fluid at rest: particles then keep half a
-                          spacing off; 0: none, as in the paper: particles pile up on walls. With a
-                          smoothing_radius of 2.55 spacings or more the domain's walls, where they
+  double min_diagonal; /* minimum of the denominator of eq. 11, in units of that of the rest
+                          lattice, >= 0: keeps particles with few or coincident neighbours calm; 0:
+                          as in the paper */
+  double wall_density; /* 0 … 1: weight of the density that walls and colliders contribute to the
+                          fluid before them, as if they were fluid at rest: particles then keep half
+                          a spacing off; 0: none, as in the paper: particles pile up on walls. With
+                          a smoothing_radius of 2.55 spacings or more the domain's walls, where they
                           are no nearer to each other than that, mirror the fluid instead */
 
   double scorr_k;  /* artificial pressure, eq. 13: k, an area; 0: none. With CHEBYSHEV no more of it
@@ -197,8 +197,8 @@ typedef struct pbf_params {
 
   double vorticity; /* vorticity confinement, eq. 16, a speed; 0: none. With CHEBYSHEV no more of it
                        acts than 0.01 h / time_step, beyond which eddies feed themselves */
-  double viscosity; /* XSPH, eq. 17, without a unit; 0: none. 1 is the most that acts, and in crowds
-                       what makes a velocity the mean of those around it */
+  double viscosity; /* XSPH, eq. 17, without a unit; 0: none. 1 is the maximum that acts, and in
+                       crowds what makes a velocity the mean of those around it */
 
   /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
    * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit.
@@ -227,7 +227,7 @@ typedef struct pbf_params {
   double tolerance; /* >= 0: the density solve of a step ends with the iteration that finds a mean
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
-                       Of particles asleep only those within h of somebody awake count. */
+                       Of particles asleep only those within h of a particle awake count. */
   double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
                            the iterations, the pressure of the fluid's weight is found, so far as
                            it is more than these carry, by about a layer each: 1 … 1000; 0: none.
@@ -245,8 +245,8 @@ typedef struct pbf_params {
                               of all particles or more, or half: fewer don't raise the mean so far.
                               Another smoothing_radius, spacing, particle_volume, kernel or
                               wall_density places all; so does a wall that is set more than h/2
-                              farther in, and moves back whom it has passed. 0: never; 0.02, the
-                              default */
+                              farther in, and moves back particles that it has passed. 0: never;
+                              0.02, the default */
   double damping_compensation; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of what
                        a step takes from the fluid's motion by pushing along directions at its end
                        is given back. Solid rotation loses rate² * time_step of its angular momentum
@@ -324,7 +324,7 @@ PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_
 /* p/rho0 of the last step, length²/time², shape (count): what, held over the step, accelerates the
  * fluid as the density solve has moved it, -grad p / rho. At the present positions, as the straight
  * line through those of a particle and of its neighbours (moving least squares, weighted by a
- * kernel): by itself each trembles about it, which neighbours, who feel several at once, do not.
+ * kernel): by itself each trembles about it, which neighbours, whose pressures add up, do not.
  * Looks for neighbours, which takes a third of a step or so. Artificial pressure is not in it. 0
  * before a particle's first step: it is not part of a saved state, and begins anew when `solver`
  * becomes PBF_SOLVER_CHEBYSHEV. PBF_ERROR_UNSUPPORTED with PBF_SOLVER_JACOBI, which keeps no
@@ -393,7 +393,8 @@ enum { PBF_DEVICE_CPU = 1, PBF_DEVICE_CUDA = 2 }; /* DLPack's numbers */
 enum { PBF_TYPE_FLOAT32 = 4, PBF_TYPE_FLOAT64 = 8, PBF_TYPE_UINT32 = 12 };
 
 /* Element (i, c) of a view is at data + i * particle_stride + c * component_stride bytes. The
- * order is the backend's own; ids (in the same memory, tightly packed) say who is who. */
+ * order is the backend's own; ids (in the same memory, tightly packed) tell which element is which
+ * particle. */
 typedef struct pbf_view {
   uint32_t struct_size;
   uint32_t field;       /* PBF_FIELD_POSITION, _VELOCITY, _ID or _PRESSURE */

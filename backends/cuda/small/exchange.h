@@ -2,9 +2,9 @@
  * the number of the pass that made it. Whoever needs a value reads the word until the number is
  * right: no barrier, no fence, and a block waits for its neighbours alone.
  *
- * Nobody is ahead of a neighbour by more than one publication, as each needs the other's last one.
- * So positions, which are read until the pass is over, have two words that take turns; a lambda has
- * one: the next follows the positions that it made. */
+ * No block is ahead of a neighbour by more than one publication, as each needs the other's last
+ * one. So positions, which are read until the pass is over, have two words that take turns; a
+ * lambda has one: the next follows the positions that it made. */
 #ifndef PBF_CUDA_SMALL_EXCHANGE_H
 #define PBF_CUDA_SMALL_EXCHANGE_H
 
