@@ -4,7 +4,7 @@
 #define PBF_CPU_BOUNDARY_H
 
 #include "cpu/kernels_collide.h"
-#include "cpu/lane_vec.h"
+#include "cpu/lane_values.h"
 #include "physics/boundary.h"
 
 /* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
@@ -53,7 +53,7 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
       g1[WIDTH];
   _Alignas(64) int nodes[WIDTH];
   const pbf_real last = PBF_WALL_LAST;
-  if (!lane_any_below(lane_load(distances), lane_set(contribution_reach(c)))) return 0;
+  if (!lane_any_below(lane_load(distances), ops<lane>::set(contribution_reach(c)))) return 0;
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_real t = pbf_wall_node(c, distances[l]), inside = pbf_real_max(t, 0);
     within[l] = t < last ? 1 : 0;

@@ -8,17 +8,6 @@
 
 namespace {
 
-#if !defined(LANES_SCALAR)
-template <>
-struct ops<lane> {
-  static PBF_IN lane set(pbf_real a) { return lane_set(a); }
-  static PBF_IN lane max(lane a, lane b) { return lane_max(a, b); }
-  static PBF_IN lane fma(lane a, lane b, lane c) { return lane_fma(a, b, c); }
-  static PBF_IN lane sqrt(lane a) { return lane_sqrt(a); }
-  static PBF_IN lane rsqrt(lane a) { return lane_rsqrt(a); }
-};
-#endif
-
 /* What passes look up of neighbours; null: nothing. */
 struct lookups {
   const pbf_real *number;
@@ -33,19 +22,13 @@ PBF_FN slots neighbors_listed(const uint8_t *list, const uint8_t *end) {
   return count;
 }
 
-PBF_FN lane_vector<lane> load_vector(const field &f, uint32_t i) {
-  lane_vector<lane> a;
-  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = lane_load(f.c[k] + i);
-  return a;
-}
-
 /* A loop whose next round's distances are begun before the present one's terms: their latency is
  * the longest. Counts the neighbours, too, unless null. */
 template <class Pass>
 PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
                           const typename Pass::template own<lane> &own, uint32_t g,
                           typename Pass::template sums<lane> *sums, slots *neighbors = NULL) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
+  const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
@@ -59,15 +42,12 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = now.x_ij.c[k];
       j.r2 = now.r2;
       if (Pass::NUMBER) j.number = number_of(&around, &now);
-      if (Pass::VECTOR) {
-        const lane_vec v = vectors_at(&vectors, now.j);
-        for (int k = 0; k < PBF_DIM; ++k) j.vector.c[k] = v.c[k];
-      }
+      if (Pass::VECTOR) j.vector = vector_of(&vectors, now.j);
       pass.pair(sums, own, j);
     };
-    pair_lanes now = pairs_listed(b, list, &x, &around);
+    pair_lanes now = pairs_listed(b, list, x, &around);
     while ((list += WIDTH) < end) {
-      const pair_lanes next = pairs_listed(b, list, &x, &around);
+      const pair_lanes next = pairs_listed(b, list, x, &around);
       add(now);
       now = next;
     }

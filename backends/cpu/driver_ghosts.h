@@ -23,8 +23,8 @@ PBF_FN int has_ghosts(const pair_pass *p) {
 /* Of a pass that has ghosts; returns whether there are any near the group. */
 PBF_FN int find_ghost_walls(const pair_pass *p, uint32_t g, lane_ghost_walls *m) {
   const pbf_domain *domain = &p->contributing->domain;
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  const lane_values xs = lane_vec_values(&x);
+  const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
+  const lane_values xs = values_of(x);
   pbf_real distances[WIDTH];
   if (!(domain_distances(p->contributing, &xs, distances) < domain->ghost_reach)) return 0;
   pbf_vec lower = lane_value(&xs, 0), upper = lower;
@@ -35,8 +35,8 @@ PBF_FN int find_ghost_walls(const pair_pass *p, uint32_t g, lane_ghost_walls *m)
     }
   m->near = pbf_ghost_walls_near(domain, lower, upper);
   for (int k = 0; k < PBF_DIM; ++k) {
-    m->doubled[0][k] = lane_set(2) * (x.c[k] - lane_set(domain->lower.c[k]));
-    m->doubled[1][k] = lane_set(2) * (x.c[k] - lane_set(domain->upper.c[k]));
+    m->doubled[0][k] = ops<lane>::set(2) * (x.c[k] - ops<lane>::set(domain->lower.c[k]));
+    m->doubled[1][k] = ops<lane>::set(2) * (x.c[k] - ops<lane>::set(domain->upper.c[k]));
   }
   return m->near.count > 0;
 }
@@ -51,7 +51,7 @@ PBF_FN void add_ghosts(const Pass &pass, const lane_ghost_walls &m,
     if (walls & out) continue;
     neighbor_of<lane> ghost = j;
     ghost.r2 = ghost_in(walls, m.doubled, j.x_ij, &ghost.x_ij);
-    if (lane_any_below(ghost.r2, lane_set(pass.c->h2)))
+    if (lane_any_below(ghost.r2, ops<lane>::set(pass.c->h2)))
       pass.pair(sums, own, ghost);
     else
       out |= walls & (walls - 1) ? 0 : walls;
@@ -63,7 +63,8 @@ template <class Sums>
 PBF_FN void add_weighted(Sums *sums, lane weight, const Sums &ghosts) {
   lane *to = reinterpret_cast<lane *>(sums);
   const lane *from = reinterpret_cast<const lane *>(&ghosts);
-  for (size_t k = 0; k < sizeof(Sums) / sizeof(lane); ++k) to[k] = lane_fma(weight, from[k], to[k]);
+  for (size_t k = 0; k < sizeof(Sums) / sizeof(lane); ++k)
+    to[k] = ops<lane>::fma(weight, from[k], to[k]);
 }
 
 /* What it knows of its particle a pass looks up of neighbours, too. */
@@ -71,8 +72,8 @@ template <class Pass>
 PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, const pair_pass *p,
                                                            const lookups &of, uint32_t g,
                                                            const lane_ghost_walls &m) {
-  const lane_vec x = lane_vec_load(&p->x, g * WIDTH);
-  neighbor_of<lane> itself = {lane_vector<lane>::zero(), lane_set(0), lane_set(0), {}};
+  const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
+  neighbor_of<lane> itself = {lane_vector<lane>::zero(), ops<lane>::set(0), ops<lane>::set(0), {}};
   typename Pass::template own<lane> own;
   if constexpr (Pass::NUMBER) {
     itself.number = lane_load(of.number + g * WIDTH);
@@ -88,7 +89,7 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
     for (; list < end; list += WIDTH) {
-      const pair_lanes pair = pairs_listed(b, list, &x, &around);
+      const pair_lanes pair = pairs_listed(b, list, x, &around);
       neighbor_of<lane> j;
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = pair.x_ij.c[k];
       j.r2 = pair.r2;
@@ -97,7 +98,7 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
       add_ghosts(pass, m, own, j, &ghosts);
     }
   }
-  add_weighted(&sums, lane_set(pass.c->boundary_weight), ghosts);
+  add_weighted(&sums, ops<lane>::set(pass.c->boundary_weight), ghosts);
   pass.end(&sums);
   return sums;
 }

@@ -155,10 +155,10 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
 PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed,
                              const lane_values *moved, const lane_values *after, uint32_t first,
                              uint32_t lanes) {
-  const lane inv_time_step = lane_set(m->inv_time_step);
+  const lane inv_time_step = ops<lane>::set(m->inv_time_step);
   for (int k = 0; k < PBF_DIM; ++k) {
     const lane v =
-        lane_fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), pushed.c[k]);
+        ops<lane>::fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), pushed.c[k]);
     if (lanes == WIDTH) {
       lane_store(m->velocity.c[k] + first, v);
     } else {
@@ -192,8 +192,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     lane_values after = moved;
     uint32_t lanes = lanes_in_group(&p->lists, g);
     if (m->collide && pbf_surface_count(*m->obstacles)) {
-      const lane_vec start = lane_vec_load(&m->predicted, g * WIDTH);
-      const lane_values starts = lane_vec_values(&start);
+      const lane_values starts = values_of(load_vector(m->predicted, g * WIDTH));
       resolve_group(m->obstacles, &starts, &after, lanes);
     } else if (m->collide) {
       clamp_group(m->obstacles, &after);

@@ -3,7 +3,7 @@
 #define PBF_CPU_KERNELS_PARTICLES_H
 
 #include "cpu/kernels_collide.h"
-#include "cpu/lane_vec.h"
+#include "cpu/lane_values.h"
 #include "physics/passes/density.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/start.h"

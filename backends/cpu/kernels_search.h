@@ -40,12 +40,12 @@ static run run_from(const search *s, uint32_t i, uint32_t end) {
 static inline slots near_mask(const search *s, const run *r, uint32_t first, uint32_t begin,
                               uint32_t end) {
   slots near = slots_set(0);
-  const lane h2 = lane_set(s->h2);
+  const lane h2 = ops<lane>::set(s->h2);
   for (uint32_t slot = begin; slot < end; ++slot) {
-    lane r2 = lane_set(0);
+    lane r2 = ops<lane>::set(0);
     for (int k = 0; k < PBF_DIM; ++k) {
-      lane d = r->x[k] - lane_set(s->x.c[k][first + slot - 1]);
-      r2 = k ? lane_fma(d, d, r2) : d * d;
+      lane d = r->x[k] - ops<lane>::set(s->x.c[k][first + slot - 1]);
+      r2 = k ? ops<lane>::fma(d, d, r2) : d * d;
     }
     near = slots_mark(near, r2, h2, 0x80000000u >> slot);
   }

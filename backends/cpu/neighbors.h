@@ -1,21 +1,29 @@
 /* What pair loops look up of neighbours: where they are, one number more, and some other vector.
- * Either the windows of a block are in registers, field by field, or the four reals
- * of each particle lie side by side in memory, a quad, and a lane gets all of its neighbour's with
- * one load. */
+ * Either the windows of a block are in registers, field by field, or the four reals of each
+ * particle lie side by side in memory, a quad, and a lane gets all of its neighbour's with one
+ * load. */
 #ifndef PBF_CPU_NEIGHBORS_H
 #define PBF_CPU_NEIGHBORS_H
 
-#include "cpu/lane_vec.h"
+#include "cpu/lane_values.h"
+
+namespace {
 
 /* A pair in each lane: particle i, and the one at a place in the block's windows. */
-typedef struct pair_lanes {
+struct pair_lanes {
   place j;
-  lane_vec x_ij;
+  lane_vector<lane> x_ij;
   lane r2;
 #ifdef LANES_QUADS
   lane number;
 #endif
-} pair_lanes;
+};
+
+PBF_FN lane dot(const lane_vector<lane> &a, const lane_vector<lane> &b) {
+  lane sum = a.c[0] * b.c[0];
+  for (int k = 1; k < PBF_DIM; ++k) sum = ops<lane>::fma(a.c[k], b.c[k], sum);
+  return sum;
+}
 
 #ifdef LANES_QUADS
 
@@ -28,13 +36,13 @@ PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf
   return p->quads;
 }
 
-PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
+PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vector<lane> &x,
                                const neighbor_table *around) {
   lane quad[4];
   pair_lanes p = {.j = place_of(b->first, slots_of_bytes(list))};
   quads_at(*around, p.j, quad);
-  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x->c[k] - quad[k];
-  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
+  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - quad[k];
+  p.r2 = dot(p.x_ij, p.x_ij);
   p.number = quad[3];
   return p;
 }
@@ -53,9 +61,9 @@ PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *
   return p->vectors;
 }
 
-PBF_FN lane_vec vectors_at(const vector_table *t, place j) {
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j) {
   lane quad[4];
-  lane_vec v;
+  lane_vector<lane> v;
   quads_at(*t, j, quad);
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = quad[k];
   return v;
@@ -64,7 +72,8 @@ PBF_FN lane_vec vectors_at(const vector_table *t, place j) {
 static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last) {
   uint32_t i = first;
   for (; last - i >= WIDTH; i += WIDTH) {
-    lane quad[4] = {lane_load(x.c[0] + i), lane_load(x.c[1] + i), lane_set(0), lane_set(0)};
+    lane quad[4] = {lane_load(x.c[0] + i), lane_load(x.c[1] + i), ops<lane>::set(0),
+                    ops<lane>::set(0)};
     if (PBF_DIM == 3) quad[2] = lane_load(x.c[PBF_DIM - 1] + i);
     if (number) quad[3] = lane_load(number + i);
     quads_store(quads + 4 * (uint64_t)i, quad);
@@ -78,23 +87,34 @@ static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t firs
 
 #else
 
-typedef struct neighbor_table {
-  table_vec x;
+/* Tables of a vector's components; `sentinel` is the first of what is no neighbour. */
+struct vector_table {
+  table c[PBF_DIM];
+};
+
+PBF_FN vector_table vector_table_of(const field *f, const block *b, pbf_real sentinel) {
+  vector_table t;
+  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : sentinel);
+  return t;
+}
+
+struct neighbor_table {
+  vector_table x;
   table number;
-} neighbor_table;
+};
 
 PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
-  neighbor_table around = {.x = table_vec_of(&p->x, b, p->lists.far)};
+  neighbor_table around = {.x = vector_table_of(&p->x, b, p->lists.far)};
   if (number) around.number = table_of(number, b->first, 0);
   return around;
 }
 
-PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vec *x,
+PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vector<lane> &x,
                                const neighbor_table *around) {
   pair_lanes p;
   p.j = place_of(b->first, slots_of_bytes(list));
-  p.x_ij = lane_vec_minus(x, &around->x, p.j);
-  p.r2 = lane_vec_dot(&p.x_ij, &p.x_ij);
+  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - table_at(&around->x.c[k], p.j);
+  p.r2 = dot(p.x_ij, p.x_ij);
   return p;
 }
 
@@ -102,19 +122,19 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   return table_at(&around->number, p->j);
 }
 
-typedef table_vec vector_table;
-
 PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v) {
   (void)p;
-  return table_vec_of(v, b, 0);
+  return vector_table_of(v, b, 0);
 }
 
-PBF_FN lane_vec vectors_at(const vector_table *t, place j) {
-  lane_vec v;
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j) {
+  lane_vector<lane> v;
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = table_at(&t->c[k], j);
   return v;
 }
 
 #endif
+
+}  // namespace
 
 #endif

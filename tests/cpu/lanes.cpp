@@ -28,8 +28,8 @@ static void square_roots(void **state) {
   for (int k = 0; k < 20000; ++k) {
     for (int l = 0; l < WIDTH; ++l)
       in[l] = (pbf_real)((1 + random_bits(&seed) / 4294967296.0) * pow(2, (int)(k % 100) - 60));
-    lane_store(rsqrt, lane_rsqrt(lane_load(in)));
-    lane_store(sqrts, lane_sqrt(lane_load(in)));
+    lane_store(rsqrt, ops<lane>::rsqrt(lane_load(in)));
+    lane_store(sqrts, ops<lane>::sqrt(lane_load(in)));
     for (int l = 0; l < WIDTH; ++l) {
       assert_true(fabs((double)rsqrt[l] * sqrt((double)in[l]) - 1) < most);
       assert_true(fabs((double)sqrts[l] / sqrt((double)in[l]) - 1) < most);
@@ -39,17 +39,19 @@ static void square_roots(void **state) {
 
 static void arithmetic(void **state) {
   (void)state;
-  pbf_real a[WIDTH], b[WIDTH], c[WIDTH], fma_abc[WIDTH], max_ab[WIDTH];
+  pbf_real a[WIDTH], b[WIDTH], c[WIDTH], fma_abc[WIDTH], max_ab[WIDTH], ramp_ab[WIDTH];
   for (int l = 0; l < WIDTH; ++l) {
     a[l] = (pbf_real)(l - 3);
     b[l] = (pbf_real)(5 - 2 * l);
     c[l] = (pbf_real)(l * l);
   }
-  lane_store(fma_abc, lane_fma(lane_load(a), lane_load(b), lane_load(c)));
-  lane_store(max_ab, lane_max(lane_load(a), lane_load(b)));
+  lane_store(fma_abc, ops<lane>::fma(lane_load(a), lane_load(b), lane_load(c)));
+  lane_store(max_ab, ops<lane>::max(lane_load(a), lane_load(b)));
+  lane_store(ramp_ab, ramp(lane_load(a), lane_load(b)));
   for (int l = 0; l < WIDTH; ++l) {
     assert_true(fma_abc[l] == a[l] * b[l] + c[l]);
     assert_true(max_ab[l] == (a[l] > b[l] ? a[l] : b[l]));
+    assert_true(ramp_ab[l] == (a[l] * b[l] > -1 ? a[l] * b[l] + 1 : 0));
   }
 }
 
@@ -67,7 +69,7 @@ static void masks(void **state) {
     }
     slots m = slots_load(in);
     slots_store(count, slots_popcount(m));
-    slots_store(marked, slots_mark(m, lane_load(x), lane_set(1), 0x10));
+    slots_store(marked, slots_mark(m, lane_load(x), ops<lane>::set(1), 0x10));
     slots_store(bit, slots_bit(m & slots_set(63)));
     slots_store(below, slots_below(m & slots_set(63), 20));
     assert_int_equal(slots_any(m), any);

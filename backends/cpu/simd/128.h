@@ -26,31 +26,42 @@ PBF_FN lane lane_load(const pbf_real *p) {
   return a;
 }
 PBF_FN void lane_store(pbf_real *p, lane a) { memcpy(p, &a, sizeof a); }
-PBF_FN lane lane_max(lane a, lane b) {
-  lane_mask m = a > b;
-  return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
-}
+
+namespace {
+template <>
+struct ops<lane> {
+#if PBF_BITS == 32
+  static PBF_IN lane set(pbf_real a) { return (lane){a, a, a, a}; }
+#else
+  static PBF_IN lane set(pbf_real a) { return (lane){a, a}; }
+#endif
+  static PBF_IN lane max(lane a, lane b) {
+    lane_mask m = a > b;
+    return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
+  }
+  static PBF_IN lane fma(lane a, lane b, lane c) { return a * b + c; }
+  static PBF_IN lane sqrt(lane a) {
+    for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
+    return a;
+  }
+  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+};
+}  // namespace
+
 PBF_FN int lane_any_below(lane a, lane b) {
   const lane_mask below = a < b;
   uint64_t halves[2];
   memcpy(halves, &below, sizeof halves);
   return (halves[0] | halves[1]) != 0;
 }
-PBF_FN lane lane_fma(lane a, lane b, lane c) { return a * b + c; }
+
 #if PBF_BITS == 32
-PBF_FN lane lane_set(pbf_real a) { return (lane){a, a, a, a}; }
 PBF_FN slots slots_set(uint32_t a) { return (slots){a, a, a, a}; }
 PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3}; }
 #else
-PBF_FN lane lane_set(pbf_real a) { return (lane){a, a}; }
 PBF_FN slots slots_set(uint32_t a) { return (slots){a, a}; }
 PBF_FN slots slots_iota(void) { return (slots){0, 1}; }
 #endif
-PBF_FN lane lane_sqrt(lane a) {
-  for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
-  return a;
-}
-PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }
 
 PBF_FN slots slots_load(const uint32_t *p) {
   slots a;

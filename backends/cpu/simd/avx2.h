@@ -16,21 +16,27 @@ typedef struct table {
 
 #if PBF_BITS == 32
 
-PBF_FN lane lane_set(pbf_real a) { return (lane)_mm256_set1_ps(a); }
+namespace {
+template <>
+struct ops<lane> {
+  static PBF_IN lane set(pbf_real a) { return (lane)_mm256_set1_ps(a); }
+  static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__m256)b); }
+  static PBF_IN lane fma(lane a, lane b, lane c) {
+    return (lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+  }
+  static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
+  /* An estimate of 12 bits and one Newton step: 2e-7. */
+  static PBF_IN lane rsqrt(lane a) {
+    lane y = (lane)_mm256_rsqrt_ps((__m256)a);
+    return y * fma(a * y, y * set(-0.5f), set(1.5f));
+  }
+};
+}  // namespace
+
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm256_loadu_ps(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm256_storeu_ps(p, (__m256)a); }
-PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__m256)b); }
-PBF_FN lane lane_fma(lane a, lane b, lane c) {
-  return (lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
-}
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
-}
-PBF_FN lane lane_sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
-/* An estimate of 12 bits and one Newton step: 2e-7. */
-PBF_FN lane lane_rsqrt(lane a) {
-  lane y = (lane)_mm256_rsqrt_ps((__m256)a);
-  return y * lane_fma(a * y, y * lane_set(-0.5f), lane_set(1.5f));
 }
 
 PBF_FN slots slots_set(uint32_t a) { return (slots)_mm256_set1_epi32((int)a); }
@@ -75,7 +81,7 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
 }
 PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(sentinel)};
+  return (table){array, ops<lane>::set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm256_mask_i32gather_ps((__m256)t->sentinel, t->array, p.index, p.known, 4);
@@ -113,18 +119,24 @@ PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
 
 #else
 
-PBF_FN lane lane_set(pbf_real a) { return (lane)_mm256_set1_pd(a); }
+namespace {
+template <>
+struct ops<lane> {
+  static PBF_IN lane set(pbf_real a) { return (lane)_mm256_set1_pd(a); }
+  static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_pd((__m256d)a, (__m256d)b); }
+  static PBF_IN lane fma(lane a, lane b, lane c) {
+    return (lane)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  }
+  static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_pd((__m256d)a); }
+  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+};
+}  // namespace
+
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm256_loadu_pd(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm256_storeu_pd(p, (__m256d)a); }
-PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm256_max_pd((__m256d)a, (__m256d)b); }
-PBF_FN lane lane_fma(lane a, lane b, lane c) {
-  return (lane)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
-}
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ)) != 0;
 }
-PBF_FN lane lane_sqrt(lane a) { return (lane)_mm256_sqrt_pd((__m256d)a); }
-PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }
 
 PBF_FN slots slots_set(uint32_t a) { return (slots)_mm_set1_epi32((int)a); }
 PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3}; }
@@ -174,7 +186,7 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
 }
 PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(sentinel)};
+  return (table){array, ops<lane>::set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm256_mask_i32gather_pd((__m256d)t->sentinel, t->array, p.index, p.known, 8);

@@ -17,21 +17,27 @@ typedef struct place {
   __mmask16 second;
 } place;
 
-PBF_FN lane lane_set(pbf_real a) { return (lane)_mm512_set1_ps(a); }
+namespace {
+template <>
+struct ops<lane> {
+  static PBF_IN lane set(pbf_real a) { return (lane)_mm512_set1_ps(a); }
+  static PBF_IN lane max(lane a, lane b) { return (lane)_mm512_max_ps((__m512)a, (__m512)b); }
+  static PBF_IN lane fma(lane a, lane b, lane c) {
+    return (lane)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+  }
+  static PBF_IN lane sqrt(lane a) { return (lane)_mm512_sqrt_ps((__m512)a); }
+  /* An estimate of 14 bits and one Newton step: within an ulp or two. */
+  static PBF_IN lane rsqrt(lane a) {
+    lane y = (lane)_mm512_rsqrt14_ps((__m512)a);
+    return y * fma(a * y, y * set(-0.5f), set(1.5f));
+  }
+};
+}  // namespace
+
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm512_loadu_ps(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm512_storeu_ps(p, (__m512)a); }
-PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm512_max_ps((__m512)a, (__m512)b); }
-PBF_FN lane lane_fma(lane a, lane b, lane c) {
-  return (lane)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
-}
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
-}
-PBF_FN lane lane_sqrt(lane a) { return (lane)_mm512_sqrt_ps((__m512)a); }
-/* An estimate of 14 bits and one Newton step: within an ulp or two. */
-PBF_FN lane lane_rsqrt(lane a) {
-  lane y = (lane)_mm512_rsqrt14_ps((__m512)a);
-  return y * lane_fma(a * y, y * lane_set(-0.5f), lane_set(1.5f));
 }
 
 PBF_FN slots slots_set(uint32_t a) { return (slots)_mm512_set1_epi32((int)a); }
@@ -119,18 +125,24 @@ typedef struct place {
   __mmask8 known;
 } place;
 
-PBF_FN lane lane_set(pbf_real a) { return (lane)_mm512_set1_pd(a); }
+namespace {
+template <>
+struct ops<lane> {
+  static PBF_IN lane set(pbf_real a) { return (lane)_mm512_set1_pd(a); }
+  static PBF_IN lane max(lane a, lane b) { return (lane)_mm512_max_pd((__m512d)a, (__m512d)b); }
+  static PBF_IN lane fma(lane a, lane b, lane c) {
+    return (lane)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+  }
+  static PBF_IN lane sqrt(lane a) { return (lane)_mm512_sqrt_pd((__m512d)a); }
+  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+};
+}  // namespace
+
 PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm512_loadu_pd(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm512_storeu_pd(p, (__m512d)a); }
-PBF_FN lane lane_max(lane a, lane b) { return (lane)_mm512_max_pd((__m512d)a, (__m512d)b); }
-PBF_FN lane lane_fma(lane a, lane b, lane c) {
-  return (lane)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-}
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ) != 0;
 }
-PBF_FN lane lane_sqrt(lane a) { return (lane)_mm512_sqrt_pd((__m512d)a); }
-PBF_FN lane lane_rsqrt(lane a) { return lane_set(1) / lane_sqrt(a); }
 
 PBF_FN slots slots_set(uint32_t a) { return (slots)_mm256_set1_epi32((int)a); }
 PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3, 4, 5, 6, 7}; }
@@ -180,7 +192,7 @@ PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
 }
 PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, lane_set(sentinel)};
+  return (table){array, ops<lane>::set(sentinel)};
 }
 PBF_FN lane table_at(const table *t, place p) {
   return (lane)_mm512_mask_i32gather_pd((__m512d)t->sentinel, p.known, p.index, t->array, 8);

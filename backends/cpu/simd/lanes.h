@@ -1,6 +1,6 @@
 /* Lanes: the vector types of one instruction set, behind the names that the pair loops use.
  *
- *   lane    WIDTH reals, with + - * and sqrt, rsqrt, max, fma, any_below
+ *   lane    WIDTH reals, with + - *, ops<lane>, load, store and any_below
  *   slots   WIDTH unsigned 32-bit integers, with & | ~ + -
  *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *
@@ -19,7 +19,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "physics/real.h"
+#include "physics/lane_vector.h"
 
 enum { SLOTS = 32 };
 

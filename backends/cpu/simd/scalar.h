@@ -13,14 +13,9 @@ typedef struct place {
   int known;
 } place;
 
-PBF_FN lane lane_set(pbf_real a) { return a; }
 PBF_FN lane lane_load(const pbf_real *p) { return *p; }
 PBF_FN void lane_store(pbf_real *p, lane a) { *p = a; }
-PBF_FN lane lane_max(lane a, lane b) { return a > b ? a : b; }
 PBF_FN int lane_any_below(lane a, lane b) { return a < b; }
-PBF_FN lane lane_fma(lane a, lane b, lane c) { return a * b + c; }
-PBF_FN lane lane_sqrt(lane a) { return pbf_real_sqrt(a); }
-PBF_FN lane lane_rsqrt(lane a) { return 1 / pbf_real_sqrt(a); }
 
 PBF_FN slots slots_set(uint32_t a) { return a; }
 PBF_FN slots slots_iota(void) { return 0; }
