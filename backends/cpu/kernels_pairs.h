@@ -339,8 +339,9 @@ static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, u
   const pressure_fit_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
     const lane_sums<pressure_fit_pass::sums> sums(sums_of_group(pass, p, {numbers, NULL}, {}, g));
-    for (uint32_t l = 0, i = g * WIDTH; l < WIDTH; ++l, ++i)
-      fitted[i] = pass.finish(sums[l], numbers[i]);
+    alignas(64) pbf_real lines[WIDTH];
+    for (uint32_t l = 0; l < WIDTH; ++l) lines[l] = pass.finish(sums[l], numbers[g * WIDTH + l]);
+    lane_store(fitted + g * WIDTH, lane_load(lines));
   }
 }
 
