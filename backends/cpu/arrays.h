@@ -1,8 +1,9 @@
-/* The arrays of a solver: those that it has for life, and those of some scenes only. Part of
- * backend.cpp. */
+/* Part of backend.cpp: the arrays of a solver, those that it has for life and those of some scenes
+ * only. */
 #ifndef PBF_CPU_ARRAYS_H
 #define PBF_CPU_ARRAYS_H
 
+#include "common/memory.h"
 #include "cpu/worker.h"
 
 namespace {

@@ -1,5 +1,5 @@
-/* The corrections of the fluid's own motion: damping compensation and angular momentum. One loop
- * for both kernels, for they run on request. */
+/* Part of kernels.cpp: the corrections of the fluid's own motion: damping compensation and angular
+ * momentum. One loop for both kernels, for they run on request. */
 #ifndef PBF_CPU_KERNELS_CORRECTIONS_H
 #define PBF_CPU_KERNELS_CORRECTIONS_H
 

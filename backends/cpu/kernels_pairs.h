@@ -2,7 +2,9 @@
 #ifndef PBF_CPU_KERNELS_PAIRS_H
 #define PBF_CPU_KERNELS_PAIRS_H
 
+#include "cpu/driver.h"
 #include "cpu/driver_ghosts.h"
+#include "cpu/kernels_walls.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/density.h"

@@ -1,4 +1,4 @@
-/* Loops over single particles, left to the compiler's vectoriser. */
+/* Part of kernels.cpp: loops over single particles, left to the compiler's vectoriser. */
 #ifndef PBF_CPU_KERNELS_PARTICLES_H
 #define PBF_CPU_KERNELS_PARTICLES_H
 

@@ -1,5 +1,5 @@
-/* Loops of the pressure grid (physics/coarse.h): over particles, and over nodes along the first
- * axis. They are left to the compiler's vectoriser. */
+/* Part of kernels.cpp: loops of the pressure grid (physics/coarse.h): over particles, and over
+ * nodes along the first axis. They are left to the compiler's vectoriser. */
 #ifndef PBF_CPU_KERNELS_PRESSURE_GRID_H
 #define PBF_CPU_KERNELS_PRESSURE_GRID_H
 

@@ -1,5 +1,5 @@
-/* Neighbour search over particles sorted by cell. Distances are tested for a whole group against
- * one candidate at a time. */
+/* Part of kernels.cpp: neighbour search over particles sorted by cell. Distances are tested for a
+ * whole group against one candidate at a time. */
 #ifndef PBF_CPU_KERNELS_SEARCH_H
 #define PBF_CPU_KERNELS_SEARCH_H
 

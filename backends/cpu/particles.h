@@ -1,4 +1,4 @@
-/* Particles in and out, by row: the order of adding. */
+/* Part of backend.cpp: particles in and out, by row: the order of adding. */
 #ifndef PBF_CPU_PARTICLES_H
 #define PBF_CPU_PARTICLES_H
 

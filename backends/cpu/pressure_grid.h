@@ -1,5 +1,5 @@
-/* Deep water: the pressure of the fluid's weight on a coarse grid (physics/coarse.h), before the
- * iterations. */
+/* Part of executor.h: deep water's stage, the pressure of the fluid's weight on a coarse grid
+ * (physics/coarse.h), before the iterations. */
 #ifndef PBF_CPU_PRESSURE_GRID_H
 #define PBF_CPU_PRESSURE_GRID_H
 

@@ -1,5 +1,5 @@
-/* The pressure grid's equations and their solve: by one thread, or where there are many nodes by
- * all that come by. */
+/* Part of pressure_grid.h: its equations and their solve, by one thread or, where there are many
+ * nodes, by all that come by. */
 #ifndef PBF_CPU_PRESSURE_GRID_SOLVE_H
 #define PBF_CPU_PRESSURE_GRID_SOLVE_H
 

@@ -1,4 +1,4 @@
-/* The buffers of a step, by what they hold. */
+/* Part of solver.h: the buffers of a step, by what they hold. */
 #ifndef PBF_CPU_STATE_H
 #define PBF_CPU_STATE_H
 

@@ -1,5 +1,6 @@
-/* What callers ask for between steps: densities, pressures and statistics at the present positions.
- * Uses the buffers of a step; the state stays where it is, since a caller may be looking at it. */
+/* Part of backend.cpp: what callers ask for between steps: densities, pressures and statistics at
+ * the present positions. Uses the buffers of a step; the state stays where it is, since a caller
+ * may be looking at it. */
 #ifndef PBF_CPU_SURVEY_H
 #define PBF_CPU_SURVEY_H
 

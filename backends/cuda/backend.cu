@@ -2,6 +2,7 @@
 #include "common/without.h"
 #include "cuda/plugin.h"
 
+#include "cuda/arrays.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/report.h"

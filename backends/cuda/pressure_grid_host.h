@@ -1,4 +1,4 @@
-/* How the pressure grid's solve is launched. */
+/* Part of executor.h: how the pressure grid's solve is launched. */
 #ifndef PBF_CUDA_PRESSURE_GRID_HOST_H
 #define PBF_CUDA_PRESSURE_GRID_HOST_H
 

@@ -1,7 +1,7 @@
-/* The solve of the pressure grid, by blocks that each have a run of its nodes. Up to as many as fit
- * there, lambda is in the shared memory of one block or of a cluster, and blocks hand on what their
- * neighbours need: an iteration waits for shared memory alone. Larger grids are in memory, and
- * their blocks meet at a barrier of all. */
+/* Part of solver.h: the solve of the pressure grid, by blocks that each have a run of its nodes. Up
+ * to as many as fit there, lambda is in the shared memory of one block or of a cluster, and blocks
+ * hand on what their neighbours need: an iteration waits for shared memory alone. Larger grids are
+ * in memory, and their blocks meet at a barrier of all. */
 #ifndef PBF_CUDA_PRESSURE_GRID_SOLVE_H
 #define PBF_CUDA_PRESSURE_GRID_SOLVE_H
 

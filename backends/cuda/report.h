@@ -1,4 +1,4 @@
-/* Statistics, plan and times. */
+/* Part of backend.cu: statistics, plan and times. */
 #ifndef PBF_CUDA_REPORT_H
 #define PBF_CUDA_REPORT_H
 

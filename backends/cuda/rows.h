@@ -1,4 +1,4 @@
-/* Between the sorted order and the order of adding; adding and removing. */
+/* Part of population.h: between the sorted order and the order of adding; adding and removing. */
 #ifndef PBF_CUDA_ROWS_H
 #define PBF_CUDA_ROWS_H
 

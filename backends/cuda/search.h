@@ -1,4 +1,4 @@
-/* Building the neighbour lists. */
+/* Part of launches.h: building the neighbour lists. */
 #ifndef PBF_CUDA_SEARCH_H
 #define PBF_CUDA_SEARCH_H
 

@@ -1,5 +1,5 @@
-/* Statistics: sums in float64 by a fixed number of blocks, each in a fixed order, so that they are
- * the same from run to run. The host adds up the blocks. */
+/* Part of population.h: statistics: sums in float64 by a fixed number of blocks, each in a fixed
+ * order, so that they are the same from run to run. The host adds up the blocks. */
 #ifndef PBF_CUDA_STATS_H
 #define PBF_CUDA_STATS_H
 

@@ -1,4 +1,4 @@
-/* Times of stages, off at first. */
+/* Part of solver.h: times of stages, off at first. */
 #ifndef PBF_CUDA_TIMING_H
 #define PBF_CUDA_TIMING_H
 

@@ -1,6 +1,6 @@
-/* Deep water (physics/coarse.h): particle by particle, node by node. */
-#ifndef PBF_REFERENCE_DEEP_H
-#define PBF_REFERENCE_DEEP_H
+/* Part of step.h: deep water (physics/coarse.h): particle by particle, node by node. */
+#ifndef PBF_REFERENCE_PRESSURE_GRID_H
+#define PBF_REFERENCE_PRESSURE_GRID_H
 
 #include "common/deep.h"
 

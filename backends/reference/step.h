@@ -1,4 +1,5 @@
-/* Algorithm 1 of Macklin & Müller 2013, stage by stage. The equations are in physics/. */
+/* Part of backend.cpp: Algorithm 1 of Macklin & Müller 2013, stage by stage. The equations are in
+ * physics/. */
 #ifndef PBF_REFERENCE_STEP_H
 #define PBF_REFERENCE_STEP_H
 
@@ -16,6 +17,7 @@
 #include "physics/passes/velocity.h"
 #include "physics/step.h"
 #include "reference/driver.h"
+#include "reference/pressure_grid.h"
 #include "reference/sleep.h"
 
 /* Particles on their way from `from` to x*; from before the obstacles moved where

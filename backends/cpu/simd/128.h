@@ -1,4 +1,5 @@
-/* Vectors of 128 bits in the compiler's own extension: SSE2, or whatever else has them. */
+/* Part of lanes.h: vectors of 128 bits in the compiler's own extension: SSE2, or whatever else has
+ * them. */
 typedef pbf_real lane __attribute__((vector_size(16)));
 enum { WIDTH = 16 / sizeof(pbf_real) };
 typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));

@@ -1,6 +1,6 @@
-/* AVX2 with FMA: 8 floats or 4 doubles. Quads are read with a load a lane: what gathers take
- * depends much on the processor, on AMD's of before Zen 4 and on those of Intel that guard them
- * against leaks several times as long. */
+/* Part of lanes.h: AVX2 with FMA: 8 floats or 4 doubles. Quads are read with a load a lane: what
+ * gathers take depends much on the processor, on AMD's of before Zen 4 and on those of Intel that
+ * guard them against leaks several times as long. */
 #include <immintrin.h>
 
 #define LANES_QUADS

@@ -1,5 +1,5 @@
-/* AVX-512 (F, CD, BW, DQ, VL): 16 floats or 8 doubles. A window of floats is two registers, and
- * looking up in it is one permutation; a gather costs ten times that. */
+/* Part of lanes.h: AVX-512 (F, CD, BW, DQ, VL): 16 floats or 8 doubles. A window of floats is two
+ * registers, and looking up in it is one permutation; a gather costs ten times that. */
 #include <immintrin.h>
 
 typedef pbf_real lane __attribute__((vector_size(64)));

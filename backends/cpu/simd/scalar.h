@@ -1,4 +1,4 @@
-/* One lane: the scalar twin that the vector kernels are tested against. */
+/* Part of lanes.h: one lane: the scalar twin that the vector kernels are tested against. */
 #define LANES_SCALAR
 enum { WIDTH = 1 };
 typedef pbf_real lane;

@@ -1,6 +1,6 @@
-/* Values that particles hand from block to block within a launch, each in one word of memory with
- * the number of the pass that made it. Whoever needs a value reads the word until the number is
- * right: no barrier, no fence, and a block waits for its neighbours alone.
+/* Part of scene.h: values that particles hand from block to block within a launch, each in one word
+ * of memory with the number of the pass that made it. Whoever needs a value reads the word until
+ * the number is right: no barrier, no fence, and a block waits for its neighbours alone.
  *
  * No block is ahead of a neighbour by more than one publication, as each needs the other's last
  * one. So positions, which are read until the pass is over, have two words that take turns; a

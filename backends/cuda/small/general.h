@@ -1,5 +1,5 @@
-/* A step of a small scene without limits, for when cells or lists have no room: every stage a loop
- * over the particles and a barrier, and no lists. */
+/* Part of kernel.h: a step of a small scene without limits, for when cells or lists have no room:
+ * every stage a loop over the particles and a barrier, and no lists. */
 #ifndef PBF_CUDA_SMALL_GENERAL_H
 #define PBF_CUDA_SMALL_GENERAL_H
 

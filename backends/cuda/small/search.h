@@ -1,5 +1,5 @@
-/* The lists of small scenes: a particle's candidates are dealt out to its threads in turn, and each
- * keeps those that are near in a list of its own. */
+/* Part of kernel.h: the lists of small scenes: a particle's candidates are dealt out to its threads
+ * in turn, and each keeps those that are near in a list of its own. */
 #ifndef PBF_CUDA_SMALL_SEARCH_H
 #define PBF_CUDA_SMALL_SEARCH_H
 

@@ -1,5 +1,6 @@
-/* A block's tile: the cells around its particles, and the particles in them, a slot each, by cell
- * and id, in shared memory. Each cell is read once a step, instead of once a particle near it. */
+/* Part of search.h: a block's tile: the cells around its particles, and the particles in them, a
+ * slot each, by cell and id, in shared memory. Each cell is read once a step, instead of once a
+ * particle near it. */
 #ifndef PBF_CUDA_SMALL_TILE_H
 #define PBF_CUDA_SMALL_TILE_H
 
