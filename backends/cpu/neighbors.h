@@ -1,7 +1,7 @@
-/* What pair loops look up of neighbours: where they are, one number more, and some other vector.
- * Either the windows of a block are in registers, field by field, or the four reals of each
- * particle lie side by side in memory, a quad, and a lane gets all of its neighbour's with one
- * load. */
+/* Part of driver.h. What pair loops look up of neighbours: where they are, one number more, and
+ * some other vector. Either the windows of a block are in registers, field by field, or the four
+ * reals of each particle lie side by side in memory, a quad, and a lane gets all of its neighbour's
+ * with one load. */
 #ifndef PBF_CPU_NEIGHBORS_H
 #define PBF_CPU_NEIGHBORS_H
 

@@ -1,6 +1,7 @@
-/* What walls and colliders do to particles. Where colliders are many a particle does not ask all of
- * them in each pass, one after the other: the lanes of a warp share them out, and look which are
- * near the box around their particles. The others leave each particle as it is, to the bit. */
+/* Part of sort.h. What walls and colliders do to particles. Where colliders are many a particle
+ * does not ask all of them in each pass, one after the other: the lanes of a warp share them out,
+ * and look which are near the box around their particles. The others leave each particle as it is,
+ * to the bit. */
 #ifndef PBF_CUDA_OBSTACLES_H
 #define PBF_CUDA_OBSTACLES_H
 

@@ -1,5 +1,5 @@
-/* Pressures of the last step, where they are read: lambda and what the pressure grid adds to
- * it, fitted to the particles around (passes/pressure_fit.h). */
+/* Part of population.h. Pressures of the last step, where they are read: lambda and what the
+ * pressure grid adds to it, fitted to the particles around (passes/pressure_fit.h). */
 #ifndef PBF_CUDA_PRESSURES_H
 #define PBF_CUDA_PRESSURES_H
 
