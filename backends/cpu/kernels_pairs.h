@@ -4,7 +4,7 @@
 
 #include "cpu/driver.h"
 #include "cpu/driver_ghosts.h"
-#include "cpu/kernels_walls.h"
+#include "cpu/boundary.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/density.h"
