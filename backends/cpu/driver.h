@@ -45,6 +45,10 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
       if (Pass::VECTOR) j.vector = vector_of(&vectors, now.j);
       pass.pair(sums, own, j);
     };
+    if (BUILT_FOR_SIZE) {
+      for (; list < end; list += WIDTH) add(pairs_listed(b, list, x, &around));
+      continue;
+    }
     pair_lanes now = pairs_listed(b, list, x, &around);
     while ((list += WIDTH) < end) {
       const pair_lanes next = pairs_listed(b, list, x, &around);

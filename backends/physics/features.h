@@ -63,7 +63,7 @@ static inline int pbf_features_of(const pbf_params *params) {
 #else
 #define PBF_IN inline __attribute__((always_inline))
 #define PBF_FN static inline __attribute__((always_inline, unused))
-#define PBF_FN_APART static __attribute__((noinline, unused))
+#define PBF_FN_APART static inline __attribute__((noinline, unused))
 #endif
 
 #endif

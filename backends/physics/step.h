@@ -26,7 +26,7 @@ enum exchanged_fields {
 namespace {
 
 /* What a build must have to run each stage, by stages.def. */
-constexpr int stage_features[] = {
+static constexpr int stage_features[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) PBF_FEATURE_##feature,
 #include "physics/stages.def"
 };
