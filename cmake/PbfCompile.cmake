@@ -23,8 +23,8 @@ endif()
 target_compile_options(pbf_compile INTERFACE
   $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes
     -Wpointer-arith -Wvla -ffp-contract=off -fno-math-errno -fno-trapping-math>
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -ffp-contract=off -fno-math-errno
-    -fno-trapping-math>)
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wno-missing-field-initializers -Wshadow
+    -ffp-contract=off -fno-math-errno -fno-trapping-math>) # what a C++ initialiser leaves out is 0
 if(PBF_WERROR)
   target_compile_options(pbf_compile INTERFACE
     $<$<COMPILE_LANGUAGE:C,CXX>:-Werror> $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)
@@ -43,8 +43,8 @@ if(PBF_SANITIZE_THREAD)
   add_link_options(-fsanitize=thread)
 endif()
 
-# Backends, and tests that include their headers: what an initialiser leaves out is 0.
-set(pbf_backend_warnings -Wno-missing-field-initializers)
+# Of backends, and of tests that include their headers.
+set(pbf_backend_warnings)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU) # false alarms inside its own AVX-512 intrinsics
   list(APPEND pbf_backend_warnings -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()

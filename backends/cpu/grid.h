@@ -80,7 +80,7 @@ static inline void grid_number_rows(grid *g, const pbf_fold *stored) {
 static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
                                uint64_t limit) {
   const pbf_vec lower = grid_vec(axis, low), upper = grid_vec(axis, high);
-  grid g = {0};
+  grid g = {};
   double cells[PBF_DIM], widths[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
     double extent = fmax((double)upper.c[k] - (double)lower.c[k], 0);

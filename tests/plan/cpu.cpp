@@ -37,7 +37,9 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(update_velocity, NOTHING, "velocity"),
       WATCH_STAGE(curl, VORTICITY, "curl"),
       WATCH_STAGE(confine, VORTICITY, "confine"),
+#ifndef __clang__ /* which has no address of a member function as a pointer */
       WATCH_STAGE(executor::viscosity, VISCOSITY, "viscosity"),
+#endif
       WATCH_STAGE(solve_pressure_grid, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(update_sleep, SLEEP, "sleep"),
       WATCH(viscosity, VISCOSITY | SLEEP),
