@@ -37,7 +37,8 @@ static pbf_vec at_rest_or_uniform(pbf_vec x) {
   return v;
 }
 
-static pbf_curl lattice_curl(velocity_field field) {
+/* Of the particle at the origin, whose neighbours are from row `first` of the lattice on. */
+static pbf_curl curl_from_row(int first, velocity_field field) {
   pbf_constants c;
   double d;
   set_params_on_lattice(&c, &d);
@@ -46,7 +47,7 @@ static pbf_curl lattice_curl(velocity_field field) {
   const pbf_vec zero = {{0}};
   auto sums = pass.begin<pbf_real>();
   for (int i = -n; i <= n; ++i)
-    for (int j = -n; j <= n; ++j)
+    for (int j = first > -n ? first : -n; j <= n; ++j)
       for (int k = -nz; k <= nz; ++k) {
         double at[3] = {d * i, d * j, d * k};
         pbf_vec x = {{0}}, x_ij;
@@ -58,6 +59,8 @@ static pbf_curl lattice_curl(velocity_field field) {
   pass.end(&sums);
   return pass.finish(sums);
 }
+
+static pbf_curl lattice_curl(velocity_field field) { return curl_from_row(-1000, field); }
 
 /* sum V x grad W = -1 up to the quadrature error of the lattice, so the curl comes out as curl v
  * with eq. 15's sign. */
@@ -91,6 +94,7 @@ static void confinement_along_no_axis(void **state) {
 static void curl_of_a_uniform_flow_is_zero(void **state) {
   (void)state;
   assert_near(pbf_curl_size(lattice_curl(at_rest_or_uniform)), 0, 0);
+  assert_near(pbf_curl_size(curl_from_row(0, at_rest_or_uniform)), 0, 0);
 }
 
 /* Outside a vortex eta points to its core; the confinement pushes along the swirl. */
