@@ -1,6 +1,5 @@
-/* Part of driver_ghosts.h. What surfaces contribute to the densities of a group, a particle in each
- * lane. The domain has a path of its own, for all lanes at once: most groups are near no collider.
- */
+/* What surfaces contribute to the densities of a group, a particle in each lane. The domain has a
+ * path of its own, for all lanes at once: most groups are near no collider. */
 #ifndef PBF_CPU_BOUNDARY_H
 #define PBF_CPU_BOUNDARY_H
 
