@@ -194,7 +194,7 @@ static void pack_vectors(worker *w, void (*pack_task)(void *context, uint32_t ta
   if (w->s->kernels->pack) parallel_for(w->me, pair_task_count(w), pack_task, end_vectors, w);
 }
 
-/* Who is no neighbour is far away. */
+/* What is no neighbour is far away. */
 static void end_positions(void *context) {
   const worker *w = static_cast<const worker *>(context);
   packed_curl_sizes(w->s)[-4] = w->s->grid.far;

@@ -64,7 +64,7 @@ struct pbf_backend_solver {
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   uint32_t asleep;              /* at the end of the last step, or 0 since a particle woke */
-  atomic_uint near_sleep_count; /* who sleeps or is still enough to: counted in each step, */
+  atomic_uint near_sleep_count; /* asleep, or still enough to sleep: counted in each step, */
   atomic_uint sleepers;         /* as are these */
   atomic_uint all_asleep;       /* 1: the run ends, since all sleep, */
   uint32_t all_asleep_at;       /* with this step */

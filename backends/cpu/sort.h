@@ -1,6 +1,6 @@
 /* Sorts particles by cell and, within a cell, by id: an order that depends on nothing but where
- * particles are and who they are. A task of the work is a range of cells: who sorts it counts, and
- * then places, the particles that belong there, wherever they are now. */
+ * particles are and which they are. A task of the work is a range of cells: the thread that sorts
+ * it counts, and then places, the particles that belong there, wherever they are now. */
 #ifndef PBF_CPU_SORT_H
 #define PBF_CPU_SORT_H
 

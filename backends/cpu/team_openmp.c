@@ -2,8 +2,8 @@
  * microseconds long in a small scene, on cores that others may use too: OpenMP's would wait for
  * the slowest thread in each of them.
  *
- * A thread's part of a loop is a run of tasks. The thread takes them from its front; who has done
- * with his own part takes tasks from the end of another's. A loop is over when its tasks are
+ * A thread's part of a loop is a run of tasks. The thread takes them from its front; one that has
+ * done with its own part takes tasks from the end of another's. A loop is over when its tasks are
  * done, whether or not all threads have come. */
 #include <omp.h>
 #include "cpu/atomics.h"
@@ -72,8 +72,8 @@ static left unpack(unsigned long long word) {
   return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & 0xffff, (uint32_t)word & 0xffff};
 }
 
-/* Takes a task of the loop from a thread's part; 0 when none is left there. The first who comes
- * divides the part up. */
+/* Takes a task of the loop from a thread's part; 0 when none is left there. The first thread that
+ * comes divides the part up. */
 static int take_task(const member *me, uint32_t thread, uint32_t tasks, uint32_t *task) {
   atomic_ullong *word = &me->team->desks[thread].left;
   unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;

@@ -101,8 +101,8 @@ static inline uint32_t list_blocks(uint32_t count) {
   return (count + SEARCH_BLOCK - 1) / SEARCH_BLOCK;
 }
 
-/* Who gets a list. The sleeping boundary (physics/sleep.h) is known once the awake have theirs; a
- * warp's lists have their bases in common, so that it gets them together. */
+/* Which particles get a list. The sleeping boundary (physics/sleep.h) is known once the awake have
+ * theirs; a warp's lists have their bases in common, so that it gets them together. */
 enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SLEEPING_BOUNDARY };
 
 template <searchers WHO>

@@ -1,6 +1,6 @@
-/* Part of solver.h: who falls asleep and who wakes (physics/sleep.h). Nothing comes back to the
- * host, which only looks: when all sleep, the device says so in the host's memory, and the steps
- * that the host launches until it has seen that change nothing. */
+/* Part of solver.h: which particles fall asleep and which wake (physics/sleep.h). Nothing comes
+ * back to the host, which only looks: when all sleep, the device says so in the host's memory, and
+ * the steps that the host launches until it has seen that change nothing. */
 #ifndef PBF_CUDA_SLEEP_H
 #define PBF_CUDA_SLEEP_H
 

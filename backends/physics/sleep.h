@@ -10,7 +10,7 @@
 typedef struct pbf_sleep {
   pbf_real share;           /* of one step in the mean over time */
   pbf_real still2;          /* below this activity a particle falls asleep */
-  pbf_real wake_threshold2; /* fluid above it wakes who is near */
+  pbf_real wake_threshold2; /* fluid above it wakes particles near it */
 } pbf_sleep;
 
 static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
@@ -27,8 +27,8 @@ static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
 /* What stands for sleep in place of an activity. Sleepers within h of a particle awake are the
  * sleeping boundary of the sleeping fluid: they do not move, yet go on solving for their density,
  * so that the awake find pressure where they come too near to them. The solve begins anew in each
- * step, and so does who is the sleeping boundary: from the search of its neighbours until all
- * settle. */
+ * step, and so does which particles are the sleeping boundary: from the search of its neighbours
+ * until all settle. */
 enum { PBF_ASLEEP = -1 };
 
 PBF_FN pbf_real pbf_sleeping_boundary(void) { return (pbf_real)-0.5; }

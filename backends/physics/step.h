@@ -56,7 +56,7 @@ PBF_FN bool has_only(const pbf_schedule &has, const pbf_stage (&stages)[N]) {
  * nothing. find_neighbors() finds the ghosts, too, with what they repeat. */
 template <class Executor>
 static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
-  if (!e.wake()) return STEP_OF_NONE_AWAKE; /* who is near what moves */
+  if (!e.wake()) return STEP_OF_NONE_AWAKE; /* particles near what moves */
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
   e.begin_solve();
