@@ -12,6 +12,8 @@ function(pbf_add_backend name)
   target_compile_definitions(${target} PRIVATE PBF_BACKEND_NAME="${name}"
     PBF_BUILD_ID="${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}")
   target_link_libraries(${target} PRIVATE pbf_compile m)
+  # Linked as C, without the libraries that CMake holds C++ objects to need.
+  set(CMAKE_CXX_IMPLICIT_LINK_LIBRARIES "" PARENT_SCOPE)
   set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
 endfunction()
 
