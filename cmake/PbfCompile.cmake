@@ -35,6 +35,8 @@ if(PBF_SANITIZE_ADDRESS)
   if(CMAKE_C_COMPILER_ID MATCHES Clang)
     # clang alone holds null + 0 to be an overflow; what lies out of bounds ASan finds.
     add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fno-sanitize=pointer-overflow>)
+    # These two want type information, which backends have not.
+    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=function,vptr>)
   endif()
   add_link_options(-fsanitize=address,undefined)
 endif()
