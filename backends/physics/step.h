@@ -25,16 +25,15 @@ enum exchanged_fields {
 
 namespace {
 
-/* What a build must have to run each stage, by stages.def. */
-static constexpr int stage_features[] = {
-#define PBF_STAGE(ID, name, feature, times, launches) PBF_FEATURE_##feature,
-#include "physics/stages.def"
-};
-
 /* Whether a stage that the build has is in the schedule. */
 template <pbf_stage STAGE>
 PBF_FN bool runs(const pbf_schedule &has) {
-  constexpr int feature = stage_features[STAGE];
+  constexpr int features[] = {
+      /* what a build must have to run each stage */
+#define PBF_STAGE(ID, name, feature, times, launches) PBF_FEATURE_##feature,
+#include "physics/stages.def"
+  };
+  constexpr int feature = features[STAGE];
   return (PBF_BUILT & feature) == feature && has.runs[STAGE];
 }
 
