@@ -29,7 +29,7 @@ namespace {
 template <pbf_stage STAGE>
 PBF_FN bool runs(const pbf_schedule &has) {
   constexpr int features[] = {
-      /* what a build must have to run each stage */
+  /* what a build must have to run each stage */
 #define PBF_STAGE(ID, name, feature, times, launches) PBF_FEATURE_##feature,
 #include "physics/stages.def"
   };
