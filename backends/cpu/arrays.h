@@ -134,7 +134,7 @@ static extent chunks(const solver *s) { return {padded(s->capacity) / ACTIVITY_C
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
-static extent grid_words(const solver *s) { return {pbf_deep_words(s->capacity), 0}; }
+static extent grid_words(const solver *s) { return {pbf_pressure_grid_words(s->capacity), 0}; }
 
 namespace {
 
@@ -154,8 +154,8 @@ struct optional_array {
     for (int k = 1; k < PBF_DIM; ++k) f->c[k] = f->c[0] ? f->c[k - 1] + e.count / PBF_DIM : NULL;
     return kept;
   }
-  bool keep(pbf_deep *deep, extent) const {
-    return pbf_deep_keep(&s->memory, deep, wanted, name, s->capacity);
+  bool keep(pbf_pressure_grid_storage *storage, extent) const {
+    return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
   bool keep() const { return true; } /* other backends' */
 };

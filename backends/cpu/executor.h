@@ -63,7 +63,8 @@ struct executor {
     if (!sorted) sort_particles(w);
     w->activity = w->b.sorted_activity;
     w->sleeping_lambda = w->b.sorted_sleeping_lambda;
-    if (!::find_neighbors(w, is_deep(w) ? end_deep_search : end_search)) return false;
+    if (!::find_neighbors(w, has_pressure_grid(w) ? end_search_with_grid : end_search))
+      return false;
     if (corrects_torque(w)) over_pairs(start_task);
     stage_end(w, PBF_STAGE_NEIGHBORS);
     return true;

@@ -3,7 +3,7 @@
 #ifndef PBF_CPU_KERNELS_H
 #define PBF_CPU_KERNELS_H
 
-#include "common/deep.h"
+#include "common/pressure_grid.h"
 #include "cpu/grid.h"
 #include "physics/passes/predict.h"
 #include "physics/sleep.h"
@@ -109,7 +109,7 @@ enum { ACTIVITY_CHUNK = 32 };
 #define AWAKENED UINT32_MAX
 
 /* Nodes of the pressure grid that are done at once, at most. */
-enum { DEEP_LANES = 8 };
+enum { PRESSURE_GRID_LANES = 8 };
 
 /* Null: built without the feature. */
 typedef struct kernels {
@@ -160,14 +160,16 @@ typedef struct kernels {
                            uint32_t last);
 
   /* The pressure grid's, over particles … */
-  void (*deposit)(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
-                  uint32_t first, uint32_t last);
-  void (*apply_correction)(const pbf_deep *deep, pbf_real inv_time_step, field x, field v,
-                           uint32_t first, uint32_t last);
+  void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
+                  const pbf_real *densities, uint32_t first, uint32_t last);
+  void (*apply_correction)(const pbf_pressure_grid_storage *storage, pbf_real inv_time_step,
+                           field x, field v, uint32_t first, uint32_t last);
   /* … and over nodes: kernels_pressure_grid.h. */
-  void (*equations)(const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale,
-                    const int i[PBF_DIM], int last, uint32_t row);
-  int (*relax)(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first, uint32_t last);
+  void (*equations)(const pbf_pressure_grid_storage *storage,
+                    const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],
+                    int last, uint32_t row);
+  int (*relax)(const pbf_pressure_grid_storage *storage, const pbf_pressure_grid_solve *solve,
+               uint32_t first, uint32_t last);
 } kernels;
 
 #endif

@@ -1,40 +1,40 @@
-/* Part of kernels.cpp: loops of the pressure grid (physics/coarse.h): over particles, and over
- * nodes along the first axis. They are left to the compiler's vectoriser. */
+/* Part of kernels.cpp: loops of the pressure grid (physics/pressure_grid/grid.h): over particles,
+ * and over nodes along the first axis. They are left to the compiler's vectoriser. */
 #ifndef PBF_CPU_KERNELS_PRESSURE_GRID_H
 #define PBF_CPU_KERNELS_PRESSURE_GRID_H
 
 #include "cpu/kernels.h"
 
 /* Particles whose cells are found before anything else is done with them. */
-enum { DEEP_CHUNK = 64 };
+enum { PRESSURE_GRID_CHUNK = 64 };
 
-typedef struct deep_places {
-  uint32_t cells[DEEP_CHUNK];
-  double at[PBF_DIM][DEEP_CHUNK]; /* in the cell */
-} deep_places;
+typedef struct pressure_grid_places {
+  uint32_t cells[PRESSURE_GRID_CHUNK];
+  double at[PBF_DIM][PRESSURE_GRID_CHUNK]; /* in the cell */
+} pressure_grid_places;
 
 /* Of the particles from `first` on. */
-PBF_FN void find_places(const pbf_coarse *c, const field *x, uint32_t first, uint32_t count,
-                        deep_places *places) {
+PBF_FN void find_places(const pbf_pressure_grid *c, const field *x, uint32_t first, uint32_t count,
+                        pressure_grid_places *places) {
   memset(places->cells, 0, sizeof places->cells);
   for (int k = PBF_DIM - 1; k >= 0; --k) {
     const pbf_real *from = x->c[k] + first;
     double *at = places->at[k];
-    for (uint32_t l = 0; l < count; ++l) at[l] = pbf_coarse_before(c, k, from[l]);
+    for (uint32_t l = 0; l < count; ++l) at[l] = pbf_pressure_grid_before(c, k, from[l]);
     for (uint32_t l = 0; l < count; ++l) {
-      uint32_t along = pbf_coarse_index(c, k, at[l], &at[l]);
+      uint32_t along = pbf_pressure_grid_index(c, k, at[l], &at[l]);
       places->cells[l] = places->cells[l] * c->size[k] + along;
     }
   }
 }
 
-PBF_FN uint32_t deep_chunk(uint32_t first, uint32_t last) {
-  return last - first < DEEP_CHUNK ? last - first : (uint32_t)DEEP_CHUNK;
+PBF_FN uint32_t pressure_grid_chunk(uint32_t first, uint32_t last) {
+  return last - first < PRESSURE_GRID_CHUNK ? last - first : (uint32_t)PRESSURE_GRID_CHUNK;
 }
 
 /* Sorted particles come cell by cell: others are told of a cell once. */
-PBF_FN void add_entries(const pbf_deep *deep, const uint32_t *cells, const int64_t *entries,
-                        const int64_t *within, uint32_t count) {
+PBF_FN void add_entries(const pbf_pressure_grid_storage *storage, const uint32_t *cells,
+                        const int64_t *entries, const int64_t *within, uint32_t count) {
   for (uint32_t l = 0; l < count;) {
     uint32_t cell = cells[l];
     int64_t sum = 0, places = 0;
@@ -42,60 +42,60 @@ PBF_FN void add_entries(const pbf_deep *deep, const uint32_t *cells, const int64
       sum += entries[l];
       places += within[l];
     }
-    __atomic_fetch_add(&deep->sums[cell], sum, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&deep->places[cell], places, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&storage->sums[cell], sum, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&storage->places[cell], places, __ATOMIC_RELAXED);
   }
 }
 
-static void deposit(const pbf_deep *deep, pbf_real target, field x, const pbf_real *densities,
-                    uint32_t first, uint32_t last) {
-  const pbf_coarse c = deep->grid;
+static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
+                    const pbf_real *densities, uint32_t first, uint32_t last) {
+  const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
-    deep_places places;
-    int64_t entries[DEEP_CHUNK], within[DEEP_CHUNK];
-    count = deep_chunk(first, last);
+    pressure_grid_places places;
+    int64_t entries[PRESSURE_GRID_CHUNK], within[PRESSURE_GRID_CHUNK];
+    count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
     for (uint32_t l = 0; l < count; ++l)
-      entries[l] = pbf_coarse_entry(target, densities[first + l]);
+      entries[l] = pbf_pressure_grid_entry(target, densities[first + l]);
     for (uint32_t l = 0; l < count; ++l) {
       double at[PBF_DIM];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
-      within[l] = pbf_coarse_place_entry(at);
+      within[l] = pbf_pressure_grid_place_entry(at);
     }
-    add_entries(deep, places.cells, entries, within, count);
+    add_entries(storage, places.cells, entries, within, count);
   }
 }
 
 /* Lambda at the corners of the particles' cells, and the cells' parts below the surface. */
-typedef struct deep_corners {
-  double lambda[PBF_CORNERS][DEEP_CHUNK], part[DEEP_CHUNK];
-} deep_corners;
+typedef struct pressure_grid_corners {
+  double lambda[PBF_CORNERS][PRESSURE_GRID_CHUNK], part[PRESSURE_GRID_CHUNK];
+} pressure_grid_corners;
 
-PBF_FN void fetch_corners(const pbf_deep *deep, const uint32_t *cells, uint32_t count,
-                          deep_corners *corners) {
+PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32_t *cells,
+                          uint32_t count, pressure_grid_corners *corners) {
   for (uint32_t l = 0; l < count; ++l) {
     double values[PBF_CORNERS];
-    pbf_coarse_corners(&deep->grid, deep->lambda, cells[l], values);
+    pbf_pressure_grid_corners(&storage->grid, storage->lambda, cells[l], values);
     for (int a = 0; a < PBF_CORNERS; ++a) corners->lambda[a][l] = values[a];
-    corners->part[l] = deep->parts[cells[l]];
+    corners->part[l] = storage->parts[cells[l]];
   }
 }
 
-static void apply_correction(const pbf_deep *deep, pbf_real inv_time_step, field x, field v,
-                             uint32_t first, uint32_t last) {
-  const pbf_coarse c = deep->grid;
+static void apply_correction(const pbf_pressure_grid_storage *storage, pbf_real inv_time_step,
+                             field x, field v, uint32_t first, uint32_t last) {
+  const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
-    deep_places places;
-    deep_corners corners;
-    pbf_real moves[PBF_DIM][DEEP_CHUNK];
-    count = deep_chunk(first, last);
+    pressure_grid_places places;
+    pressure_grid_corners corners;
+    pbf_real moves[PBF_DIM][PRESSURE_GRID_CHUNK];
+    count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
-    fetch_corners(deep, places.cells, count, &corners);
+    fetch_corners(storage, places.cells, count, &corners);
     for (uint32_t l = 0; l < count; ++l) {
       double values[PBF_CORNERS], at[PBF_DIM];
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
-      pbf_vec u = pbf_coarse_slope(&c, values, at, corners.part[l]);
+      pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at, corners.part[l]);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }
     for (int k = 0; k < PBF_DIM; ++k) {
@@ -109,51 +109,55 @@ static void apply_correction(const pbf_deep *deep, pbf_real inv_time_step, field
 /* Of the nodes from (i[0], i[1], i[2]) along the first axis up to `last`; `row` is the index of
  * (0, i[1], i[2]). */
 static __attribute__((noinline)) void write_equations(
-    const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],
-    int last, uint32_t row, double *restrict right, double *restrict inverse) {
-  const pbf_coarse c = deep->grid;
+    const pbf_pressure_grid_storage *storage, const pbf_pressure_grid_source_scale *source_scale,
+    const int i[PBF_DIM], int last, uint32_t row, double *restrict right,
+    double *restrict inverse) {
+  const pbf_pressure_grid c = storage->grid;
   const pbf_pressure_grid_source_scale d = *source_scale;
-  const double *rooms = deep->rooms, *weights = deep->weights, *depths = deep->depths;
-  const int64_t *sums = deep->sums;
+  const double *free_volumes = storage->free_volumes, *weights = storage->weights,
+               *depths = storage->depths;
+  const int64_t *sums = storage->sums;
   for (int x = i[0]; x <= last; ++x) {
     int node[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k) node[k] = k ? i[k] : x;
-    pbf_coarse_equation_at(&c, &d, sums, rooms, weights, depths[row + x], (int64_t)row + x, node,
-                           &right[x], &inverse[x]);
+    pbf_pressure_grid_equation_at(&c, &d, sums, free_volumes, weights, depths[row + x],
+                                  (int64_t)row + x, node, &right[x], &inverse[x]);
   }
 }
 
-static void equations(const pbf_deep *deep, const pbf_pressure_grid_source_scale *source_scale,
-                      const int i[PBF_DIM], int last, uint32_t row) {
-  write_equations(deep, source_scale, i, last, row, deep->right + row, deep->inverse + row);
+static void equations(const pbf_pressure_grid_storage *storage,
+                      const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],
+                      int last, uint32_t row) {
+  write_equations(storage, source_scale, i, last, row, storage->right + row,
+                  storage->inverse + row);
 }
 
 /* 1 when a node was missing more than enough. */
-static __attribute__((noinline)) int relax_run(const pbf_deep *deep, const pbf_coarse_solve *solve,
-                                               uint32_t first, uint32_t count,
-                                               double *restrict before) {
-  const pbf_coarse c = deep->grid;
-  const pbf_coarse_solve s = *solve;
-  const double *weights = deep->weights + first, *now = deep->lambda + first;
-  const double *right = deep->right + first, *inverse = deep->inverse + first;
+static __attribute__((noinline)) int relax_run(const pbf_pressure_grid_storage *storage,
+                                               const pbf_pressure_grid_solve *solve, uint32_t first,
+                                               uint32_t count, double *restrict before) {
+  const pbf_pressure_grid c = storage->grid;
+  const pbf_pressure_grid_solve s = *solve;
+  const double *weights = storage->weights + first, *now = storage->lambda + first;
+  const double *right = storage->right + first, *inverse = storage->inverse + first;
   int64_t lacking = 0;
   for (uint32_t k = 0; k < count; ++k) {
     double around[PBF_CORNERS];
-    pbf_coarse_around(&c, weights, k, around);
-    double residual = pbf_coarse_residual(&c, around, now, right[k], k);
-    double miss = inverse[k] > 0 ? pbf_coarse_miss(residual, now[k]) : 0;
+    pbf_pressure_grid_around(&c, weights, k, around);
+    double residual = pbf_pressure_grid_residual(&c, around, now, right[k], k);
+    double miss = inverse[k] > 0 ? pbf_pressure_grid_miss(residual, now[k]) : 0;
     lacking |= miss > s.enough ? 1 : 0;
-    before[k] = pbf_coarse_next(&s, residual, inverse[k], now[k], before[k]);
+    before[k] = pbf_pressure_grid_next(&s, residual, inverse[k], now[k], before[k]);
   }
   return lacking != 0;
 }
 
-/* An iteration for the nodes of a run, a multiple of DEEP_LANES: 1 when one of them was missing
- * more than enough before it. What is in the open stays 0. */
-static int relax(const pbf_deep *deep, const pbf_coarse_solve *solve, uint32_t first,
-                 uint32_t last) {
-  uint32_t count = (last - first) / DEEP_LANES * DEEP_LANES;
-  return relax_run(deep, solve, first, count, deep->before + first);
+/* An iteration for the nodes of a run, a multiple of PRESSURE_GRID_LANES: 1 when one of them was
+ * missing more than enough before it. What is in the open stays 0. */
+static int relax(const pbf_pressure_grid_storage *storage, const pbf_pressure_grid_solve *solve,
+                 uint32_t first, uint32_t last) {
+  uint32_t count = (last - first) / PRESSURE_GRID_LANES * PRESSURE_GRID_LANES;
+  return relax_run(storage, solve, first, count, storage->before + first);
 }
 
 #endif

@@ -1,21 +1,22 @@
 /* Part of executor.h: deep water's stage, the pressure of the fluid's weight on a coarse grid
- * (physics/coarse.h), before the iterations. */
+ * (physics/pressure_grid/grid.h), before the iterations. */
 #ifndef PBF_CPU_PRESSURE_GRID_H
 #define PBF_CPU_PRESSURE_GRID_H
 
 #include "cpu/pressure_grid_solve.h"
 #include "cpu/lists.h"
 
-static int is_deep(const worker *w) {
+static int has_pressure_grid(const worker *w) {
   return (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && w->s->schedule.runs[PBF_STAGE_GRID];
 }
 
 /* The grid changes when the step can no longer fail: until then it is that of the present state. */
-static void end_deep_search(void *context) {
+static void end_search_with_grid(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   end_search(w);
-  if (!s->wanted.lacking) pbf_deep_begin(&s->deep, &s->params, s->capacity, &w->obstacles);
+  if (!s->wanted.lacking)
+    pbf_pressure_grid_begin(&s->pressure_grid, &s->params, s->capacity, &w->obstacles);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */
@@ -28,8 +29,8 @@ static void deposit_task(void *context, uint32_t task) {
   for (range r = inactive_particles(w, all.first, all.last); r.first < r.last;
        r = inactive_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) grid_densities(s)[i] = w->constants.target;
-  s->kernels->deposit(&s->deep, w->constants.target, w->b.sorted_predicted, grid_densities(s),
-                      all.first, all.last);
+  s->kernels->deposit(&s->pressure_grid, w->constants.target, w->b.sorted_predicted,
+                      grid_densities(s), all.first, all.last);
 }
 
 static void end_deposit(void *context) {
@@ -43,10 +44,10 @@ static void apply_correction_task(void *context, uint32_t task) {
   solver *s = w->s;
   range all = task_sorted(w, task);
   help_solving(s);
-  if (s->deep_solve.nodes == 0) return; /* lambda is 0 */
+  if (s->pressure_grid_solve.nodes == 0) return; /* lambda is 0 */
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->apply_correction(&s->deep, w->forces.inv_time_step, w->b.sorted_predicted,
+    s->kernels->apply_correction(&s->pressure_grid, w->forces.inv_time_step, w->b.sorted_predicted,
                                  w->b.sorted_velocity, r.first, r.last);
   fill_packed(s, packed_positions(s), &w->b.sorted_predicted, NULL, all);
 }
@@ -64,8 +65,8 @@ static void add_weight(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->grid_pressure_pending) return;
   for (uint32_t i = 0; i < s->count; ++i)
-    s->lambda[i] +=
-        pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, field_at(&s->buffers.x, i));
+    s->lambda[i] += pbf_pressure_grid_particle_lambda(&s->pressure_grid, &s->constants,
+                                                      inv_time_step, field_at(&s->buffers.x, i));
   s->grid_pressure_pending = 0;
 }
 

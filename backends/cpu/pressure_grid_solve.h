@@ -15,16 +15,16 @@ static int has_fluid(const int64_t *sums, uint32_t size) {
 
 /* The cells that hold particles, and those around them: so far nodes reach that are not in the
  * open. 0 when there are none. */
-static int find_fluid(const pbf_deep *deep, pbf_deep_box *fluid) {
-  const pbf_coarse *c = &deep->grid;
-  pbf_deep_box all;
+static int find_fluid(const pbf_pressure_grid_storage *storage, pbf_pressure_grid_box *fluid) {
+  const pbf_pressure_grid *c = &storage->grid;
+  pbf_pressure_grid_box all;
   int i[PBF_DIM], any = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     i[k] = all.first[k] = fluid->last[k] = 1;
     all.last[k] = fluid->first[k] = c->n[k];
   }
   do {
-    const int64_t *sums = deep->sums + pbf_deep_row(c, i);
+    const int64_t *sums = storage->sums + pbf_pressure_grid_row(c, i);
     if (!has_fluid(sums, c->size[0])) continue;
     any = 1;
     for (i[0] = 1; i[0] < fluid->first[0] && !sums[i[0]]; ++i[0]) continue;
@@ -35,7 +35,7 @@ static int find_fluid(const pbf_deep *deep, pbf_deep_box *fluid) {
       if (i[k] < fluid->first[k]) fluid->first[k] = i[k];
       if (i[k] > fluid->last[k]) fluid->last[k] = i[k];
     }
-  } while (pbf_deep_next_row(&all, i));
+  } while (pbf_pressure_grid_next_row(&all, i));
   for (int k = 0; k < PBF_DIM; ++k) {
     --fluid->first[k];
     ++fluid->last[k];
@@ -45,22 +45,23 @@ static int find_fluid(const pbf_deep *deep, pbf_deep_box *fluid) {
 
 /* Adds a node that is not in the open to the runs. What lies between two runs is worth a jump:
  * to begin a run costs as much as the vectors that would fill it. */
-static void add_to_runs(pbf_deep *deep, uint32_t node) {
-  pbf_deep_run *run = &deep->runs[deep->count];
-  if (deep->count && node < run[-1].last + 3 * DEEP_LANES) {
+static void add_to_runs(pbf_pressure_grid_storage *storage, uint32_t node) {
+  pbf_pressure_grid_run *run = &storage->runs[storage->count];
+  if (storage->count && node < run[-1].last + 3 * PRESSURE_GRID_LANES) {
     run[-1].last = node + 1;
   } else {
-    *run = (pbf_deep_run){node, node + 1};
-    ++deep->count;
+    *run = (pbf_pressure_grid_run){node, node + 1};
+    ++storage->count;
   }
 }
 
 /* Runs have whole vectors of nodes: those behind the last one are in the open. */
-static uint32_t round_runs(pbf_deep *deep) {
+static uint32_t round_runs(pbf_pressure_grid_storage *storage) {
   uint32_t nodes = 0;
-  for (uint32_t k = 0; k < deep->count; ++k) {
-    pbf_deep_run *run = &deep->runs[k];
-    run->last = run->first + (run->last - run->first + DEEP_LANES - 1) / DEEP_LANES * DEEP_LANES;
+  for (uint32_t k = 0; k < storage->count; ++k) {
+    pbf_pressure_grid_run *run = &storage->runs[k];
+    run->last = run->first + (run->last - run->first + PRESSURE_GRID_LANES - 1) /
+                                 PRESSURE_GRID_LANES * PRESSURE_GRID_LANES;
     nodes += run->last - run->first;
   }
   return nodes;
@@ -68,44 +69,44 @@ static uint32_t round_runs(pbf_deep *deep) {
 
 /* Returns the largest right side of a node that is not in the open. */
 static double find_equations(solver *s, const pbf_pressure_grid_source_scale *source_scale,
-                             const pbf_deep_box *fluid) {
-  pbf_deep *deep = &s->deep;
-  pbf_deep_box nodes = *fluid;
+                             const pbf_pressure_grid_box *fluid) {
+  pbf_pressure_grid_storage *storage = &s->pressure_grid;
+  pbf_pressure_grid_box nodes = *fluid;
   double largest = 0;
   int i[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) i[k] = ++nodes.first[k];
-  deep->count = 0;
+  storage->count = 0;
   do {
-    uint32_t row = pbf_deep_row(&deep->grid, i);
+    uint32_t row = pbf_pressure_grid_row(&storage->grid, i);
     i[0] = nodes.first[0];
-    s->kernels->equations(deep, source_scale, i, nodes.last[0], row);
+    s->kernels->equations(storage, source_scale, i, nodes.last[0], row);
     for (int x = nodes.first[0]; x <= nodes.last[0]; ++x) {
       uint32_t node = row + (uint32_t)x;
-      if (!(deep->inverse[node] > 0)) continue;
-      largest = pbf_greater(largest, fabs(deep->right[node]));
-      add_to_runs(deep, node);
+      if (!(storage->inverse[node] > 0)) continue;
+      largest = pbf_greater(largest, fabs(storage->right[node]));
+      add_to_runs(storage, node);
     }
-  } while (pbf_deep_next_row(&nodes, i));
+  } while (pbf_pressure_grid_next_row(&nodes, i));
   return largest;
 }
 
 /* Once all particles have added to the sums: what is to be solved. */
 static void find_solve(solver *s, const pbf_obstacles *o) {
-  pbf_deep *deep = &s->deep;
-  deep_solve *d = &s->deep_solve;
+  pbf_pressure_grid_storage *storage = &s->pressure_grid;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
   pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
-  pbf_deep_box fluid;
+  pbf_pressure_grid_box fluid;
   double largest = 0;
-  deep->count = 0;
-  memset(deep->inverse, 0, deep->grid.nodes * sizeof *deep->inverse);
-  if (find_fluid(deep, &fluid)) {
-    source_scale = pbf_grid_pressure_source_scale(deep, o, &fluid);
-    pbf_deep_cut(deep, &fluid);
+  storage->count = 0;
+  memset(storage->inverse, 0, storage->grid.nodes * sizeof *storage->inverse);
+  if (find_fluid(storage, &fluid)) {
+    source_scale = pbf_pressure_grid_find_free_volumes(storage, o, &fluid);
+    pbf_pressure_grid_cut_cells(storage, &fluid);
     if (source_scale.part > 0) largest = find_equations(s, &source_scale, &fluid);
   }
-  pbf_deep_guess(deep, &source_scale);
-  d->nodes = round_runs(deep);
-  d->solve = pbf_coarse_begin(source_scale.longest, largest);
+  pbf_pressure_grid_guess_all(storage, &source_scale);
+  d->nodes = round_runs(storage);
+  d->solve = pbf_pressure_grid_solve_begin(source_scale.longest, largest);
   d->iteration = 0;
 }
 
@@ -114,15 +115,16 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
 /* The nodes first … last - 1 of all in the runs; 1 when one of them was missing more than enough.
  */
 static int relax_nodes(const solver *s, uint32_t first, uint32_t last) {
-  const pbf_deep *deep = &s->deep;
+  const pbf_pressure_grid_storage *storage = &s->pressure_grid;
   uint32_t before = 0;
   int lacking = 0;
-  for (uint32_t k = 0; k < deep->count && before < last; ++k) {
-    pbf_deep_run run = deep->runs[k];
+  for (uint32_t k = 0; k < storage->count && before < last; ++k) {
+    pbf_pressure_grid_run run = storage->runs[k];
     uint32_t begin = first > before ? first - before : 0, nodes = run.last - run.first;
     uint32_t end = last - before < nodes ? last - before : nodes;
     if (begin < end)
-      lacking |= s->kernels->relax(deep, &s->deep_solve.solve, run.first + begin, run.first + end);
+      lacking |= s->kernels->relax(storage, &s->pressure_grid_solve.solve, run.first + begin,
+                                   run.first + end);
     before += nodes;
   }
   return lacking;
@@ -130,17 +132,17 @@ static int relax_nodes(const solver *s, uint32_t first, uint32_t last) {
 
 /* Once an iteration has been done; 1: it was the last. */
 static int end_iteration(solver *s, int lacking) {
-  deep_solve *d = &s->deep_solve;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
   int k = d->iteration++;
-  pbf_deep_swap(&s->deep);
-  if (pbf_coarse_asks(k) && !lacking) return 1;
-  pbf_coarse_go_on(&d->solve, k);
+  pbf_pressure_grid_swap(&s->pressure_grid);
+  if (pbf_pressure_grid_asks(k) && !lacking) return 1;
+  pbf_pressure_grid_solve_go_on(&d->solve, k);
   return d->iteration >= d->solve.most;
 }
 
 static void solve_alone(solver *s) {
-  int over = s->deep_solve.solve.most <= 0;
-  while (!over) over = end_iteration(s, relax_nodes(s, 0, s->deep_solve.nodes));
+  int over = s->pressure_grid_solve.solve.most <= 0;
+  while (!over) over = end_iteration(s, relax_nodes(s, 0, s->pressure_grid_solve.nodes));
 }
 
 /* ---- Iterations by several threads --------------------------------------------------------- */
@@ -150,12 +152,12 @@ static void solve_alone(solver *s) {
  * The leader waits for no help that has not begun. */
 
 /* A grid of fewer nodes is solved faster than it is shared out; and nodes in a part, at least. */
-enum { DEEP_SHARED = 4096, DEEP_PART = 1024 };
+enum { PRESSURE_GRID_SHARED = 4096, PRESSURE_GRID_PART = 1024 };
 
 static uint64_t part_word(int iteration, uint32_t part) { return (uint64_t)iteration << 32 | part; }
 
 /* Takes a part of the iteration under way; 0 when none is left. */
-static int take_part(deep_solve *d, uint32_t *part) {
+static int take_part(pressure_grid_solve *d, uint32_t *part) {
   unsigned long long seen = atomic_load_explicit(&d->next, memory_order_acquire);
   do {
     *part = (uint32_t)seen;
@@ -166,17 +168,17 @@ static int take_part(deep_solve *d, uint32_t *part) {
 }
 
 static void relax_parts(solver *s) {
-  deep_solve *d = &s->deep_solve;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
   for (uint32_t part; take_part(d, &part);) {
-    range r = part_of(d->nodes / DEEP_LANES, part, d->parts);
-    if (relax_nodes(s, r.first * DEEP_LANES, r.last * DEEP_LANES))
+    range r = part_of(d->nodes / PRESSURE_GRID_LANES, part, d->parts);
+    if (relax_nodes(s, r.first * PRESSURE_GRID_LANES, r.last * PRESSURE_GRID_LANES))
       atomic_store_explicit(&d->lacking, 1, memory_order_relaxed);
     atomic_fetch_add_explicit(&d->done, 1, memory_order_release);
   }
 }
 
 static void lead_solve(solver *s) {
-  deep_solve *d = &s->deep_solve;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
   for (int over = 0; !over;) {
     uint32_t parts = (uint32_t)(d->iteration + 1) * d->parts;
     atomic_store_explicit(&d->next, part_word(d->iteration, 0), memory_order_release);
@@ -190,7 +192,7 @@ static void lead_solve(solver *s) {
 
 /* Before what needs the solution, in any thread. */
 static void help_solving(solver *s) {
-  deep_solve *d = &s->deep_solve;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
   unsigned looks = 1;
   if (atomic_load_explicit(&d->solved, memory_order_acquire)) return;
   if (!atomic_exchange_explicit(&d->led, 1, memory_order_acquire)) lead_solve(s);
@@ -200,9 +202,9 @@ static void help_solving(solver *s) {
 
 /* Where there is too little to share it has been done on return. */
 static void begin_solve(solver *s, uint32_t threads) {
-  deep_solve *d = &s->deep_solve;
-  uint32_t most = d->nodes / DEEP_PART;
-  int alone = threads == 1 || d->nodes < DEEP_SHARED || d->solve.most <= 0;
+  pressure_grid_solve *d = &s->pressure_grid_solve;
+  uint32_t most = d->nodes / PRESSURE_GRID_PART;
+  int alone = threads == 1 || d->nodes < PRESSURE_GRID_SHARED || d->solve.most <= 0;
   if (alone) solve_alone(s);
   d->parts = most < 2 * threads ? most : 2 * threads;
   atomic_store_explicit(&d->next, part_word(0, d->parts), memory_order_relaxed);

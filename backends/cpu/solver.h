@@ -4,7 +4,7 @@
 
 #include "cpu/atomics.h"
 
-#include "common/deep.h"
+#include "common/pressure_grid.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
 #include "cpu/state.h"
@@ -23,8 +23,8 @@ typedef struct slab_counter {
 
 /* The solve on the pressure grid (pressure_grid_solve.h), and its parts where threads share them.
  */
-typedef struct deep_solve {
-  pbf_coarse_solve solve;
+typedef struct pressure_grid_solve {
+  pbf_pressure_grid_solve solve;
   int iteration;  /* under way */
   uint32_t nodes; /* in all runs */
   uint32_t parts; /* of an iteration */
@@ -32,7 +32,7 @@ typedef struct deep_solve {
   _Alignas(64) atomic_ullong next; /* the iteration, and the next of its parts to be taken */
   _Alignas(64) atomic_uint done;   /* parts, of all iterations */
   atomic_uint lacking;             /* 1: a node was missing more than enough */
-} deep_solve;
+} pressure_grid_solve;
 
 struct pbf_backend_solver {
   pbf_memory memory;
@@ -54,7 +54,7 @@ struct pbf_backend_solver {
 #define PBF_CPU(type, member, extent) type member;
 #include "physics/arrays.def"
 
-  struct deep_solve deep_solve;
+  struct pressure_grid_solve pressure_grid_solve;
   pbf_real *lambda;          /* of this iteration, or of all of a step: accelerated */
   pbf_real *packed[2];       /* of what: see packed_positions and those after it */
   int grid_pressure_pending; /* 1: lambda is without what its grid added in the last step */

@@ -183,8 +183,8 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
     if (pbf_status status = allow_lists(list_kernel<SEARCH_AWAKE>)) return status;
     if (pbf_status status = allow_lists(list_kernel<SEARCH_SLEEPING_BOUNDARY>)) return status;
   }
-  if constexpr (PBF_DEEP)
-    if (pbf_status status = allow_deep(s)) return status;
+  if constexpr (PBF_HAS_PRESSURE_GRID)
+    if (pbf_status status = allow_pressure_grid(s)) return status;
   if (small_possible(s))
     if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
   if (pbf_status status = apply_params(s, params, 0, nullptr)) return status;

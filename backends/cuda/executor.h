@@ -135,19 +135,19 @@ struct executor {
 
   void pressure_grid() {
     run(PBF_STAGE_GRID, [&] {
-      s->deep_scale = 1 / (s->params.time_step * s->params.time_step);
-      s->deep_grid = deep_grid_at(s, domain(), time);
-      const deep_arrays arrays = deep_of(s);
-      status = clear_deep(s, arrays);
+      s->pressure_grid_scale = 1 / (s->params.time_step * s->params.time_step);
+      s->pressure_grid = pressure_grid_at(s, domain(), time);
+      const pressure_grid_arrays arrays = pressure_grid_of(s);
+      status = clear_pressure_grid(s, arrays);
       if (status != PBF_OK) return;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_ghosts_of_lambda<F>();
-        launch(deposit_kernel<F>, n, extras, ghosts, s->deep_grid, arrays);
+        launch(deposit_kernel<F>, n, extras, ghosts, s->pressure_grid, arrays);
       });
-      status = solve_deep(s, extras.obstacles);
+      status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
-      launch(apply_correction_kernel, n.particles, s->deep_grid, arrays,
+      launch(apply_correction_kernel, n.particles, s->pressure_grid, arrays,
              (pbf_real)(1 / s->params.time_step));
     });
   }

@@ -55,8 +55,10 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
 
 static inline pressure_source pressures_of(const solver *s) {
   pressure_source source = {s->pressure_scale, {}};
-  if (!PBF_DEEP || !s->deep_room || !(s->pressure_scale > 0) || !s->deep_grid.nodes) return source;
-  source.deep = {s->deep_grid, deep_of(s), s->deep_scale};
+  if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory || !(s->pressure_scale > 0) ||
+      !s->pressure_grid.nodes)
+    return source;
+  source.grid = {s->pressure_grid, pressure_grid_of(s), s->pressure_grid_scale};
   return source;
 }
 
@@ -64,8 +66,8 @@ static inline pressure_source pressures_of(const solver *s) {
  * adds to their pressure. */
 static inline pbf_status add_weight(solver *s) {
   pressure_source source = pressures_of(s);
-  s->deep_grid.nodes = 0;
-  if (!source.deep.arrays.control || !s->count) return PBF_OK;
+  s->pressure_grid.nodes = 0;
+  if (!source.grid.arrays.control || !s->count) return PBF_OK;
   add_weight_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, source);
   return pbf_cuda_check_launch("add_weight_kernel");
 }

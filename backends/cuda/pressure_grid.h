@@ -1,53 +1,55 @@
-/* Deep water: the pressure of the fluid's weight on a coarse grid (physics/coarse.h), before the
- * iterations. */
+/* Deep water: the pressure of the fluid's weight on a coarse grid (physics/pressure_grid/grid.h),
+ * before the iterations. */
 #ifndef PBF_CUDA_PRESSURE_GRID_H
 #define PBF_CUDA_PRESSURE_GRID_H
 
 #include "cuda/barrier.h"
 #include "cuda/kernels.h"
-#include "physics/coarse_nodes.h"
+#include "physics/pressure_grid/nodes.h"
 
 /* Whether the build has it. */
-constexpr bool PBF_DEEP = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) != 0;
+constexpr bool PBF_HAS_PRESSURE_GRID = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) != 0;
 
 /* What a step finds out of all cells and nodes; zeroed before it, with the sums and places behind
  * it. Reals that are never negative are ordered as their bits are. */
-struct deep_control {
+struct pressure_grid_control {
   grid_counter barrier;
-  unsigned long long largest; /* right side */
-  pbf_coarse_extent extent;   /* of filled cells */
-  uint32_t odd;               /* 1: the solve has ended in `before` */
+  unsigned long long largest;      /* right side */
+  pbf_pressure_grid_extent extent; /* of filled cells */
+  uint32_t odd;                    /* 1: the solve has ended in `before` */
 };
 
-struct deep_arrays {
-  deep_control *control;             /* the first of all arrays; null: not deep */
-  unsigned long long *sums, *places; /* of cells; the places lie behind the sums of the grid */
-  double *rooms, *parts, *weights;   /* of cells */
+struct pressure_grid_arrays {
+  pressure_grid_control *control;         /* the first of all arrays; null: there is no grid */
+  unsigned long long *sums, *places;      /* of cells; the places lie behind the sums of the grid */
+  double *free_volumes, *parts, *weights; /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
 };
 
-static inline uint64_t deep_bytes(uint32_t capacity) {
-  return sizeof(deep_control) +
-         pbf_coarse_limit(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
+static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
+  return sizeof(pressure_grid_control) +
+         pbf_pressure_grid_limit(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
 }
 
 /* `nodes`: of the grid. */
-static inline deep_arrays deep_arrays_in(void *memory, uint32_t capacity, uint32_t nodes) {
-  uint64_t limit = pbf_coarse_limit(capacity);
-  deep_arrays a;
-  a.control = static_cast<deep_control *>(memory);
+static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_t capacity,
+                                                           uint32_t nodes) {
+  uint64_t limit = pbf_pressure_grid_limit(capacity);
+  pressure_grid_arrays a;
+  a.control = static_cast<pressure_grid_control *>(memory);
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
   a.places = a.sums + nodes;
   double *next = reinterpret_cast<double *>(a.sums + limit);
-  double **const arrays[] = {&a.rooms, &a.parts,   &a.weights, &a.depths,
-                             &a.right, &a.inverse, &a.lambda,  &a.before};
+  double **const arrays[] = {&a.free_volumes, &a.parts,   &a.weights, &a.depths,
+                             &a.right,        &a.inverse, &a.lambda,  &a.before};
   for (double **array : arrays) *array = next += limit;
   a.inside = reinterpret_cast<uint32_t *>(next + limit);
   return a;
 }
 
-static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a) {
+static __device__ __forceinline__ const double *pressure_grid_lambda(
+    const pressure_grid_arrays &a) {
   return a.control->odd ? a.before : a.lambda;
 }
 
@@ -56,7 +58,7 @@ static __device__ __forceinline__ const double *deep_lambda(const deep_arrays &a
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
     deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
-                   pbf_coarse grid, deep_arrays a) {
+                   pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
@@ -69,54 +71,56 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   if (extras.wall_density) add_boundary<FEW_SURFACES>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&grid, x, at);
-  atomicAdd(&a.sums[cell], (unsigned long long)pbf_coarse_entry(c->target, density));
-  atomicAdd(&a.places[cell], (unsigned long long)pbf_coarse_place_entry(at));
+  uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
+  atomicAdd(&a.sums[cell], (unsigned long long)pbf_pressure_grid_entry(c->target, density));
+  atomicAdd(&a.places[cell], (unsigned long long)pbf_pressure_grid_place_entry(at));
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_cells_kernel(pbf_coarse grid, step_obstacles o, deep_arrays a) {
+    pressure_grid_cells_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
   uint32_t cell = thread_index();
   if (cell >= grid.nodes) return;
-  double room = pbf_coarse_room(&grid, o, cell);
-  a.rooms[cell] = room;
-  if (!pbf_coarse_is_filled(&grid, (int64_t)a.sums[cell], room)) return;
+  double free_volume = pbf_pressure_grid_free_volume(&grid, o, cell);
+  a.free_volumes[cell] = free_volume;
+  if (!pbf_pressure_grid_is_filled(&grid, (int64_t)a.sums[cell], free_volume)) return;
   int i[PBF_DIM];
-  pbf_coarse_place(&grid, cell, i);
+  pbf_pressure_grid_place(&grid, cell, i);
   for (int k = 0; k < PBF_DIM; ++k) {
     atomicMax(&a.control->extent.above[k], (uint32_t)i[k]);
     atomicMax(&a.control->extent.below[k], (uint32_t)(grid.n[k] + 1 - i[k]));
   }
 }
 
-static __device__ __forceinline__ const int64_t *deep_integers(const unsigned long long *sums) {
+static __device__ __forceinline__ const int64_t *pressure_grid_integers(
+    const unsigned long long *sums) {
   return reinterpret_cast<const int64_t *>(sums);
 }
 
 /* How far nodes are below the surface. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_depths_kernel(pbf_coarse grid, deep_arrays a) {
+    pressure_grid_depths_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t node = thread_index();
   int i[PBF_DIM];
   bool outside = false;
   if (node >= grid.nodes) return;
-  pbf_coarse_place(&grid, node, i);
+  pbf_pressure_grid_place(&grid, node, i);
   for (int k = 0; k < PBF_DIM; ++k) outside = outside || i[k] == 0;
   a.depths[node] = outside ? -1
-                           : pbf_coarse_node_depth(&grid, deep_integers(a.sums),
-                                                   deep_integers(a.places), a.rooms, node, i);
+                           : pbf_pressure_grid_node_depth(&grid, pressure_grid_integers(a.sums),
+                                                          pressure_grid_integers(a.places),
+                                                          a.free_volumes, node, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_cut_kernel(pbf_coarse grid, deep_arrays a) {
+    pressure_grid_cut_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t cell = thread_index();
   if (cell < grid.nodes)
-    pbf_coarse_cut(&grid, a.depths, a.rooms, cell, &a.parts[cell], &a.weights[cell]);
+    pbf_pressure_grid_cut(&grid, a.depths, a.free_volumes, cell, &a.parts[cell], &a.weights[cell]);
 }
 
 /* The step's source scale, for all threads of a block. */
 static __device__ __forceinline__ pbf_pressure_grid_source_scale
-grid_source_scale(const pbf_coarse &grid, const deep_arrays &a) {
+grid_source_scale(const pbf_pressure_grid &grid, const pressure_grid_arrays &a) {
   __shared__ pbf_pressure_grid_source_scale source_scale;
   if (threadIdx.x == 0) source_scale = pbf_pressure_grid_source_scale_of(&grid, &a.control->extent);
   __syncthreads();
@@ -124,13 +128,13 @@ grid_source_scale(const pbf_coarse &grid, const deep_arrays &a) {
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_nodes_kernel(pbf_coarse grid, deep_arrays a) {
+    pressure_grid_nodes_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t node = thread_index();
   const pbf_pressure_grid_source_scale source_scale = grid_source_scale(grid, a);
   double right = 0, inverse = 0;
   if (node < grid.nodes) {
-    pbf_coarse_equation(&grid, &source_scale, deep_integers(a.sums), a.rooms, a.weights,
-                        a.depths[node], node, &right, &inverse);
+    pbf_pressure_grid_equation(&grid, &source_scale, pressure_grid_integers(a.sums), a.free_volumes,
+                               a.weights, a.depths[node], node, &right, &inverse);
     a.right[node] = right;
     a.inverse[node] = inverse;
   }
@@ -142,8 +146,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Nodes one above the other that are not in the open, from `floor` on; a warp looks together. */
-static __device__ __forceinline__ uint32_t deep_stands(const double *inverse, uint32_t floor,
-                                                       int64_t up, uint32_t most) {
+static __device__ __forceinline__ uint32_t pressure_grid_stands(const double *inverse,
+                                                                uint32_t floor, int64_t up,
+                                                                uint32_t most) {
   for (uint32_t base = 0; base < most; base += 32) {
     uint32_t i = base + threadIdx.x % 32;
     uint32_t open = __ballot_sync(~0u, !(i < most && inverse[floor + i * up] > 0));
@@ -152,52 +157,55 @@ static __device__ __forceinline__ uint32_t deep_stands(const double *inverse, ui
   return most;
 }
 
-/* Where the solve starts, pbf_coarse_guess: a warp a column. */
+/* Where the solve starts, pbf_pressure_grid_guess: a warp a column. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deep_guess_kernel(pbf_coarse grid, deep_arrays a) {
+    pressure_grid_guess_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[grid.axis];
   const double part = grid_source_scale(grid, a).part;
-  if (column >= pbf_coarse_columns(&grid)) return;
-  const pbf_coarse_column at = pbf_coarse_column_at(&grid, column);
-  bool stays = pbf_coarse_down(&grid) == 0;
-  uint32_t stands = stays ? 0 : deep_stands(a.inverse, at.floor, at.up, top);
+  if (column >= pbf_pressure_grid_columns(&grid)) return;
+  const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(&grid, column);
+  bool stays = pbf_pressure_grid_down(&grid) == 0;
+  uint32_t stands = stays ? 0 : pressure_grid_stands(a.inverse, at.floor, at.up, top);
   double above = 0;
-  if (stands) above = pbf_coarse_above(&grid, a.rooms, a.weights, at.floor + (stands - 1) * at.up);
+  if (stands)
+    above =
+        pbf_pressure_grid_above(&grid, a.free_volumes, a.weights, at.floor + (stands - 1) * at.up);
   for (uint32_t i = threadIdx.x % 32; i <= top; i += 32) {
     int64_t node = i < top ? at.floor + i * at.up : at.outside;
-    double lambda = i < stands ? pbf_coarse_weight(&grid, part, stands - 1 - i + above) : 0;
+    double lambda = i < stands ? pbf_pressure_grid_weight(&grid, part, stands - 1 - i + above) : 0;
     a.lambda[node] = a.before[node] = lambda;
   }
 }
 
 /* What the grid adds to the moves. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    apply_correction_kernel(sorted_particles p, pbf_coarse grid, deep_arrays a,
+    apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
                             pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&grid, x, at);
-  pbf_vec u = pbf_coarse_move(&grid, deep_lambda(a), a.parts, cell, at);
+  uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
+  pbf_vec u = pbf_pressure_grid_correction(&grid, pressure_grid_lambda(a), a.parts, cell, at);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);
 }
 
 /* What reading pressures asks of the grid of the last step. */
-struct deep_pressure {
-  pbf_coarse grid;
-  deep_arrays arrays; /* without control: there is none */
-  double scale;       /* of lambda */
+struct grid_pressure {
+  pbf_pressure_grid grid;
+  pressure_grid_arrays arrays; /* without control: there is none */
+  double scale;                /* of lambda */
 };
 
-static __device__ __forceinline__ pbf_real deep_pressure_at(const deep_pressure &d, pbf_vec x) {
-  if (!PBF_DEEP || !d.arrays.control) return 0;
+static __device__ __forceinline__ pbf_real grid_pressure_at(const grid_pressure &d, pbf_vec x) {
+  if (!PBF_HAS_PRESSURE_GRID || !d.arrays.control) return 0;
   double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&d.grid, x, at);
-  double lambda = pbf_coarse_lambda(&d.grid, deep_lambda(d.arrays), d.arrays.parts, cell, at);
+  uint32_t cell = pbf_pressure_grid_cell(&d.grid, x, at);
+  double lambda =
+      pbf_pressure_grid_lambda(&d.grid, pressure_grid_lambda(d.arrays), d.arrays.parts, cell, at);
   return (pbf_real)(-d.scale * lambda);
 }
 

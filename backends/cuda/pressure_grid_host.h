@@ -4,19 +4,20 @@
 
 #include "cuda/solver.h"
 
-static inline size_t deep_shared(const pbf_coarse &grid, uint32_t blocks) {
-  uint32_t reach = deep_reach(grid);
-  return 2 * sizeof(double) * deep_length(deep_part_size(grid.nodes, blocks, reach), reach);
+static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_t blocks) {
+  uint32_t reach = pressure_grid_reach(grid);
+  return 2 * sizeof(double) *
+         pressure_grid_length(pressure_grid_part_size(grid.nodes, blocks, reach), reach);
 }
 
 /* What a block can have, less what the kernel has of itself. */
-static inline size_t deep_most_shared(const solver *s) { return s->block_shared - 1024; }
+static inline size_t pressure_grid_most_shared(const solver *s) { return s->block_shared - 1024; }
 
-static inline cudaLaunchConfig_t deep_config(const solver *s, uint32_t blocks, size_t shared,
-                                             cudaLaunchAttribute *cluster) {
+static inline cudaLaunchConfig_t pressure_grid_config(const solver *s, uint32_t blocks,
+                                                      size_t shared, cudaLaunchAttribute *cluster) {
   cudaLaunchConfig_t config = {};
   config.gridDim = dim3(blocks);
-  config.blockDim = dim3(DEEP_THREADS);
+  config.blockDim = dim3(PRESSURE_GRID_THREADS);
   config.dynamicSmemBytes = shared;
   config.stream = s->stream;
   cluster->id = cudaLaunchAttributeClusterDimension;
@@ -27,15 +28,15 @@ static inline cudaLaunchConfig_t deep_config(const solver *s, uint32_t blocks, s
 }
 
 /* Lets the solve have its shared memory, and finds out how large a cluster can be. */
-static inline pbf_status allow_deep(solver *s) {
-  auto kernel = deep_solve_kernel<deep_in_cluster>;
+static inline pbf_status allow_pressure_grid(solver *s) {
+  auto kernel = pressure_grid_solve_kernel<pressure_grid_in_cluster>;
   int clusters = 0;
   if (pbf_status status =
           pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                              (int)deep_most_shared(s)),
+                                              (int)pressure_grid_most_shared(s)),
                          "cudaFuncSetAttribute"))
     return status;
-  s->deep_cluster = 1;
+  s->pressure_grid_cluster = 1;
   if (pbf_status status =
           pbf_cuda_check(cudaDeviceGetAttribute(&clusters, cudaDevAttrClusterLaunch, s->device),
                          "cudaDeviceGetAttribute"))
@@ -45,69 +46,72 @@ static inline pbf_status allow_deep(solver *s) {
           cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
           "cudaFuncSetAttribute"))
     return status;
-  for (uint32_t blocks = 16; blocks > 1 && s->deep_cluster == 1; blocks /= 2) {
+  for (uint32_t blocks = 16; blocks > 1 && s->pressure_grid_cluster == 1; blocks /= 2) {
     cudaLaunchAttribute cluster;
-    cudaLaunchConfig_t config = deep_config(s, blocks, deep_most_shared(s), &cluster);
+    cudaLaunchConfig_t config =
+        pressure_grid_config(s, blocks, pressure_grid_most_shared(s), &cluster);
     if (cudaOccupancyMaxActiveClusters(&clusters, kernel, &config) != cudaSuccess)
       cudaGetLastError(); /* not so many */
     else if (clusters > 0)
-      s->deep_cluster = blocks;
+      s->pressure_grid_cluster = blocks;
   }
   return PBF_OK;
 }
 
 /* Blocks of the cluster that solves a grid; 0 where it has no room for it. */
-static inline uint32_t deep_blocks(const solver *s, const pbf_coarse &grid) {
-  uint32_t blocks = s->deep_cluster;
-  return deep_shared(grid, blocks) <= deep_most_shared(s) ? blocks : 0;
+static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_grid &grid) {
+  uint32_t blocks = s->pressure_grid_cluster;
+  return pressure_grid_shared(grid, blocks) <= pressure_grid_most_shared(s) ? blocks : 0;
 }
 
-static inline pbf_status launch_deep_solve(solver *s, const pbf_coarse &grid,
-                                           const deep_arrays &arrays) {
-  uint32_t blocks = deep_blocks(s, grid);
+static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressure_grid &grid,
+                                                    const pressure_grid_arrays &arrays) {
+  uint32_t blocks = pressure_grid_blocks(s, grid);
   if (!blocks)
-    return launch_resident(s, deep_solve_kernel<deep_in_memory>,
-                           min((grid.nodes + DEEP_THREADS - 1) / DEEP_THREADS, s->multiprocessors),
-                           DEEP_THREADS, 0, "cudaLaunchCooperativeKernel of the pressure grid",
-                           grid, arrays);
+    return launch_resident(
+        s, pressure_grid_solve_kernel<pressure_grid_in_memory>,
+        min((grid.nodes + PRESSURE_GRID_THREADS - 1) / PRESSURE_GRID_THREADS, s->multiprocessors),
+        PRESSURE_GRID_THREADS, 0, "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
   cudaLaunchAttribute cluster;
-  cudaLaunchConfig_t config = deep_config(s, blocks, deep_shared(grid, blocks), &cluster);
+  cudaLaunchConfig_t config =
+      pressure_grid_config(s, blocks, pressure_grid_shared(grid, blocks), &cluster);
   return pbf_cuda_check(
-      cudaLaunchKernelEx(&config, deep_solve_kernel<deep_in_cluster>, grid, arrays),
+      cudaLaunchKernelEx(&config, pressure_grid_solve_kernel<pressure_grid_in_cluster>, grid,
+                         arrays),
       "cudaLaunchKernelEx of the pressure grid");
 }
 
 /* Before the particles are summed up. */
-static inline pbf_status clear_deep(solver *s, const deep_arrays &arrays) {
+static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arrays &arrays) {
   return pbf_cuda_check(
       cudaMemsetAsync(arrays.control, 0,
-                      sizeof *arrays.control + 2 * s->deep_grid.nodes * sizeof *arrays.sums,
+                      sizeof *arrays.control + 2 * s->pressure_grid.nodes * sizeof *arrays.sums,
                       s->stream),
       "cudaMemsetAsync");
 }
 
 /* The grid's equations and their solution, once the particles have been summed up. */
-static inline pbf_status solve_deep(solver *s, const step_obstacles &obstacles) {
-  const pbf_coarse &grid = s->deep_grid;
-  deep_arrays arrays = deep_of(s);
+static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &obstacles) {
+  const pbf_pressure_grid &grid = s->pressure_grid;
+  pressure_grid_arrays arrays = pressure_grid_of(s);
   uint32_t blocks = blocks_for(grid.nodes);
-  deep_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
-  deep_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  deep_guess_kernel<<<blocks_for(32 * pbf_coarse_columns(&grid)), PBF_BLOCK, 0, s->stream>>>(
-      grid, arrays);
-  return launch_deep_solve(s, grid, arrays);
+  pressure_grid_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  pressure_grid_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  pressure_grid_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  pressure_grid_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  pressure_grid_guess_kernel<<<blocks_for(32 * pbf_pressure_grid_columns(&grid)), PBF_BLOCK, 0,
+                               s->stream>>>(grid, arrays);
+  return launch_pressure_grid_solve(s, grid, arrays);
 }
 
 /* Of the step that ends at `time`, between these walls and in the containers. */
-static inline pbf_coarse deep_grid_at(const solver *s, pbf_domain domain, double time) {
+static inline pbf_pressure_grid pressure_grid_at(const solver *s, pbf_domain domain, double time) {
   for (uint32_t k = 0; k < s->collider_count; ++k) {
     pbf_surface surface =
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     domain = pbf_domain_within(domain, &surface);
   }
-  return pbf_coarse_between(&s->params, &domain, pbf_coarse_limit(s->capacity));
+  return pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_limit(s->capacity));
 }
 
 #endif

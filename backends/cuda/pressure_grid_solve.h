@@ -10,47 +10,48 @@
 #include "cuda/pressure_grid.h"
 
 enum {
-  DEEP_THREADS = 512,
-  DEEP_KEPT = 3 /* nodes of a thread whose equations stay in registers */
+  PRESSURE_GRID_THREADS = 512,
+  PRESSURE_GRID_KEPT = 3 /* nodes of a thread whose equations stay in registers */
 };
 
 /* A block's nodes first … end - 1, in `size` indices: all have the same. Nodes that are farther
  * apart than `reach` have no cell in common. */
-struct deep_part {
+struct pressure_grid_part {
   uint32_t first, end, size, reach;
 };
 
-static inline __host__ __device__ uint32_t deep_reach(const pbf_coarse &grid) {
+static inline __host__ __device__ uint32_t pressure_grid_reach(const pbf_pressure_grid &grid) {
   return grid.corner[PBF_CORNERS - 1];
 }
 
 /* So that a block's neighbours alone need its nodes. */
-static inline __host__ __device__ uint32_t deep_part_size(uint32_t nodes, uint32_t blocks,
-                                                          uint32_t reach) {
+static inline __host__ __device__ uint32_t pressure_grid_part_size(uint32_t nodes, uint32_t blocks,
+                                                                   uint32_t reach) {
   uint32_t size = (nodes + blocks - 1) / blocks;
   return size > reach ? size : reach;
 }
 
 /* Nodes at filled cells, as they are the only ones that may not be in the open. */
-static __device__ __forceinline__ deep_part deep_part_of(const pbf_coarse &grid,
-                                                         const pbf_coarse_extent &filled) {
+static __device__ __forceinline__ pressure_grid_part
+pressure_grid_part_of(const pbf_pressure_grid &grid, const pbf_pressure_grid_extent &filled) {
   constexpr int axis = PBF_DIM - 1;
-  uint32_t stride = grid.corner[1u << axis], reach = deep_reach(grid);
+  uint32_t stride = grid.corner[1u << axis], reach = pressure_grid_reach(grid);
   uint32_t low = (uint32_t)grid.n[axis] + 1 - filled.below[axis], high = filled.above[axis] + 1;
   uint32_t first = low * stride + reach - stride, end = (high + 1) * stride;
-  uint32_t size = deep_part_size(end - first, gridDim.x, reach);
+  uint32_t size = pressure_grid_part_size(end - first, gridDim.x, reach);
   first += blockIdx.x * size;
   return {first, max(first, min(first + size, end)), size, reach};
 }
 
 /* Lists the block's nodes that are not in the open; returns how many. */
-static __device__ __forceinline__ uint32_t list_inside(const deep_arrays &a,
-                                                       const deep_part &part) {
+static __device__ __forceinline__ uint32_t list_inside(const pressure_grid_arrays &a,
+                                                       const pressure_grid_part &part) {
   __shared__ uint32_t listed;
   uint32_t lane = threadIdx.x % 32;
   if (threadIdx.x == 0) listed = 0;
   __syncthreads();
-  for (uint32_t base = part.first + threadIdx.x - lane; base < part.end; base += DEEP_THREADS) {
+  for (uint32_t base = part.first + threadIdx.x - lane; base < part.end;
+       base += PRESSURE_GRID_THREADS) {
     uint32_t node = base + lane, before = 0;
     bool inside = node < part.end && a.inverse[node] > 0;
     uint32_t warp = __ballot_sync(~0u, inside);
@@ -63,33 +64,35 @@ static __device__ __forceinline__ uint32_t list_inside(const deep_arrays &a,
 }
 
 /* The equation of a node. */
-struct deep_equation {
+struct pressure_grid_equation {
   uint32_t node;
   double right, inverse, around[PBF_CORNERS];
 };
 
-static __device__ __forceinline__ deep_equation equation_of(const pbf_coarse &grid,
-                                                            const deep_arrays &a, uint32_t node) {
-  deep_equation e;
+static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_pressure_grid &grid,
+                                                                     const pressure_grid_arrays &a,
+                                                                     uint32_t node) {
+  pressure_grid_equation e;
   e.node = node;
   e.right = a.right[node];
   e.inverse = a.inverse[node];
-  pbf_coarse_around(&grid, a.weights, node, e.around);
+  pbf_pressure_grid_around(&grid, a.weights, node, e.around);
   return e;
 }
 
 /* ---- Lambda in memory, for any number of blocks -----------------------------------------------
  */
 
-struct deep_in_memory {
+struct pressure_grid_in_memory {
   grid_counter *barrier;
   uint32_t meetings, misses;
 
-  __device__ __forceinline__ deep_in_memory(const deep_arrays &a, const deep_part &)
+  __device__ __forceinline__ pressure_grid_in_memory(const pressure_grid_arrays &a,
+                                                     const pressure_grid_part &)
       : barrier(&a.control->barrier), meetings(0), misses(0) {}
   __device__ __forceinline__ uint32_t low() const { return 0; }
-  __device__ __forceinline__ void begin(const pbf_coarse &, const deep_arrays &a, double **now,
-                                        double **before) const {
+  __device__ __forceinline__ void begin(const pbf_pressure_grid &, const pressure_grid_arrays &a,
+                                        double **now, double **before) const {
     *now = a.lambda;
     *before = a.before;
   }
@@ -102,7 +105,8 @@ struct deep_in_memory {
     return misses != before;
   }
 
-  __device__ __forceinline__ void end(const deep_arrays &a, const double *now, uint32_t) const {
+  __device__ __forceinline__ void end(const pressure_grid_arrays &a, const double *now,
+                                      uint32_t) const {
     if (thread_index() == 0) a.control->odd = now == a.before;
   }
 };
@@ -125,28 +129,30 @@ static __device__ __forceinline__ void meet_cluster() {}
 #endif
 
 /* Nodes that a block keeps: its own, and so many more on each side as its neighbours hand on. */
-static inline __host__ __device__ uint32_t deep_length(uint32_t size, uint32_t reach) {
+static inline __host__ __device__ uint32_t pressure_grid_length(uint32_t size, uint32_t reach) {
   return size + 2 * reach;
 }
 
-struct deep_in_cluster {
-  deep_part part;
+struct pressure_grid_in_cluster {
+  pressure_grid_part part;
   uint32_t *misses; /* in shared memory: two that take turns */
   uint32_t asked_so_far;
 
-  __device__ __forceinline__ deep_in_cluster(const deep_arrays &, const deep_part &part)
+  __device__ __forceinline__ pressure_grid_in_cluster(const pressure_grid_arrays &,
+                                                      const pressure_grid_part &part)
       : part(part), asked_so_far(0) {
     __shared__ uint32_t shared_misses[2];
     misses = shared_misses;
   }
   __device__ __forceinline__ uint32_t low() const { return part.first - part.reach; }
-  __device__ __forceinline__ void begin(const pbf_coarse &grid, const deep_arrays &a, double **now,
+  __device__ __forceinline__ void begin(const pbf_pressure_grid &grid,
+                                        const pressure_grid_arrays &a, double **now,
                                         double **before) const {
     extern __shared__ double lambdas[];
-    uint32_t length = deep_length(part.size, part.reach);
+    uint32_t length = pressure_grid_length(part.size, part.reach);
     *now = lambdas;
     *before = lambdas + length;
-    for (uint32_t k = threadIdx.x; k < length; k += DEEP_THREADS) {
+    for (uint32_t k = threadIdx.x; k < length; k += PRESSURE_GRID_THREADS) {
       double value = low() + k < grid.nodes ? a.lambda[low() + k] : 0;
       (*now)[k] = (*before)[k] = value;
     }
@@ -178,9 +184,9 @@ struct deep_in_cluster {
     return asked && misses[turn];
   }
 
-  __device__ __forceinline__ void end(const deep_arrays &a, const double *now,
+  __device__ __forceinline__ void end(const pressure_grid_arrays &a, const double *now,
                                       uint32_t count) const {
-    for (uint32_t k = threadIdx.x; k < count; k += DEEP_THREADS) {
+    for (uint32_t k = threadIdx.x; k < count; k += PRESSURE_GRID_THREADS) {
       uint32_t node = a.inside[part.first + k];
       a.lambda[node] = now[node - low()];
     }
@@ -191,43 +197,44 @@ struct deep_in_cluster {
  */
 
 template <class Lambda>
-static __global__ void __launch_bounds__(DEEP_THREADS)
-    deep_solve_kernel(const __grid_constant__ pbf_coarse grid,
-                      const __grid_constant__ deep_arrays a) {
-  const deep_control *control = a.control;
-  pbf_coarse_solve solve =
-      pbf_coarse_begin(pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,
-                       __longlong_as_double((long long)control->largest));
+static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
+    pressure_grid_solve_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                               const __grid_constant__ pressure_grid_arrays a) {
+  const pressure_grid_control *control = a.control;
+  pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
+      pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,
+      __longlong_as_double((long long)control->largest));
   if (solve.most == 0) return;
-  const deep_part part = deep_part_of(grid, control->extent);
+  const pressure_grid_part part = pressure_grid_part_of(grid, control->extent);
   const uint32_t count = list_inside(a, part);
   Lambda lambda(a, part);
   double *now, *before;
   lambda.begin(grid, a, &now, &before);
-  deep_equation kept[DEEP_KEPT];
+  pressure_grid_equation kept[PRESSURE_GRID_KEPT];
 #pragma unroll
-  for (uint32_t q = 0; q < DEEP_KEPT; ++q) {
-    uint32_t k = threadIdx.x + q * DEEP_THREADS;
+  for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q) {
+    uint32_t k = threadIdx.x + q * PRESSURE_GRID_THREADS;
     if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
   }
   bool over = false;
   for (int k = 0; k < solve.most && !over; ++k) {
     bool misses = false;
-    auto go_on = [&](const deep_equation &e) {
+    auto go_on = [&](const pressure_grid_equation &e) {
       uint32_t at = e.node - lambda.low();
-      double residual = pbf_coarse_residual(&grid, e.around, now, e.right, at);
-      double next = pbf_coarse_next(&solve, residual, e.inverse, now[at], before[at]);
-      misses = misses || pbf_coarse_miss(residual, now[at]) > solve.enough;
+      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, at);
+      double next = pbf_pressure_grid_next(&solve, residual, e.inverse, now[at], before[at]);
+      misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve.enough;
       before[at] = next;
       lambda.hand_on(before, at, next);
     };
 #pragma unroll
-    for (uint32_t q = 0; q < DEEP_KEPT; ++q)
-      if (threadIdx.x + q * DEEP_THREADS < count) go_on(kept[q]);
-    for (uint32_t i = threadIdx.x + DEEP_KEPT * DEEP_THREADS; i < count; i += DEEP_THREADS)
+    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q)
+      if (threadIdx.x + q * PRESSURE_GRID_THREADS < count) go_on(kept[q]);
+    for (uint32_t i = threadIdx.x + PRESSURE_GRID_KEPT * PRESSURE_GRID_THREADS; i < count;
+         i += PRESSURE_GRID_THREADS)
       go_on(equation_of(grid, a, a.inside[part.first + i]));
-    over = !lambda.meet(pbf_coarse_asks(k), misses) && pbf_coarse_asks(k);
-    pbf_coarse_go_on(&solve, k);
+    over = !lambda.meet(pbf_pressure_grid_asks(k), misses) && pbf_pressure_grid_asks(k);
+    pbf_pressure_grid_solve_go_on(&solve, k);
     double *other = now;
     now = before;
     before = other;

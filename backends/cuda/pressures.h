@@ -11,14 +11,14 @@
 /* Of the last step: that of the iterations, and of the grid in deep water. */
 struct pressure_source {
   pbf_real scale;
-  deep_pressure deep;
+  grid_pressure grid;
 };
 
 /* Lambda of the iterations and of the grid. */
 static __device__ __forceinline__ pbf_real whole_lambda(const pressure_source &source,
                                                         const point &p) {
-  if (!source.deep.arrays.control) return p.lambda;
-  return p.lambda - deep_pressure_at(source.deep, position_of(p)) / source.scale;
+  if (!source.grid.arrays.control) return p.lambda;
+  return p.lambda - grid_pressure_at(source.grid, position_of(p)) / source.scale;
 }
 
 static __global__ void add_weight_kernel(point *points, uint32_t count, pressure_source source) {

@@ -56,12 +56,12 @@ struct solver {
 #define PBF_CUDA(type, member, elements) type member;
 #include "physics/arrays.def"
 
-  uint32_t deep_cluster; /* most blocks of a cluster; 0: it has none */
-  pbf_coarse deep_grid;  /* of the last step, … */
-  double deep_scale;     /* … as is this, of lambda */
-  uint64_t *all_asleep;  /* in the host's memory: the epoch in which the device found that; with
-                            sleep only */
-  uint64_t epoch;        /* between two events that may wake a particle */
+  uint32_t pressure_grid_cluster;  /* most blocks of a cluster; 0: it has none */
+  pbf_pressure_grid pressure_grid; /* of the last step, … */
+  double pressure_grid_scale;      /* … as is this, of lambda */
+  uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that; with
+                           sleep only */
+  uint64_t epoch;       /* between two events that may wake a particle */
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */
@@ -136,9 +136,9 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 }
 
 /* Without arrays where the scene has no pressure grid. */
-static inline deep_arrays deep_of(const solver *s) {
-  if (!PBF_DEEP || !s->deep_room) return deep_arrays{};
-  return deep_arrays_in(s->deep_room, s->capacity, s->deep_grid.nodes);
+static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
+  if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory) return pressure_grid_arrays{};
+  return pressure_grid_arrays_in(s->pressure_grid_memory, s->capacity, s->pressure_grid.nodes);
 }
 
 template <class Value>

@@ -35,8 +35,8 @@ struct optional_array {
   bool keep(Element **array) const {
     return pbf_memory_keep(&s->memory, wanted, name, s->capacity, 0, array);
   }
-  bool keep(pbf_deep *deep) const {
-    return pbf_deep_keep(&s->memory, deep, wanted, name, s->capacity);
+  bool keep(pbf_pressure_grid_storage *storage) const {
+    return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
   bool keep() const { return true; } /* other backends' */
 };

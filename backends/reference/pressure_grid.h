@@ -1,68 +1,71 @@
-/* Part of step.h: deep water (physics/coarse.h): particle by particle, node by node. */
+/* Part of step.h: deep water (physics/pressure_grid/grid.h): particle by particle, node by node. */
 #ifndef PBF_REFERENCE_PRESSURE_GRID_H
 #define PBF_REFERENCE_PRESSURE_GRID_H
 
-#include "common/deep.h"
+#include "common/pressure_grid.h"
 
-static inline void deep_add(pbf_deep *deep, pbf_vec x, pbf_real target, pbf_real density) {
+static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_real target,
+                                     pbf_real density) {
   double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  deep->sums[cell] += pbf_coarse_entry(target, density);
-  deep->places[cell] += pbf_coarse_place_entry(at);
+  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
+  storage->sums[cell] += pbf_pressure_grid_entry(target, density);
+  storage->places[cell] += pbf_pressure_grid_place_entry(at);
 }
 
-static inline pbf_vec deep_move(const pbf_deep *deep, pbf_vec x) {
+static inline pbf_vec pressure_grid_move(const pbf_pressure_grid_storage *storage, pbf_vec x) {
   double at[PBF_DIM];
-  uint32_t cell = pbf_coarse_cell(&deep->grid, x, at);
-  return pbf_coarse_move(&deep->grid, deep->lambda, deep->parts, cell, at);
+  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
+  return pbf_pressure_grid_correction(&storage->grid, storage->lambda, storage->parts, cell, at);
 }
 
 /* Returns the largest right side of a node that is not in the open. */
-static inline double deep_equations(pbf_deep *deep,
-                                    const pbf_pressure_grid_source_scale *source_scale) {
+static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
+                                             const pbf_pressure_grid_source_scale *source_scale) {
   double largest = 0;
-  for (uint32_t node = 0; node < deep->grid.nodes; ++node) {
-    double *right = &deep->right[node], *inverse = &deep->inverse[node];
-    pbf_coarse_equation(&deep->grid, source_scale, deep->sums, deep->rooms, deep->weights,
-                        deep->depths[node], node, right, inverse);
+  for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
+    double *right = &storage->right[node], *inverse = &storage->inverse[node];
+    pbf_pressure_grid_equation(&storage->grid, source_scale, storage->sums, storage->free_volumes,
+                               storage->weights, storage->depths[node], node, right, inverse);
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
   return largest;
 }
 
 /* One iteration; returns how far the one before has come. */
-static inline double deep_iterate(pbf_deep *deep, const pbf_coarse_solve *solve) {
+static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
+                                           const pbf_pressure_grid_solve *solve) {
   double miss = 0;
-  for (uint32_t node = 0; node < deep->grid.nodes; ++node) {
-    double now = deep->lambda[node], *before = &deep->before[node];
-    if (!(deep->inverse[node] > 0)) continue;
+  for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
+    double now = storage->lambda[node], *before = &storage->before[node];
+    if (!(storage->inverse[node] > 0)) continue;
     double around[PBF_CORNERS];
-    pbf_coarse_around(&deep->grid, deep->weights, node, around);
-    double residual =
-        pbf_coarse_residual(&deep->grid, around, deep->lambda, deep->right[node], node);
-    miss = pbf_greater(miss, pbf_coarse_miss(residual, now));
-    *before = pbf_coarse_next(solve, residual, deep->inverse[node], now, *before);
+    pbf_pressure_grid_around(&storage->grid, storage->weights, node, around);
+    double residual = pbf_pressure_grid_residual(&storage->grid, around, storage->lambda,
+                                                 storage->right[node], node);
+    miss = pbf_greater(miss, pbf_pressure_grid_miss(residual, now));
+    *before = pbf_pressure_grid_next(solve, residual, storage->inverse[node], now, *before);
   }
-  pbf_deep_swap(deep);
+  pbf_pressure_grid_swap(storage);
   return miss;
 }
 
 /* Once all have added. */
-static inline void deep_solve(pbf_deep *deep, const pbf_obstacles *o) {
-  pbf_deep_box all;
+static inline void pressure_grid_solve(pbf_pressure_grid_storage *storage, const pbf_obstacles *o) {
+  pbf_pressure_grid_box all;
   for (int k = 0; k < PBF_DIM; ++k) {
     all.first[k] = 0;
-    all.last[k] = deep->grid.n[k] + 1;
+    all.last[k] = storage->grid.n[k] + 1;
   }
-  pbf_pressure_grid_source_scale source_scale = pbf_grid_pressure_source_scale(deep, o, &all);
-  pbf_deep_cut(deep, &all);
-  pbf_coarse_solve solve =
-      pbf_coarse_begin(source_scale.longest, deep_equations(deep, &source_scale));
-  pbf_deep_guess(deep, &source_scale);
+  pbf_pressure_grid_source_scale source_scale =
+      pbf_pressure_grid_find_free_volumes(storage, o, &all);
+  pbf_pressure_grid_cut_cells(storage, &all);
+  pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
+      source_scale.longest, pressure_grid_equations(storage, &source_scale));
+  pbf_pressure_grid_guess_all(storage, &source_scale);
   for (int k = 0; k < solve.most; ++k) {
-    double miss = deep_iterate(deep, &solve);
-    if (pbf_coarse_asks(k) && miss <= solve.enough) break;
-    pbf_coarse_go_on(&solve, k);
+    double miss = pressure_grid_iterate(storage, &solve);
+    if (pbf_pressure_grid_asks(k) && miss <= solve.enough) break;
+    pbf_pressure_grid_solve_go_on(&solve, k);
   }
 }
 

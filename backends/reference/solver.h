@@ -3,7 +3,7 @@
 #ifndef PBF_REFERENCE_SOLVER_H
 #define PBF_REFERENCE_SOLVER_H
 
-#include "common/deep.h"
+#include "common/pressure_grid.h"
 #include "physics/constants.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"

@@ -91,16 +91,16 @@ static inline void compute_residual_density(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  pbf_deep_begin(&s->deep, &s->params, s->capacity, o);
+  pbf_pressure_grid_begin(&s->pressure_grid, &s->params, s->capacity, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
-    deep_add(&s->deep, s->moved[i], target,
-             inactive(s, i) ? target : density_at(s, o, s->moved, i, NULL));
+    pressure_grid_add(&s->pressure_grid, s->moved[i], target,
+                      inactive(s, i) ? target : density_at(s, o, s->moved, i, NULL));
   }
-  deep_solve(&s->deep, o);
+  pressure_grid_solve(&s->pressure_grid, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    pbf_vec u = deep_move(&s->deep, s->moved[i]);
+    pbf_vec u = pressure_grid_move(&s->pressure_grid, s->moved[i]);
     s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);
     s->predicted[i] = s->moved[i] = pbf_add_scaled(s->moved[i], 1, u);
   }
@@ -110,7 +110,8 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
 static inline void add_weight(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   for (uint32_t i = 0; i < s->count; ++i)
-    s->lambda[i] += pbf_deep_lambda(&s->deep, &s->constants, inv_time_step, s->moved[i]);
+    s->lambda[i] += pbf_pressure_grid_particle_lambda(&s->pressure_grid, &s->constants,
+                                                      inv_time_step, s->moved[i]);
 }
 
 /* Returns the density error, where it is wanted, in pbf_error_units's units. */

@@ -10,7 +10,9 @@ template <class Element>
 static uint64_t held_bytes(Element *const *) {
   return COUNT * sizeof(Element);
 }
-static uint64_t held_bytes(const pbf_deep *) { return pbf_deep_words(COUNT) * sizeof(double); }
+static uint64_t held_bytes(const pbf_pressure_grid_storage *) {
+  return pbf_pressure_grid_words(COUNT) * sizeof(double);
+}
 static uint64_t held_bytes() { return 0; }
 
 static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf_params &params) {

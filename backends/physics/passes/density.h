@@ -1,6 +1,6 @@
 /* rho/rho0 at a particle (eq. 2), V sum W with the particle itself: for statistics; at the start of
  * very short steps, which leave a part of its error; and where the pressure grid sums errors up
- * (coarse.h). Walls and colliders add theirs. */
+ * (pressure_grid/grid.h). Walls and colliders add theirs. */
 #ifndef PBF_PHYSICS_PASSES_DENSITY_H
 #define PBF_PHYSICS_PASSES_DENSITY_H
 

@@ -5,34 +5,34 @@
  * the stiffness of an element, N a node's function and w the moves that the forces alone make in
  * the step,
  *
- *   sum over the cells e at a node of  room_e / below_e (K lambda)_node
- *       = - part * sum over them of  room_e w_e · grad N_node + share error_e N_node
+ *   sum over the cells e at a node of  volume_e / below_e (K lambda)_node
+ *       = - part * sum over them of  volume_e w_e · grad N_node + share error_e N_node
  *
  * and particles move by grad lambda / below. What the fluid brings along is left to the iterations:
  * it is free of divergence as far as these have made it so, and taking from it what a grid can't
  * tell from compression takes energy from every wave. Errors of density would stay; a share of them
- * goes along. It is the room of a cell that counts, the part that is free of walls and colliders,
- * and not what fills it: so nothing presses on fluid that falls, whose surface fills cells in part.
- * Where the surface cuts a cell, pressure ends in it: below_e is the part of the cell that it ends
- * within, 1 inside the fluid (coarse_surface.h).
+ * goes along. It is the free volume of a cell that counts, the part that is free of walls and
+ * colliders, and not what fills it: so nothing presses on fluid that falls, whose surface fills
+ * cells in part. Where the surface cuts a cell, pressure ends in it: below_e is the part of the
+ * cell that it ends within, 1 inside the fluid (surface.h).
  *
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
  *
  * lambda is 0 at nodes in the open and nowhere positive; beyond walls there is nothing to move,
  * which is what an element's edge does of itself. */
-#ifndef PBF_PHYSICS_COARSE_H
-#define PBF_PHYSICS_COARSE_H
+#ifndef PBF_PHYSICS_PRESSURE_GRID_GRID_H
+#define PBF_PHYSICS_PRESSURE_GRID_GRID_H
 
 #include "physics/collide.h"
 #include "physics/depth.h"
 
-/* A cell is filled from such a part of its room on. */
-#define PBF_COARSE_FILLED 0.6
+/* A cell is filled from such a part of its free volume on. */
+#define PBF_PRESSURE_GRID_FILLED 0.6
 
 /* Nodes that are at least so many cells below the surface are not in the open, and no cell that the
  * surface cuts counts as a smaller part. */
-#define PBF_COARSE_SURFACE 0.05
+#define PBF_PRESSURE_GRID_SURFACE 0.05
 
 PBF_FN double pbf_lesser(double a, double b) { return a < b ? a : b; }
 PBF_FN double pbf_greater(double a, double b) { return a > b ? a : b; }
@@ -41,12 +41,12 @@ enum { PBF_CORNERS = 1 << PBF_DIM };
 
 /* Surfaces across the cells, by more than 2 degrees at rest, are taken to be at nodes: by the parts
  * of cells below them fluid would tremble. */
-#define PBF_COARSE_LEVEL 0.9994
+#define PBF_PRESSURE_GRID_LEVEL 0.9994
 
 /* In units of the cells' width: lambda of its square, moves of itself. A cell has the index of its
  * corner 0, and one row of cells and nodes lies before the walls on each side, so that no loop asks
  * where it ends. */
-typedef struct pbf_coarse {
+typedef struct pbf_pressure_grid {
   double lower[PBF_DIM], width; /* of the first cells inside: they lie evenly between the walls */
   double edge[PBF_DIM];         /* part of the first and of the last ones that is inside */
   double per_width;             /* 1 / width */
@@ -60,36 +60,37 @@ typedef struct pbf_coarse {
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
   uint32_t nodes;               /* and cells: indices */
-} pbf_coarse;
+} pbf_pressure_grid;
 
 /* Indices that there is room for, with those behind the last node that its cells' corners have. */
-static inline uint64_t pbf_coarse_limit(uint32_t capacity) {
+static inline uint64_t pbf_pressure_grid_limit(uint32_t capacity) {
   return 4096 + (uint64_t)capacity / (PBF_DIM == 3 ? 8 : 2);
 }
 
-static inline int pbf_coarse_cells(const pbf_domain *domain, int axis, double width) {
+static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, double width) {
   double length = (double)domain->upper.c[axis] - (double)domain->lower.c[axis];
   return (int)fmin(fmax(ceil(length / width - 1e-6), 1), 1e6);
 }
 
 /* Indices that a grid takes, with those behind its last node. */
-static inline double pbf_coarse_taken(const pbf_domain *domain, double width) {
+static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double width) {
   double nodes = 1, rows = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     rows = nodes;
-    nodes *= pbf_coarse_cells(domain, k, width) + 2;
+    nodes *= pbf_pressure_grid_cells(domain, k, width) + 2;
   }
   return nodes + 2 * rows + 2;
 }
 
 /* The grid between walls, in a limited number of indices. */
-static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_domain *domain,
-                                            uint64_t limit) {
-  pbf_coarse c;
+static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
+                                                          const pbf_domain *domain,
+                                                          uint64_t limit) {
+  pbf_pressure_grid c;
   double dt2 = params->time_step * params->time_step;
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
   double width = cells * params->smoothing_radius;
-  while (pbf_coarse_taken(domain, width) > (double)limit) width *= 1.1;
+  while (pbf_pressure_grid_indices(domain, width) > (double)limit) width *= 1.1;
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
@@ -101,7 +102,7 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double length = (double)domain->upper.c[k] - (double)domain->lower.c[k];
-    c.n[k] = pbf_coarse_cells(domain, k, width);
+    c.n[k] = pbf_pressure_grid_cells(domain, k, width);
     double beyond = fmax(0, c.n[k] - length / width);
     c.lower[k] = (double)domain->lower.c[k] - 0.5 * beyond * width;
     c.edge[k] = c.n[k] == 1 ? 1 - beyond : 1 - 0.5 * beyond;
@@ -116,12 +117,13 @@ static inline pbf_coarse pbf_coarse_between(const pbf_params *params, const pbf_
     c.size[k] = (uint32_t)c.n[k] + 2;
     c.nodes *= c.size[k];
   }
-  c.level = params->attraction == 0 && fabs(c.push[c.axis]) >= PBF_COARSE_LEVEL * sqrt(push2);
+  c.level =
+      params->attraction == 0 && fabs(c.push[c.axis]) >= PBF_PRESSURE_GRID_LEVEL * sqrt(push2);
   return c;
 }
 
 /* Where along each axis an index is; 0 and n + 1 are cells outside, 0 is a node outside. */
-PBF_FN void pbf_coarse_place(const pbf_coarse *c, uint32_t index, int at[PBF_DIM]) {
+PBF_FN void pbf_pressure_grid_place(const pbf_pressure_grid *c, uint32_t index, int at[PBF_DIM]) {
   for (int k = 0; k < PBF_DIM; ++k) {
     at[k] = (int)(index % c->size[k]);
     index /= c->size[k];
@@ -131,28 +133,30 @@ PBF_FN void pbf_coarse_place(const pbf_coarse *c, uint32_t index, int at[PBF_DIM
 /* ---- Particles ----------------------------------------------------------------------------- */
 
 /* How many cells inside lie before x, along an axis, … */
-PBF_FN double pbf_coarse_before(const pbf_coarse *c, int axis, pbf_real x) {
+PBF_FN double pbf_pressure_grid_before(const pbf_pressure_grid *c, int axis, pbf_real x) {
   return pbf_greater(((double)x - c->lower[axis]) * c->per_width, 0);
 }
 
 /* … the index of the cell that holds it, and where x is in that. */
-PBF_FN uint32_t pbf_coarse_index(const pbf_coarse *c, int axis, double before, double *at) {
+PBF_FN uint32_t pbf_pressure_grid_index(const pbf_pressure_grid *c, int axis, double before,
+                                        double *at) {
   int i = (int)pbf_lesser(before, c->n[axis] - 1);
   *at = pbf_lesser(before - i, 1);
   return (uint32_t)(i + 1);
 }
 
-PBF_FN uint32_t pbf_coarse_cell(const pbf_coarse *c, pbf_vec x, double at[PBF_DIM]) {
+PBF_FN uint32_t pbf_pressure_grid_cell(const pbf_pressure_grid *c, pbf_vec x, double at[PBF_DIM]) {
   uint32_t cell = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k)
-    cell = cell * c->size[k] + pbf_coarse_index(c, k, pbf_coarse_before(c, k, x.c[k]), &at[k]);
+    cell = cell * c->size[k] +
+           pbf_pressure_grid_index(c, k, pbf_pressure_grid_before(c, k, x.c[k]), &at[k]);
   return cell;
 }
 
 /* What a particle adds to its cell's sum: one to the count in the upper 24 bits, its density
  * error to what is below. The sum of integers is the same in any order. Room counts where it is a
  * ripple, not where fluid ends. */
-PBF_FN int64_t pbf_coarse_entry(pbf_real target, pbf_real density) {
+PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density) {
   double error = pbf_lesser((double)(density - target), 1);
   if (error < 0) error *= pbf_greater(0, 1 + 10 * error);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
@@ -161,34 +165,34 @@ PBF_FN int64_t pbf_coarse_entry(pbf_real target, pbf_real density) {
 /* And its place in the cell, in 128ths along each axis, of which the sums have 21 bits each: those
  * of 16,383 particles and fewer. They are rounded where no lattice's rows are, which would go
  * either way, all at once. */
-PBF_FN int64_t pbf_coarse_place_entry(const double at[PBF_DIM]) {
+PBF_FN int64_t pbf_pressure_grid_place_entry(const double at[PBF_DIM]) {
   int64_t entry = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k) entry = (entry << 21) + (int)(at[k] * 128 + 0.3);
   return entry;
 }
 
 /* From a to b: a difference, or what is between them. */
-PBF_FN double pbf_coarse_from_to(double a, double b, int differs, double at) {
+PBF_FN double pbf_pressure_grid_on_edge(double a, double b, int differs, double at) {
   return differs ? b - a : a + at * (b - a);
 }
 
 /* A face's function and a cell's at the place `at`, from the values at its corners: the derivative
  * along an axis, or where `axis` is none of them the value. */
-PBF_FN double pbf_coarse_on_face(const double *values, const double *at, int axis) {
-  return pbf_coarse_from_to(pbf_coarse_from_to(values[0], values[1], axis == 0, at[0]),
-                            pbf_coarse_from_to(values[2], values[3], axis == 0, at[0]), axis == 1,
-                            at[1]);
+PBF_FN double pbf_pressure_grid_on_face(const double *values, const double *at, int axis) {
+  return pbf_pressure_grid_on_edge(
+      pbf_pressure_grid_on_edge(values[0], values[1], axis == 0, at[0]),
+      pbf_pressure_grid_on_edge(values[2], values[3], axis == 0, at[0]), axis == 1, at[1]);
 }
 
-PBF_FN double pbf_coarse_in_cell(const double values[PBF_CORNERS], const double at[PBF_DIM],
-                                 int axis) {
-  double first = pbf_coarse_on_face(values, at, axis);
+PBF_FN double pbf_pressure_grid_in_cell(const double values[PBF_CORNERS], const double at[PBF_DIM],
+                                        int axis) {
+  double first = pbf_pressure_grid_on_face(values, at, axis);
   if (PBF_DIM == 2) return first;
-  double second = pbf_coarse_on_face(values + PBF_CORNERS / 2, at, axis);
-  return pbf_coarse_from_to(first, second, axis == 2, at[PBF_DIM - 1]);
+  double second = pbf_pressure_grid_on_face(values + PBF_CORNERS / 2, at, axis);
+  return pbf_pressure_grid_on_edge(first, second, axis == 2, at[PBF_DIM - 1]);
 }
 
-PBF_FN double pbf_coarse_deepest(const double values[PBF_CORNERS]) {
+PBF_FN double pbf_pressure_grid_deepest(const double values[PBF_CORNERS]) {
   double deepest = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) deepest = pbf_lesser(deepest, values[a]);
   return deepest;
@@ -196,54 +200,59 @@ PBF_FN double pbf_coarse_deepest(const double values[PBF_CORNERS]) {
 
 /* u there, from lambda at the corners of a cell of which the fluid is such a part. It ends a
  * quarter of a cell above the surface: what flies there falls. */
-PBF_FN pbf_vec pbf_coarse_slope(const pbf_coarse *c, const double values[PBF_CORNERS],
-                                const double at[PBF_DIM], double part) {
-  double deepest = pbf_coarse_deepest(values);
-  double above = pbf_coarse_in_cell(values, at, PBF_DIM) - deepest + part * deepest; /* lambda */
+PBF_FN pbf_vec pbf_pressure_grid_correction_from(const pbf_pressure_grid *c,
+                                                 const double values[PBF_CORNERS],
+                                                 const double at[PBF_DIM], double part) {
+  double deepest = pbf_pressure_grid_deepest(values);
+  double above =
+      pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest + part * deepest; /* lambda */
   double fades = pbf_lesser(1 + 4 * above / pbf_lesser(deepest, -1e-30), 1);
   double scale = c->width / part * pbf_greater(fades, 0);
   pbf_vec u;
-  for (int k = 0; k < PBF_DIM; ++k) u.c[k] = (pbf_real)(scale * pbf_coarse_in_cell(values, at, k));
+  for (int k = 0; k < PBF_DIM; ++k)
+    u.c[k] = (pbf_real)(scale * pbf_pressure_grid_in_cell(values, at, k));
   return u;
 }
 
-PBF_FN void pbf_coarse_corners(const pbf_coarse *c, const double *lambda, uint32_t cell,
-                               double values[PBF_CORNERS]) {
+PBF_FN void pbf_pressure_grid_corners(const pbf_pressure_grid *c, const double *lambda,
+                                      uint32_t cell, double values[PBF_CORNERS]) {
   for (int a = 0; a < PBF_CORNERS; ++a) values[a] = lambda[cell + c->corner[a]];
 }
 
 /* u at the place `at` in a cell. */
-PBF_FN pbf_vec pbf_coarse_move(const pbf_coarse *c, const double *lambda, const double *parts,
-                               uint32_t cell, const double at[PBF_DIM]) {
+PBF_FN pbf_vec pbf_pressure_grid_correction(const pbf_pressure_grid *c, const double *lambda,
+                                            const double *parts, uint32_t cell,
+                                            const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
-  pbf_coarse_corners(c, lambda, cell, values);
-  return pbf_coarse_slope(c, values, at, parts[cell]);
+  pbf_pressure_grid_corners(c, lambda, cell, values);
+  return pbf_pressure_grid_correction_from(c, values, at, parts[cell]);
 }
 
 /* lambda there. */
-PBF_FN double pbf_coarse_lambda(const pbf_coarse *c, const double *lambda, const double *parts,
-                                uint32_t cell, const double at[PBF_DIM]) {
+PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c, const double *lambda,
+                                       const double *parts, uint32_t cell,
+                                       const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
-  pbf_coarse_corners(c, lambda, cell, values);
-  double deepest = pbf_coarse_deepest(values);
-  double value = deepest + (pbf_coarse_in_cell(values, at, PBF_DIM) - deepest) / parts[cell];
+  pbf_pressure_grid_corners(c, lambda, cell, values);
+  double deepest = pbf_pressure_grid_deepest(values);
+  double value = deepest + (pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest) / parts[cell];
   return c->width * c->width * pbf_lesser(value, 0);
 }
 
 /* ---- Cells --------------------------------------------------------------------------------- */
 
-PBF_FN int64_t pbf_coarse_count(int64_t sum) { return (sum + ((int64_t)1 << 39)) >> 40; }
+PBF_FN int64_t pbf_pressure_grid_count(int64_t sum) { return (sum + ((int64_t)1 << 39)) >> 40; }
 
-PBF_FN double pbf_coarse_fill(const pbf_coarse *c, int64_t sum) {
-  return c->unit * (double)pbf_coarse_count(sum);
+PBF_FN double pbf_pressure_grid_fill(const pbf_pressure_grid *c, int64_t sum) {
+  return c->unit * (double)pbf_pressure_grid_count(sum);
 }
 
-PBF_FN double pbf_coarse_error(const pbf_coarse *c, int64_t sum) {
-  return c->unit * (double)(sum - pbf_coarse_count(sum) * ((int64_t)1 << 40)) / (1 << 20);
+PBF_FN double pbf_pressure_grid_error(const pbf_pressure_grid *c, int64_t sum) {
+  return c->unit * (double)(sum - pbf_pressure_grid_count(sum) * ((int64_t)1 << 40)) / (1 << 20);
 }
 
 /* The part of a cell, the i-th along each axis, that is inside the walls. */
-PBF_FN double pbf_coarse_inside(const pbf_coarse *c, const int i[PBF_DIM]) {
+PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[PBF_DIM]) {
   double inside = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     if (i[k] == 0 || i[k] > c->n[k]) return 0;
@@ -256,38 +265,42 @@ namespace {
 
 /* The part that is free of colliders, too. */
 template <class Obstacles>
-PBF_FN double pbf_coarse_room_at(const pbf_coarse *c, const Obstacles &o, const int i[PBF_DIM]) {
-  double room = pbf_coarse_inside(c, i);
+PBF_FN double pbf_pressure_grid_free_volume_at(const pbf_pressure_grid *c, const Obstacles &o,
+                                               const int i[PBF_DIM]) {
+  double free_volume = pbf_pressure_grid_inside(c, i);
   pbf_vec middle;
   for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
   for (int s = 0; s < pbf_surface_count(o); ++s) {
     pbf_vec normal;
     double distance = (double)pbf_surface_distance(&o.surfaces[s], middle, &normal);
-    room *= pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
+    free_volume *= pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
   }
-  return room;
+  return free_volume;
 }
 
 template <class Obstacles>
-PBF_FN double pbf_coarse_room(const pbf_coarse *c, const Obstacles &o, uint32_t cell) {
+PBF_FN double pbf_pressure_grid_free_volume(const pbf_pressure_grid *c, const Obstacles &o,
+                                            uint32_t cell) {
   int i[PBF_DIM];
-  pbf_coarse_place(c, cell, i);
-  return pbf_coarse_room_at(c, o, i);
+  pbf_pressure_grid_place(c, cell, i);
+  return pbf_pressure_grid_free_volume_at(c, o, i);
 }
 
 }  // namespace
 
 /* Whether what fills a cell counts for the fluid's depth: nodes that are not in the open have one
  * that does. */
-PBF_FN int pbf_coarse_is_filled(const pbf_coarse *c, int64_t sum, double room) {
-  return room > 0 && pbf_coarse_fill(c, sum) >= PBF_COARSE_FILLED * room;
+PBF_FN int pbf_pressure_grid_is_filled(const pbf_pressure_grid *c, int64_t sum,
+                                       double free_volume) {
+  return free_volume > 0 &&
+         pbf_pressure_grid_fill(c, sum) >= PBF_PRESSURE_GRID_FILLED * free_volume;
 }
 
 /* Where filled cells are along each axis: the largest of their indices, and of these from the other
  * end; 0 when there are none. */
-typedef struct pbf_coarse_extent {
+typedef struct pbf_pressure_grid_extent {
   uint32_t above[PBF_DIM], below[PBF_DIM];
-} pbf_coarse_extent;
+} pbf_pressure_grid_extent;
 
 /* What a step does about the fluid in these cells. */
 typedef struct pbf_pressure_grid_source_scale {
@@ -302,7 +315,7 @@ typedef struct pbf_pressure_grid_source_scale {
  * of lambda's one sign spreads until it fills 1.4 times its volume. Where forces alone cross half a
  * cell in a step, what the grid sees is not where the fluid is. */
 PBF_FN pbf_pressure_grid_source_scale
-pbf_pressure_grid_source_scale_of(const pbf_coarse *c, const pbf_coarse_extent *e) {
+pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure_grid_extent *e) {
   pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
   double head = 0, fastest = 0;
   for (int k = 0; k < PBF_DIM; ++k) {

@@ -1,0 +1,175 @@
+/* The pressure grid's memory on a host, and what there is to do about the fluid on it. */
+#ifndef PBF_COMMON_PRESSURE_GRID_H
+#define PBF_COMMON_PRESSURE_GRID_H
+
+#include "common/memory.h"
+#include "physics/pressure_grid/nodes.h"
+#include "physics/constants.h"
+
+/* Nodes first … last - 1. */
+typedef struct pbf_pressure_grid_run {
+  uint32_t first, last;
+} pbf_pressure_grid_run;
+
+typedef struct pbf_pressure_grid_storage {
+  pbf_pressure_grid grid; /* of this step */
+  int64_t *sums;          /* of cells: pbf_pressure_grid_entry; the first of all arrays */
+  int64_t *places;        /* of cells: pbf_pressure_grid_place_entry */
+  double *free_volumes, *parts, *weights; /* of cells: weights are free volumes over parts */
+  double *depths, *right, *inverse, *lambda, *before; /* of nodes */
+  pbf_pressure_grid_run *runs; /* all nodes that are not in the open are in one, in their order … */
+  uint32_t count;              /* of so many; unless every node is looked at */
+} pbf_pressure_grid_storage;
+
+/* Words of 8 bytes in all arrays. */
+static inline uint64_t pbf_pressure_grid_words(uint32_t capacity) {
+  enum { ARRAYS = 11 };
+  return ARRAYS * (uint64_t)pbf_pressure_grid_limit(capacity);
+}
+
+/* Takes the memory or releases it; false when there is none. What lies behind the last node is
+ * read, and counts for nothing unless it is no number: it begins as 0. */
+static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_storage *storage,
+                                          bool wanted, const char *name, uint32_t capacity) {
+  bool taken = wanted && !storage->sums;
+  if (!pbf_memory_keep(memory, wanted, name, pbf_pressure_grid_words(capacity), 0, &storage->sums))
+    return false;
+  if (!taken) return true;
+  uint64_t limit = pbf_pressure_grid_limit(capacity);
+  storage->places = storage->sums + limit;
+  double *next = (double *)storage->places;
+  double **const arrays[] = {&storage->free_volumes, &storage->parts, &storage->weights,
+                             &storage->depths,       &storage->right, &storage->inverse,
+                             &storage->lambda,       &storage->before};
+  for (unsigned k = 0; k < sizeof arrays / sizeof arrays[0]; ++k) *arrays[k] = next += limit;
+  storage->runs = (pbf_pressure_grid_run *)(next + limit);
+  return true;
+}
+
+/* Before particles add to the sums. */
+static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
+                                           const pbf_params *params, uint32_t capacity,
+                                           const pbf_obstacles *o) {
+  pbf_domain domain = o->domain;
+  for (int k = 0; k < pbf_surface_count(*o); ++k)
+    domain = pbf_domain_within(domain, &o->surfaces[k]);
+  storage->grid = pbf_pressure_grid_between(params, &domain, pbf_pressure_grid_limit(capacity));
+  memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
+  memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
+}
+
+/* Indices, up to the last of them along each axis. */
+typedef struct pbf_pressure_grid_box {
+  int first[PBF_DIM], last[PBF_DIM];
+} pbf_pressure_grid_box;
+
+/* A walk through the rows of a box along the first axis: the index of the place (0, i[1], i[2]),
+ * and on to the next. Returns 0 after the last. */
+static inline uint32_t pbf_pressure_grid_row(const pbf_pressure_grid *c, const int i[PBF_DIM]) {
+  uint32_t row = 0;
+  for (int k = PBF_DIM - 1; k > 0; --k) row = (row + (uint32_t)i[k]) * c->size[k - 1];
+  return row;
+}
+
+static inline int pbf_pressure_grid_next_row(const pbf_pressure_grid_box *box, int i[PBF_DIM]) {
+  for (int k = 1; k < PBF_DIM; ++k) {
+    if (++i[k] <= box->last[k]) return 1;
+    i[k] = box->first[k];
+  }
+  return 0;
+}
+
+static inline void pbf_pressure_grid_extend(const pbf_pressure_grid *c,
+                                            pbf_pressure_grid_extent *extent,
+                                            const int i[PBF_DIM]) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    uint32_t above = (uint32_t)i[k], below = (uint32_t)(c->n[k] + 1 - i[k]);
+    if (above > extent->above[k]) extent->above[k] = above;
+    if (below > extent->below[k]) extent->below[k] = below;
+  }
+}
+
+/* The free volume of the cells in a box outside which there is no fluid, and what is to be done
+ * about that in them. */
+static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes(
+    pbf_pressure_grid_storage *storage, const pbf_obstacles *o, const pbf_pressure_grid_box *box) {
+  const pbf_pressure_grid *c = &storage->grid;
+  pbf_pressure_grid_extent extent = {{0}, {0}};
+  int i[PBF_DIM];
+  memcpy(i, box->first, sizeof i);
+  do {
+    uint32_t row = pbf_pressure_grid_row(c, i);
+    for (i[0] = box->first[0]; i[0] <= box->last[0]; ++i[0]) {
+      uint32_t cell = row + (uint32_t)i[0];
+      storage->free_volumes[cell] = pbf_pressure_grid_free_volume_at(c, *o, i);
+      if (pbf_pressure_grid_is_filled(c, storage->sums[cell], storage->free_volumes[cell]))
+        pbf_pressure_grid_extend(c, &extent, i);
+    }
+  } while (pbf_pressure_grid_next_row(box, i));
+  return pbf_pressure_grid_source_scale_of(c, &extent);
+}
+
+/* How far the nodes of the cells in a box are below the surface. */
+static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *storage,
+                                                  const pbf_pressure_grid_box *box) {
+  const pbf_pressure_grid *c = &storage->grid;
+  pbf_pressure_grid_box nodes = *box;
+  int i[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    i[k] = nodes.first[k] = box->first[k] > 1 ? box->first[k] : 1;
+    nodes.last[k] = (box->last[k] < c->n[k] ? box->last[k] : c->n[k]) + 1;
+  }
+  do {
+    uint32_t row = pbf_pressure_grid_row(c, i);
+    for (i[0] = nodes.first[0]; i[0] <= nodes.last[0]; ++i[0])
+      storage->depths[row + (uint32_t)i[0]] = pbf_pressure_grid_node_depth(
+          c, storage->sums, storage->places, storage->free_volumes, (int64_t)row + i[0], i);
+  } while (pbf_pressure_grid_next_row(&nodes, i));
+}
+
+/* What of the cells in a box, outside which there is no fluid, is below the surface. */
+static inline void pbf_pressure_grid_cut_cells(pbf_pressure_grid_storage *storage,
+                                               const pbf_pressure_grid_box *box) {
+  const pbf_pressure_grid *c = &storage->grid;
+  int i[PBF_DIM];
+  pbf_pressure_grid_find_surface(storage, box);
+  memcpy(i, box->first, sizeof i);
+  do {
+    uint32_t row = pbf_pressure_grid_row(c, i);
+    for (int x = box->first[0]; x <= box->last[0]; ++x) {
+      uint32_t cell = row + (uint32_t)x;
+      pbf_pressure_grid_cut(c, storage->depths, storage->free_volumes, cell, &storage->parts[cell],
+                            &storage->weights[cell]);
+    }
+  } while (pbf_pressure_grid_next_row(box, i));
+}
+
+/* Where the solve starts, once all have an equation. */
+static inline void pbf_pressure_grid_guess_all(pbf_pressure_grid_storage *storage,
+                                               const pbf_pressure_grid_source_scale *source_scale) {
+  const pbf_pressure_grid *c = &storage->grid;
+  for (uint32_t column = 0; column < pbf_pressure_grid_columns(c); ++column)
+    pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->free_volumes,
+                            storage->weights, column, storage->lambda);
+  memcpy(storage->before, storage->lambda, c->nodes * sizeof *storage->lambda);
+}
+
+/* An iteration has written to `before`. */
+static inline void pbf_pressure_grid_swap(pbf_pressure_grid_storage *storage) {
+  double *now = storage->before;
+  storage->before = storage->lambda;
+  storage->lambda = now;
+}
+
+/* The lambda over particles that has the grid's pressure at x. */
+static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid_storage *storage,
+                                                         const pbf_constants *c,
+                                                         pbf_real inv_time_step, pbf_vec x) {
+  double at[PBF_DIM];
+  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
+  double lambda =
+      pbf_pressure_grid_lambda(&storage->grid, storage->lambda, storage->parts, cell, at);
+  return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)c->pressure);
+}
+
+#endif
