@@ -64,7 +64,8 @@ static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const p
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
+  pbf_schedule schedule =
+      pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
@@ -124,7 +125,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
+  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_moving_obstacles changed =
@@ -147,6 +148,7 @@ static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   else
     s->now = time + steps * s->params.time_step;
   *done = job.done;
+  if (job.done) s->found.struct_size = 0;
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
 }
 
@@ -172,6 +174,17 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   s->residual_density = residual_density;
   s->pressure_scale = 0;
   return job.done == 1 ? PBF_OK : no_memory_for_neighbors(s);
+}
+
+static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
+  pbf_schedule schedule =
+      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, overlap != NULL);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) return status;
+  s->schedule = schedule;
+  s->overlaps = overlap != NULL;
+  if (overlap) s->found = *overlap;
+  return PBF_OK;
 }
 
 static pbf_status synchronize(solver *s) {
@@ -203,6 +216,8 @@ static pbf_status remove_all(solver *s) {
 static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   if (which == PBF_BACKEND_FIELD_REST) {
     read_rest(s, rows, (pbf_real *)out);
+  } else if (which == PBF_BACKEND_FIELD_OVERLAP) {
+    read_overlap(s, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!diagnose(s, diagnose_densities)) return no_memory_for_neighbors(s);
@@ -218,6 +233,10 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
   add_weight(s);
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);
+    return PBF_OK;
+  }
+  if (which == PBF_BACKEND_FIELD_OVERLAP) {
+    write_overlap(s, rows, (const pbf_real *)in);
     return PBF_OK;
   }
   wake_all(s);
@@ -338,4 +357,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
+    .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
 };

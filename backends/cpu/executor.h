@@ -70,6 +70,7 @@ struct executor {
     return true;
   }
   void residual_density() { find_residual_density(w); }
+  void overlap() { find_overlap(w); }
   void begin_solve() {}
   void pressure_grid() { solve_pressure_grid(w); }
   bool is_converged(uint32_t) const { return false; } /* see ::is_converged */

@@ -35,6 +35,7 @@ const kernels PBF_VARIANT_API = {
     .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,
+    .placed_density = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? placed_density : NULL,
     .residual_density = residual_density,
     .deposit = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit : NULL,
     .apply_correction = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? apply_correction : NULL,

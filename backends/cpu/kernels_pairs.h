@@ -10,6 +10,7 @@
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/overlap.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/viscosity.h"
 
@@ -333,6 +334,14 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];
     }
   }
+}
+
+static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real *densities,
+                           uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const placed_density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g)
+    lane_store(densities + g * WIDTH, sums_of_group(pass, p, {numbers, NULL}, {}, g).density);
 }
 
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,

@@ -57,18 +57,19 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
   static const uint8_t none[LIST_UNIT] = {
       0}; /* where the sentinel has a neighbour there are no lists */
   const solver *s = w->s;
-  return (pair_pass){.constants = &w->constants,
-                     .features = s->schedule.features,
-                     .lists = {.groups = s->groups,
-                               .data = s->list_data ? s->list_data : none,
-                               .far = s->grid.far,
-                               .count = s->count},
-                     .x = x,
-                     .quads = quads,
-                     .vectors = packed_vectors(s),
-                     .contributing = s->schedule.wall_density ? &w->obstacles : NULL,
-                     .residual_density = s->residual_density,
-                     .activity = sleep_is_on(w) ? w->activity : NULL};
+  return (pair_pass){
+      .constants = &w->constants,
+      .features = s->schedule.features,
+      .lists = {.groups = s->groups,
+                .data = s->list_data ? s->list_data : none,
+                .far = s->grid.far,
+                .count = s->count},
+      .x = x,
+      .quads = quads,
+      .vectors = packed_vectors(s),
+      .contributing = s->schedule.wall_density ? &w->obstacles : NULL,
+      .residual_density = s->residual_density ? s->residual_density : w->b.sorted_overlap,
+      .activity = sleep_is_on(w) ? w->activity : NULL};
 }
 
 static void list_neighbors(worker *w, range groups, list_size *all) {

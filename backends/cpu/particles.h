@@ -15,6 +15,7 @@ static void append(solver *s, const pbf_particles *p) {
     }
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
   memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
+  if (s->buffers.overlap) memset(s->buffers.overlap + s->count, 0, p->count * sizeof(pbf_real));
   s->count += p->count;
 }
 
@@ -27,6 +28,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
     if (b->activity) b->activity[kept] = b->activity[i];
+    if (b->overlap) b->overlap[kept] = b->overlap[i];
     b->ids[kept++] = b->ids[i];
   }
   s->count = kept;
@@ -73,6 +75,20 @@ static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
       s->buffers.sleeping_lambda[i] = s->lambda[i] = in[row * 2 + 1];
     }
     s->asleep += (uint32_t)pbf_is_asleep(s->buffers.activity[i]);
+  }
+}
+
+static void read_overlap(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row < rows->count) out[row] = s->buffers.overlap[i];
+  }
+}
+
+static void write_overlap(solver *s, const pbf_rows *rows, const pbf_real *in) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row < rows->count) s->buffers.overlap[i] = in[row];
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "cpu/lists.h"
 #include "physics/passes/lambda.h"
+#include "physics/passes/overlap.h"
 
 /* Lambda of all iterations starts from nothing in each step. */
 static void clear_totals(solver *s, range groups) {
@@ -31,18 +32,70 @@ static void backtrack_task(void *context, uint32_t task) {
   fill_packed(w->s, packed_vectors(w->s), &w->b.step_start(), NULL, r);
 }
 
+/* What is left of an overlap counts, too. */
+static void add_overlap(const worker *w, range r) {
+  pbf_real *residual = w->s->residual_density;
+  const pbf_real *overlap = w->b.sorted_overlap;
+  for (uint32_t i = r.first; i < r.last && overlap; ++i)
+    residual[i] = pbf_real_max(residual[i], overlap[i]);
+}
+
 static void residual_density_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = task_sorted(w, task);
   find_densities(w, task, &w->before, w->b.step_start(), packed_vectors(s), s->residual_density);
   s->kernels->residual_density(&w->constants, s->residual_density, r.first, r.last);
+  add_overlap(w, r);
 }
 
 static void find_residual_density(worker *w) {
   parallel_for(w->me, pair_task_count(w), backtrack_task, NULL, w);
   parallel_for(w->me, pair_task_count(w), residual_density_task, NULL, w);
   stage_end(w, PBF_STAGE_RESIDUAL_DENSITY);
+}
+
+/* In the first of the steps that the team runs alone. */
+static int finds_overlap(const worker *w) { return w->step == 0 && w->s->found.struct_size; }
+
+/* What has been placed, at the start of the step. */
+static void placed_task(void *context, uint32_t task) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  range r = task_sorted(w, task);
+  pbf_real *placed = w->b.is_placed();
+  s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
+                        w->b.step_start(), r.first, r.last);
+  for (uint32_t i = r.first; i < r.last; ++i)
+    placed[i] = pbf_is_placed(s->found, w->b.sorted_ids[i]);
+  fill_packed(s, packed_vectors(s), &w->b.step_start(), placed, r);
+}
+
+static void overlap_task(void *context, uint32_t task) {
+  worker *w = static_cast<worker *>(context);
+  solver *s = w->s;
+  const range groups = task_groups(w, task), r = task_sorted(w, task);
+  const field start = w->b.step_start();
+  pbf_real *density = s->added, *placed = w->b.placed_density();
+  find_densities(w, task, &w->before, start, packed_vectors(s), density);
+  const pair_pass pairs = pairs_at(w, start, packed_vectors(s));
+  for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
+       g = solving_groups(w, g.last, groups.last))
+    s->kernels->placed_density(&pairs, w->b.is_placed(), placed, g.first, g.last);
+  for (uint32_t i = r.first; i < r.last; ++i) {
+    if (pairs.activity && pbf_is_inactive(pairs.activity[i])) continue;
+    if (pairs.contributing)
+      placed[i] += placed_boundary(&w->constants, w->before, s->found, field_at(&start, i), 0);
+    w->b.sorted_overlap[i] = pbf_overlap_found(&w->constants, s->found, w->b.sorted_ids[i],
+                                               density[i], placed[i], w->b.sorted_overlap[i]);
+  }
+}
+
+static void find_overlap(worker *w) {
+  if (!finds_overlap(w)) return;
+  parallel_for(w->me, pair_task_count(w), placed_task, NULL, w);
+  parallel_for(w->me, pair_task_count(w), overlap_task, NULL, w);
+  stage_end(w, PBF_STAGE_OVERLAP);
 }
 
 /* What an iteration moves particles by, of each particle. */

@@ -61,6 +61,9 @@ struct pbf_backend_solver {
   pbf_real *pressure;        /* once it has been looked at */
   pbf_real pressure_scale;   /* of the last step */
 
+  pbf_overlap found; /* for the next step; struct_size 0: none */
+  int overlaps;      /* some may be left */
+
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   uint32_t asleep;              /* at the end of the last step, or 0 since a particle woke */

@@ -5,6 +5,7 @@
 #define PBF_CPU_SORT_H
 
 #include "cpu/sleepers.h"
+#include "physics/passes/overlap.h"
 
 static void find_bounds(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
@@ -174,6 +175,10 @@ static void sort_range(void *context, uint32_t task) {
     gather_reals(s->order, places, w->b.activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
+  if (w->b.overlap && w->sort_payload)
+    for (uint32_t i = places.first; i < places.last; ++i)
+      w->b.sorted_overlap[i] =
+          pbf_overlap_left(w->constants.overlap_decay, w->b.overlap[s->order[i]]);
   mark_sleepers(w, places);
 }
 

@@ -30,7 +30,7 @@ struct buffers {
   PBF_IN const field &predicted() const { return scratch[0]; }
   PBF_IN const field &predicted_velocity() const { return scratch[1]; }
 
-  /* Where a very short step begins, until its iterations. */
+  /* Where a step begins, until its iterations: where density is wanted there. */
   PBF_IN const field &step_start() const { return scratch[0]; }
 
   /* x* when so many iterations are done, and where the next one puts it. */
@@ -45,6 +45,10 @@ struct buffers {
   PBF_IN const field &boundary_gradient() const { return v; }
   PBF_IN pbf_real *boundary_rest() const { return x.c[0]; }
 
+  /* Until then, of the overlap: what has been placed, and what it contributes. */
+  PBF_IN pbf_real *is_placed() const { return x.c[0]; }
+  PBF_IN pbf_real *placed_density() const { return x.c[1]; }
+
   /* After an iteration or more: the old state gives way to the new one. */
   PBF_IN void accept_step() {
     exchange(&x, &scratch[1]);
@@ -52,6 +56,7 @@ struct buffers {
     exchange(&ids, &sorted_ids);
     exchange(&activity, &sorted_activity);
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
+    exchange(&overlap, &sorted_overlap);
   }
 
   /* After that, each from its stage to the next that has one of these. */

@@ -21,7 +21,7 @@ static step_outcome step_once(worker *w, double time, int sorted) {
   w->forces = pbf_forces_of(&s->params, time);
   const double end = time + s->params.time_step;
   place_obstacles(s, end, &w->obstacles);
-  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->residual_density)
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)))
     place_obstacles(s, time, &w->before);
   pbf_set_target_density(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
   w->sort_positions = &w->b.predicted();

@@ -74,7 +74,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
                                const pbf_collider *colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
     return status;
-  pbf_schedule schedule = pbf_schedule_of(params, count, colliders, s->capacity);
+  pbf_schedule schedule = pbf_schedule_of(params, count, colliders, s->capacity, s->overlaps);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
@@ -266,8 +266,10 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, 
               step_once(s, time + (*done + 1) * dt, s->surfaces + k * s->collider_count))
         return status;
       s->pressure_scale = s->constants.pressure;
+      s->found.struct_size = 0;
     }
   }
+  s->found.struct_size = 0;
   return PBF_OK;
 }
 
@@ -289,6 +291,17 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   s->constants = constants;
   s->pressure_scale = 0;
   s->time = time;
+  return status;
+}
+
+static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *overlap) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  const int before = s->overlaps;
+  s->overlaps = overlap != nullptr;
+  pbf_status status = apply_params(s, &s->params, s->collider_count, s->colliders);
+  if (status != PBF_OK) s->overlaps = before;
+  if (status == PBF_OK && overlap) s->found = *overlap;
   return status;
 }
 
@@ -424,4 +437,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     read_pressures,
     map_pressures,
     PBF_BUILT &PBF_FEATURE_STATS ? project : nullptr,
+    PBF_BUILT &PBF_FEATURE_CHEBYSHEV ? set_overlap : nullptr,
 };

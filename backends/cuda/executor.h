@@ -113,6 +113,29 @@ struct executor {
     }
   }
 
+  /* Its ghosts' sums lie in the overlap's array as it was before the sort. */
+  void overlap() {
+    if (!s->found.struct_size) return;
+    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
+    const pbf_real time_step = (pbf_real)s->params.time_step;
+    const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0};
+    pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
+    run(PBF_STAGE_OVERLAP, [&] {
+      launch(mark_placed_kernel, n.particles, s->found);
+      with_kernel(s->schedule.features, [&](auto features) {
+        constexpr int F = decltype(features)::value;
+        typedef density_pass<fixed<F>> pass;
+        if (ghosts_at_start)
+          sum_ghosts<pass>(
+              s, n, extras, before,
+              reinterpret_cast<typename pass::template sums<pbf_real> *>(ghosts_at_start),
+              at_start{time_step}, n.particles.velocities);
+        launch(overlap_kernel<F>, n, extras, before, time_step, ghosts_at_start, s->found);
+      });
+      launch(mark_placed_kernel, n.particles, none);
+    });
+  }
+
   /* Between the walls, and the colliders, of the step's start. */
   void residual_density() {
     const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
@@ -171,9 +194,9 @@ struct executor {
     run(PBF_STAGE_LAMBDA, [&] {
       with_kernel(s->schedule.features,
                   [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(); });
-      const bool residual_density = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
+      const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
       launch_lambda(s, n, extras,
-                    {place.first, residual_density ? s->residual_density : nullptr, ghosts});
+                    {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
     });
   }
 
@@ -208,6 +231,7 @@ struct executor {
     if (n.particles.points == s->other) swap_arrays(&s->points, &s->other);
     swap_arrays(&s->ids, &s->other_ids);
     swap_arrays(&s->activity, &s->other_activity);
+    swap_arrays(&s->overlap, &s->other_overlap);
     s->ordered = false;
     s->time = time;
   }

@@ -12,6 +12,7 @@
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/overlap.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 
@@ -244,7 +245,56 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
   }
-  residual_density[i] = pbf_residual_density(c, density);
+  const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
+  residual_density[i] = pbf_real_max(pbf_residual_density(c, density), overlap);
+}
+
+/* In place of lambda, before the solve, of what has been placed. */
+constexpr pbf_real PBF_PLACED_MARK = 2;
+
+/* Marks what `found` says has been placed; with nothing placed it takes the marks away. Sleepers
+ * keep their lambda. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    mark_placed_kernel(sorted_particles p, pbf_overlap found) {
+  uint32_t i = thread_index();
+  if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
+  p.points[i].lambda = pbf_is_placed(found, p.ids[i]) ? PBF_PLACED_MARK : 0;
+}
+
+/* Adds the overlap that is found at the start of the step, between these walls, and the colliders,
+ * of that time. `ghosts`: what these add to densities, or null. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    overlap_kernel(neighborhood n, iteration_extras extras, pbf_domain domain, pbf_real time_step,
+                   const pbf_real *ghosts, pbf_overlap found) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_constants *c = &n.constants;
+  const density_pass<fixed<FEATURES>> all = {c, {}};
+  const placed_density_pass<fixed<FEATURES>> placed = {c, {}};
+  const pbf_vec *velocities = n.particles.velocities;
+  const at_start places = {time_step};
+  const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
+  auto sums = all.template begin<pbf_real>();
+  auto placed_sums = placed.template begin<pbf_real>();
+  for_points_with(n.particles, n.grid, n.lists, i, velocities,
+                  [&](const point &other, const pbf_vec &v) {
+                    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
+                    j.number = other.lambda == PBF_PLACED_MARK ? 1 : 0;
+                    all.pair(&sums, {}, j);
+                    placed.pair(&placed_sums, {}, j);
+                  });
+  if (i >= n.particles.count) return;
+  if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) return;
+  pbf_vec gradient = {{0}};
+  pbf_real density = sums.density + (ghosts ? ghosts[i] : 0), by_placed = placed_sums.density;
+  if (extras.wall_density) {
+    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
+    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    pbf_add_boundary(&boundary, &density, &gradient);
+    by_placed += placed_boundary(c, before, found, x, 1);
+  }
+  pbf_real *overlap = n.particles.overlap + i;
+  *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
 }
 
 template <int FEATURES>

@@ -72,6 +72,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   prediction at_rest = {};
   unsorted_particles from = state_of(s);
   from.activity = nullptr;
+  from.overlap = nullptr;
   if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
   return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
 }

@@ -77,6 +77,7 @@ struct sorted_particles {
   uint32_t *cell_start; /* first particle of each cell; one more at the end */
   uint32_t count;
   pbf_real *activity; /* where fluid sleeps, else null */
+  pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
 };
 
 #endif

@@ -57,8 +57,9 @@ static __global__ void read_values_kernel(const Value *values, const uint32_t *i
   if (row < rows.count) out[row] = values[i];
 }
 
-static __global__ void write_values_kernel(pbf_vec *values, const uint32_t *ids, uint32_t count,
-                                           row_range rows, const pbf_vec *in) {
+template <class Value>
+static __global__ void write_values_kernel(Value *values, const uint32_t *ids, uint32_t count,
+                                           row_range rows, const Value *in) {
   uint32_t i = thread_index();
   if (i >= count) return;
   uint32_t row = row_in_range(rows, ids[i]);
@@ -106,6 +107,7 @@ struct particle_arrays {
   pbf_vec *velocities;
   uint32_t *ids;
   pbf_real *activity; /* where fluid sleeps, else null */
+  pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -117,6 +119,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   to.velocities[place[i]] = from.velocities[i];
   to.ids[place[i]] = from.ids[i];
   if (from.activity) to.activity[place[i]] = from.activity[i];
+  if (from.overlap) to.overlap[place[i]] = from.overlap[i];
 }
 
 #endif

@@ -62,6 +62,8 @@ struct solver {
   uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that; with
                            sleep only */
   uint64_t epoch;       /* between two events that may wake a particle */
+  pbf_overlap found;    /* for the next step; struct_size 0: none */
+  int overlaps;         /* some may be left */
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */
@@ -124,12 +126,14 @@ static inline unsorted_particles state_of(const solver *s) {
           s->count,
           s->activity,
           s->tally ? &s->tally->all : nullptr,
-          s->tally ? &s->tally->some : nullptr};
+          s->tally ? &s->tally->some : nullptr,
+          s->overlap,
+          s->constants.overlap_decay};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
   return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count,
-           s->other_activity},
+           s->other_activity, s->other_overlap},
           grid,
           s->lists,
           s->constants};

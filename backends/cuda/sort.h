@@ -7,6 +7,7 @@
 #include "cuda/launch.h"
 #include "cuda/obstacles.h"
 #include "cuda/particles.h"
+#include "physics/passes/overlap.h"
 #include "physics/passes/predict.h"
 #include "physics/sleep.h"
 
@@ -27,6 +28,8 @@ struct unsorted_particles {
   const pbf_real *activity;   /* where fluid sleeps, else null, */
   const uint32_t *all_asleep; /* and then: when not 0 all stay in their order; */
   uint32_t *some_asleep;      /* the sort sets it where a particle sleeps */
+  const pbf_real *overlap;    /* where fluid has been placed in other fluid, else null; */
+  pbf_real overlap_decay;     /* in this step */
 };
 
 /* One entry a particle; dead after the sort. */
@@ -83,6 +86,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
   if (SLEEP) to.activity[place] = from.activity[i];
+  if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
   to.ids[place] = id;
   to.cells[place] = cell;
 }

@@ -96,7 +96,7 @@ PBF_FN pbf_real pbf_alignment(pbf_vec gradient, pbf_real slope, pbf_vec normal) 
 
 /* How much of two densities overlaps, where they face the same way by `same`, and are at right
  * angles by `product`. */
-PBF_FN pbf_real pbf_overlap(pbf_real a, pbf_real b, pbf_real same, pbf_real product) {
+PBF_FN pbf_real pbf_shared_part(pbf_real a, pbf_real b, pbf_real same, pbf_real product) {
   return product * a * b + same * pbf_real_min(a, b);
 }
 
@@ -113,8 +113,8 @@ PBF_FN void pbf_accumulate_plane(const pbf_constants *c, pbf_real value, pbf_rea
   for (int k = 0; k < PBF_DIM; ++k)
     boundary->overlapping_gradient.c[k] =
         keep * boundary->overlapping_gradient.c[k] + add * rate * slope * normal.c[k];
-  boundary->overlapping += part - pbf_overlap(boundary->overlapping, part, same, product);
-  boundary->rest += rest - pbf_overlap(boundary->rest, rest, same, product);
+  boundary->overlapping += part - pbf_shared_part(boundary->overlapping, part, same, product);
+  boundary->rest += rest - pbf_shared_part(boundary->rest, rest, same, product);
   boundary->additive_gradient =
       pbf_add_scaled(boundary->additive_gradient, (1 - rate) * slope, normal);
   boundary->additive += value - part;

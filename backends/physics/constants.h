@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "physics/depenetration.h"
 #include "physics/depth.h"
 #include "physics/derive.h"
 #include "physics/real.h"
@@ -41,6 +42,7 @@ typedef struct pbf_constants {
   pbf_real residual_density;  /* part of a density error that a step leaves, … */
   pbf_real max_undone;        /* … and what it undoes of it at most, … */
   pbf_real max_residual_part; /* … but for the rest of this part, see pbf_residual_density */
+  pbf_real overlap_decay;     /* of what is allowed for of an overlap, a step: passes/overlap.h */
   pbf_real wall_offset;
   pbf_real boundary_weight; /* of what surfaces contribute, and of ghosts */
   pbf_real boundary_rest_density,
@@ -98,6 +100,11 @@ static inline double pbf_max_undone_of(const pbf_params *params, double residual
  * so does the part: shorter steps would throw by more of it. */
 static inline double pbf_max_residual_part(double residual_density) {
   return 1 - 0.1 * (1 - residual_density) * (1 - residual_density);
+}
+
+/* What a step takes off an overlap: passes/overlap.h. */
+static inline double pbf_overlap_decay_of(const pbf_params *params) {
+  return fmin(pbf_overlap_rate(params, PBF_DIM) * params->time_step, 1);
 }
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
@@ -165,6 +172,7 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
                                ? pressure / (params->time_step * params->time_step)
                                : 0);
   c->residual_density = (pbf_real)pbf_residual_part(params);
+  c->overlap_decay = (pbf_real)pbf_overlap_decay_of(params);
   c->max_undone = (pbf_real)pbf_max_undone_of(params, pbf_residual_part(params));
   c->max_residual_part = (pbf_real)pbf_max_residual_part(pbf_residual_part(params));
   if (c->accelerated) c->omega = 1;

@@ -28,7 +28,8 @@ typedef struct pbf_schedule {
 } pbf_schedule;
 
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders,
-                                           const pbf_collider *list, uint32_t capacity) {
+                                           const pbf_collider *list, uint32_t capacity,
+                                           int overlaps = 0) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);

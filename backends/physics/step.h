@@ -58,6 +58,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.wake()) return STEP_OF_NONE_AWAKE; /* particles near what moves */
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
+  if (runs<PBF_STAGE_OVERLAP>(has)) e.overlap();
   e.begin_solve();
   if (runs<PBF_STAGE_RESIDUAL_DENSITY>(has)) e.residual_density();
   if (runs<PBF_STAGE_GRID>(has)) {

@@ -36,7 +36,8 @@ static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const p
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity);
+  pbf_schedule schedule =
+      pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
@@ -80,7 +81,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity);
+  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_moving_obstacles changed =
@@ -108,6 +109,7 @@ static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
   s->now = time;
   for (*done = 0; *done < steps; ++*done) {
     if (s->count) bounded_step(s, time + *done * s->params.time_step);
+    s->found.struct_size = 0;
     s->pressure_scale = s->constants.pressure;
     s->now = time + (*done + 1) * s->params.time_step;
   }
@@ -119,7 +121,7 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   const solver now = *s;
   wake_all(s);
   s->params = pbf_projection_of(&now.params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
+  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, 0);
   s->constants = pbf_constants_of(&s->params);
   s->residual_density = NULL;
   bounded_step(s, time);
@@ -130,6 +132,17 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   s->iterations = now.iterations;
   s->pressure_scale = 0;
   s->now = time;
+  return PBF_OK;
+}
+
+static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
+  pbf_schedule schedule =
+      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, overlap != NULL);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) return status;
+  s->schedule = schedule;
+  s->overlaps = overlap != NULL;
+  if (overlap) s->found = *overlap;
   return PBF_OK;
 }
 
@@ -147,6 +160,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
     memcpy(s->v + s->count, p->velocities, bytes);
   else
     memset(s->v + s->count, 0, bytes);
+  if (s->overlap) memset(s->overlap + s->count, 0, p->count * sizeof *s->overlap);
   s->count += p->count;
   init_new(s, s->count - p->count);
   return PBF_OK;
@@ -164,6 +178,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->v[kept] = s->v[i];
     s->lambda[kept] = s->lambda[i];
     if (sleeps(s)) s->activity[kept] = s->activity[i];
+    if (s->overlap) s->overlap[kept] = s->overlap[i];
     s->ids[kept++] = s->ids[i];
   }
   s->count = kept;
@@ -192,6 +207,8 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
     return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
   if (field == PBF_BACKEND_FIELD_REST)
     read_rest(s, rows, (pbf_real *)out);
+  else if (field == PBF_BACKEND_FIELD_OVERLAP)
+    memcpy(out, s->overlap + rows->first, rows->count * sizeof *s->overlap);
   else if (field == PBF_FIELD_DENSITY)
     read_densities(s, rows, (pbf_real *)out);
   else
@@ -203,6 +220,10 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
 static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, const void *in) {
   if (field == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);
+    return PBF_OK;
+  }
+  if (field == PBF_BACKEND_FIELD_OVERLAP) {
+    memcpy(s->overlap + rows->first, in, rows->count * sizeof *s->overlap);
     return PBF_OK;
   }
   wake_all(s);
@@ -300,4 +321,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
+    .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
 };

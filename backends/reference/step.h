@@ -11,6 +11,7 @@
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/overlap.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/pressure_fit.h"
@@ -88,6 +89,22 @@ static inline void compute_residual_density(solver *s, const pbf_obstacles *o) {
     s->residual_density[i] = pbf_residual_density(&s->constants, density_at(s, o, s->x, i, NULL));
 }
 
+/* From the positions at the start of the step. Begins with what is left of the overlap so far. */
+static inline void find_overlap(solver *s, const pbf_obstacles *o) {
+  const pbf_constants *c = &s->constants;
+  const placed_density_pass<int> pass = {c, s->schedule.features};
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->overlap[i] = pbf_overlap_left(c->overlap_decay, s->overlap[i]);
+  if (!s->found.struct_size) return;
+  for (uint32_t i = 0; i < s->count; ++i) s->lambda[i] = pbf_is_placed(s->found, s->ids[i]);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_real placed = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i).density;
+    if (s->schedule.wall_density) placed += placed_boundary(c, *o, s->found, s->x[i], 0);
+    s->overlap[i] = pbf_overlap_found(c, s->found, s->ids[i], density_at(s, o, s->x, i, NULL),
+                                      placed, s->overlap[i]);
+  }
+}
+
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
@@ -129,8 +146,9 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     add_boundary(s, o, s->moved[i], &sums.density, &gradient);
     sums.gradient = lanes_of(gradient);
     add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
-    pbf_real residual_density = s->residual_density ? s->residual_density[i] : 0,
-             lambda = pass.finish(sums, residual_density);
+    pbf_real residual_density = s->residual_density ? s->residual_density[i] : 0;
+    if (s->overlap) residual_density = pbf_real_max(residual_density, s->overlap[i]);
+    const pbf_real lambda = pass.finish(sums, residual_density);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
       error_units += pbf_error_units(c, residual_density, sums.density);
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
@@ -286,6 +304,7 @@ struct executor {
     return true;
   }
   void residual_density() { compute_residual_density(s, &before); }
+  void overlap() { find_overlap(s, &before); }
   void begin_solve() {
     for (uint32_t i = 0; i < s->count; ++i)
       if (inactive(s, i) || s->schedule.accelerated) s->lambda[i] = 0;

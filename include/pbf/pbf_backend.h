@@ -95,6 +95,18 @@ typedef struct pbf_backend_state {
  * not 0, for saved states. Two numbers of the backend's own, the first -1 while it sleeps. */
 enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
 
+/* And while it knows of an overlap: what is left of it, a number of each particle. */
+enum { PBF_BACKEND_FIELD_OVERLAP = 101 };
+
+/* What lies in other fluid, or in a solid, where no step has moved it: found there, an overlap. */
+typedef struct pbf_overlap {
+  uint32_t struct_size;
+  uint32_t walls;             /* 1: walls have jumped into the fluid */
+  uint32_t first_id, last_id; /* particles placed; none: first_id > last_id */
+  uint64_t colliders;         /* placed, a bit each */
+  double part;                /* of what all fluid is too dense by, 0 … 1 */
+} pbf_overlap;
+
 typedef struct pbf_backend_solver pbf_backend_solver;
 typedef struct pbf_backend_api pbf_backend_api;
 
@@ -133,7 +145,8 @@ struct pbf_backend_api {
   pbf_status (*remove_all)(pbf_backend_solver *solver);
 
   /* Copies a field (PBF_FIELD_POSITION, _VELOCITY, _DENSITY), rows ascending by id. Only of a
-   * solver that accepted a sleep_speed: PBF_BACKEND_FIELD_REST, here and in `write`. */
+   * solver that accepted a sleep_speed: PBF_BACKEND_FIELD_REST, here and in `write`; only between
+   * set_overlap with an overlap and without: PBF_BACKEND_FIELD_OVERLAP. */
   pbf_status (*read)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows, void *out);
 
   /* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY, which wakes all. */
@@ -165,6 +178,11 @@ struct pbf_backend_api {
    * between walls and colliders as they stand at `time`. Velocities stay; wakes all. Called before
    * `step`, while params.solver is PBF_SOLVER_CHEBYSHEV. */
   pbf_status (*project)(pbf_backend_solver *solver, double time, uint32_t iterations);
+
+  /* Optional: the density that this overlap adds is not pushed apart in the next step, but from
+   * step to step (physics/depenetration.h). Null: nothing overlaps any more, as also before
+   * `project`. Called before `step`, while params.solver is PBF_SOLVER_CHEBYSHEV. */
+  pbf_status (*set_overlap)(pbf_backend_solver *solver, const pbf_overlap *overlap);
 };
 
 /* What the plugin answers. */

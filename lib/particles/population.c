@@ -8,6 +8,7 @@
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "solver/overlap.h"
 #include "solver/prestabilize.h"
 #include "values.h"
 
@@ -76,7 +77,9 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;
-  pbf_note_placed(solver, count);
+  pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
+                             (uint32_t)(solver->next_id + count - 1));
+  if (!solver->overlap.moved) pbf_note_placed(solver, count);
   solver->next_id += count;
   ++solver->generation;
   return PBF_OK;
@@ -159,6 +162,7 @@ static void compact_ids(pbf_solver *solver, const removal *removed) {
     if (!is_removed(removed, row)) solver->ids[kept++] = solver->ids[row];
   }
   solver->count = kept;
+  if (kept == 0) solver->overlap.moved = 0;
   ++solver->generation;
 }
 

@@ -1,6 +1,7 @@
 /* The colliders of a solver. */
 #include "colliders.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "backend_call.h"
@@ -8,6 +9,7 @@
 #include "error.h"
 #include "handles.h"
 #include "memory.h"
+#include "overlap.h"
 #include "physics/motion.h"
 #include "solver_time.h"
 #include "structs.h"
@@ -58,6 +60,41 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
   solver->collider_time = time;
 }
 
+/* How far the surface of a collider goes at most from one pose to another. */
+static double way_between(const pbf_collider *a, const pbf_collider *b) {
+  double way2 = 0, dot = 0;
+  for (int k = 0; k < 3; ++k) way2 += pow(b->position[k] - a->position[k], 2);
+  for (int k = 0; k < 4; ++k) dot += a->orientation[k] * b->orientation[k];
+  double size = a->shape == PBF_COLLIDER_BOX
+                    ? sqrt(pow(a->half_extents[0], 2) + pow(a->half_extents[1], 2) +
+                           pow(a->half_extents[2], 2))
+                    : a->radius + a->half_length;
+  return sqrt(way2) + 2 * acos(fmin(fabs(dot), 1)) * size;
+}
+
+static int same_shape(const pbf_collider *a, const pbf_collider *b) {
+  return a->shape == b->shape && a->inverted == b->inverted && a->radius == b->radius &&
+         a->half_length == b->half_length &&
+         memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
+}
+
+/* Those that are where they have not moved to, a bit each. */
+static uint64_t jumped(const pbf_solver *solver, uint32_t count, const pbf_collider *next) {
+  uint64_t bits = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    pbf_collider now;
+    if (k < solver->collider_count) {
+      pbf_motion_collider(&solver->colliders[k], pbf_solver_time(solver) - solver->collider_time,
+                          &now);
+      if (same_shape(&now, &next[k]) &&
+          way_between(&now, &next[k]) < solver->params.smoothing_radius)
+        continue;
+    }
+    bits |= UINT64_C(1) << k;
+  }
+  return bits;
+}
+
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
   void *memory = NULL;
   double now = pbf_solver_time(solver);
@@ -67,6 +104,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
                                  &memory);
   if (status != PBF_OK) return status;
   status = copy_in(solver, count, theirs, memory);
+  if (status == PBF_OK) pbf_overlap_note_colliders(solver, jumped(solver, count, memory));
   if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
     pbf_colliders_replace(solver, count, memory, now);

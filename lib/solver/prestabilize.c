@@ -5,6 +5,7 @@
 
 #include "backend_call.h"
 #include "error.h"
+#include "overlap.h"
 #include "physics/prestabilization.h"
 #include "solver_time.h"
 
@@ -79,7 +80,8 @@ pbf_status pbf_prestabilize(pbf_solver *solver) {
   const pbf_params *params = &solver->params;
   int wanted = params->prestabilization > 0 && params->solver == PBF_SOLVER_CHEBYSHEV &&
                solver->api.project && pbf_placed_can_matter(params, solver->placed, solver->count);
-  pbf_status status = wanted ? project(solver) : PBF_OK;
+  pbf_status status = wanted ? pbf_overlap_forget(solver) : PBF_OK;
+  if (status == PBF_OK && wanted) status = project(solver);
   if (status == PBF_OK) solver->placed = 0;
   return status;
 }

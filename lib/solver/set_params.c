@@ -2,6 +2,7 @@
 
 #include "backend_call.h"
 #include "handles.h"
+#include "overlap.h"
 #include "params.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -21,6 +22,7 @@ static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
   pbf_note_params(solver, &params);
+  pbf_overlap_note_params(solver, &params);
   solver->params = params;
   return PBF_OK;
 }

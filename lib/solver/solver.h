@@ -7,6 +7,14 @@
 
 enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
 
+/* What has been placed in fluid that steps have moved: overlap.h. */
+typedef struct pbf_overlap_state {
+  pbf_overlap found; /* placed since the last step; struct_size 0: nothing */
+  double end;        /* when nothing is left of what was placed before it; 0: nothing was */
+  uint32_t moved;    /* 1: steps have moved the particles that there are */
+  uint32_t reserved; /* 0 */
+} pbf_overlap_state;
+
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
@@ -43,6 +51,8 @@ struct pbf_solver {
   double time_base;
 
   uint32_t placed; /* particles placed since the last step, see pbf_note_placed */
+
+  pbf_overlap_state overlap;
 
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];

@@ -5,6 +5,7 @@
 #include "backend_call.h"
 #include "error.h"
 #include "handles.h"
+#include "overlap.h"
 #include "params.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -40,12 +41,14 @@ pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   return run_backend(solver, time, 0, &done);
 }
 
-static pbf_status advance(pbf_solver *solver, uint32_t steps) {
+static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
   pbf_status status;
   if (solver->count > 0) {
     status = pbf_prestabilize(solver);
+    if (status == PBF_OK) status = pbf_overlap_to_backend(solver, &steps);
     if (status == PBF_OK) status = run_backend(solver, pbf_solver_time(solver), steps, &done);
+    solver->overlap.moved |= done > 0;
   } else {
     status = pbf_time_to_backend(solver, time_after(solver, steps));
     done = status == PBF_OK ? steps : 0;
@@ -53,6 +56,14 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   solver->step += done;
   solver->steps_since += done;
   solver->generation += done > 0;
+  *advanced = done;
+  return status;
+}
+
+static pbf_status advance(pbf_solver *solver, uint32_t steps) {
+  pbf_status status = PBF_OK;
+  for (uint32_t done = 0; status == PBF_OK && steps > 0; steps -= done)
+    status = advance_part(solver, steps, &done);
   return status;
 }
 

@@ -8,6 +8,7 @@
 #include "solver/colliders.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "solver/overlap.h"
 #include "solver/set_params.h"
 #include "solver/solver_time.h"
 #include "solver/step.h"
@@ -16,28 +17,27 @@
 typedef struct previous_state {
   void *positions;
   void *velocities;
-  void *sleep_state; /* null where nothing sleeps */
-  uint64_t bytes, sleep_bytes;
+  uint64_t bytes;
+  pbf_kept_fields kept;
 } previous_state;
 
 static void free_previous(const pbf_solver *solver, previous_state *previous) {
   pbf_memory_free(&solver->allocator, previous->positions, previous->bytes);
   pbf_memory_free(&solver->allocator, previous->velocities, previous->bytes);
-  pbf_memory_free(&solver->allocator, previous->sleep_state, previous->sleep_bytes);
+  pbf_kept_free(solver, &previous->kept);
 }
 
 static pbf_status allocate_previous(const pbf_solver *solver, previous_state *previous) {
   static const char purpose[] = "the state before a load";
   const pbf_allocator *allocator = &solver->allocator;
-  uint64_t sleep_numbers = (uint64_t)solver->count * PBF_BACKEND_REST_COMPONENTS;
   previous->bytes = solver->count * pbf_point_bytes(solver);
-  previous->sleep_bytes = sleep_numbers * pbf_element_size(solver);
   pbf_status status =
       pbf_memory_allocate(allocator, previous->bytes, purpose, &previous->positions);
   if (status == PBF_OK)
     status = pbf_memory_allocate(allocator, previous->bytes, purpose, &previous->velocities);
-  if (status == PBF_OK && solver->params.sleep_speed > 0)
-    status = pbf_memory_allocate(allocator, previous->sleep_bytes, purpose, &previous->sleep_state);
+  if (status == PBF_OK)
+    status =
+        pbf_kept_allocate(solver, pbf_kept_by(solver), solver->count, purpose, &previous->kept);
   return status;
 }
 
@@ -47,8 +47,9 @@ static pbf_status read_previous(pbf_solver *solver, previous_state *previous) {
   pbf_status status = allocate_previous(solver, previous);
   if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_POSITION, previous->positions);
   if (status == PBF_OK) status = pbf_read_all(solver, PBF_FIELD_VELOCITY, previous->velocities);
-  if (status == PBF_OK && previous->sleep_state)
-    status = pbf_read_all(solver, PBF_BACKEND_FIELD_REST, previous->sleep_state);
+  for (int k = 0; k < PBF_KEPT_COUNT && status == PBF_OK; ++k)
+    if (previous->kept.data[k])
+      status = pbf_read_all(solver, pbf_kept_field((pbf_kept)k), previous->kept.data[k]);
   return status;
 }
 
@@ -62,22 +63,13 @@ static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const ui
   return pbf_backend_result(solver, status, "add_particles");
 }
 
-/* After the particles, which it belongs to; null where nothing sleeps. */
-static pbf_status write_sleep_state(pbf_solver *solver, uint32_t count, const uint32_t *ids,
-                                    const void *sleep_state) {
-  const pbf_rows rows = {sizeof rows, 0, count, count, ids};
-  if (!sleep_state || count == 0) return PBF_OK;
-  pbf_status status =
-      solver->api.write(solver->backend, PBF_BACKEND_FIELD_REST, &rows, sleep_state);
-  return pbf_backend_result(solver, status, "write");
-}
-
 /* As far as a failing device lets it; its message is kept. */
 static void restore_particles(pbf_solver *solver, const previous_state *previous, uint32_t *ids) {
   uint32_t count = solver->count;
   for (uint32_t row = 0; row < count; ++row) ids[row] = pbf_ids_of_row(solver, row);
   replace_particles(solver, count, ids, previous->positions, previous->velocities);
-  write_sleep_state(solver, count, ids, previous->sleep_state);
+  pbf_overlap_restore(solver, &solver->overlap);
+  pbf_kept_write(solver, count, ids, &previous->kept);
 }
 
 /* `ids` is memory for the ids of `capacity` particles. */
@@ -98,8 +90,8 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
                                                in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
-  if (status == PBF_OK)
-    status = write_sleep_state(solver, in->header.count, in->ids, in->sleep_state);
+  if (status == PBF_OK) status = pbf_overlap_restore(solver, &in->header.overlap);
+  if (status == PBF_OK) status = pbf_kept_write(solver, in->header.count, in->ids, &in->kept);
   if (status == PBF_OK) status = pbf_time_to_backend(solver, in->time);
   return status;
 }
@@ -124,6 +116,8 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->steps_since = in->header.steps_since;
   solver->time_base = in->header.time_base;
   solver->placed = in->header.placed;
+  solver->overlap = in->header.overlap;
+  if (!solver->api.set_overlap) solver->overlap.end = 0;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

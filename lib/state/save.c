@@ -21,13 +21,14 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .collider_count = solver->collider_count,
       .count = solver->count,
       .has_ids = solver->ids != NULL,
-      .has_sleep_state = solver->params.sleep_speed > 0,
+      .kept = pbf_kept_by(solver),
       .placed = solver->placed,
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
       .time_base = solver->time_base,
       .collider_time = solver->collider_time,
+      .overlap = solver->overlap,
   };
   header.size = pbf_snapshot_layout_of(&header).size;
   return header;
@@ -48,18 +49,22 @@ static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, 
 static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
                                   const pbf_snapshot_layout *layout, void *buffer) {
   void *scratch;
-  uint64_t bytes = pbf_snapshot_field_bytes(header), sleep_bytes = pbf_snapshot_sleep_bytes(header);
+  uint64_t bytes = pbf_snapshot_field_bytes(header), scratch_bytes = bytes, kept[PBF_KEPT_COUNT];
   if (solver->count == 0) return PBF_OK;
-  uint64_t scratch_bytes = sleep_bytes > bytes ? sleep_bytes : bytes;
+  for (int k = 0; k < PBF_KEPT_COUNT; ++k) {
+    kept[k] = pbf_snapshot_kept_bytes(header, (pbf_kept)k);
+    scratch_bytes = kept[k] > scratch_bytes ? kept[k] : scratch_bytes;
+  }
   pbf_status status =
       pbf_memory_allocate(&solver->allocator, scratch_bytes, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
     status = read_field(solver, PBF_FIELD_VELOCITY, scratch, buffer, layout->velocities, bytes);
-  if (status == PBF_OK && sleep_bytes > 0)
-    status = read_field(solver, PBF_BACKEND_FIELD_REST, scratch, buffer, layout->sleep_state,
-                        sleep_bytes);
+  for (int k = 0; k < PBF_KEPT_COUNT; ++k)
+    if (status == PBF_OK && kept[k] > 0)
+      status = read_field(solver, pbf_kept_field((pbf_kept)k), scratch, buffer, layout->kept[k],
+                          kept[k]);
   pbf_memory_free(&solver->allocator, scratch, scratch_bytes);
   return status;
 }

@@ -40,7 +40,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->has_sleep_state > 1 || header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
+      header->kept >> PBF_KEPT_COUNT || header->reserved != 0 || header->count > PBF_MAX_CAPACITY ||
       pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -78,12 +78,22 @@ static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *
   return pbf_struct_in(kind, stored, ours);
 }
 
+static int is_overlap_sound(const pbf_snapshot_header *header) {
+  const pbf_overlap_state *o = &header->overlap;
+  int has_found = o->found.struct_size != 0;
+  return o->moved <= 1 && o->reserved == 0 && isfinite(o->end) && o->end >= 0 &&
+         (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
+         (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
+                         o->found.part >= 0 && o->found.part <= 1));
+}
+
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
   pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
                                   in->header.params_size, &in->params);
   if (status != PBF_OK) return status;
-  if (in->header.has_sleep_state != (in->params.sleep_speed > 0))
+  if ((in->header.kept >> PBF_KEPT_REST & 1) != (in->params.sleep_speed > 0))
     return reject("contradicts itself in what sleeps");
+  if (!is_overlap_sound(&in->header)) return reject("contradicts itself in what overlaps");
   in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
   if (!isfinite(in->time) || !isfinite(in->header.collider_time))
     return reject("has a time that is not finite");
@@ -127,11 +137,13 @@ static pbf_status read_particles(const pbf_solver *solver, pbf_saved_state *in) 
       pbf_values_check_finite(solver, "positions", in->positions, in->header.count, 0);
   if (status == PBF_OK)
     status = pbf_values_check_finite(solver, "velocities", in->velocities, in->header.count, 0);
-  uint64_t sleep_bytes = pbf_snapshot_sleep_bytes(&in->header);
-  if (status != PBF_OK || sleep_bytes == 0) return status;
-  memcpy(in->sleep_state, in->buffer + in->layout.sleep_state, sleep_bytes);
-  return pbf_values_check_numbers(solver, "sleep_state", in->sleep_state,
-                                  in->header.count * (uint64_t)PBF_BACKEND_REST_COMPONENTS);
+  for (int k = 0; k < PBF_KEPT_COUNT && status == PBF_OK; ++k) {
+    if (!in->kept.data[k]) continue;
+    uint64_t numbers = in->header.count * (uint64_t)pbf_kept_components((pbf_kept)k);
+    memcpy(in->kept.data[k], in->buffer + in->layout.kept[k], in->kept.bytes[k]);
+    status = pbf_values_check_numbers(solver, "kept", in->kept.data[k], numbers);
+  }
+  return status;
 }
 
 static pbf_status allocate_section(const pbf_solver *solver, uint64_t size, void *pointer) {
@@ -149,9 +161,8 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
   if (status == PBF_OK) status = allocate_section(solver, pbf_ids_bytes(solver), &in->ids);
   if (status == PBF_OK) status = allocate_section(solver, bytes, &in->positions);
   if (status == PBF_OK) status = allocate_section(solver, bytes, &in->velocities);
-  bytes = pbf_snapshot_sleep_bytes(&in->header);
-  if (status == PBF_OK) status = allocate_section(solver, bytes, &in->sleep_state);
-  return status;
+  if (status != PBF_OK) return status;
+  return pbf_kept_allocate(solver, in->header.kept, in->header.count, "loading a state", &in->kept);
 }
 
 static pbf_status read_sections(const pbf_solver *solver, pbf_saved_state *in) {
@@ -180,5 +191,5 @@ void pbf_saved_state_free(const pbf_solver *solver, pbf_saved_state *in) {
   pbf_memory_free(&solver->allocator, in->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, in->positions, bytes);
   pbf_memory_free(&solver->allocator, in->velocities, bytes);
-  pbf_memory_free(&solver->allocator, in->sleep_state, pbf_snapshot_sleep_bytes(&in->header));
+  pbf_kept_free(solver, &in->kept);
 }

@@ -14,7 +14,7 @@ typedef struct pbf_saved_state {
   uint32_t *ids;           /* `capacity` long */
   void *positions;
   void *velocities;
-  void *sleep_state; /* null where nothing sleeps */
+  pbf_kept_fields kept;
 } pbf_saved_state;
 
 /* Fails with PBF_ERROR_DATA for what pbf_save did not write, and unless the solver can hold it. */

@@ -6,9 +6,8 @@ uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header) {
   return (uint64_t)header->count * header->dimension * header->precision;
 }
 
-uint64_t pbf_snapshot_sleep_bytes(const pbf_snapshot_header *header) {
-  uint64_t numbers = (uint64_t)header->count * PBF_BACKEND_REST_COMPONENTS;
-  return header->has_sleep_state ? numbers * header->precision : 0;
+uint64_t pbf_snapshot_kept_bytes(const pbf_snapshot_header *header, pbf_kept kept) {
+  return pbf_kept_bytes(kept, header->kept, header->count, header->precision);
 }
 
 /* All factors are 32-bit: nothing here can overflow. */
@@ -20,8 +19,12 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
   layout.ids = layout.colliders + padded((uint64_t)header->collider_size * header->collider_count);
   layout.positions = layout.ids + (header->has_ids ? padded((uint64_t)header->count * 4) : 0);
   layout.velocities = layout.positions + field;
-  layout.sleep_state = layout.velocities + field;
-  layout.checksum = layout.sleep_state + padded(pbf_snapshot_sleep_bytes(header));
+  uint64_t next = layout.velocities + field;
+  for (int k = 0; k < PBF_KEPT_COUNT; ++k) {
+    layout.kept[k] = next;
+    next += padded(pbf_snapshot_kept_bytes(header, (pbf_kept)k));
+  }
+  layout.checksum = next;
   layout.size = layout.checksum + 8;
   return layout;
 }

@@ -1,19 +1,19 @@
 /* Layout of a saved state, little-endian, every section at a multiple of 8 bytes:
  *   header | parameters | colliders | ids, unless they are 0 … count - 1 | positions | velocities |
- *   what the backend keeps of each particle where there is sleep | FNV-1a over all before it
+ *   what the backend keeps of each particle in some scenes (kept.h) | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_STATE_SNAPSHOT_H
 #define PBF_LIB_STATE_SNAPSHOT_H
 
-#include "solver/solver.h"
+#include "kept.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "a saved state is little-endian, as is the memory it is copied from");
 
 #define PBF_SNAPSHOT_MAGIC "PBFSTATE"
 
-enum { PBF_SNAPSHOT_VERSION = 4 };
+enum { PBF_SNAPSHOT_VERSION = 5 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
@@ -26,7 +26,7 @@ typedef struct pbf_snapshot_header {
   uint32_t collider_count;
   uint32_t count;
   uint32_t has_ids;
-  uint32_t has_sleep_state;
+  uint32_t kept; /* a bit for each pbf_kept */
   uint32_t placed;
   uint32_t reserved;
   uint64_t next_id;
@@ -34,12 +34,13 @@ typedef struct pbf_snapshot_header {
   uint64_t steps_since;
   double time_base;
   double collider_time;
+  pbf_overlap_state overlap;
   uint64_t size; /* of everything */
 } pbf_snapshot_header;
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
-  uint64_t params, colliders, ids, positions, velocities, sleep_state, checksum, size;
+  uint64_t params, colliders, ids, positions, velocities, kept[PBF_KEPT_COUNT], checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
@@ -47,7 +48,7 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
 /* Bytes of positions, and as many of velocities. */
 uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header);
 
-/* Bytes of PBF_BACKEND_FIELD_REST, or 0. */
-uint64_t pbf_snapshot_sleep_bytes(const pbf_snapshot_header *header);
+/* Bytes of what a backend keeps of this kind, or 0. */
+uint64_t pbf_snapshot_kept_bytes(const pbf_snapshot_header *header, pbf_kept kept);
 
 #endif

@@ -223,7 +223,15 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_backend_api, 184);
+SIZE(pbf_overlap, 32);
+AT(pbf_overlap, struct_size, 0);
+AT(pbf_overlap, walls, 4);
+AT(pbf_overlap, first_id, 8);
+AT(pbf_overlap, last_id, 12);
+AT(pbf_overlap, colliders, 16);
+AT(pbf_overlap, part, 24);
+
+SIZE(pbf_backend_api, 192);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -248,6 +256,7 @@ AT(pbf_backend_api, get_extension, 152);
 AT(pbf_backend_api, read_pressures, 160);
 AT(pbf_backend_api, map_pressures, 168);
 AT(pbf_backend_api, project, 176);
+AT(pbf_backend_api, set_overlap, 184);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

@@ -21,6 +21,7 @@ struct watcher {
     stale = 0; /* ghosts are found with all that they repeat */
     return true;
   }
+  void overlap() { stage_of("overlap", FIELD_POSITION | FIELD_VELOCITY, 0); }
   void residual_density() { stage_of("residual_density", FIELD_POSITION | FIELD_VELOCITY, 0); }
   void begin_solve() { stage_of("begin_solve", 0, 0); }
   void pressure_grid() {

@@ -1,0 +1,78 @@
+/* Overlap: fluid that a step finds where no step has moved it: placed in other fluid, pressed by a
+ * solid that was placed in it, by walls that have jumped, or left by a step that was much longer.
+ * What the solve corrects of a density error becomes velocity, error times h / dt: overlap would be
+ * thrown apart, the faster the shorter the step. So the density that it adds is allowed for, as it
+ * was found, and ever less of it from step to step, which moves particles no faster than
+ * depenetration.h tells. Pressure is what exceeds the allowance, as elsewhere what exceeds 1. */
+#ifndef PBF_PHYSICS_PASSES_OVERLAP_H
+#define PBF_PHYSICS_PASSES_OVERLAP_H
+
+#include "physics/boundary.h"
+#include "physics/passes/pass.h"
+
+namespace {
+
+/* The density that placed neighbours contribute. What their ghosts do is not counted. */
+template <class Features>
+struct placed_density_pass {
+  enum { NUMBER = 1 /* 1: placed; 0 */, VECTOR = 0 };
+  const pbf_constants *c;
+  Features features;
+
+  template <class L>
+  struct own {};
+  template <class L>
+  struct sums {
+    L density;
+  };
+
+  template <class L>
+  PBF_IN sums<L> begin() const {
+    return {ops<L>::set(0)};
+  }
+
+  template <class L>
+  PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j) const {
+    s->density = ops<L>::fma(kernel_value(features, c, j.r2), j.number, s->density);
+  }
+
+  template <class L>
+  PBF_IN void end(sums<L> *) const {}
+};
+
+/* The density that placed surfaces contribute at x, as they stood `before` the step or after it. */
+template <class Obstacles>
+PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o,
+                                      const pbf_overlap &found, pbf_vec x, int before) {
+  pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
+  if (found.walls) boundary = pbf_boundary_of_domain(c, &o.domain, x);
+  for (int k = 0; k < pbf_surface_count(o); ++k)
+    if (found.colliders >> k & 1) {
+      const pbf_surface surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
+      pbf_accumulate_surface(c, &surface, x, &boundary);
+    }
+  return boundary.overlapping + boundary.additive;
+}
+
+}  // namespace
+
+PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
+  return id >= found.first_id && id <= found.last_id;
+}
+
+/* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
+ * been placed; `before`: already. Of a particle that was itself placed it is all of its error. */
+PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found, uint32_t id,
+                                  pbf_real density, pbf_real placed_density, pbf_real before) {
+  const pbf_real error = pbf_real_max(density - c->target, 0);
+  const pbf_real part = pbf_is_placed(found, id) ? 1 : (pbf_real)found.part;
+  return pbf_real_max(before, pbf_real_max(part * error, pbf_real_min(error, placed_density)));
+}
+
+/* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay:
+ * what exceeds 1 falls exponentially, the rest evenly. */
+PBF_FN pbf_real pbf_overlap_left(pbf_real decay, pbf_real overlap) {
+  return pbf_real_max(overlap - decay * pbf_real_max(overlap, 1), 0);
+}
+
+#endif

@@ -1,0 +1,85 @@
+#include "overlap.h"
+
+#include <math.h>
+
+#include "backend_call.h"
+#include "physics/depenetration.h"
+#include "physics/prestabilization.h"
+#include "solver_time.h"
+
+/* Before the first step nothing has moved: pre-stabilization sees to what is placed then. */
+static pbf_overlap *noted(pbf_solver *solver) {
+  if (!solver->overlap.found.struct_size)
+    solver->overlap.found = (pbf_overlap){.struct_size = sizeof(pbf_overlap), .first_id = 1};
+  return &solver->overlap.found;
+}
+
+void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t last_id) {
+  if (!solver->overlap.moved) return;
+  pbf_overlap *o = noted(solver);
+  int none = o->first_id > o->last_id;
+  if (none || first_id < o->first_id) o->first_id = first_id;
+  if (none || last_id > o->last_id) o->last_id = last_id;
+}
+
+void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders) {
+  if (solver->overlap.moved && colliders) noted(solver)->colliders |= colliders;
+}
+
+/* What a step leaves of a density error is as its length squared: of what a much longer one has
+ * left the shorter ones are to make no velocity. */
+static double part_of_longer_step(const pbf_params *before, const pbf_params *after) {
+  double ratio = after->time_step / before->time_step;
+  return ratio < 0.75 ? 1 - ratio * ratio : 0;
+}
+
+void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params) {
+  if (!solver->overlap.moved) return;
+  double part = part_of_longer_step(&solver->params, params);
+  int walls =
+      pbf_walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver));
+  if (part > 0) noted(solver)->part = fmax(noted(solver)->part, part);
+  if (walls) noted(solver)->walls = 1;
+}
+
+/* When what is left is nothing, however much it was: a thousand times rest density falls to 1 in
+ * seven times the time that 1 takes. */
+static double time_apart(const pbf_solver *solver) {
+  return 8 / pbf_overlap_rate(&solver->params, (int)solver->kind.dimension);
+}
+
+static pbf_status tell(pbf_solver *solver, const pbf_overlap *overlap) {
+  pbf_status status = solver->api.set_overlap(solver->backend, overlap);
+  return pbf_backend_result(solver, status, "set_overlap");
+}
+
+/* Nothing overlaps any more. */
+pbf_status pbf_overlap_forget(pbf_solver *solver) {
+  solver->overlap.found.struct_size = 0;
+  if (!(solver->overlap.end > 0)) return PBF_OK;
+  solver->overlap.end = 0;
+  return tell(solver, NULL);
+}
+
+pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *overlap) {
+  static const pbf_overlap none = {.struct_size = sizeof none, .first_id = 1};
+  if (!solver->api.set_overlap) return PBF_OK;
+  return tell(solver, overlap->end > 0 ? &none : NULL);
+}
+
+pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
+  double now = pbf_solver_time(solver);
+  if (!solver->api.set_overlap) return PBF_OK;
+  if (solver->params.solver != PBF_SOLVER_CHEBYSHEV) return pbf_overlap_forget(solver);
+  if (solver->overlap.found.struct_size) {
+    pbf_status status = tell(solver, &solver->overlap.found);
+    if (status != PBF_OK) return status;
+    solver->overlap.found.struct_size = 0;
+    solver->overlap.end = now + time_apart(solver);
+  } else if (solver->overlap.end > 0 && now >= solver->overlap.end) {
+    return pbf_overlap_forget(solver);
+  }
+  double left = (solver->overlap.end - now) / solver->params.time_step;
+  if (solver->overlap.end > 0 && left < *steps) *steps = (uint32_t)ceil(left);
+  return PBF_OK;
+}

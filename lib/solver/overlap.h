@@ -1,0 +1,27 @@
+/* Overlap: what has been placed in fluid that steps have moved, and what the backend is told of it.
+ */
+#ifndef PBF_LIB_SOLVER_OVERLAP_H
+#define PBF_LIB_SOLVER_OVERLAP_H
+
+#include "solver.h"
+
+/* The particles of these rows are where no step has moved them. */
+void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t last_id);
+
+/* These colliders, a bit each, are where nothing has moved them. */
+void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders);
+
+/* The parameters change to these. */
+void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params);
+
+/* Nothing overlaps any more. */
+pbf_status pbf_overlap_forget(pbf_solver *solver);
+
+/* Has the backend keep as much as a state that is loaded had. */
+pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *overlap);
+
+/* Tells the backend before steps; *steps becomes the number of those, the same or fewer, for which
+ * that holds. */
+pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps);
+
+#endif

@@ -1,0 +1,281 @@
+/* What is placed in fluid that moves: nothing is moved without a velocity, and no overlap thrown
+ * apart, however short the steps. */
+#include "support.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double spacing = 0.05, gravity = 9.81;
+
+static pbf_params params_of(uint32_t dimension, double time_step, double width, double height) {
+  pbf_params params = test_params();
+  params.spacing = spacing;
+  params.smoothing_radius = 2 * spacing;
+  params.time_step = time_step;
+  params.attraction = 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    params.gravity[k] = k == 1 ? -gravity : 0;
+    params.domain_max[k] = k == 1 ? height : k < dimension ? width : 1;
+  }
+  return params;
+}
+
+/* A block of counts[0] × counts[1] × counts[2] particles, the corner of which is `corner`. */
+typedef struct block {
+  double corner[3];
+  uint32_t counts[3];
+} block;
+
+static uint32_t count_of(const block *b, uint32_t dimension) {
+  return b->counts[0] * b->counts[1] * (dimension == 3 ? b->counts[2] : 1);
+}
+
+static void place_of(const block *b, uint32_t i, double x[3]) {
+  const uint32_t at[3] = {i % b->counts[0], i / b->counts[0] % b->counts[1],
+                          i / b->counts[0] / b->counts[1]};
+  for (int k = 0; k < 3; ++k) x[k] = b->corner[k] + spacing * (at[k] + 0.5);
+}
+
+static uint32_t add(pbf_solver *s, uint32_t dimension, uint32_t precision, const block *b,
+                    const double velocity[3]) {
+  const uint32_t count = count_of(b, dimension);
+  uint32_t first;
+  char *x = calloc((size_t)count * dimension, precision);
+  char *v = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  assert_non_null(v);
+  for (uint32_t i = 0; i < count; ++i) {
+    double place[3];
+    place_of(b, i, place);
+    for (uint32_t k = 0; k < dimension; ++k) {
+      test_put(x, (uint64_t)i * dimension + k, precision, place[k]);
+      test_put(v, (uint64_t)i * dimension + k, precision, velocity[k]);
+    }
+  }
+  assert_ok(pbf_add_particles(s, count, x, v, &first));
+  free(x);
+  free(v);
+  return first;
+}
+
+static pbf_stats stats_of(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  assert_ok(pbf_get_stats(s, &stats));
+  return stats;
+}
+
+static pbf_solver *tank(uint32_t dimension, uint32_t precision, double time_step) {
+  const block water = {{0}, {14, 10, 8}};
+  pbf_params params = params_of(dimension, time_step, 0.7, 3);
+  params.domain_max[2] = dimension == 3 ? 0.4 : 1;
+  const pbf_desc desc = test_desc(dimension, precision, 4000);
+  pbf_solver *s = test_create(&desc, &params);
+  add(s, dimension, precision, &water, (double[]){0, 0, 0});
+  return s;
+}
+
+/* ---- Displacement is the integral of velocity ------------------------------------------------ */
+
+/* Line 21 of Algorithm 1: v = (x* - x) / dt, particle by particle. Returns the part of all ways
+ * that no velocity explains. */
+static double unexplained(pbf_solver *s, uint32_t dimension, double time_step) {
+  uint32_t count;
+  double way = 0, hidden = 0;
+  assert_ok(pbf_get_count(s, &count));
+  double *x = calloc((size_t)count * dimension, sizeof *x);
+  double *y = calloc((size_t)count * dimension, sizeof *y);
+  double *v = calloc((size_t)count * dimension, sizeof *v);
+  assert_true(x && y && v);
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_positions(s, 0, count, y));
+  assert_ok(pbf_get_velocities(s, 0, count, v));
+  for (uint32_t i = 0; i < count * dimension; ++i) {
+    way += fabs(y[i] - x[i]);
+    hidden += fabs(y[i] - x[i] - time_step * v[i]);
+  }
+  free(x);
+  free(y);
+  free(v);
+  return hidden / way;
+}
+
+static void a_tap_moves_nothing_without_velocity(void **state) {
+  (void)state;
+  const double dt = 1.0 / 120;
+  const block mouth = {{0.2, 0.55, 0}, {6, 1, 6}}; /* it comes to be under water */
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    pbf_solver *s = tank(dimension, PBF_FLOAT64, dt);
+    assert_ok(pbf_step(s, 20));
+    for (int k = 0; k < 40; ++k) {
+      if (k % 3 == 0) add(s, dimension, PBF_FLOAT64, &mouth, (double[]){0, -2, 0});
+      const double hidden = unexplained(s, dimension, dt);
+      if (!(hidden < 1e-6)) fail_msg("%uD, step %d: %g of the way", dimension, k, hidden);
+    }
+    pbf_destroy(s);
+  }
+}
+
+/* ---- Hoses ----------------------------------------------------------------------------------- */
+
+enum { WIDE = 8 };
+
+/* Rows that leave sideways at `speed`, one spacing behind each other, and fall: a flow without
+ * pressure, divergence 0, so an exact solution of Euler's equations. After k steps of symplectic
+ * Euler a particle is at (speed k dt, -g dt² k (k + 1) / 2). */
+static void check_hose(uint32_t dimension, uint32_t precision, double time_step) {
+  const double speed = 3, start = 6;
+  const block mouth = {{0.5, start, 0.5}, {1, WIDE, WIDE}};
+  const uint32_t rows = 40, each = count_of(&mouth, dimension);
+  const uint32_t every = (uint32_t)lround(spacing / speed / time_step);
+  pbf_params params = params_of(dimension, time_step, 8, 8);
+  const pbf_desc desc = test_desc(dimension, precision, rows * each);
+  pbf_solver *s = test_create(&desc, &params);
+  for (uint32_t row = 0; row < rows; ++row) {
+    add(s, dimension, precision, &mouth, (double[]){speed, 0, 0});
+    assert_ok(pbf_step(s, every));
+  }
+  char *x = calloc((size_t)rows * each * dimension, precision);
+  assert_non_null(x);
+  assert_ok(pbf_get_positions(s, 0, rows * each, x));
+  uint32_t off = 0;
+  for (uint32_t i = 0; i < rows * each; ++i) {
+    const double k = (double)(rows - i / each) * every;
+    double right[3], way2 = 0;
+    place_of(&mouth, i % each, right);
+    right[0] += speed * k * time_step;
+    right[1] -= gravity * time_step * time_step * k * (k + 1) / 2;
+    for (uint32_t axis = 0; axis < dimension; ++axis)
+      way2 += pow(test_value(x, (uint64_t)i * dimension + axis, precision) - right[axis], 2);
+    off += way2 > 0.25 * spacing * spacing;
+  }
+  if (!(off <= rows * each / 100))
+    fail_msg("%uD, 1/%.0f s: %u of %u are off their parabola by half a spacing", dimension,
+             1 / time_step, off, rows * each);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void a_hose_pours_a_parabola(void **state) {
+  (void)state;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    check_hose(dimension, PBF_FLOAT32, 1.0 / 120);
+    check_hose(dimension, PBF_FLOAT64, 1.0 / 240);
+  }
+}
+
+/* ---- Overlap --------------------------------------------------------------------------------- */
+
+/* Energy a particle, over that of falling by a spacing. */
+static double energy_of(pbf_solver *s) {
+  const pbf_stats stats = stats_of(s);
+  return (stats.kinetic_energy / gravity + stats.center_of_mass[1]) / spacing;
+}
+
+typedef struct burst {
+  double speed; /* of the fastest particle */
+  double gain;  /* of energy, over that of lifting what is added to the surface */
+} burst;
+
+static burst add_upon_others(uint32_t dimension, uint32_t precision, double time_step) {
+  const double depth = 5.5 * spacing, seconds = 0.25;
+  pbf_solver *s = tank(dimension, precision, time_step);
+  assert_ok(pbf_step(s, (uint32_t)lround(0.5 / time_step)));
+  const block where = {{0.31, depth - 0.02, 0.11}, {4, 1, 4}};
+  add(s, dimension, precision, &where, (double[]){0, 0, 0});
+  const double start = energy_of(s), lift = count_of(&where, dimension) * 5.0;
+  burst most = {0};
+  for (int k = 0; k < (int)lround(seconds / time_step); ++k) {
+    assert_ok(pbf_step(s, 1));
+    most.speed = fmax(most.speed, stats_of(s).speed_max);
+    most.gain = fmax(most.gain, energy_of(s) - start);
+  }
+  most.gain *= stats_of(s).count / lift;
+  pbf_destroy(s);
+  return most;
+}
+
+/* What appears in water at rest gives it no more energy than lifting it takes (Archimedes), half
+ * more for what moves, no speed beyond Torricelli's of the depth, at any step. */
+static void check_added(uint32_t dimension, uint32_t precision) {
+  const double torricelli = sqrt(2 * gravity * 10 * spacing);
+  const burst a = add_upon_others(dimension, precision, 1.0 / 120),
+              b = add_upon_others(dimension, precision, 1.0 / 480);
+  if (!(fmax(a.speed, b.speed) <= torricelli))
+    fail_msg("%uD: %g and %g m/s, at most %g", dimension, a.speed, b.speed, torricelli);
+  if (!(fmax(a.gain, b.gain) <= 1.5))
+    fail_msg("%uD: gain %g and %g times the lifted weight", dimension, a.gain, b.gain);
+}
+
+static void what_is_added_upon_others_is_not_thrown(void **state) {
+  (void)state;
+  check_added(2, PBF_FLOAT64);
+  check_added(3, PBF_FLOAT32);
+}
+
+/* A frame that took a tenth of a second or more: one step, in which particles fall by spacings. */
+static void a_long_step_throws_nothing(void **state) {
+  (void)state;
+  const double lengths[] = {0.1, 0.25};
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
+    for (int k = 0; k < 2; ++k) {
+      const double dt = 1.0 / 120, torricelli = sqrt(2 * gravity * 10 * spacing);
+      pbf_solver *s = tank(dimension, PBF_FLOAT32, dt);
+      pbf_params params = {.struct_size = sizeof params};
+      assert_ok(pbf_step(s, 120));
+      const double level = stats_of(s).center_of_mass[1];
+      assert_ok(pbf_get_params(s, &params));
+      params.time_step = lengths[k];
+      assert_ok(pbf_set_params(s, &params));
+      assert_ok(pbf_step(s, 1));
+      params.time_step = dt;
+      assert_ok(pbf_set_params(s, &params));
+      for (int step = 0; step < 150; ++step) {
+        assert_ok(pbf_step(s, 1));
+        const pbf_stats now = stats_of(s);
+        if (!(now.speed_max <= torricelli && now.center_of_mass[1] <= 1.02 * level))
+          fail_msg("%uD, %g s, step %d: %g m/s, %g of the level", dimension, lengths[k], step,
+                   now.speed_max, now.center_of_mass[1] / level);
+      }
+      pbf_destroy(s);
+    }
+}
+
+/* ---- What is left of an overlap is part of the state ----------------------------------------- */
+
+/* In all, longer than any overlap lasts. */
+static void a_saved_overlap_goes_on(void **state) {
+  (void)state;
+  enum { FIRST = 3, SECOND = 500 };
+  const block where = {{0.31, 0.2, 0.11}, {4, 1, 4}};
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    pbf_solver *one = tank(dimension, PBF_FLOAT32, 1.0 / 60), *other = NULL;
+    assert_ok(pbf_step(one, 30));
+    add(one, dimension, PBF_FLOAT32, &where, (double[]){0, 0, 0});
+    for (int part = 0; part < 2; ++part) {
+      uint64_t size;
+      void *saved = test_save(one, &size);
+      if (!other) other = tank(dimension, PBF_FLOAT32, 1.0 / 60);
+      assert_ok(pbf_load(other, saved, size));
+      free(saved);
+      assert_ok(pbf_step(one, part ? SECOND : FIRST));
+      for (int k = 0; k < (part ? SECOND : FIRST); ++k) assert_ok(pbf_step(other, 1));
+      assert_int_equal(test_hash(one), test_hash(other));
+    }
+    pbf_destroy(one);
+    pbf_destroy(other);
+  }
+}
+
+/* The stub solves nothing. */
+int main(void) {
+  if (test_is_stub()) return TEST_SKIPPED;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_tap_moves_nothing_without_velocity),
+      cmocka_unit_test(a_hose_pours_a_parabola),
+      cmocka_unit_test(what_is_added_upon_others_is_not_thrown),
+      cmocka_unit_test(a_long_step_throws_nothing),
+      cmocka_unit_test(a_saved_overlap_goes_on),
+  };
+  return TEST_RUN(tests);
+}
