@@ -40,53 +40,49 @@ static __attribute__((noinline)) int bounds_are_within(const group_bounds *of, c
   return !(pbf_surface_distance(s, of->center, &normal) > of->radius + reach + rounding);
 }
 
-/* How a surface moves in a step. */
-typedef struct surface_motion {
-  pbf_real step; /* way of its centre */
-  pbf_real turn; /* way of a point over its distance from there, at most */
-} surface_motion;
-
-static inline void surface_motions(const pbf_obstacles *o,
-                                   surface_motion motions[PBF_MAX_COLLIDERS]) {
-  for (int k = 0; k < pbf_surface_count(*o); ++k) {
-    const pbf_surface *s = &o->surfaces[k];
-    pbf_vec step = pbf_sub(s->center, s->start_center);
-    pbf_real turn2 = 0;
-    for (int row = 0; row < PBF_DIM; ++row) {
-      pbf_vec turned = pbf_sub(s->frame[row], s->start_frame[row]);
-      turn2 += pbf_dot(turned, turned);
-    }
-    motions[k].step = pbf_real_sqrt(pbf_dot(step, step));
-    motions[k].turn = pbf_real_sqrt(turn2);
-  }
+/* How far a surface takes one of them along in a step, at most. */
+PBF_FN pbf_real way_of_carried(const group_bounds *of, const pbf_surface *s) {
+  if (!(s->turn > 0)) return s->step;
+  const pbf_vec arm = pbf_sub(of->center, s->start_center);
+  return s->step + s->turn * (pbf_real_sqrt(pbf_dot(arm, arm)) + of->radius);
 }
 
-/* Of a surface that carries them along. */
-PBF_FN int bounds_may_meet_moving(const group_bounds *of, const pbf_surface *s,
-                                  const surface_motion *motion) {
-  pbf_vec arm = pbf_sub(of->center, s->start_center);
-  pbf_real moved = motion->step;
-  if (motion->turn > 0) moved += motion->turn * (pbf_real_sqrt(pbf_dot(arm, arm)) + of->radius);
-  pbf_real far = s->bound + of->radius + of->way + moved;
+/* Of a surface that carries them along, one that is `pushed` so far by others before. */
+PBF_FN int bounds_may_meet_moving(const group_bounds *of, const pbf_surface *s, pbf_real pushed) {
+  const pbf_vec arm = pbf_sub(of->center, s->start_center);
+  const pbf_real far = s->bound + of->radius + of->way + s->skin + way_of_carried(of, s) + pushed;
   return !(pbf_dot(arm, arm) > far * far);
 }
 
-/* Whether pbf_resolve_collisions may do anything to them: those without another side look at where
- * particles are, the others at their ways. `motion` null: nothing has moved since these began. */
-PBF_FN int bounds_may_meet(const group_bounds *of, const pbf_surface *s,
-                           const surface_motion *motion) {
-  if (pbf_surface_is_unbounded(s)) return bounds_are_within(of, s, 0);
-  return motion ? bounds_may_meet_moving(of, s, motion) : bounds_are_within(of, s, of->way);
+/* Whether pbf_resolve_collisions may do anything to them by this surface. Where nothing moves no
+ * surface takes a particle farther from where its way begins than the way is long, for there it is
+ * before all of them; so none but those as near can push it. */
+PBF_FN int bounds_may_meet(const group_bounds *of, const pbf_surface *s, int with_obstacle_motion,
+                           pbf_real pushed) {
+  if (with_obstacle_motion && !pbf_surface_is_unbounded(s))
+    return bounds_may_meet_moving(of, s, pushed);
+  return bounds_are_within(of, s, of->way + s->skin + pushed);
 }
 
-/* These obstacles without the surfaces that they don't meet; the number of those that are left. */
-static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
-                                       const surface_motion *motions, pbf_obstacles *candidates) {
-  candidates->domain = all->domain;
+static inline void collect_candidates(const pbf_obstacles *all, const group_bounds *of,
+                                      int with_obstacle_motion, pbf_real pushed,
+                                      pbf_obstacles *candidates) {
   candidates->count = 0;
   for (int k = 0; k < pbf_surface_count(*all); ++k)
-    if (bounds_may_meet(of, &all->surfaces[k], motions ? &motions[k] : NULL))
+    if (bounds_may_meet(of, &all->surfaces[k], with_obstacle_motion, pushed))
       candidates->surfaces[candidates->count++] = all->surfaces[k];
+}
+
+/* These obstacles without the surfaces that they don't meet; the number of those that are left.
+ * What moves pushes by as much, and those whom it pushes may meet others. */
+static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
+                                       int with_obstacle_motion, pbf_obstacles *candidates) {
+  pbf_real pushed = 0;
+  candidates->domain = all->domain;
+  collect_candidates(all, of, with_obstacle_motion, 0, candidates);
+  for (int k = 0; k < candidates->count && with_obstacle_motion; ++k)
+    pushed = pbf_real_max(pushed, way_of_carried(of, &candidates->surfaces[k]));
+  if (pushed > 0) collect_candidates(all, of, with_obstacle_motion, pushed, candidates);
   return candidates->count;
 }
 

@@ -12,17 +12,4 @@ static __attribute__((noinline)) pbf_vec resolve_collisions(const pbf_obstacles 
   return pbf_resolve_collisions(*o, with_obstacle_motion, from, x);
 }
 
-/* `met` are those of `all` that its group can meet on its way. A particle that one of them pushes
- * off it may meet others. */
-PBF_FN pbf_vec resolve_candidates(const pbf_obstacles *all, const pbf_obstacles *candidates,
-                                  int with_obstacle_motion, pbf_vec from, pbf_vec x) {
-  pbf_vec after = resolve_collisions(candidates, with_obstacle_motion, from, x),
-          kept = pbf_keep_in_domain(&all->domain, x);
-  int pushed = 0;
-  for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
-  return pushed && candidates->count < all->count
-             ? resolve_collisions(all, with_obstacle_motion, from, x)
-             : after;
-}
-
 #endif

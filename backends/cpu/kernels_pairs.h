@@ -143,13 +143,12 @@ static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacl
                                                     uint32_t lanes) {
   pbf_obstacles candidates;
   const group_bounds these = bounds_of_group(from, x);
-  if (!collision_candidates(obstacles, &these, NULL, &candidates)) {
+  if (!collision_candidates(obstacles, &these, 0, &candidates)) {
     clamp_group(obstacles, x);
     return;
   }
   for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved =
-        resolve_candidates(obstacles, &candidates, 0, lane_value(from, l), lane_value(x, l));
+    pbf_vec resolved = resolve_collisions(&candidates, 0, lane_value(from, l), lane_value(x, l));
     set_lane(x, l, resolved);
   }
 }

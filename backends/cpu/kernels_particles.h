@@ -41,19 +41,17 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o,
     clamp_range(&o->domain, x, first, last);
     return;
   }
-  surface_motion motions[PBF_MAX_COLLIDERS];
-  if (with_obstacle_motion) surface_motions(o, motions);
   for (uint32_t begin = first, end; begin < last; begin = end) {
     pbf_obstacles candidates;
     end = last - begin < AT_ONCE ? last : begin + AT_ONCE;
     const group_bounds these = bounds_of_range(&from, &x, begin, end);
-    if (!collision_candidates(o, &these, with_obstacle_motion ? motions : NULL, &candidates)) {
+    if (!collision_candidates(o, &these, with_obstacle_motion, &candidates)) {
       clamp_range(&o->domain, x, begin, end);
       continue;
     }
     for (uint32_t i = begin; i < end; ++i)
       field_set(&x, i,
-                resolve_candidates(o, &candidates, with_obstacle_motion, field_at(&from, i),
+                resolve_collisions(&candidates, with_obstacle_motion, field_at(&from, i),
                                    field_at(&x, i)));
   }
 }

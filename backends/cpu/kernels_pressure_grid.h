@@ -4,6 +4,7 @@
 #define PBF_CPU_KERNELS_PRESSURE_GRID_H
 
 #include "cpu/kernels.h"
+#include "physics/collide.h"
 
 /* Particles whose cells are found before anything else is done with them. */
 enum { PRESSURE_GRID_CHUNK = 64 };
@@ -81,8 +82,10 @@ PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32
   }
 }
 
-static void apply_correction(const pbf_pressure_grid_storage *storage, pbf_real inv_time_step,
-                             field x, field v, uint32_t first, uint32_t last) {
+/* Past these obstacles, unless null. */
+static void apply_correction(const pbf_pressure_grid_storage *storage,
+                             const pbf_obstacles *obstacles, pbf_real inv_time_step, field x,
+                             field v, uint32_t first, uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
@@ -96,6 +99,7 @@ static void apply_correction(const pbf_pressure_grid_storage *storage, pbf_real 
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
       pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at, corners.part[l]);
+      if (obstacles) u = pbf_move_past_obstacles(*obstacles, field_at(&x, first + l), u);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }
     for (int k = 0; k < PBF_DIM; ++k) {

@@ -45,9 +45,11 @@ static void apply_correction_task(void *context, uint32_t task) {
   range all = task_sorted(w, task);
   help_solving(s);
   if (s->pressure_grid_solve.nodes == 0) return; /* lambda is 0 */
+  const bool collides = s->schedule.collide_after_prediction && pbf_surface_count(w->obstacles);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->apply_correction(&s->pressure_grid, w->forces.inv_time_step, w->b.sorted_predicted,
+    s->kernels->apply_correction(&s->pressure_grid, collides ? &w->obstacles : NULL,
+                                 w->forces.inv_time_step, w->b.sorted_predicted,
                                  w->b.sorted_velocity, r.first, r.last);
   fill_packed(s, packed_positions(s), &w->b.sorted_predicted, NULL, all);
 }

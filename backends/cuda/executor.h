@@ -170,9 +170,13 @@ struct executor {
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
-      launch(apply_correction_kernel, n.particles, s->pressure_grid, arrays,
-             (pbf_real)(1 / s->params.time_step));
+      launch(apply_correction_kernel, n.particles, s->pressure_grid, arrays, extras.obstacles,
+             collides_with_surfaces(), (pbf_real)(1 / s->params.time_step));
     });
+  }
+
+  bool collides_with_surfaces() const {
+    return s->schedule.collide_after_prediction && surfaces_of(s) != NO_SURFACES;
   }
 
   /* The device alone knows: kernels after the solve's end do nothing. */

@@ -153,10 +153,13 @@ static inline pbf_status place_surfaces(solver *s, double time, uint32_t steps) 
     pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
     return PBF_ERROR_OUT_OF_MEMORY;
   }
-  for (uint32_t k = 0; k < steps; ++k)
+  for (uint32_t k = 0; k < steps; ++k) {
+    const double end = time + k * s->params.time_step;
+    const pbf_domain domain = pbf_domain_at(&s->params, end);
     for (uint32_t c = 0; c < s->collider_count; ++c)
-      placed[k * s->collider_count + c] = pbf_surface_at(
-          &s->colliders[c], time + k * s->params.time_step - s->collider_time, s->params.time_step);
+      placed[k * s->collider_count + c] =
+          pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);
+  }
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
       pbf_cuda_check(cudaMemcpyAsync(s->surfaces, placed, bytes, cudaMemcpyHostToDevice, s->stream),

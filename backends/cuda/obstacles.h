@@ -19,6 +19,15 @@ struct step_obstacles {
 
 /* A bit for each collider. */
 typedef unsigned long long surface_set;
+
+/* The first of some. */
+static __host__ __device__ __forceinline__ int lowest_of(surface_set set) {
+#ifdef __CUDA_ARCH__
+  return __ffsll((long long)set) - 1;
+#else
+  return __builtin_ctzll(set);
+#endif
+}
 static_assert(PBF_MAX_COLLIDERS <= 64, "a set has 64 bits");
 
 /* Kernels that are short of registers are built for each: colliders take half as many again, and
@@ -67,47 +76,69 @@ static __device__ __forceinline__ lane_box box_around(uint32_t lanes, pbf_vec x)
   return box;
 }
 
-/* Whether something within `bound` of the centre can be within `reach` of the box; with room for
- * what is rounded here, and where a particle asks for itself. */
-static __device__ __forceinline__ bool is_near_box(const lane_box &box, pbf_vec center, float bound,
-                                                   float reach) {
-  const float rounding = 1e-5f;
-  float gap2 = 0, away = 0;
+/* The least distance of a place from the box. */
+static __device__ __forceinline__ float gap_to_box(const lane_box &box, pbf_vec place) {
+  float gap2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    float c = (float)center.c[k];
+    float c = (float)place.c[k];
     float gap = fmaxf(fmaxf(box.lower[k] - c, c - box.upper[k]), 0);
     gap2 += gap * gap;
-    away += fabsf(c);
   }
-  float far = bound + reach;
-  far += rounding * (far + away);
-  return !(gap2 > far * far);
+  return sqrtf(gap2);
 }
 
-/* The colliders that may be within `reach` of the lanes' particles, where these colliders are, or
- * where they `started`. All lanes that are here together look for it. */
-static __device__ __forceinline__ surface_set surfaces_near(const step_obstacles &o, pbf_vec x,
-                                                            pbf_real reach, bool started) {
+/* What is rounded in a distance of about `far` from there, here, and where a particle asks for
+ * itself. */
+static __device__ __forceinline__ float rounding_of(pbf_vec place, float far) {
+  float away = 0;
+  for (int k = 0; k < PBF_DIM; ++k) away += fabsf((float)place.c[k]);
+  return 1e-5f * (far + away);
+}
+
+/* Whether something of it can be within `reach` of the box. */
+static __device__ __forceinline__ bool is_near_box(const lane_box &box, const pbf_surface &s,
+                                                   float reach) {
+  const float far = above(s.bound) + reach;
+  return !(gap_to_box(box, s.center) > far + rounding_of(s.center, far));
+}
+
+/* Whether it can meet a particle in the box on a way of `way` that it carries along in the step. */
+static __device__ __forceinline__ bool may_meet_moving(const lane_box &box, const pbf_surface &s,
+                                                       float way) {
+  const float gap = gap_to_box(box, s.start_center);
+  const float far = above(s.bound) + way + above(s.skin) + above(s.step);
+  return !(gap - above(s.turn) * gap > far + rounding_of(s.start_center, far + gap));
+}
+
+/* The colliders near the lanes' particles, all of which look for them together: those that
+ * near(box, most, surface) says of the box around them, `most` being the largest of their numbers.
+ */
+template <class Near>
+static __device__ __forceinline__ surface_set surfaces_that(const step_obstacles &o, pbf_vec x,
+                                                            pbf_real number, Near near) {
   uint32_t lanes = __activemask(), low = 0, high = 0, own = 1u << threadIdx.x % 32;
   lane_box box = box_around(lanes, x);
-  float most = max_of(lanes, above(reach));
+  float most = max_of(lanes, above(number));
   for (uint32_t k = (uint32_t)__popc(lanes & (own - 1)); k < (uint32_t)o.count;
        k += (uint32_t)__popc(lanes)) {
-    const pbf_surface &s = o.surfaces[k];
-    bool near = is_near_box(box, started ? s.start_center : s.center, above(s.bound), most);
-    low |= near && k < 32 ? 1u << k % 32 : 0;
-    high |= near && k >= 32 ? 1u << k % 32 : 0;
+    bool is_near = near(box, most, o.surfaces[k]);
+    low |= is_near && k < 32 ? 1u << k % 32 : 0;
+    high |= is_near && k >= 32 ? 1u << k % 32 : 0;
   }
   low = __reduce_or_sync(lanes, low);
   return o.count > 32 ? (surface_set)__reduce_or_sync(lanes, high) << 32 | low : low;
 }
 
 /* Calls visit(surface) for those of the set, in their order. */
-template <class Visit>
-static __device__ __forceinline__ void each_surface(const step_obstacles &o, surface_set set,
-                                                    Visit visit) {
-  for (; set; set &= set - 1) visit(o.surfaces[__ffsll((long long)set) - 1]);
-}
+struct surface_subset {
+  const pbf_surface *surfaces;
+  surface_set set;
+
+  template <class Visit>
+  PBF_IN void each(Visit visit) const {
+    for (surface_set rest = set; rest; rest &= rest - 1) visit(surfaces[lowest_of(rest)]);
+  }
+};
 
 /* What they contribute at x. */
 template <surfaces_met SURFACES>
@@ -115,8 +146,12 @@ static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *
                                                            const step_obstacles &o, pbf_vec x) {
   if (SURFACES != MANY_SURFACES) return pbf_boundary_at(c, o, x);
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  each_surface(o, surfaces_near(o, x, pbf_boundary_reach(c), false),
-               [&](const pbf_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
+  const surface_subset near = {
+      o.surfaces, surfaces_that(o, x, pbf_boundary_reach(c),
+                                [](const lane_box &box, float reach, const pbf_surface &s) {
+                                  return is_near_box(box, s, reach);
+                                })};
+  near.each([&](const pbf_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
   return boundary;
 }
 
@@ -128,26 +163,29 @@ static __device__ __forceinline__ void add_boundary(const pbf_constants *c, cons
   pbf_add_boundary(&boundary, density, gradient);
 }
 
-/* A particle on its way from `from` to x, see pbf_resolve_collisions. A particle that one collider
- * pushes off it may meet any of them. */
+/* A particle on its way from `from` to x, see pbf_resolve_collisions. Where nothing moves no
+ * surface takes it farther from `from` than the way is long, and so none but those as near can push
+ * it. What moves pushes by as much: then those that are pushed may meet any. */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacles &o,
                                                              int with_obstacle_motion, pbf_vec from,
                                                              pbf_vec x) {
   if (SURFACES == NO_SURFACES) return pbf_keep_in_domain(&o.domain, x);
   if (SURFACES == FEW_SURFACES) return pbf_resolve_collisions(o, with_obstacle_motion, from, x);
-  pbf_vec way = pbf_sub(x, from);
-  surface_set all = ~0ull >> (64 - o.count),
-              near = surfaces_near(o, from, pbf_real_sqrt(pbf_dot(way, way)), with_obstacle_motion);
-  for (;; near = all) {
-    pbf_vec y = x;
-    bool pushed = false;
-    each_surface(o, near, [&](const pbf_surface &s) {
-      y = pbf_resolve_collision(&o.domain, &s, with_obstacle_motion, from, y);
-    });
-    for (int k = 0; k < PBF_DIM; ++k) pushed |= y.c[k] != x.c[k];
-    if (!pushed || near == all) return pbf_keep_in_domain(&o.domain, y);
-  }
+  const pbf_vec way = pbf_sub(x, from);
+  const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
+  surface_subset near = {
+      o.surfaces,
+      surfaces_that(o, from, length, [&](const lane_box &box, float longest, const pbf_surface &s) {
+        return with_obstacle_motion ? may_meet_moving(box, s, longest)
+                                    : is_near_box(box, s, longest + above(s.skin));
+      })};
+  const pbf_vec after = pbf_resolve_among(&o.domain, near, with_obstacle_motion, from, x);
+  if (!with_obstacle_motion) return after;
+  const pbf_vec kept = pbf_keep_in_domain(&o.domain, x);
+  bool pushed = false;
+  for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
+  return pushed ? pbf_resolve_collisions(o, with_obstacle_motion, from, x) : after;
 }
 
 #endif

@@ -180,7 +180,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What the grid adds to the moves. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
-                            pbf_real inv_time_step) {
+                            step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
@@ -188,6 +188,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
   pbf_vec u = pbf_pressure_grid_correction(&grid, pressure_grid_lambda(a), a.parts, cell, at);
+  if (collide) u = pbf_move_past_obstacles(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);

@@ -1,16 +1,12 @@
 /* Collision response (Algorithm 1, line 14): a particle whose way leads through a surface stays
- * on the side it came from. */
+ * on the side it came from, however many surfaces there are, and in whatever order. */
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H
 
+#include "physics/contacts.h"
 #include "physics/surfaces/obstacles.h"
 
-/* Moves x out of the surface along the shortest way. */
-PBF_FN pbf_vec pbf_collide(const pbf_surface *s, pbf_vec x) {
-  pbf_vec normal;
-  pbf_real distance = pbf_surface_distance(s, x, &normal);
-  return distance < 0 ? pbf_add_scaled(x, -distance, normal) : x;
-}
+/* ---- One surface --------------------------------------------------------------------------- */
 
 /* Where the way of length `length` from `from` to x, `distance` before the surface, first meets it,
  * found by stepping on by the distance from it (sphere tracing); *normal is that of the surface
@@ -18,16 +14,16 @@ PBF_FN pbf_vec pbf_collide(const pbf_surface *s, pbf_vec x) {
  * the nearest point: shapes are convex, so none of it is before that point's tangent plane. Returns
  * 0 where it does not meet it. */
 PBF_FN int pbf_meet(const pbf_surface *s, pbf_vec from, pbf_vec x, pbf_real length,
-                    pbf_real distance, pbf_real close, pbf_vec *at, pbf_vec *normal) {
+                    pbf_real distance, pbf_vec *at, pbf_vec *normal) {
   enum { STEPS = 48 };
   pbf_real way = distance;
   for (int k = 0; k < STEPS && way < length; ++k) {
     *at = pbf_add_scaled(from, way / length, pbf_sub(x, from));
-    distance = pbf_surface_distance(s, *at, normal);
+    distance = pbf_surface_distance(s, *at, normal) - s->skin;
     way += distance;
-    if (distance < close) break;
+    if (distance < s->rounding) break;
   }
-  if (!(way < length) && !(distance < close)) return 0;
+  if (!(way < length) && !(distance < s->rounding)) return 0;
   *at = pbf_add_scaled(*at, -distance, *normal);
   return 1;
 }
@@ -36,48 +32,177 @@ PBF_FN int pbf_meet(const pbf_surface *s, pbf_vec from, pbf_vec x, pbf_real leng
  * it, it slides on along the tangent plane, so that nothing goes through however thin the shape
  * and however fast the particle. What starts inside leaves by the face that is nearest to the
  * start. */
-PBF_FN pbf_vec pbf_collide_on_way(const pbf_surface *s, pbf_vec from, pbf_vec x) {
-  pbf_vec way = pbf_sub(x, from), at = from, normal;
-  pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
-  if (pbf_surface_is_beyond(s, from, length)) return x;
-  pbf_real distance = pbf_surface_distance(s, from, &normal);
-  if (!(distance < length)) return x;
-  pbf_real close = (pbf_real)1e-6 * (s->bound + length + pbf_real_sqrt(pbf_dot(from, from)));
-  if (distance > close) {
-    if (!pbf_meet(s, from, x, length, distance, close, &at, &normal)) return pbf_collide(s, x);
-  } else {
+PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_vec from, pbf_vec x,
+                                   pbf_contact *contact) {
+  const pbf_vec way = pbf_sub(x, from);
+  const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
+  if (pbf_surface_is_beyond(s, from, length + s->skin)) return 0;
+  pbf_vec at = from, normal;
+  const pbf_real distance = pbf_surface_distance(s, from, &normal) - s->skin;
+  if (!(distance < length)) return 0;
+  if (!(distance > s->rounding))
     at = pbf_add_scaled(from, -distance, normal);
-  }
-  pbf_real depth = pbf_dot(pbf_sub(at, x), normal);
-  if (depth > 0) x = pbf_add_scaled(x, depth, normal);
-  return pbf_collide(s, x);
+  else if (!pbf_meet(s, from, x, length, distance, &at, &normal))
+    return 0;
+  *contact = pbf_contact_at(at, normal);
+  return pbf_contact_gap(contact, x) < -s->rounding;
 }
 
 /* What has no other side holds particles as walls do: planes, too, make corners. */
+PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_vec x, pbf_contact *contact) {
+  pbf_vec normal;
+  const pbf_real distance = pbf_surface_distance(s, x, &normal);
+  if (!(distance < -s->rounding)) return 0;
+  *contact = pbf_contact_at(pbf_add_scaled(x, -distance, normal), normal);
+  return 1;
+}
+
+/* Whether the surface has something against the way of a particle from `from` to x, and the plane
+ * that it then stays before; `with_obstacle_motion` it has moved since the particle was there, in
+ * the prediction, and otherwise not. */
+PBF_FN_APART int pbf_find_contact(const pbf_surface *s, int with_obstacle_motion, pbf_vec from,
+                                  pbf_vec x, pbf_contact *contact) {
+  if (pbf_surface_is_unbounded(s)) return pbf_find_contact_at(s, x, contact);
+  return pbf_find_contact_on_way(s, with_obstacle_motion ? pbf_surface_carries(s, from) : from, x,
+                                 contact);
+}
+
+PBF_FN int pbf_find_wall_contact(const pbf_domain *domain, int wall, pbf_vec x,
+                                 pbf_contact *contact) {
+  const pbf_real distance = pbf_wall_distance(domain, wall, x);
+  if (!(distance < -domain->rounding)) return 0;
+  pbf_vec normal = {{0}};
+  normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
+  *contact = pbf_contact_at(pbf_add_scaled(x, -distance, normal), normal);
+  return 1;
+}
+
+/* What has no other side gives back of the depth what walls do. */
 PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const pbf_surface *s, pbf_vec x) {
   pbf_vec normal;
-  pbf_real distance = pbf_surface_distance(s, x, &normal);
+  const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < 0)) return x;
   return pbf_add_scaled(x, pbf_bounce(domain, -distance) - distance, normal);
 }
 
-/* The way of a particle from `from` to x past one collider; `with_obstacle_motion` it has moved
- * since the particle was there, in the prediction, and otherwise not. */
-PBF_FN pbf_vec pbf_resolve_collision(const pbf_domain *domain, const pbf_surface *s,
-                                     int with_obstacle_motion, pbf_vec from, pbf_vec x) {
-  if (pbf_surface_is_unbounded(s)) return pbf_keep_out(domain, s, x);
-  return pbf_collide_on_way(s, with_obstacle_motion ? pbf_surface_carries(s, from) : from, x);
-}
+/* ---- All of them --------------------------------------------------------------------------- */
 
 namespace {
 
-/* The same past all obstacles. Walls last: whatever a collider does, the domain holds. */
+/* Surfaces in an array. Another set of them has the same function each(visit), which calls
+ * visit(surface) for one after another. */
+struct surface_array {
+  int count;
+  const pbf_surface *first;
+
+  template <class Visit>
+  PBF_IN void each(Visit visit) const {
+    for (int k = 0; k < count; ++k) visit(first[k]);
+  }
+};
+
+/* The way of a particle from `from` to wherever. */
+template <class Surfaces>
+struct collision {
+  const pbf_domain *domain;
+  const Surfaces *surfaces;
+  int with_obstacle_motion;
+  pbf_vec from;
+
+  /* Calls visit(contact, rounding) for those that x has with surfaces and walls. */
+  template <class Visit>
+  PBF_IN void each_contact(const pbf_vec &x, Visit visit) const {
+    surfaces->each([&](const pbf_surface &s) {
+      pbf_contact contact;
+      if (pbf_find_contact(&s, with_obstacle_motion, from, x, &contact)) visit(contact, s.rounding);
+    });
+    for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
+      pbf_contact contact;
+      if (pbf_find_wall_contact(domain, wall, x, &contact)) visit(contact, domain->rounding);
+    }
+  }
+
+  PBF_IN bool is_free(const pbf_vec &x) const {
+    bool free = true;
+    each_contact(x, [&](const pbf_contact &, pbf_real) { free = false; });
+    return free;
+  }
+
+  /* Where there is no room between obstacles that close on each other: as deep in the one as in the
+   * other, in the mean. */
+  PBF_IN pbf_vec between(pbf_vec x) const {
+    for (int pass = 0; pass < 4; ++pass) {
+      pbf_vec sum = x;
+      each_contact(x, [&](const pbf_contact &contact, pbf_real) {
+        sum = pbf_add_scaled(sum, (pbf_real)-0.5 * pbf_contact_gap(&contact, x), contact.normal);
+      });
+      x = sum;
+    }
+    return pbf_keep_in_domain(domain, x);
+  }
+
+  /* Where nothing has been found for it: it stays where it was, or goes along with a surface that
+   * leaves it room. */
+  PBF_IN pbf_vec stay(pbf_vec x) const {
+    bool stays = is_free(from);
+    pbf_vec place = from;
+    if (with_obstacle_motion && !stays)
+      surfaces->each([&](const pbf_surface &s) {
+        if (stays || pbf_surface_is_unbounded(&s)) return;
+        place = pbf_keep_in_domain(domain, pbf_surface_carries(&s, from));
+        stays = is_free(place);
+      });
+    return stays ? place : between(x);
+  }
+};
+
+/* Obstacle after obstacle pushes x off, until none has anything to do: whom one pushes may be in
+ * another. */
+template <class Surfaces>
+PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
+  enum { PASSES = 8 };
+  pbf_contacts held = {0, {{{{0}}, 0}}};
+  for (int pass = 0; pass < PASSES; ++pass) {
+    bool pushed = false;
+    of.each_contact(x, [&](const pbf_contact &contact, pbf_real rounding) {
+      pbf_hold_by_contact(&held, &contact, rounding, &x);
+      pushed = true;
+    });
+    if (!pushed) return x;
+  }
+  return of.stay(x);
+}
+
+/* The way of a particle from `from`, which is in none of them, to x. */
+template <class Surfaces>
+PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfaces,
+                                 int with_obstacle_motion, pbf_vec from, pbf_vec x) {
+  surfaces.each([&](const pbf_surface &s) {
+    if (pbf_surface_is_unbounded(&s)) x = pbf_keep_out(domain, &s, x);
+  });
+  x = pbf_keep_in_domain(domain, x);
+  bool touched = false;
+  surfaces.each([&](const pbf_surface &s) {
+    pbf_contact contact;
+    touched = touched || pbf_find_contact(&s, with_obstacle_motion, from, x, &contact);
+  });
+  if (!touched) return x;
+  const collision<Surfaces> of = {domain, &surfaces, with_obstacle_motion, from};
+  /* Whatever a collider does, the domain holds. */
+  return pbf_keep_in_domain(domain, pbf_resolve_contacts(of, x));
+}
+
 template <class Obstacles>
 PBF_FN pbf_vec pbf_resolve_collisions(const Obstacles &o, int with_obstacle_motion, pbf_vec from,
                                       pbf_vec x) {
-  for (int k = 0; k < pbf_surface_count(o); ++k)
-    x = pbf_resolve_collision(&o.domain, &o.surfaces[k], with_obstacle_motion, from, x);
-  return pbf_keep_in_domain(&o.domain, x);
+  const surface_array surfaces = {pbf_surface_count(o), o.surfaces};
+  return pbf_resolve_among(&o.domain, surfaces, with_obstacle_motion, from, x);
+}
+
+/* What is left of a move from x. */
+template <class Obstacles>
+PBF_FN_SELDOM pbf_vec pbf_move_past_obstacles(const Obstacles &o, pbf_vec x, pbf_vec move) {
+  return pbf_sub(pbf_resolve_collisions(o, 0, x, pbf_add_scaled(x, 1, move)), x);
 }
 
 }  // namespace

@@ -118,6 +118,8 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     pbf_vec u = pressure_grid_move(&s->pressure_grid, s->moved[i]);
+    if (s->schedule.collide_after_prediction && pbf_surface_count(*o))
+      u = pbf_move_past_obstacles(*o, s->moved[i], u);
     s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);
     s->predicted[i] = s->moved[i] = pbf_add_scaled(s->moved[i], 1, u);
   }

@@ -11,6 +11,7 @@ typedef struct pbf_domain {
   pbf_vec lower, upper;
   pbf_real bounce_depth; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
   pbf_real ghost_reach;  /* particles this near to a wall have ghosts in it (ghosts.h): h, or 0 */
+  pbf_real rounding;     /* what rounding may take from distances in it */
 } pbf_domain;
 
 /* ---- Whether its walls have ghosts ---------------------------------------------------------- */
@@ -32,6 +33,18 @@ static inline pbf_real pbf_ghost_reach(const pbf_params *params, pbf_vec lower, 
 
 /* ---- Where it is ---------------------------------------------------------------------------- */
 
+/* Of distances between places that are no farther from the origin. */
+static inline double pbf_rounding_within(double extent) {
+  return 2 * extent * (sizeof(pbf_real) == sizeof(float) ? 0x1p-23 : 0x1p-52);
+}
+
+static inline double pbf_domain_rounding(const pbf_domain *domain) {
+  double extent = 0;
+  for (int k = 0; k < PBF_DIM; ++k)
+    extent = fmax(extent, fmax(fabs((double)domain->lower.c[k]), fabs((double)domain->upper.c[k])));
+  return pbf_rounding_within(extent);
+}
+
 static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
   pbf_domain domain;
   int bounces = params->solver == PBF_SOLVER_CHEBYSHEV;
@@ -41,6 +54,7 @@ static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
     domain.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
   }
   domain.ghost_reach = pbf_ghost_reach(params, domain.lower, domain.upper);
+  domain.rounding = (pbf_real)pbf_domain_rounding(&domain);
   return domain;
 }
 

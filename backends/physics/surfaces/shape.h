@@ -33,6 +33,10 @@ typedef struct pbf_surface {
   pbf_real radius, half_length;
   pbf_real bound; /* nothing of it is farther from the centre */
   pbf_vec start_center, start_frame[PBF_DIM];
+  pbf_real step, turn; /* way of the centre in the step; of any other point, over its distance from
+                          there, at most */
+  pbf_real skin;       /* how far before it particles stay, and */
+  pbf_real rounding;   /* what rounding may take from distances: see pbf_set_margins */
 } pbf_surface;
 
 #endif

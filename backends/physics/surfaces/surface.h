@@ -79,6 +79,18 @@ PBF_FN double pbf_bound(const pbf_collider *collider) {
   return shapes::ask((int)collider->shape, [&](auto shape) { return shape.bound(collider); });
 }
 
+/* How far it moves in the step. */
+static inline void pbf_set_ways(pbf_surface *s) {
+  const pbf_vec step = pbf_sub(s->center, s->start_center);
+  pbf_real turn2 = 0;
+  for (int row = 0; row < PBF_DIM; ++row) {
+    const pbf_vec turned = pbf_sub(s->frame[row], s->start_frame[row]);
+    turn2 += pbf_dot(turned, turned);
+  }
+  s->step = pbf_real_sqrt(pbf_dot(step, step));
+  s->turn = pbf_real_sqrt(turn2);
+}
+
 /* At the end of a step, `elapsed` after the collider was set. */
 static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elapsed,
                                          double time_step) {
@@ -91,6 +103,7 @@ static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elap
   s.bound = (pbf_real)(at_set->inverted ? INFINITY : 1.0001 * pbf_bound(at_set));
   pbf_place_surface(at_set, elapsed, &s.center, s.frame);
   pbf_place_surface(at_set, elapsed - time_step, &s.start_center, s.start_frame);
+  pbf_set_ways(&s);
   return s;
 }
 
