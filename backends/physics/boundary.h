@@ -139,6 +139,8 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
 /* From where on surfaces contribute nothing. */
 PBF_FN pbf_real pbf_boundary_reach(const pbf_constants *c) { return c->h - c->wall_offset; }
 
+/* Deep inside a surface that has another side density stays what it is at its first node, and so
+ * has no slope there: a push that never lowers what it is to undo would go on in every step. */
 PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
                                    pbf_boundary *boundary) {
   if (pbf_surface_is_beyond(s, x, pbf_boundary_reach(c))) return;
@@ -147,6 +149,7 @@ PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const pbf_surface *s,
     pbf_vec normal;
     pbf_real slope, distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
     pbf_real value = pbf_wall_density(c, distance, &slope);
+    if (!pbf_surface_is_unbounded(s) && distance < -c->wall_offset) slope = 0;
     pbf_accumulate_plane(c, value, slope, normal, boundary);
   }
 }

@@ -673,6 +673,29 @@ static double boundary_of_planes(const pbf_constants *c, int count, const double
   return lent;
 }
 
+/* What a box contributes within itself does not change with the depth, and so pushes nobody. */
+static void the_inside_of_a_box_does_not_push(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.wall_density = 1;
+  for (int a = 0; a < 3; ++a) p.domain_min[a] = -100, p.domain_max[a] = 100;
+  const pbf_constants c = pbf_constants_of(&p);
+  const pbf_domain domain = pbf_domain_at(&p, 0);
+  pbf_collider box = collider(PBF_COLLIDER_BOX);
+  const pbf_surface surface = pbf_surface_at(&box, 0, 0);
+  double before = 0;
+  for (double depth = c.wall_offset + 0.01; depth < 0.5; depth += 0.1) {
+    double density = 0;
+    pbf_vec gradient = {{0}};
+    pbf_add_boundary_at(&c, between(domain, 1, &surface), point(1 - depth, 0, 0), &density,
+                        &gradient);
+    if (before > 0) assert_near(density, before, 1e-12);
+    assert_near(pbf_dot(gradient, gradient), 0, 0);
+    assert_true(density > 0.05);
+    before = density;
+  }
+}
+
 /* Half-spaces that face the same way are one, and the nearer counts: a plane laid on a floor, tiles
  * side by side. Those that face each other have nothing in common; at right angles it is the
  * product.
@@ -752,6 +775,7 @@ int main(void) {
       cmocka_unit_test(a_lattice_of_any_support_is_at_rest_on_a_wall),
       cmocka_unit_test(walls_mirror_what_neighbors_do_along_them),
       cmocka_unit_test(half_space_density),
+      cmocka_unit_test(the_inside_of_a_box_does_not_push),
       cmocka_unit_test(planes_lend_by_how_they_face),
       cmocka_unit_test(planes_lend_less_the_more_they_agree),
       cmocka_unit_test(walls_push_in_proportion_to_the_derivative),
