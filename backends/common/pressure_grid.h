@@ -24,7 +24,7 @@ typedef struct pbf_pressure_grid_storage {
 /* Words of 8 bytes in all arrays. */
 static inline uint64_t pbf_pressure_grid_words(uint32_t capacity) {
   enum { ARRAYS = 11 };
-  return ARRAYS * (uint64_t)pbf_pressure_grid_limit(capacity);
+  return ARRAYS * pbf_pressure_grid_limit(pbf_most_planned(capacity));
 }
 
 /* Takes the memory or releases it; false when there is none. What lies behind the last node is
@@ -35,7 +35,7 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   if (!pbf_memory_keep(memory, wanted, name, pbf_pressure_grid_words(capacity), 0, &storage->sums))
     return false;
   if (!taken) return true;
-  uint64_t limit = pbf_pressure_grid_limit(capacity);
+  uint64_t limit = pbf_pressure_grid_limit(pbf_most_planned(capacity));
   storage->places = storage->sums + limit;
   double *next = (double *)storage->places;
   double **const arrays[] = {&storage->free_volumes, &storage->parts, &storage->weights,
@@ -46,14 +46,14 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   return true;
 }
 
-/* Before particles add to the sums. */
+/* Before particles add to the sums, in a grid for `count` of them. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
-                                           const pbf_params *params, uint32_t capacity,
+                                           const pbf_params *params, uint32_t count,
                                            const pbf_obstacles *o) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  storage->grid = pbf_pressure_grid_between(params, &domain, pbf_pressure_grid_limit(capacity));
+  storage->grid = pbf_pressure_grid_between(params, &domain, pbf_pressure_grid_limit(count));
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
 }

@@ -43,6 +43,11 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 
 /* ---- Life ---------------------------------------------------------------------------------- */
 
+static pbf_schedule schedule_of(const solver *s, const pbf_params *params, uint32_t colliders,
+                                const pbf_collider *list, int overlaps) {
+  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
+}
+
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
@@ -64,8 +69,7 @@ static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const p
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule =
-      pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity, s->overlaps);
+  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
@@ -125,7 +129,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity, s->overlaps);
+  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_moving_obstacles changed =
@@ -141,12 +145,13 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   return PBF_OK;
 }
 
-static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
-  step_job job = {.s = s, .time = time, .steps = steps, .done = s->count ? 0 : steps};
+static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, uint32_t *done) {
+  const pbf_step_times times = {time, before, s->params.time_step};
+  step_job job = {.s = s, .times = times, .steps = steps, .done = s->count ? 0 : steps};
   if (s->count)
     run_job(&job);
   else
-    s->now = time + steps * s->params.time_step;
+    s->now = pbf_time_after(&times, steps);
   *done = job.done;
   if (job.done) s->found.struct_size = 0;
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
@@ -159,11 +164,11 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   const pbf_constants constants = s->constants;
   const uint32_t ended_after = s->iterations;
   pbf_real *residual_density = s->residual_density;
-  step_job job = {.s = s, .time = time, .steps = 1};
+  step_job job = {.s = s, .times = {time, 0, 0}, .steps = 1};
   add_weight(s);
   wake_all(s);
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
   s->constants = pbf_constants_of(&s->params);
   s->residual_density = NULL;
   run_job(&job);
@@ -178,12 +183,19 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
 
 static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
   pbf_schedule schedule =
-      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, overlap != NULL);
+      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   s->schedule = schedule;
   s->overlaps = overlap != NULL;
   if (overlap) s->found = *overlap;
+  return PBF_OK;
+}
+
+/* The arrays are there. */
+static pbf_status plan_for(solver *s, uint32_t count) {
+  s->planned = count;
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
   return PBF_OK;
 }
 
@@ -358,4 +370,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
     .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
+    .plan_for = plan_for,
 };

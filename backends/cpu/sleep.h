@@ -133,12 +133,13 @@ static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, do
   return s->asleep < before;
 }
 
-/* How many of `steps` steps from `time` on pass without anybody awake, when all sleep. */
-static uint32_t steps_asleep(solver *s, double time, uint32_t steps) {
+/* How many of `steps` steps after the first `done` pass without anybody awake, when all sleep. */
+static uint32_t steps_asleep(solver *s, const pbf_step_times *times, uint32_t done,
+                             uint32_t steps) {
   if (!sleeps(s) || s->asleep < s->count) return 0;
   if (!pbf_any_obstacle_moves(s->moving_obstacles)) return steps;
   for (uint32_t k = 0; k < steps; ++k)
-    if (wake_near_moving(s, s->moving_obstacles, time + (k + 1) * s->params.time_step)) return k;
+    if (wake_near_moving(s, s->moving_obstacles, pbf_time_after(times, done + k + 1))) return k;
   return steps;
 }
 

@@ -47,6 +47,7 @@ struct pbf_backend_solver {
   pbf_schedule schedule;
 
   uint32_t capacity, count;
+  uint32_t planned;    /* particles that the schedule is for */
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
   struct buffers buffers;
@@ -122,7 +123,8 @@ enum { SAMPLES_A_RANGE = 4 };
 
 static inline uint64_t chunks_of(uint32_t count) { return ((uint64_t)count + CHUNK - 1) / CHUNK; }
 
-static inline uint64_t cell_limit(uint32_t capacity) { return 2 * (uint64_t)capacity + 1024; }
+/* Most cells of the grid of so many particles. */
+static inline uint64_t cell_limit(uint32_t count) { return 2 * (uint64_t)count + 1024; }
 
 /* Elements of an array of one real for each particle, with room for whole vectors at both ends. */
 static inline uint64_t padded(uint32_t capacity) {

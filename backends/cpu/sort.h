@@ -38,7 +38,7 @@ static void make_grid(void *context) {
   }
   grid_axes(size, axis);
   w->s->grid = grid_around(axis, all.lower, all.upper, w->s->params.smoothing_radius,
-                           cell_limit(w->s->capacity));
+                           cell_limit(w->s->count));
   for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
 }
 

@@ -7,7 +7,7 @@
 
 typedef struct step_job {
   solver *s;
-  double time;
+  pbf_step_times times;
   uint32_t steps, done;
   int sorted;        /* the next step has come as far as that */
   uint32_t reached;  /* step, by the team's run, */
@@ -15,14 +15,13 @@ typedef struct step_job {
   buffers after;     /* it */
 } step_job;
 
-static step_outcome step_once(worker *w, double time, int sorted) {
+static step_outcome step_once(worker *w, double begin, double end, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
-  w->forces = pbf_forces_of(&s->params, time);
-  const double end = time + s->params.time_step;
+  w->forces = pbf_forces_of(&s->params, begin);
   place_obstacles(s, end, &w->obstacles);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)))
-    place_obstacles(s, time, &w->before);
+    place_obstacles(s, begin, &w->before);
   pbf_set_target_density(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
   w->sort_positions = &w->b.predicted();
   w->sorted_positions = &w->b.sorted_predicted;
@@ -41,8 +40,8 @@ static void run_steps(void *context, member *me) {
   worker w = worker_of(job->s, me);
   step_outcome last = STEP_COMPLETE;
   for (w.step = job->done; w.step < job->steps && last == STEP_COMPLETE;) {
-    last = step_once(&w, job->time + w.step * job->s->params.time_step,
-                     job->sorted && w.step == job->done);
+    last = step_once(&w, pbf_time_after(&job->times, w.step),
+                     pbf_time_after(&job->times, w.step + 1), job->sorted && w.step == job->done);
     if (last != STEP_SHORT_OF_MEMORY) ++w.step;
   }
   if (me->thread != 0) return;
@@ -55,10 +54,9 @@ static void run_steps(void *context, member *me) {
 static void run_job(step_job *job) {
   solver *s = job->s;
   uint32_t before = job->done;
-  double step = s->params.time_step;
   do {
     uint32_t left = job->steps - job->done;
-    job->done += job->sorted ? 0 : steps_asleep(s, job->time + job->done * step, left);
+    job->done += job->sorted ? 0 : steps_asleep(s, &job->times, job->done, left);
     if (job->done == job->steps) break;
     atomic_store(&s->stopped, 0);
     atomic_store(&s->all_asleep, 0);
@@ -71,7 +69,7 @@ static void run_job(step_job *job) {
     job->sorted = job->last == STEP_SHORT_OF_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
   if (job->done > before) s->pressure_scale = s->constants.pressure;
-  s->now = job->time + job->done * step;
+  s->now = pbf_time_after(&job->times, job->done);
 }
 
 #endif

@@ -74,10 +74,11 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
                                const pbf_collider *colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
     return status;
-  pbf_schedule schedule = pbf_schedule_of(params, count, colliders, s->capacity, s->overlaps);
+  pbf_schedule schedule =
+      pbf_schedule_of(params, count, colliders, s->planned, s->capacity, s->overlaps);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
-  bool small = small_wanted(s, params, schedule), was_small = s->small_upload != nullptr;
+  bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
@@ -185,8 +186,6 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   }
   if constexpr (PBF_HAS_PRESSURE_GRID)
     if (pbf_status status = allow_pressure_grid(s)) return status;
-  if (small_possible(s))
-    if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
   if (pbf_status status = apply_params(s, params, 0, nullptr)) return status;
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
@@ -238,32 +237,33 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   return wake_near_colliders(s, changed, time);
 }
 
-static pbf_status step(pbf_backend_solver *handle, double time, uint32_t steps, uint32_t *done) {
+static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before, uint32_t steps,
+                       uint32_t *done) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
-  double dt = s->params.time_step;
-  s->time = s->count ? time : time + steps * dt;
+  const pbf_step_times times = {time, before, s->params.time_step};
+  s->time = pbf_time_after(&times, s->count ? 0 : steps);
   *done = s->count ? 0 : steps;
   while (*done < steps) {
     if (all_asleep(s)) {
-      s->time = time + steps * dt;
+      s->time = pbf_time_after(&times, steps);
       s->pressure_scale = s->constants.pressure;
       *done = steps;
       break;
     }
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
-    if (pbf_status status = place_surfaces(s, time + (*done + 1) * dt, ahead)) return status;
+    const pbf_step_times left = {time, before + *done, s->params.time_step};
+    if (pbf_status status = place_surfaces(s, left, ahead)) return status;
     if (small_serves(s)) {
-      ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, time + (*done + 1) * dt,
-                              ahead);
-      if (pbf_status status = small_steps(s, time + (*done + 1) * dt, ahead)) return status;
+      ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, &left, ahead);
+      if (pbf_status status = small_steps(s, left, ahead)) return status;
       *done += ahead;
       s->pressure_scale = s->constants.pressure;
       continue;
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s); ++k, ++*done) {
       if (pbf_status status =
-              step_once(s, time + (*done + 1) * dt, s->surfaces + k * s->collider_count))
+              step_once(s, pbf_time_after(&left, k + 1), s->surfaces + k * s->collider_count))
         return status;
       s->pressure_scale = s->constants.pressure;
       s->found.struct_size = 0;
@@ -282,9 +282,10 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity);
+  s->schedule =
+      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->planned, s->capacity);
   s->constants = pbf_constants_of(&s->params);
-  pbf_status status = place_surfaces(s, time, 1);
+  pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, s->surfaces);
   s->params = params;
   s->schedule = schedule;
@@ -303,6 +304,19 @@ static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *ove
   if (status != PBF_OK) s->overlaps = before;
   if (status == PBF_OK && overlap) s->found = *overlap;
   return status;
+}
+
+/* The arrays are there. */
+static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  const pbf_schedule schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, count,
+                                                s->capacity, s->overlaps);
+  if (!schedule.runs[PBF_STAGE_GRID])
+    if (pbf_status status = add_weight(s)) return status;
+  s->planned = count;
+  s->schedule = schedule;
+  return PBF_OK;
 }
 
 static pbf_status synchronize(pbf_backend_solver *handle) {
@@ -438,4 +452,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     map_pressures,
     PBF_BUILT &PBF_FEATURE_STATS ? project : nullptr,
     PBF_BUILT &PBF_FEATURE_CHEBYSHEV ? set_overlap : nullptr,
+    plan_for,
 };

@@ -53,8 +53,8 @@ struct executor {
       extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
                          has.collide_after_prediction};
-    n = neighborhood_of(s, grid_over(&domain(), s->params.smoothing_radius,
-                                     grid_cell_limit(s->capacity), PBF_FINEST));
+    n = neighborhood_of(
+        s, grid_over(&domain(), s->params.smoothing_radius, grid_cell_limit(s->count), PBF_FINEST));
     pbf_set_target_density(&n.constants, &s->constants, &s->params, s->count, &has, time);
     moved = s->points;
     ghosts = ghosts_between(s, domain());

@@ -30,8 +30,8 @@ struct cell_grid {
   uint32_t count;
 };
 
-/* Most cells for a capacity. */
-static inline uint32_t grid_cell_limit(uint32_t capacity) { return 2 * capacity + 4096; }
+/* Most cells for so many particles. */
+static inline uint32_t grid_cell_limit(uint32_t count) { return 2 * count + 4096; }
 
 /* Cells along a row in h: finer cells mean fewer candidates, and more cells. */
 enum { PBF_FINEST = 4 };

@@ -142,9 +142,8 @@ static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving
   return pbf_cuda_check_launch("wake_near_kernel");
 }
 
-/* Places the colliders for `steps` moments, time_step apart, the first one at `time`, and uploads
- * them in one go. */
-static inline pbf_status place_surfaces(solver *s, double time, uint32_t steps) {
+/* Places the colliders for the ends of `steps` steps, and uploads them in one go. */
+static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, uint32_t steps) {
   uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_surface);
   if (!bytes) return PBF_OK;
   pbf_surface *placed = static_cast<pbf_surface *>(
@@ -154,7 +153,7 @@ static inline pbf_status place_surfaces(solver *s, double time, uint32_t steps) 
     return PBF_ERROR_OUT_OF_MEMORY;
   }
   for (uint32_t k = 0; k < steps; ++k) {
-    const double end = time + k * s->params.time_step;
+    const double end = pbf_time_after(&times, k + 1);
     const pbf_domain domain = pbf_domain_at(&s->params, end);
     for (uint32_t c = 0; c < s->collider_count; ++c)
       placed[k * s->collider_count + c] =
@@ -166,6 +165,11 @@ static inline pbf_status place_surfaces(solver *s, double time, uint32_t steps) 
                      "cudaMemcpyAsync of the colliders");
   s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_surface));
   return status;
+}
+
+/* … and for one moment. */
+static inline pbf_status place_surfaces(solver *s, double time) {
+  return place_surfaces(s, {time, 0, 0}, 1);
 }
 
 #endif

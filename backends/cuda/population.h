@@ -46,7 +46,7 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
   if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))
     return PBF_OK;
   ++s->epoch;
-  if (pbf_status status = place_surfaces(s, time, 1)) return status;
+  if (pbf_status status = place_surfaces(s, time)) return status;
   return wake_near_moving(s, moving_obstacles,
                           {pbf_domain_at(&s->params, time), (int)s->collider_count, s->surfaces});
 }
@@ -139,11 +139,11 @@ static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
   extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count, s->surfaces};
   extras->wall_density = s->schedule.wall_density;
-  return extras->wall_density ? place_surfaces(s, s->time, 1) : PBF_OK;
+  return extras->wall_density ? place_surfaces(s, s->time) : PBF_OK;
 }
 
 static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) {
-  return grid_over(&domain, s->params.smoothing_radius, grid_cell_limit(s->capacity), PBF_FINEST);
+  return grid_over(&domain, s->params.smoothing_radius, grid_cell_limit(s->count), PBF_FINEST);
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {

@@ -28,14 +28,14 @@ struct pressure_grid_arrays {
 };
 
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
-  return sizeof(pressure_grid_control) +
-         pbf_pressure_grid_limit(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
+  return sizeof(pressure_grid_control) + pbf_pressure_grid_limit(pbf_most_planned(capacity)) *
+                                             (10 * sizeof(double) + sizeof(uint32_t));
 }
 
 /* `nodes`: of the grid. */
 static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_t capacity,
                                                            uint32_t nodes) {
-  uint64_t limit = pbf_pressure_grid_limit(capacity);
+  uint64_t limit = pbf_pressure_grid_limit(pbf_most_planned(capacity));
   pressure_grid_arrays a;
   a.control = static_cast<pressure_grid_control *>(memory);
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);

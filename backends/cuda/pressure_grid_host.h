@@ -111,7 +111,7 @@ static inline pbf_pressure_grid pressure_grid_at(const solver *s, pbf_domain dom
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     domain = pbf_domain_within(domain, &surface);
   }
-  return pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_limit(s->capacity));
+  return pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_limit(s->planned));
 }
 
 #endif

@@ -38,7 +38,8 @@ struct solver {
   double time; /* of the last step's end: where walls and colliders stand for statistics */
 
   uint32_t capacity, count;
-  point *points; /* state */
+  uint32_t planned; /* particles that the schedule is for */
+  point *points;    /* state */
   pbf_vec *velocities;
   uint32_t *ids;
   point *other; /* between steps, room for transfers */
@@ -71,6 +72,7 @@ struct solver {
   bool ordered;                      /* the particles are in the order of their ids */
   struct small_upload *small_upload; /* where small scenes are wanted, as all of these */
   struct small_control *small_control;
+  bool small_allowed; /* shared memory */
   uint16_t *owners;
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
@@ -116,7 +118,7 @@ static void with_kernel(int features, Launch launch) {
 
 static inline sort_scratch scratch_of(const solver *s) {
   uint32_t *room = static_cast<uint32_t *>(s->list_room);
-  return {room, room + s->capacity, room + 2 * (size_t)s->capacity};
+  return {room, room + s->count, room + 2 * (size_t)s->count};
 }
 
 static inline unsorted_particles state_of(const solver *s) {

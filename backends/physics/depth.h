@@ -31,17 +31,20 @@
 #define PBF_DEPTH_DEEP 0.015
 #define PBF_DEPTH_WIDTH 2
 
+/* The most particles that a solver with this capacity plans for (lib/solver/plan.c). */
+static inline uint32_t pbf_most_planned(uint32_t capacity) { return capacity + capacity / 3 + 3; }
+
 /* Of a head g H dt², in length². */
 static inline double pbf_depth_error(const pbf_params *params, double head) {
   double d = pbf_derive_spacing(params), iterations = params->iterations;
   return head / (4 * fmax(iterations, 1) * d * d);
 }
 
-/* g H dt² once all particles that there is room for have settled in the domain, or in a container
- * within it, along the axis of the gravity's largest component. */
+/* g H dt² once so many particles have settled in the domain, or in a container within it, along the
+ * axis of the gravity's largest component. */
 static inline double pbf_depth_settled(const pbf_params *params, uint32_t colliders,
-                                       const pbf_collider *list, uint32_t capacity) {
-  double part = capacity, fluid = capacity, height = 0, most = 0;
+                                       const pbf_collider *list, uint32_t count) {
+  double part = count, fluid = count, height = 0, most = 0;
   int axis = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
@@ -56,11 +59,12 @@ static inline double pbf_depth_settled(const pbf_params *params, uint32_t collid
   return most * depth * params->time_step * params->time_step;
 }
 
-/* The cells' width of the grid that a solver has, in units of h; 0: none. */
+/* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
+ * have one where fewer have. */
 static inline double pbf_depth_grid(const pbf_params *params, uint32_t colliders,
-                                    const pbf_collider *list, uint32_t capacity) {
+                                    const pbf_collider *list, uint32_t count) {
   if (params->pressure_grid >= 0) return params->pressure_grid;
-  double error = pbf_depth_error(params, pbf_depth_settled(params, colliders, list, capacity));
+  double error = pbf_depth_error(params, pbf_depth_settled(params, colliders, list, count));
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV && error > PBF_DEPTH_DEEP;
   return deep ? PBF_DEPTH_WIDTH : 0;
 }

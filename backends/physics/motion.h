@@ -4,8 +4,21 @@
 #define PBF_PHYSICS_MOTION_H
 
 #include <math.h>
+#include <stdint.h>
 
 #include <pbf/pbf.h>
+
+/* When steps end: the same number whatever call a step is in. */
+typedef struct pbf_step_times {
+  double time; /* `before` steps before the first */
+  uint64_t before;
+  double time_step;
+} pbf_step_times;
+
+/* The time after `steps` of them. */
+static inline double pbf_time_after(const pbf_step_times *t, uint32_t steps) {
+  return t->time + (double)(t->before + steps) * t->time_step;
+}
 
 static inline double pbf_motion_wall(const pbf_params *params, int wall, double time) {
   const double *bounds = (wall & 1) ? params->domain_max : params->domain_min;

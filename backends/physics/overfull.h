@@ -44,13 +44,13 @@ static inline void pbf_set_target_density(pbf_constants *c, const pbf_constants 
   c->tension_min_density = usual->tension_min_density + (pbf_real)(target - 1);
 }
 
-/* How many of these steps, of which the first ends at `time`, are like it in this. */
+/* How many of these steps are like the first in this. */
 static inline uint32_t pbf_steps_alike(const pbf_params *params, uint32_t count, double min_volume,
-                                       double time, uint32_t steps) {
-  double target = pbf_density_in_volume(params, count, min_volume, time);
+                                       const pbf_step_times *times, uint32_t steps) {
+  double target = pbf_density_in_volume(params, count, min_volume, pbf_time_after(times, 1));
   uint32_t k = 1;
   while (k < steps &&
-         pbf_density_in_volume(params, count, min_volume, time + k * params->time_step) == target)
+         pbf_density_in_volume(params, count, min_volume, pbf_time_after(times, k + 1)) == target)
     ++k;
   return k;
 }

@@ -24,12 +24,16 @@ typedef struct pbf_schedule {
   int accelerated;        /* lambda adds up over the iterations */
   int wall_density;       /* walls and colliders contribute density */
   int checks_convergence; /* the solve ends when its density error is small enough */
+  int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
+/* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
+ * is room for: what more of them would need is in memory from the start, so that adding can't fail.
+ */
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders,
-                                           const pbf_collider *list, uint32_t capacity,
-                                           int overlaps = 0) {
+                                           const pbf_collider *list, uint32_t count,
+                                           uint32_t capacity, int overlaps = 0) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
@@ -45,6 +49,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
 #define PBF_STAGE(ID, name, feature, times, launches) \
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
+  s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
+                    pbf_depth_grid(params, colliders, list, pbf_most_planned(capacity)) > 0;
   return s;
 }
 

@@ -16,6 +16,11 @@ static pbf_status out_of_memory(const solver *s, const char *what) {
   return PBF_ERROR_OUT_OF_MEMORY;
 }
 
+static pbf_schedule schedule_of(const solver *s, const pbf_params *params, uint32_t colliders,
+                                const pbf_collider *list, int overlaps) {
+  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
+}
+
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static void allow_sleep(solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
@@ -36,8 +41,7 @@ static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const p
 static pbf_status set_params(solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule =
-      pbf_schedule_of(params, s->collider_count, s->colliders, s->capacity, s->overlaps);
+  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
@@ -81,7 +85,7 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = pbf_schedule_of(&s->params, count, colliders, s->capacity, s->overlaps);
+  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_moving_obstacles changed =
@@ -97,21 +101,22 @@ static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *c
   return PBF_OK;
 }
 
-static void bounded_step(solver *s, double time) {
+static void bounded_step(solver *s, double begin, double end) {
   const pbf_constants usual = s->constants;
-  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule,
-                         time + s->params.time_step);
-  solver_step(s, time);
+  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
+  solver_step(s, begin, end);
   s->constants = usual;
 }
 
-static pbf_status step(solver *s, double time, uint32_t steps, uint32_t *done) {
-  s->now = time;
+static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, uint32_t *done) {
+  const pbf_step_times times = {time, before, s->params.time_step};
+  s->now = pbf_time_after(&times, 0);
   for (*done = 0; *done < steps; ++*done) {
-    if (s->count) bounded_step(s, time + *done * s->params.time_step);
+    double begin = s->now, end = pbf_time_after(&times, *done + 1);
+    if (s->count) bounded_step(s, begin, end);
     s->found.struct_size = 0;
     s->pressure_scale = s->constants.pressure;
-    s->now = time + (*done + 1) * s->params.time_step;
+    s->now = end;
   }
   return PBF_OK;
 }
@@ -121,10 +126,10 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
   const solver now = *s;
   wake_all(s);
   s->params = pbf_projection_of(&now.params, iterations);
-  s->schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, 0);
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
   s->constants = pbf_constants_of(&s->params);
   s->residual_density = NULL;
-  bounded_step(s, time);
+  bounded_step(s, time, time);
   s->params = now.params;
   s->schedule = now.schedule;
   s->constants = now.constants;
@@ -137,12 +142,19 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
 
 static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
   pbf_schedule schedule =
-      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->capacity, overlap != NULL);
+      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   s->schedule = schedule;
   s->overlaps = overlap != NULL;
   if (overlap) s->found = *overlap;
+  return PBF_OK;
+}
+
+/* The arrays are there. */
+static pbf_status plan_for(solver *s, uint32_t count) {
+  s->planned = count;
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
   return PBF_OK;
 }
 
@@ -191,7 +203,7 @@ static pbf_status remove_all(solver *s) {
 }
 
 static void sort_present(solver *s) {
-  if (s->count) grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->x);
+  if (s->count) grid_build(&s->grid, &s->params, grid_cell_limit(s->count), s->count, s->x);
 }
 
 static void read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
@@ -322,4 +334,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
     .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
+    .plan_for = plan_for,
 };

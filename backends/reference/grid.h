@@ -19,8 +19,8 @@ typedef struct grid {
   uint32_t *list;    /* particles, cell by cell */
 } grid;
 
-/* Largest number of cells for a capacity. */
-static inline uint32_t grid_cell_limit(uint32_t capacity) { return 2 * capacity + 1024; }
+/* Largest number of cells for so many particles. */
+static inline uint32_t grid_cell_limit(uint32_t count) { return 2 * count + 1024; }
 
 /* A box around the particles, and its number of cells, halved along the longest side until they
  * fit. Three cells along an axis are needed to tell the left neighbour from the right one. */

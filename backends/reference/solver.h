@@ -16,6 +16,7 @@ struct pbf_backend_solver {
   pbf_constants constants;
   pbf_schedule schedule;
   uint32_t capacity, count;
+  uint32_t planned;    /* particles that the schedule is for */
   uint32_t iterations; /* of the last step */
   pbf_vec *x, *v;      /* state */
   pbf_vec *predicted;  /* where x* starts */

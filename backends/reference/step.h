@@ -108,7 +108,7 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  pbf_pressure_grid_begin(&s->pressure_grid, &s->params, s->capacity, o);
+  pbf_pressure_grid_begin(&s->pressure_grid, &s->params, s->planned, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,
@@ -286,7 +286,7 @@ namespace {
 /* Stages as loops over all particles. */
 struct executor {
   solver *s;
-  double time;
+  double began, ends;              /* times */
   pbf_obstacles obstacles, before; /* at the end of the step, and at its start */
   int64_t limit;
   bool over;
@@ -295,12 +295,12 @@ struct executor {
 
   bool wake() {
     if (!sleeps(s)) return true;
-    wake_near_moving(s, s->moving_obstacles, time + s->params.time_step);
+    wake_near_moving(s, s->moving_obstacles, ends);
     return sleepers(s) < s->count;
   }
-  void predict() { ::predict(s, time, &obstacles); }
+  void predict() { ::predict(s, began, &obstacles); }
   bool find_neighbors() {
-    grid_build(&s->grid, &s->params, grid_cell_limit(s->capacity), s->count, s->moved);
+    grid_build(&s->grid, &s->params, grid_cell_limit(s->count), s->count, s->moved);
     if (sleeps(s)) find_sleeping_boundary(s);
     if (s->torque) memset(s->torque, 0, s->count * sizeof *s->torque);
     return true;
@@ -348,9 +348,8 @@ struct executor {
 
 }  // namespace
 
-static inline void solver_step(solver *s, double time) {
-  executor e = {s, time, obstacles_at(s, time + s->params.time_step), obstacles_at(s, time),
-                0, false};
+static inline void solver_step(solver *s, double begin, double end) {
+  executor e = {s, begin, end, obstacles_at(s, end), obstacles_at(s, begin), 0, false};
   run_step(e, s->schedule);
 }
 

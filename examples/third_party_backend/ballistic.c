@@ -86,8 +86,9 @@ static pbf_status set_colliders(pbf_backend_solver *s, uint32_t count,
   return PBF_ERROR_UNSUPPORTED;
 }
 
-static pbf_status step(pbf_backend_solver *s, double time, uint32_t steps, uint32_t *done) {
-  (void)time;
+static pbf_status step(pbf_backend_solver *s, double time, uint64_t before, uint32_t steps,
+                       uint32_t *done) {
+  (void)time, (void)before;
   for (*done = 0; *done < steps; ++*done)
     for (uint32_t i = 0; i < s->count; ++i)
       for (int k = 0; k < 3; ++k) {

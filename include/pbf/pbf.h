@@ -228,14 +228,17 @@ typedef struct pbf_params {
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
                        Of particles asleep only those within h of a particle awake count. */
-  double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
-                           the iterations, the pressure of the fluid's weight is found, so far as
-                           it is more than these carry, by about a layer each: 1 … 1000; 0: none.
-                           Linear momentum is then kept only about as well as particles fill the
-                           cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where as many
-                           particles as there is room for would settle so deep, H, in the domain
-                           or in an inverted sphere, capsule or box, that
-                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0. */
+  double
+      pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
+                        the iterations, the pressure of the fluid's weight is found, so far as
+                        it is more than these carry, by about a layer each: 1 … 1000; 0: none.
+                        Linear momentum is then kept only about as well as particles fill the
+                        cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where the
+                        particles would settle so deep, H, in the domain or in an inverted sphere,
+                        capsule or box, that g H dt² > 0.06 iterations spacing² (18 layers of
+                        the defaults), or 0. Decided at the begin of each pbf_step by as many
+                        particles as there are, or as the last step was for, unless a quarter
+                        of these is gone: it would flicker where particles come and go. */
   double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: where the mean of max(rho/rho0 - 1,
                               0) is above this, or the largest above 25 times this, a fluid that
                               has been placed is moved to rest density before its next step,
@@ -464,7 +467,8 @@ typedef struct pbf_timings {
 } pbf_timings;
 
 /* Per-stage times; off at first. Switching on clears them; while on, a device is synchronised
- * after every stage, so the sum is more than an untimed step takes. */
+ * after every stage, so the sum is more than an untimed step takes. Where the plan has one launch
+ * for all stages (small scenes on cuda), its time is that of the first. Changes no bit. */
 PBF_API pbf_status pbf_set_timing(pbf_solver *solver, uint32_t enabled);
 PBF_API pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings);
 

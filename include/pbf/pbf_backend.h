@@ -17,7 +17,7 @@
 extern "C" {
 #endif
 
-#define PBF_BACKEND_ABI_VERSION 2u
+#define PBF_BACKEND_ABI_VERSION 3u
 #define PBF_BACKEND_ENTRY "pbf_backend_negotiate"
 
 /* What the host offers, valid for the life of the process. */
@@ -130,11 +130,12 @@ struct pbf_backend_api {
   pbf_status (*set_colliders)(pbf_backend_solver *solver, uint32_t count,
                               const pbf_collider *colliders, double time);
 
-  /* Runs `steps` steps from `time`; the walls and colliders of step k (from 1) stand where they
-   * are at time + k * time_step. *done counts the steps completed, also on failure. With 0 steps
-   * the backend only notes the time: where walls and colliders stand for densities and statistics.
-   */
-  pbf_status (*step)(pbf_backend_solver *solver, double time, uint32_t steps, uint32_t *done);
+  /* Runs `steps` steps; the walls and colliders of step k (from 1) stand where they are at
+   * time + (before + k) * time_step, computed so, that the bits are those of any other way to
+   * divide steps into calls. *done counts the steps completed, also on failure. With 0 steps the
+   * backend only notes the time: where walls and colliders stand for densities and statistics. */
+  pbf_status (*step)(pbf_backend_solver *solver, double time, uint64_t before, uint32_t steps,
+                     uint32_t *done);
 
   pbf_status (*synchronize)(pbf_backend_solver *solver);
 
@@ -183,6 +184,11 @@ struct pbf_backend_api {
    * step to step (physics/depenetration.h). Null: nothing overlaps any more, as also before
    * `project`. Called before `step`, while params.solver is PBF_SOLVER_CHEBYSHEV. */
   pbf_status (*set_overlap)(pbf_backend_solver *solver, const pbf_overlap *overlap);
+
+  /* Optional: the number of particles by which the backend chooses what runs, and how finely, where
+   * parameters leave it the choice (pressure_grid -1); 0 until it is called. At most a third more
+   * than `capacity`, and 3; the memory for it has been taken before. */
+  pbf_status (*plan_for)(pbf_backend_solver *solver, uint32_t count);
 };
 
 /* What the plugin answers. */

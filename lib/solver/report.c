@@ -8,6 +8,7 @@
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
+#include "plan.h"
 #include "solver_time.h"
 #include "structs.h"
 
@@ -105,6 +106,8 @@ static void end_plan_texts(pbf_plan *plan) {
 static pbf_status get_plan(pbf_solver *solver, pbf_plan *theirs) {
   pbf_plan plan = {.struct_size = sizeof plan};
   pbf_status status = pbf_struct_check_out(&pbf_kind_plan, theirs);
+  if (status != PBF_OK) return status;
+  status = pbf_plan_now(solver);
   if (status != PBF_OK) return status;
   status = solver->api.get_plan(solver->backend, &plan);
   status = pbf_backend_result(solver, status, "get_plan");

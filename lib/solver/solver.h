@@ -42,6 +42,8 @@ struct pbf_solver {
   double collider_time;
 
   uint32_t count;
+  uint32_t planned;       /* particles that the last step's plan was for, see plan.h */
+  uint32_t planned_there; /* the same as the backend knows it */
   uint64_t next_id;
   uint32_t *ids; /* ascending, `capacity` long; null while they are 0 … count - 1 */
 

@@ -7,6 +7,7 @@
 #include "handles.h"
 #include "overlap.h"
 #include "params.h"
+#include "plan.h"
 #include "prestabilize.h"
 #include "solver_time.h"
 
@@ -25,8 +26,9 @@ static uint32_t steps_before_walls_meet(const pbf_solver *solver, uint32_t steps
   return steps;
 }
 
-static pbf_status run_backend(pbf_solver *solver, double time, uint32_t steps, uint32_t *done) {
-  pbf_status status = solver->api.step(solver->backend, time, steps, done);
+static pbf_status run_backend(pbf_solver *solver, double time, uint64_t before, uint32_t steps,
+                              uint32_t *done) {
+  pbf_status status = solver->api.step(solver->backend, time, before, steps, done);
   if (*done > steps || (status == PBF_OK && *done != steps)) {
     uint32_t claimed = *done;
     *done = claimed > steps ? steps : claimed;
@@ -38,16 +40,18 @@ static pbf_status run_backend(pbf_solver *solver, double time, uint32_t steps, u
 
 pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   uint32_t done = 0;
-  return run_backend(solver, time, 0, &done);
+  return run_backend(solver, time, 0, 0, &done);
 }
 
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
-  pbf_status status;
+  pbf_status status = pbf_plan_step(solver);
+  if (status != PBF_OK) return status;
   if (solver->count > 0) {
     status = pbf_prestabilize(solver);
     if (status == PBF_OK) status = pbf_overlap_to_backend(solver, &steps);
-    if (status == PBF_OK) status = run_backend(solver, pbf_solver_time(solver), steps, &done);
+    if (status == PBF_OK)
+      status = run_backend(solver, solver->time_base, solver->steps_since, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {
     status = pbf_time_to_backend(solver, time_after(solver, steps));

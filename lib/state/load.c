@@ -118,6 +118,7 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->placed = in->header.placed;
   solver->overlap = in->header.overlap;
   if (!solver->api.set_overlap) solver->overlap.end = 0;
+  solver->planned = in->header.planned;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

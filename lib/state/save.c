@@ -23,6 +23,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .has_ids = solver->ids != NULL,
       .kept = pbf_kept_by(solver),
       .placed = solver->placed,
+      .planned = solver->planned,
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,

@@ -13,7 +13,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 #define PBF_SNAPSHOT_MAGIC "PBFSTATE"
 
-enum { PBF_SNAPSHOT_VERSION = 5 };
+enum { PBF_SNAPSHOT_VERSION = 6 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
@@ -28,7 +28,7 @@ typedef struct pbf_snapshot_header {
   uint32_t has_ids;
   uint32_t kept; /* a bit for each pbf_kept */
   uint32_t placed;
-  uint32_t reserved;
+  uint32_t planned;
   uint64_t next_id;
   uint64_t step;
   uint64_t steps_since;

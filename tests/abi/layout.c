@@ -231,7 +231,7 @@ AT(pbf_overlap, last_id, 12);
 AT(pbf_overlap, colliders, 16);
 AT(pbf_overlap, part, 24);
 
-SIZE(pbf_backend_api, 192);
+SIZE(pbf_backend_api, 200);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -257,6 +257,7 @@ AT(pbf_backend_api, read_pressures, 160);
 AT(pbf_backend_api, map_pressures, 168);
 AT(pbf_backend_api, project, 176);
 AT(pbf_backend_api, set_overlap, 184);
+AT(pbf_backend_api, plan_for, 192);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

@@ -104,8 +104,9 @@ static pbf_status set_colliders(pbf_backend_solver *s, uint32_t count,
   return status_of_call();
 }
 
-static pbf_status step(pbf_backend_solver *s, double time, uint32_t steps, uint32_t *done) {
-  (void)s, (void)time;
+static pbf_status step(pbf_backend_solver *s, double time, uint64_t before, uint32_t steps,
+                       uint32_t *done) {
+  (void)s, (void)time, (void)before;
   *done = steps;
   lie_u32(done);
   return status_of_call();

@@ -9,8 +9,8 @@ static const struct {
   pbf_status status;
   const char *words;
 } broken[] = {
-    {1, PBF_ERROR_UNSUPPORTED, "it speaks version 1 of the plugin ABI; this library speaks 2 … 2"},
-    {2, PBF_ERROR_UNSUPPORTED, "it speaks version 3"},
+    {1, PBF_ERROR_UNSUPPORTED, "it speaks version 2 of the plugin ABI; this library speaks 3 … 3"},
+    {2, PBF_ERROR_UNSUPPORTED, "it speaks version 4"},
     {3, PBF_ERROR_UNSUPPORTED, "the stub likes no host"},
     {4, PBF_ERROR_PLUGIN, "it gave no reason"},
     {5, PBF_ERROR_PLUGIN, "it gave no table"},
@@ -49,7 +49,7 @@ static void refuse_all(void) {
   }
   uint32_t before = 0, after = 0;
   check_ok(pbf_get_backend_count(&before));
-  check_fails(pbf_load_backend(PBF_STUB_DIR "/broken1.so"), PBF_ERROR_UNSUPPORTED, "version 1");
+  check_fails(pbf_load_backend(PBF_STUB_DIR "/broken1.so"), PBF_ERROR_UNSUPPORTED, "version 2");
   check_ok(pbf_get_backend_count(&after));
   check(before == after); /* the same failure is not listed twice */
 }

@@ -158,7 +158,7 @@ static fluid fluid_with(int features) {
 
 static void advance(fluid *f, uint32_t steps) {
   uint32_t done = 0;
-  assert_int_equal(f->api->step(f->solver, f->time, steps, &done), PBF_OK);
+  assert_int_equal(f->api->step(f->solver, f->time, 0, steps, &done), PBF_OK);
   assert_int_equal(done, steps);
   f->time += steps * params_with(NOTHING).time_step;
 }
@@ -273,7 +273,8 @@ static uint64_t allocated(uint64_t bytes) {
 static uint64_t bytes_of(const fluid *f, int features) {
   const pbf_params params = params_with(features);
   const pbf_collider collider = sphere();
-  const pbf_schedule has = pbf_schedule_of(&params, features & COLLIDERS ? 1 : 0, &collider, COUNT);
+  const pbf_schedule has =
+      pbf_schedule_of(&params, features & COLLIDERS ? 1 : 0, &collider, COUNT, COUNT);
   return wanted_bytes(f->solver, has, params);
 }
 

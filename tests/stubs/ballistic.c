@@ -160,8 +160,9 @@ static void fall(pbf_backend_solver *s) {
   }
 }
 
-static pbf_status step(pbf_backend_solver *s, double time, uint32_t steps, uint32_t *done) {
-  (void)time;
+static pbf_status step(pbf_backend_solver *s, double time, uint64_t before, uint32_t steps,
+                       uint32_t *done) {
+  (void)time, (void)before;
   if (steps == 0) return ordered_failure();
   for (*done = 0; *done < steps; ++*done) {
     pbf_status status = ordered_failure();

@@ -47,8 +47,9 @@ static pbf_status with_colliders(pbf_backend_solver *s, uint32_t n, const pbf_co
                                  double t) {
   return (void)s, (void)n, (void)c, (void)t, PBF_ERROR_DEVICE;
 }
-static pbf_status step(pbf_backend_solver *s, double t, uint32_t n, uint32_t *done) {
-  return (void)s, (void)t, (void)n, (void)done, PBF_ERROR_DEVICE;
+static pbf_status step(pbf_backend_solver *s, double t, uint64_t before, uint32_t n,
+                       uint32_t *done) {
+  return (void)s, (void)t, (void)before, (void)n, (void)done, PBF_ERROR_DEVICE;
 }
 static pbf_status alone(pbf_backend_solver *s) { return (void)s, PBF_ERROR_DEVICE; }
 static pbf_status add(pbf_backend_solver *s, const pbf_particles *p) {

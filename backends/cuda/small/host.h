@@ -9,21 +9,24 @@
 
 /* ---- When it serves -------------------------------------------------------------------------- */
 
-static inline uint32_t small_cells(const solver *s) {
-  return (PBF_DIM == 3 ? 1 : 2) * s->capacity + 1024;
+/* Cells of so many particles. */
+static inline uint32_t small_cells(uint32_t count) { return (PBF_DIM == 3 ? 1 : 2) * count + 1024; }
+
+/* The most particles that it serves on this device, so far as there is room for them. */
+static inline uint32_t small_most(const solver *s) {
+  uint32_t threads = s->multiprocessors * SMALL_THREADS;
+  uint32_t most = threads < SMALL_MAX_PARTICLES ? threads : (uint32_t)SMALL_MAX_PARTICLES;
+  return s->capacity < most ? s->capacity : most;
 }
 
-/* Whether this solver can ever be small: decided once, by what cannot change. */
-static inline bool small_possible(const solver *s) {
-  return sizeof(pbf_real) == sizeof(float) && s->capacity <= SMALL_MAX_PARTICLES &&
-         s->multiprocessors * SMALL_THREADS >= s->capacity;
-}
-
-/* Whether it has the memory for it. */
-static inline bool small_wanted(const solver *s, const pbf_params *params,
-                                const pbf_schedule &has) {
-  return small_possible(s) && has_only(has, SMALL_STAGES) && !has.checks_convergence &&
-         !pbf_may_have_ghosts(params) && params->iterations <= SMALL_ITERATIONS;
+/* Whether the solver has the memory for it: where few particles, or some day fewer than now, have
+ * no other stages. */
+static inline bool small_wanted(const pbf_params *params, const pbf_schedule &now) {
+  pbf_schedule has = now;
+  if (params->pressure_grid < 0) has.runs[PBF_STAGE_GRID] = 0;
+  return sizeof(pbf_real) == sizeof(float) && has_only(has, SMALL_STAGES) &&
+         !has.checks_convergence && !pbf_may_have_ghosts(params) &&
+         params->iterations <= SMALL_ITERATIONS;
 }
 
 static inline double small_reach(const pbf_params *params) { /* in spacings */
@@ -71,7 +74,7 @@ static inline uint32_t small_cells_wanted(const solver *s) {
 /* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
 static inline small_layout small_layout_of(const solver *s) {
   double list_room = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
-  small_layout layout = {(small_cells(s) + 31) / 32, small_cells_wanted(s), 0,
+  small_layout layout = {(small_cells(s->count) + 31) / 32, small_cells_wanted(s), 0,
                          ((uint32_t)list_room + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
   size_t none = layout.bytes();
   layout.slot_room = 2;
@@ -81,11 +84,10 @@ static inline small_layout small_layout_of(const solver *s) {
   return layout;
 }
 
-/* Of what determines the state's bits, only parameters and the particle count enter, and whether
- * times are taken. */
+/* Of what determines the state's bits, only parameters and the particle count enter. */
 static inline bool small_serves(const solver *s) {
-  return s->small_upload && !s->clock.begin && s->count > 0 &&
-         small_list_wanted(s) <= SMALL_MAX_LISTED &&
+  return s->small_upload && !s->schedule.runs[PBF_STAGE_GRID] && s->count > 0 &&
+         s->count <= small_most(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
          small_layout_of(s).slot_room >= 1.75 * small_slots_expected(s);
 }
 
@@ -96,8 +98,8 @@ struct small_parts {
   uint64_t lambdas, cell_count, cell_list, bytes;
 };
 static inline small_parts small_parts_of(const solver *s) {
-  uint64_t n = ((uint64_t)s->capacity + 31) / 32 * 32,
-           cells = ((uint64_t)small_cells(s) + 3) / 4 * 4;
+  uint64_t n = ((uint64_t)small_most(s) + 31) / 32 * 32,
+           cells = ((uint64_t)small_cells(small_most(s)) + 3) / 4 * 4;
   small_parts at;
   at.lambdas = n * sizeof(ulonglong2);
   at.cell_count = at.lambdas + n * sizeof(unsigned long long);
@@ -118,7 +120,7 @@ static inline pbf_status take_for_small(solver *s, bool wanted) {
           take_if(s, wanted, "small: control", sizeof(small_control), &s->small_control))
     return status;
   if (!wanted) s->owned = 0;
-  return take_if(s, wanted, "small: owners", s->capacity * sizeof(uint16_t), &s->owners);
+  return take_if(s, wanted, "small: owners", small_most(s) * sizeof(uint16_t), &s->owners);
 }
 
 static inline small_room small_room_of(const solver *s) {
@@ -138,8 +140,8 @@ static inline general_room general_room_of(const solver *s) {
   small_parts at = small_parts_of(s);
   uint32_t *spare = reinterpret_cast<uint32_t *>(small_part(s, at.lambdas));
   general_room room = {};
-  room.sorted = {s->other, s->other_velocities, s->other_ids, spare + s->capacity, s->cell_start,
-                 s->count};
+  room.sorted = {s->other,         s->other_velocities, s->other_ids,
+                 spare + s->count, s->cell_start,       s->count};
   room.moved[0] = reinterpret_cast<point *>(s->list_room);
   room.moved[1] = reinterpret_cast<point *>(small_part(s, at.cell_list));
   room.numbers = spare;
@@ -162,16 +164,16 @@ static inline pbf_status small_order(solver *s) {
   return pbf_cuda_check_launch("order_kernel");
 }
 
-static inline pbf_status small_upload_table(solver *s, double time, uint32_t steps) {
+static inline pbf_status small_upload_table(solver *s, const pbf_step_times &times,
+                                            uint32_t steps) {
   small_upload upload;
   pbf_constants c = s->constants;
   memset(static_cast<void *>(&upload), 0, sizeof upload);
-  const double dt = s->params.time_step;
   for (uint32_t k = 0; k < steps; ++k) {
-    upload.steps[k].domain = pbf_domain_at(&s->params, time + k * dt);
+    upload.steps[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1));
     upload.steps[k].grid =
-        grid_over(&upload.steps[k].domain, s->params.smoothing_radius, small_cells(s), 1);
-    upload.steps[k].rounding = pbf_rounding_of(time + (k - 1.0) * dt, dt);
+        grid_over(&upload.steps[k].domain, s->params.smoothing_radius, small_cells(s->count), 1);
+    upload.steps[k].rounding = pbf_rounding_of(pbf_time_after(&times, k), s->params.time_step);
   }
   for (uint32_t k = 0; k < s->params.iterations; ++k) {
     pbf_set_iteration(&c, k);
@@ -191,7 +193,7 @@ static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t st
     return PBF_OK;
   }
   pbf_domain domain = pbf_domain_at(&s->params, time);
-  uint32_t bits = owner_bits(s->capacity), keys = 1u << (bits * PBF_DIM);
+  uint32_t bits = owner_bits(s->count), keys = 1u << (bits * PBF_DIM);
   owner_grid grid = owner_grid_over(&domain, s->params.smoothing_radius, bits);
   uint32_t *starts = reinterpret_cast<uint32_t *>(small_part(s, small_parts_of(s).cell_count));
   if (pbf_status status = pbf_cuda_check(
@@ -216,7 +218,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.owners = s->owners;
   scene.count = s->count;
   scene.own = small_own(s);
-  scene.cells = small_cells(s);
+  scene.cells = small_cells(s->count);
   scene.steps = steps;
   scene.iterations = s->params.iterations;
   scene.lanes = small_lanes(s);
@@ -258,10 +260,12 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
   return status;
 }
 
-/* Lets small_kernel have the shared memory that its lists take. */
+/* Lets small_kernel have the shared memory that its lists take: before it is first launched, for
+ * what it costs. */
 template <class Real>
-static pbf_status small_allow_shared(const solver *s) {
+static pbf_status small_allow_shared(solver *s) {
   pbf_status status = PBF_OK;
+  if (s->small_allowed) return status;
   if constexpr (sizeof(Real) == sizeof(float)) {
     for (int k = 0; k < PBF_FEATURE_COUNT && status == PBF_OK; ++k)
       with_features(k, [&](auto features) {
@@ -276,20 +280,26 @@ static pbf_status small_allow_shared(const solver *s) {
                 "cudaFuncSetAttribute");
       });
   }
+  s->small_allowed = status == PBF_OK;
   return status;
 }
 
-/* The steps that end at `time`, `time` + time_step, …; at most SMALL_STEPS of them, all alike. */
-static inline pbf_status small_steps(solver *s, double time, uint32_t steps) {
+/* So many steps, at most SMALL_STEPS, all alike. What they take counts to the first stage, with
+ * which the plan has their launch. */
+static inline pbf_status small_steps(solver *s, const pbf_step_times &times, uint32_t steps) {
+  const double time = pbf_time_after(&times, 1);
+  if (pbf_status status = small_allow_shared<pbf_real>(s)) return status;
+  if (pbf_status status = clock_begin(&s->clock, s->stream)) return status;
   if (pbf_status status = small_order(s)) return status;
   if (pbf_status status = small_own_neighbors(s, time, steps)) return status;
-  if (pbf_status status = small_upload_table(s, time, steps)) return status;
+  if (pbf_status status = small_upload_table(s, times, steps)) return status;
   if (pbf_status status =
           pbf_cuda_check(cudaMemsetAsync(s->small_control, 0, sizeof(small_control), s->stream),
                          "cudaMemsetAsync"))
     return status;
   if (pbf_status status = small_launch<pbf_real>(s, small_scene_of(s, time, steps))) return status;
-  s->time = time + (steps - 1) * s->params.time_step;
+  if (pbf_status status = clock_end(&s->clock, s->stream, PBF_STAGE_PREDICT)) return status;
+  s->time = pbf_time_after(&times, steps);
   return PBF_OK;
 }
 

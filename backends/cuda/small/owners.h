@@ -15,8 +15,8 @@ struct owner_grid {
 };
 
 /* No more than the cells of the search, for whose scan there is room. */
-static inline uint32_t owner_bits(uint32_t capacity) {
-  bool many = capacity >= 1 << 14;
+static inline uint32_t owner_bits(uint32_t count) {
+  bool many = count >= 1 << 14;
   return PBF_DIM == 3 ? (many ? 5 : 4) : (many ? 7 : 6);
 }
 

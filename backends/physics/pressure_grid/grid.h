@@ -62,9 +62,10 @@ typedef struct pbf_pressure_grid {
   uint32_t nodes;               /* and cells: indices */
 } pbf_pressure_grid;
 
-/* Indices that there is room for, with those behind the last node that its cells' corners have. */
-static inline uint64_t pbf_pressure_grid_limit(uint32_t capacity) {
-  return 4096 + (uint64_t)capacity / (PBF_DIM == 3 ? 8 : 2);
+/* Indices that a grid of so many particles takes at most, with those behind the last node that its
+ * cells' corners have. */
+static inline uint64_t pbf_pressure_grid_limit(uint32_t count) {
+  return 4096 + (uint64_t)count / (PBF_DIM == 3 ? 8 : 2);
 }
 
 static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, double width) {
