@@ -310,8 +310,8 @@ static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *ove
 static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
-  const pbf_schedule schedule = pbf_schedule_of(&s->params, s->collider_count, s->colliders, count,
-                                                s->capacity, s->overlaps);
+  const pbf_schedule schedule =
+      pbf_schedule_of(&s->params, s->collider_count, s->colliders, count, s->capacity, s->overlaps);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;

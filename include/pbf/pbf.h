@@ -243,13 +243,13 @@ typedef struct pbf_params {
                               0) is above this, or the largest above 25 times this, a fluid that
                               has been placed is moved to rest density before its next step,
                               velocities and time kept (Macklin et al. 2014, section 4.4); a step
-                              would throw it apart. Placed is what pbf_add_particles and
-                              pbf_set_positions have brought since the last step, if it is this / 2
-                              of all particles or more, or half: fewer don't raise the mean so far.
-                              Another smoothing_radius, spacing, particle_volume, kernel or
-                              wall_density places all; so does a wall that is set more than h/2
-                              farther in, and moves back particles that it has passed. 0: never;
-                              0.02, the default */
+                              would throw it apart. Placed is a fluid of which no step has moved a
+                              particle, or all of whose positions have been set at once, unless as
+                              one, as with the world's origin; what is added to others moves by its
+                              velocities alone. Another smoothing_radius, spacing, particle_volume,
+                              kernel or wall_density places all; so does a wall that is set more
+                              than h/2 farther into the fluid, and moves back particles that it has
+                              passed. 0: never; 0.02, the default */
   double damping_compensation; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of what
                        a step takes from the fluid's motion by pushing along directions at its end
                        is given back. Solid rotation loses rate² * time_step of its angular momentum

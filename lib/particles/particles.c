@@ -5,6 +5,7 @@
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "shift.h"
 #include "solver/prestabilize.h"
 #include "values.h"
 
@@ -46,11 +47,25 @@ static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *nam
   if (status != PBF_OK) return status;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
   status = solver->api.write(solver->backend, field, &rows, in);
-  if (status == PBF_OK) {
-    ++solver->generation;
-    if (field == PBF_FIELD_POSITION) pbf_note_placed(solver, count);
-  }
+  if (status == PBF_OK) ++solver->generation;
   return pbf_backend_result(solver, status, "write");
+}
+
+/* Those of all at once may be a shift of the world's origin, or another start. */
+static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t count,
+                                  const void *in) {
+  int matters = count == solver->count && count > 0 && in && pbf_setting_matters(solver);
+  int is_shift = 0;
+  double shift[3];
+  pbf_status status = matters ? pbf_shift_to(solver, in, &is_shift, shift) : PBF_OK;
+  if (status == PBF_OK)
+    status = write_rows(solver, PBF_FIELD_POSITION, "positions", first, count, in);
+  if (status != PBF_OK || !matters) return status;
+  if (is_shift)
+    pbf_note_shift(solver, shift);
+  else
+    pbf_note_set_anew(solver);
+  return PBF_OK;
 }
 
 pbf_status pbf_check_pressures(const pbf_solver *solver) {
@@ -78,13 +93,6 @@ static pbf_status get_rows(pbf_solver *solver, uint32_t field, const char *name,
   return pbf_leave(solver, status);
 }
 
-static pbf_status set_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
-                           uint32_t count, const void *in) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver, write_rows(solver, field, name, first, count, in));
-}
-
 pbf_status pbf_get_positions(pbf_solver *solver, uint32_t first, uint32_t count, void *positions) {
   return get_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions);
 }
@@ -104,12 +112,17 @@ pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count,
 
 pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,
                              const void *positions) {
-  return set_rows(solver, PBF_FIELD_POSITION, "positions", first, count, positions);
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, write_positions(solver, first, count, positions));
 }
 
 pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
                               const void *velocities) {
-  return set_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities);
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  status = write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities);
+  return pbf_leave(solver, status);
 }
 
 static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {

@@ -9,7 +9,6 @@
 #include "solver/handles.h"
 #include "solver/ids.h"
 #include "solver/overlap.h"
-#include "solver/prestabilize.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;
@@ -79,7 +78,6 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   solver->count += count;
   pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
                              (uint32_t)(solver->next_id + count - 1));
-  if (!solver->overlap.moved) pbf_note_placed(solver, count);
   solver->next_id += count;
   ++solver->generation;
   return PBF_OK;

@@ -11,6 +11,7 @@
 #include "memory.h"
 #include "overlap.h"
 #include "physics/motion.h"
+#include "prestabilize.h"
 #include "solver_time.h"
 #include "structs.h"
 
@@ -60,16 +61,15 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
   solver->collider_time = time;
 }
 
-/* How far the surface of a collider goes at most from one pose to another. */
-static double way_between(const pbf_collider *a, const pbf_collider *b) {
-  double way2 = 0, dot = 0;
-  for (int k = 0; k < 3; ++k) way2 += pow(b->position[k] - a->position[k], 2);
+/* How far the surface of a collider goes at most as it turns from one pose to another. */
+static double turn_between(const pbf_collider *a, const pbf_collider *b) {
+  double dot = 0;
   for (int k = 0; k < 4; ++k) dot += a->orientation[k] * b->orientation[k];
   double size = a->shape == PBF_COLLIDER_BOX
                     ? sqrt(pow(a->half_extents[0], 2) + pow(a->half_extents[1], 2) +
                            pow(a->half_extents[2], 2))
                     : a->radius + a->half_length;
-  return sqrt(way2) + 2 * acos(fmin(fabs(dot), 1)) * size;
+  return 2 * acos(fmin(fabs(dot), 1)) * size;
 }
 
 static int same_shape(const pbf_collider *a, const pbf_collider *b) {
@@ -78,21 +78,32 @@ static int same_shape(const pbf_collider *a, const pbf_collider *b) {
          memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
 }
 
-/* Those that are where they have not moved to, a bit each. */
-static uint64_t jumped(const pbf_solver *solver, uint32_t count, const pbf_collider *next) {
-  uint64_t bits = 0;
+static double distance_of(const double a[3], const double b[3]) {
+  return sqrt(pow(b[0] - a[0], 2) + pow(b[1] - a[1], 2) + pow(b[2] - a[2], 2));
+}
+
+/* Notes those that are where they have not moved to. Where they have been shifted alike, the
+ * world's origin may have been. */
+static void note_jumps(pbf_solver *solver, uint32_t count, const pbf_collider *next) {
+  const double h = solver->params.smoothing_radius, nowhere[3] = {0, 0, 0};
+  uint64_t placed = 0, shifted = 0;
+  double shift[3] = {0, 0, 0};
   for (uint32_t k = 0; k < count; ++k) {
-    pbf_collider now;
-    if (k < solver->collider_count) {
+    pbf_collider now = next[k];
+    double turn = INFINITY, way[3];
+    if (k < solver->collider_count)
       pbf_motion_collider(&solver->colliders[k], pbf_solver_time(solver) - solver->collider_time,
                           &now);
-      if (same_shape(&now, &next[k]) &&
-          way_between(&now, &next[k]) < solver->params.smoothing_radius)
-        continue;
-    }
-    bits |= UINT64_C(1) << k;
+    if (k < solver->collider_count && same_shape(&now, &next[k]))
+      turn = turn_between(&now, &next[k]);
+    for (int a = 0; a < 3; ++a) way[a] = next[k].position[a] - now.position[a];
+    if (turn + distance_of(nowhere, way) < h) continue;
+    if (!shifted) memcpy(shift, way, sizeof shift);
+    uint64_t *bits = turn + distance_of(shift, way) < h ? &shifted : &placed;
+    *bits |= UINT64_C(1) << k;
   }
-  return bits;
+  pbf_overlap_note_colliders(solver, placed);
+  pbf_note_collider_shift(solver, shifted, shift);
 }
 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
@@ -104,7 +115,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
                                  &memory);
   if (status != PBF_OK) return status;
   status = copy_in(solver, count, theirs, memory);
-  if (status == PBF_OK) pbf_overlap_note_colliders(solver, jumped(solver, count, memory));
+  if (status == PBF_OK) note_jumps(solver, count, memory);
   if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
     pbf_colliders_replace(solver, count, memory, now);

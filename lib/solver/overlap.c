@@ -4,7 +4,6 @@
 
 #include "backend_call.h"
 #include "physics/depenetration.h"
-#include "physics/prestabilization.h"
 #include "solver_time.h"
 
 /* Before the first step nothing has moved: pre-stabilization sees to what is placed then. */
@@ -36,10 +35,11 @@ static double part_of_longer_step(const pbf_params *before, const pbf_params *af
 void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params) {
   if (!solver->overlap.moved) return;
   double part = part_of_longer_step(&solver->params, params);
-  int walls =
-      pbf_walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver));
   if (part > 0) noted(solver)->part = fmax(noted(solver)->part, part);
-  if (walls) noted(solver)->walls = 1;
+}
+
+void pbf_overlap_note_walls(pbf_solver *solver) {
+  if (solver->overlap.moved) noted(solver)->walls = 1;
 }
 
 /* When what is left is nothing, however much it was: a thousand times rest density falls to 1 in

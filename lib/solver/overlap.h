@@ -11,6 +11,9 @@ void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t 
 /* These colliders, a bit each, are where nothing has moved them. */
 void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders);
 
+/* Walls have jumped into the fluid. */
+void pbf_overlap_note_walls(pbf_solver *solver);
+
 /* The parameters change to these. */
 void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params);
 

@@ -6,6 +6,7 @@
 #include "backend_call.h"
 #include "error.h"
 #include "overlap.h"
+#include "physics/motion.h"
 #include "physics/prestabilization.h"
 #include "solver_time.h"
 
@@ -26,10 +27,6 @@ static const double remaining_part = 0.25;
 /* With more neighbours the passes would take minutes; no fluid is meant to be so dense. */
 static const double max_neighbors_mean = 1000;
 
-/* In solver->placed: walls have jumped over particles. Whatever their density is, they are moved
- * back by a projection, without the velocity that a step would give them. */
-static const uint32_t walls_have_jumped = UINT32_MAX;
-
 static pbf_status measure(pbf_solver *solver, pbf_stats *stats, double *error) {
   *stats = (pbf_stats){.struct_size = sizeof *stats};
   pbf_status status =
@@ -48,13 +45,13 @@ static void warn(const pbf_solver *solver, double error) {
   solver->log(solver->log_user, PBF_LOG_WARNING, text);
 }
 
-static pbf_status project(pbf_solver *solver) {
+/* `at_least` passes, whatever the error. */
+static pbf_status project(pbf_solver *solver, int at_least) {
   double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
   pbf_stats stats;
   for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
     pbf_status status = measure(solver, &stats, &error);
-    int is_due = pass == 0 && solver->placed == walls_have_jumped;
-    if (status != PBF_OK || (error <= max_error && !is_due)) return status;
+    if (status != PBF_OK || (error <= max_error && pass >= at_least)) return status;
     int improves = error < (1 - min_gain) * best;
     stalled = improves ? 0 : stalled + 1;
     if (improves) best = error;
@@ -69,25 +66,73 @@ static pbf_status project(pbf_solver *solver) {
   return PBF_OK;
 }
 
-void pbf_note_placed(pbf_solver *solver, uint32_t count) {
-  if (solver->placed == walls_have_jumped) return;
-  uint32_t left = walls_have_jumped - 1 - solver->placed;
-  solver->placed += count < left ? count : left;
+static int is_wanted(const pbf_solver *solver) {
+  const pbf_params *params = &solver->params;
+  return params->prestabilization > 0 && params->solver == PBF_SOLVER_CHEBYSHEV &&
+         solver->api.project;
+}
+
+static int is_first(const pbf_solver *solver) { return !solver->overlap.moved; }
+
+/* Whether a wall has been set farther in than a moving one goes in a step, and so over particles
+ * that have not been shifted with it. Whatever their density is, those are moved back by a
+ * projection, without the velocity that a step would give them. */
+static int walls_have_jumped(const pbf_solver *solver) {
+  const double most = 0.5 * solver->params.smoothing_radius;
+  const pbf_placement *placed = &solver->placement;
+  int jumped = 0;
+  for (uint32_t wall = 0; wall < 2 * solver->kind.dimension; ++wall) {
+    double inwards = wall % 2 ? -1 : 1, shift = placed->wall_shift[wall];
+    jumped |= inwards * shift > most && inwards * (shift - placed->shift[wall / 2]) > most;
+  }
+  return jumped;
+}
+
+/* What has not been shifted with the particles lies in their places now. */
+static void note_jumps(pbf_solver *solver, int walls) {
+  const pbf_placement *placed = &solver->placement;
+  double way2 = 0, h = solver->params.smoothing_radius;
+  for (int k = 0; k < 3; ++k) way2 += pow(placed->collider_shift[k] - placed->shift[k], 2);
+  if (way2 >= h * h) pbf_overlap_note_colliders(solver, placed->colliders);
+  if (walls) pbf_overlap_note_walls(solver);
 }
 
 pbf_status pbf_prestabilize(pbf_solver *solver) {
-  if (solver->placed == 0) return PBF_OK;
-  const pbf_params *params = &solver->params;
-  int wanted = params->prestabilization > 0 && params->solver == PBF_SOLVER_CHEBYSHEV &&
-               solver->api.project && pbf_placed_can_matter(params, solver->placed, solver->count);
+  int jumped = walls_have_jumped(solver);
+  int wanted = is_wanted(solver) && (jumped || solver->placement.set_anew || is_first(solver));
+  note_jumps(solver, jumped);
   pbf_status status = wanted ? pbf_overlap_forget(solver) : PBF_OK;
-  if (status == PBF_OK && wanted) status = project(solver);
-  if (status == PBF_OK) solver->placed = 0;
+  if (status == PBF_OK && wanted) status = project(solver, jumped);
+  if (status == PBF_OK) solver->placement = (pbf_placement){0};
   return status;
 }
 
+int pbf_setting_matters(const pbf_solver *solver) {
+  return solver->params.solver == PBF_SOLVER_CHEBYSHEV && !is_first(solver) &&
+         !solver->placement.set_anew;
+}
+
+void pbf_note_shift(pbf_solver *solver, const double shift[3]) {
+  for (int k = 0; k < 3; ++k) solver->placement.shift[k] += shift[k];
+}
+
+void pbf_note_collider_shift(pbf_solver *solver, uint64_t colliders, const double shift[3]) {
+  pbf_placement *placed = &solver->placement;
+  if (!colliders) return;
+  if (placed->colliders && placed->colliders != colliders) {
+    pbf_overlap_note_colliders(solver, placed->colliders);
+    for (int k = 0; k < 3; ++k) placed->collider_shift[k] = 0;
+  }
+  placed->colliders = colliders;
+  for (int k = 0; k < 3; ++k) placed->collider_shift[k] += shift[k];
+}
+
+void pbf_note_set_anew(pbf_solver *solver) { solver->placement.set_anew = 1; }
+
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
-  if (pbf_densities_change(&solver->params, params)) pbf_note_placed(solver, solver->count);
-  if (pbf_walls_jump(&solver->params, params, solver->kind.dimension, pbf_solver_time(solver)))
-    solver->placed = walls_have_jumped;
+  double now = pbf_solver_time(solver);
+  solver->placement.set_anew |= (uint64_t)pbf_densities_change(&solver->params, params);
+  for (int wall = 0; wall < 2 * (int)solver->kind.dimension; ++wall)
+    solver->placement.wall_shift[wall] +=
+        pbf_motion_wall(params, wall, now) - pbf_motion_wall(&solver->params, wall, now);
 }

@@ -1,18 +1,25 @@
-/* Pre-stabilization: particles that were placed too densely are moved apart before the next step.
- */
+/* Pre-stabilization: particles that were placed too densely are moved apart before their first
+ * step. Outside of a placement the way of a particle is the sum of its velocities, so what comes to
+ * a fluid that has been stepped is no placement, nor is a shift of the world's origin. */
 #ifndef PBF_LIB_SOLVER_PRESTABILIZE_H
 #define PBF_LIB_SOLVER_PRESTABILIZE_H
 
 #include "solver.h"
 
-/* `count` particles are now where no step has moved them. */
-void pbf_note_placed(pbf_solver *solver, uint32_t count);
+/* Whether it matters how all positions at once are set now. */
+int pbf_setting_matters(const pbf_solver *solver);
+
+/* They have been: all farther by the same, or to other places. */
+void pbf_note_shift(pbf_solver *solver, const double shift[3]);
+void pbf_note_set_anew(pbf_solver *solver);
+
+/* These colliders, a bit each, have been set elsewhere, all farther by the same. */
+void pbf_note_collider_shift(pbf_solver *solver, uint64_t colliders, const double shift[3]);
 
 /* The parameters change to these: densities may change with them, or walls jump over particles. */
 void pbf_note_params(pbf_solver *solver, const pbf_params *params);
 
-/* Acts only where enough particles have been placed since the last step, and
- * params.prestabilization asks for it. */
+/* Before steps. Acts only on a placement, and where params.prestabilization asks for it. */
 pbf_status pbf_prestabilize(pbf_solver *solver);
 
 #endif

@@ -15,6 +15,15 @@ typedef struct pbf_overlap_state {
   uint32_t reserved; /* 0 */
 } pbf_overlap_state;
 
+/* How places have been set since the last step: prestabilize.h. */
+typedef struct pbf_placement {
+  uint64_t set_anew;        /* 1: all places, or what density they have, are other ones */
+  uint64_t colliders;       /* that have jumped, a bit each, … */
+  double collider_shift[3]; /* … all alike */
+  double shift[3];          /* of all particles alike */
+  double wall_shift[6];     /* of each wall */
+} pbf_placement;
+
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
@@ -52,7 +61,7 @@ struct pbf_solver {
   uint64_t steps_since;
   double time_base;
 
-  uint32_t placed; /* particles placed since the last step, see pbf_note_placed */
+  pbf_placement placement; /* since the last step */
 
   pbf_overlap_state overlap;
 

@@ -115,9 +115,9 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->step = in->header.step;
   solver->steps_since = in->header.steps_since;
   solver->time_base = in->header.time_base;
-  solver->placed = in->header.placed;
   solver->overlap = in->header.overlap;
   if (!solver->api.set_overlap) solver->overlap.end = 0;
+  solver->placement = in->header.placement;
   solver->planned = in->header.planned;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);

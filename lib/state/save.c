@@ -22,7 +22,6 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .count = solver->count,
       .has_ids = solver->ids != NULL,
       .kept = pbf_kept_by(solver),
-      .placed = solver->placed,
       .planned = solver->planned,
       .next_id = solver->next_id,
       .step = solver->step,
@@ -30,6 +29,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .time_base = solver->time_base,
       .collider_time = solver->collider_time,
       .overlap = solver->overlap,
+      .placement = solver->placement,
   };
   header.size = pbf_snapshot_layout_of(&header).size;
   return header;

@@ -24,6 +24,14 @@ static pbf_status reject_by_check(pbf_status status) {
   return pbf_fail(PBF_ERROR_DATA, "the saved state holds a bad value: %.1500s", pbf_last_error());
 }
 
+/* No number among them is none. */
+static int is_finite(const pbf_placement *placement) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += fabs(placement->shift[k]) + fabs(placement->collider_shift[k]);
+  for (int wall = 0; wall < 6; ++wall) sum += fabs(placement->wall_shift[wall]);
+  return isfinite(sum);
+}
+
 static pbf_status check_kind(const pbf_solver *solver, const pbf_snapshot_header *header) {
   if (header->dimension == solver->kind.dimension && header->precision == solver->kind.precision)
     return PBF_OK;
@@ -40,8 +48,8 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->kept >> PBF_KEPT_COUNT || header->count > PBF_MAX_CAPACITY ||
-      pbf_snapshot_layout_of(header).size != size)
+      header->kept >> PBF_KEPT_COUNT || header->reserved != 0 || header->placement.set_anew > 1 ||
+      header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
   if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
@@ -95,7 +103,8 @@ static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
     return reject("contradicts itself in what sleeps");
   if (!is_overlap_sound(&in->header)) return reject("contradicts itself in what overlaps");
   in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
-  if (!isfinite(in->time) || !isfinite(in->header.collider_time))
+  if (!isfinite(in->time) || !isfinite(in->header.collider_time) ||
+      !is_finite(&in->header.placement))
     return reject("has a time that is not finite");
   return pbf_params_check(&in->params, solver->kind, in->time);
 }

@@ -27,14 +27,15 @@ typedef struct pbf_snapshot_header {
   uint32_t count;
   uint32_t has_ids;
   uint32_t kept; /* a bit for each pbf_kept */
-  uint32_t placed;
   uint32_t planned;
+  uint32_t reserved;
   uint64_t next_id;
   uint64_t step;
   uint64_t steps_since;
   double time_base;
   double collider_time;
   pbf_overlap_state overlap;
+  pbf_placement placement;
   uint64_t size; /* of everything */
 } pbf_snapshot_header;
 

@@ -291,6 +291,181 @@ static void newcomers_are_calm(void **state) {
   test_for_long_kinds(check_newcomers);
 }
 
+/* The largest way of a particle in a step that is not its velocity times the step, in spacings. */
+static double way_without_velocity(pbf_solver *s, uint32_t dimension, uint32_t precision,
+                                   double time_step) {
+  uint32_t count;
+  double most = 0;
+  assert_ok(pbf_get_count(s, &count));
+  uint64_t values = (uint64_t)count * dimension;
+  void *x = calloc(values, precision), *y = calloc(values, precision),
+       *v = calloc(values, precision);
+  assert_true(x && y && v);
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_positions(s, 0, count, y));
+  assert_ok(pbf_get_velocities(s, 0, count, v));
+  for (uint64_t i = 0; i < values; ++i) {
+    double way = test_value(y, i, precision) - test_value(x, i, precision);
+    most = fmax(most, fabs(way - test_value(v, i, precision) * time_step));
+  }
+  free(x);
+  free(y);
+  free(v);
+  return most / spacing;
+}
+
+/* A tank that runs, and into it a quarter of its particles where others are, at once or one by one:
+ * what moves does so by its velocity. */
+static void check_velocities_of_newcomers(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *start = lattice(dimension, precision), *x = anywhere(dimension, precision, &params, 1);
+  for (uint32_t at_once = 1; at_once < count_in(dimension); at_once *= count_in(dimension) / 4) {
+    pbf_solver *s = solver_with(dimension, precision, &params, start, NULL);
+    assert_ok(pbf_step(s, 20));
+    for (uint32_t i = 0; i < count_in(dimension) / 4; i += at_once) {
+      const char *from = (const char *)x + (size_t)i * dimension * precision;
+      assert_ok(pbf_add_particles(s, at_once, from, NULL, NULL));
+    }
+    double hidden = way_without_velocity(s, dimension, precision, params.time_step);
+    if (!(hidden < 1e-4)) fail_msg("%uD: %g spacings without a velocity", dimension, hidden);
+    pbf_destroy(s);
+  }
+  free(start);
+  free(x);
+}
+
+static void newcomers_move_by_their_velocities(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_velocities_of_newcomers);
+}
+
+/* What comes to nobody is a start, though others were there before. */
+static void check_refilled(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  void *x = anywhere(dimension, precision, &params, 1.5);
+  uint32_t count = count_in(dimension), *ids = calloc(count, sizeof *ids);
+  assert_non_null(ids);
+  pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+  assert_ok(pbf_step(s, 2));
+  for (uint32_t i = 0; i < count; ++i) ids[i] = i;
+  assert_ok(pbf_remove_particles(s, count, ids));
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  expect_calm("a tank that is filled again", dimension, s);
+  free(ids);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void what_is_filled_again_is_a_start(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_refilled);
+}
+
+/* Domain, particles and a collider are shifted by whole lengths, which rounds nothing. Physics does
+ * not know where the origin is: all move on as without, to rounding, and so they do when a state is
+ * saved half-way, or some particles change their places meanwhile. */
+static void shift_world(pbf_solver **s, uint32_t dimension, uint32_t precision, double by,
+                        int saves) {
+  pbf_collider ball = {.struct_size = sizeof ball};
+  pbf_params params = {.struct_size = sizeof params};
+  uint64_t values = (uint64_t)count_in(dimension) * dimension, size;
+  void *x = calloc(values, precision);
+  assert_non_null(x);
+  assert_ok(pbf_get_params(*s, &params));
+  params.domain_min[0] += by;
+  params.domain_max[0] += by;
+  assert_ok(pbf_get_positions(*s, 0, count_in(dimension), x));
+  for (uint64_t i = 0; i < values; i += dimension)
+    test_put(x, i, precision, test_value(x, i, precision) + by);
+  assert_ok(pbf_set_params(*s, &params));
+  assert_ok(pbf_get_collider(*s, 0, &ball));
+  ball.position[0] += by;
+  assert_ok(pbf_set_colliders(*s, 1, &ball));
+  if (saves) {
+    void *saved = test_save(*s, &size);
+    pbf_destroy(*s);
+    *s = test_solver(dimension, precision, 2 * count_in(dimension));
+    assert_ok(pbf_load(*s, saved, size));
+    free(saved);
+  }
+  assert_ok(pbf_set_positions(*s, 0, count_in(dimension), x));
+  free(x);
+}
+
+static void check_origin(uint32_t dimension, uint32_t precision) {
+  const double by = 2, rounding = precision == PBF_FLOAT32 ? 1e-3 : 1e-9;
+  pbf_params params = box_params(dimension);
+  pbf_collider ball;
+  params.domain_max[0] *= 2; /* the dam breaks, around a ball */
+  params.time_step = 1.0 / 120;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 3 * spacing;
+  ball.velocity[1] = 0.1;
+  for (uint32_t k = 0; k < dimension; ++k) ball.position[k] = 3 * spacing;
+  uint32_t count = count_in(dimension);
+  void *x = lattice(dimension, precision), *y = calloc((size_t)count * dimension, precision);
+  assert_non_null(y);
+  for (int saves = 0; saves < 2; ++saves) {
+    params.prestabilization = saves ? 0.02 : 0;
+    pbf_solver *stays = solver_with(dimension, precision, &params, x, NULL);
+    pbf_solver *shifted = solver_with(dimension, precision, &params, x, NULL);
+    for (int k = 0; k < 2; ++k) assert_ok(pbf_set_colliders(k ? stays : shifted, 1, &ball));
+    assert_ok(pbf_step(stays, 20));
+    assert_ok(pbf_step(shifted, 20));
+    shift_world(&shifted, dimension, precision, by, saves);
+    assert_ok(pbf_step(stays, 1));
+    assert_ok(pbf_step(shifted, 1));
+    void *z = calloc((size_t)count * dimension, precision);
+    assert_non_null(z);
+    assert_ok(pbf_get_positions(stays, 0, count, y));
+    assert_ok(pbf_get_positions(shifted, 0, count, z));
+    double most = 0;
+    for (uint64_t i = 0; i < (uint64_t)count * dimension; ++i) {
+      double right = test_value(y, i, precision) + (i % dimension == 0 ? by : 0);
+      most = fmax(most, fabs(test_value(z, i, precision) - right) / spacing);
+    }
+    if (!(most < rounding)) fail_msg("%uD: %g spacings off", dimension, most);
+    free(z);
+    pbf_destroy(stays);
+    pbf_destroy(shifted);
+  }
+  free(x);
+  free(y);
+}
+
+static void the_origin_may_move(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_origin);
+}
+
+/* All are set where they are, but for a tenth of them, which come where others are. */
+static void check_some_set(uint32_t dimension, uint32_t precision) {
+  pbf_params params = box_params(dimension);
+  uint32_t count = count_in(dimension);
+  void *x = lattice(dimension, precision);
+  pbf_solver *s = solver_with(dimension, precision, &params, x, NULL);
+  assert_ok(pbf_step(s, 20));
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  for (uint32_t i = 0; i < count; i += 10)
+    for (uint32_t k = 0; k < dimension; ++k)
+      test_put(x, (uint64_t)i * dimension + k, precision, spacing * (2 + 0.01 * (i % 64 + k)));
+  assert_ok(pbf_set_positions(s, 0, count, x));
+  double hidden = way_without_velocity(s, dimension, precision, params.time_step);
+  if (!(hidden < 1e-4)) fail_msg("%uD: %g spacings without a velocity", dimension, hidden);
+  free(x);
+  pbf_destroy(s);
+}
+
+static void some_that_are_set_are_no_start(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_some_set);
+}
+
 /* Some in one place of a tank, which its mean error does not tell. */
 static void check_some(uint32_t dimension, uint32_t precision) {
   enum { SOME = 6 };
@@ -452,6 +627,10 @@ int main(void) {
       cmocka_unit_test(good_starts_are_left_alone),
       cmocka_unit_test(changes_make_starts),
       cmocka_unit_test(newcomers_are_calm),
+      cmocka_unit_test(newcomers_move_by_their_velocities),
+      cmocka_unit_test(what_is_filled_again_is_a_start),
+      cmocka_unit_test(the_origin_may_move),
+      cmocka_unit_test(some_that_are_set_are_no_start),
       cmocka_unit_test(some_in_one_place_are_calm),
       cmocka_unit_test(walls_that_jump_throw_nobody),
       cmocka_unit_test(few_are_no_start),

@@ -2,7 +2,14 @@
 #include "support.h"
 
 /* Offsets in the header of a saved state, to forge with. */
-enum { AT_VERSION = 8, AT_COLLIDERS = 32, AT_COUNT = 36, AT_HAS_IDS = 40, AT_NEXT_ID = 56 };
+enum {
+  AT_VERSION = 8,
+  AT_COLLIDERS = 32,
+  AT_COUNT = 36,
+  AT_HAS_IDS = 40,
+  AT_RESERVED = 52,
+  AT_NEXT_ID = 56
+};
 
 static pbf_solver *busy_solver(uint32_t dimension, uint32_t precision) {
   pbf_solver *s = test_filled(dimension, precision, 30, 40);
@@ -191,6 +198,7 @@ static void forged_headers(void **state) {
       {AT_COLLIDERS, 4, 0},        {AT_COLLIDERS, 4, 4000000}, {AT_HAS_IDS, 4, 0},
       {AT_HAS_IDS, 4, 2},          {AT_NEXT_ID, 8, 5},         {AT_NEXT_ID, 8, 28},
       {AT_NEXT_ID, 8, UINT64_MAX}, {AT_VERSION, 4, 5},         {AT_VERSION, 4, 7},
+      {AT_RESERVED, 4, 1},
   };
   for (size_t i = 0; i < sizeof forgeries / sizeof forgeries[0]; ++i) {
     unsigned char *forged = malloc(size);
