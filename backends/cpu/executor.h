@@ -98,8 +98,9 @@ struct executor {
   void correct_angular_momentum() { over_pairs(turn_task, PBF_STAGE_ANGULAR_MOMENTUM); }
   void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
-  void viscosity() {
-    over_pairs(viscosity_task);
+  void viscosity(uint32_t k) {
+    w->viscosity_stage = k;
+    over_pairs(w->s->schedule.accelerated ? viscous_stress_task : xsph_task);
     w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);
   }

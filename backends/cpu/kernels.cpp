@@ -33,6 +33,7 @@ const kernels PBF_VARIANT_API = {
     .turn = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? turn : NULL,
     .wake_neighbors = PBF_BUILT & PBF_FEATURE_SLEEP ? wake_neighbors : NULL,
     .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
+    .viscous_stress = PBF_BUILT & PBF_FEATURE_VISCOSITY ? viscous_stress : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,
     .placed_density = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? placed_density : NULL,

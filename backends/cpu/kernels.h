@@ -150,6 +150,9 @@ typedef struct kernels {
   void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
                          uint32_t *awakened, uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
+  /* `next` holds the velocities after the last stage but one, and then those after this one. */
+  void (*viscous_stress)(const pair_pass *p, const pbf_viscosity_weights *weights, field v,
+                         field next, uint32_t first, uint32_t last);
   /* `neighbors` null: the sentinel counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);

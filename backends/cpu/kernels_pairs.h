@@ -13,6 +13,7 @@
 #include "physics/passes/overlap.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/viscosity.h"
+#include "physics/passes/viscous_stress.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
 PBF_FN int hot_features(const pair_pass *p) { return p->features & PBF_BUILT; }
@@ -262,6 +263,19 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
         sums_of_group(pass, p, {NULL, &v}, {load_vector(v, g * WIDTH)}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
       field_set(&smoothed, i, pass.finish(sums[l], c.viscosity, field_at(&v, i)));
+  }
+}
+
+static void viscous_stress(const pair_pass *p, const pbf_viscosity_weights *weights, field v,
+                           field next, uint32_t first, uint32_t last) {
+  typedef viscous_stress_pass<int> pass_type;
+  const pbf_constants c = *p->constants;
+  const pass_type pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<pass_type::sums> sums(
+        sums_of_group(pass, p, {NULL, &v}, {load_vector(v, g * WIDTH)}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&next, i, pass.finish(sums[l], *weights, field_at(&v, i), field_at(&next, i)));
   }
 }
 

@@ -92,9 +92,21 @@ static void confine_task(void *context, uint32_t task) {
   zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 
-static void viscosity_task(void *context, uint32_t task) {
+static void xsph_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   smooth_velocities(w, task, w->constants.viscosity, w->b.smoothed_velocity());
+}
+
+static void viscous_stress_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const range groups = task_groups(w, task);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
+  const pbf_viscosity_weights weights = pbf_viscosity_weights_of(&w->constants, w->viscosity_stage);
+  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
+       g = awake_groups(w, g.last, groups.last))
+    w->s->kernels->viscous_stress(&pairs, &weights, w->b.v, w->b.smoothed_velocity(), g.first,
+                                  g.last);
+  zero_sleeping(w, task_sorted(w, task), w->b.smoothed_velocity().c, PBF_DIM);
 }
 
 static void drag_task(void *context, uint32_t task) {

@@ -22,6 +22,7 @@ typedef struct worker {
   pbf_constants constants;                        /* of the iteration */
   pbf_real *activity, *sleeping_lambda;           /* in the order of the stage */
   uint32_t step, iteration;                       /* of this run */
+  uint32_t viscosity_stage;                       /* of this step */
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
   double stage_begin;

@@ -290,10 +290,15 @@ struct executor {
   }
 
   /* The smoothed velocities become the velocities by an exchange of the arrays. */
-  void viscosity() {
+  void viscosity(uint32_t k) {
     run(PBF_STAGE_VISCOSITY, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
-        launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
+        constexpr int F = decltype(features)::value;
+        if (s->schedule.accelerated)
+          launch(viscous_stress_kernel<F>, n, pbf_viscosity_weights_of(&n.constants, k),
+                 s->velocities, s->smoothed);
+        else
+          launch(viscosity_kernel<F>, n, s->velocities, s->smoothed);
       });
       swap_arrays(&s->velocities, &s->smoothed);
     });

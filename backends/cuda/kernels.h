@@ -15,6 +15,7 @@
 #include "physics/passes/overlap.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
+#include "physics/passes/viscous_stress.h"
 
 constexpr bool PBF_DAMPING_COMPENSATION = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) != 0;
 
@@ -371,6 +372,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   uint32_t i = thread_index();
   pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, n.constants.viscosity, i);
   if (i < n.particles.count) smoothed[i] = v;
+}
+
+/* `next` holds the velocities after the last stage but one, and then those after this one. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    viscous_stress_kernel(neighborhood n, pbf_viscosity_weights weights, const pbf_vec *velocities,
+                          pbf_vec *next) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const viscous_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
+  const auto sums = sums_around(pass, n, i, x, {lanes_of(v)}, velocities);
+  if (i < n.particles.count) next[i] = pass.finish(sums, weights, v, next[i]);
 }
 
 /* rho/rho0, but for what surfaces contribute, and the number of neighbours nearer than h. */

@@ -8,6 +8,7 @@
 #include "physics/depth.h"
 #include "physics/derive.h"
 #include "physics/real.h"
+#include "physics/viscosity_stages.h"
 
 enum { PBF_WALL_NODES = 33 };
 
@@ -22,9 +23,11 @@ typedef struct pbf_constants {
   pbf_real tension;      /* weight of densities below rest where lambda does not add up */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
-  pbf_real confinement; /* dt times the strength of eq. 16, see pbf_max_confinement */
-  pbf_real viscosity;
-  pbf_real flow_time; /* damping_compensation.h: dt times the part that is undone, */
+  pbf_real confinement;          /* dt times the strength of eq. 16, see pbf_max_confinement */
+  pbf_real viscosity;            /* eq. 17, or … */
+  pbf_real viscosity_step;       /* … on sums of passes/viscous_stress.h, of the first stage, */
+  pbf_real viscosity_max_spread; /* and up to which spread all of it acts */
+  pbf_real flow_time;            /* damping_compensation.h: dt times the part that is undone, */
   pbf_real
       max_mean_flow2;   /* … and beyond which way of the flow in a step, squared, less of it is */
   pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
@@ -204,6 +207,29 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
   c->scorr_k = (pbf_real)fmin(c->scorr_step, left);
 }
 
+/* Of viscosity as a stress. */
+static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params) {
+  c->viscosity_step = c->viscosity_max_spread = 0;
+  if (!(params->viscosity > 0) || params->solver != PBF_SOLVER_CHEBYSHEV) return;
+  const pbf_viscosity_lattice l = pbf_viscosity_lattice_of(params, PBF_DIM);
+  const double stages = pbf_viscosity_stages(params, PBF_DIM);
+  const double acts = pbf_viscosity_acting(params, PBF_DIM) * params->time_step;
+  c->viscosity_step = (pbf_real)(acts * l.to_laplacian * 2 / (stages * (stages + 1)));
+  c->viscosity_max_spread = (pbf_real)(2 * l.spread);
+}
+
+/* The weights of a stage: of the velocity after the last one, of that after the one before, and of
+ * what it exchanges. */
+typedef struct pbf_viscosity_weights {
+  pbf_real last, before, change;
+} pbf_viscosity_weights;
+
+/* Of stage k = 0, 1, … */
+PBF_FN pbf_viscosity_weights pbf_viscosity_weights_of(const pbf_constants *c, uint32_t k) {
+  const pbf_real j = (pbf_real)(k + 1), last = (2 * j - 1) / j;
+  return (pbf_viscosity_weights){last, (1 - j) / j, last * c->viscosity_step};
+}
+
 /* What a wall pushes with. */
 static inline void pbf_set_wall_gradient(pbf_constants *c, const pbf_derived *d) {
   enum { LAST = PBF_WALL_NODES - 1 };
@@ -266,6 +292,7 @@ static inline pbf_constants pbf_constants_of(const pbf_params *params) {
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_max_confinement(params));
   c.viscosity = (pbf_real)fmin(params->viscosity, 1);
+  pbf_set_viscosity(&c, params);
   c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
   c.max_mean_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part = (pbf_real)(params->time_step > 0

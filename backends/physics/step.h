@@ -92,9 +92,9 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.exchange(FIELD_CURL_SIZE);
     e.confine();
   }
-  if (runs<PBF_STAGE_VISCOSITY>(has)) {
+  for (uint32_t k = 0; runs<PBF_STAGE_VISCOSITY>(has) && k < has.runs[PBF_STAGE_VISCOSITY]; ++k) {
     e.exchange(FIELD_VELOCITY);
-    e.viscosity();
+    e.viscosity(k);
   }
   if (runs<PBF_STAGE_DRAG>(has)) e.drag();
   bool all_asleep = false;

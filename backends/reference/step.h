@@ -16,6 +16,7 @@
 #include "physics/passes/predict.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
+#include "physics/passes/viscous_stress.h"
 #include "physics/step.h"
 #include "reference/driver.h"
 #include "reference/pressure_grid.h"
@@ -267,10 +268,27 @@ static inline void confine_vorticity(solver *s) {
   }
 }
 
-static inline void apply_viscosity(solver *s) {
+static inline void apply_xsph(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i)
     s->change[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, s->constants.viscosity, i);
   memcpy(s->v, s->change, s->count * sizeof *s->v);
+}
+
+/* Stage k: s->change has the velocities after stage k - 2, and then those after k. */
+static inline void apply_viscous_stress(solver *s, uint32_t k) {
+  const pbf_constants *c = &s->constants;
+  const viscous_stress_pass<int> pass = {c, s->schedule.features};
+  const pbf_viscosity_weights weights = pbf_viscosity_weights_of(c, k);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const pbf_vec v = s->v[i];
+    const auto sums = sums_around(s, pass, s->moved, {NULL, s->v}, {lanes_of(v)}, i);
+    s->change[i] = asleep(s, i) ? v : pass.finish(sums, weights, v, s->change[i]);
+  }
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const pbf_vec v = s->v[i];
+    s->v[i] = s->change[i];
+    s->change[i] = v;
+  }
 }
 
 static inline void apply_drag(solver *s) {
@@ -332,7 +350,12 @@ struct executor {
   void correct_angular_momentum() { ::turn(s); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
-  void viscosity() { apply_viscosity(s); }
+  void viscosity(uint32_t k) {
+    if (s->schedule.accelerated)
+      apply_viscous_stress(s, k);
+    else
+      apply_xsph(s);
+  }
   void drag() { apply_drag(s); }
   bool update_sleep() {
     ::update_sleep(s);

@@ -197,8 +197,14 @@ typedef struct pbf_params {
 
   double vorticity; /* vorticity confinement, eq. 16, a speed; 0: none. With CHEBYSHEV no more of it
                        acts than 0.01 h / time_step, beyond which eddies feed themselves */
-  double viscosity; /* XSPH, eq. 17, without a unit; 0: none. 1 is the maximum that acts, and in
-                       crowds what makes a velocity the mean of those around it */
+  double viscosity; /* kinematic, a length² a time unit: water 1e-6 m²/s, honey 0.005. Acts on shear
+                       alone, conserves momentum and angular momentum, and does not depend on the
+                       time step; right to a third at h = 2 spacings, a tenth at 3. Takes a pass
+                       over pairs a step and more, up to 15, the thicker the fluid, the longer the
+                       step and the shorter h are; what they are not enough for (some 2 h² /
+                       time_step) does not act. With PBF_SOLVER_JACOBI XSPH, eq. 17, without a unit,
+                       of which 1 is the maximum that acts, and in crowds what makes a velocity the
+                       mean of those around it. 0: none */
 
   /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
    * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit.

@@ -21,7 +21,7 @@ static void defaults(pbf_params *params, scale in) {
 static void every_stage(pbf_params *params, scale in) {
   params->scorr_k = 1e-4 * in.length * in.length;
   params->vorticity = 0.01 * in.length / in.time;
-  params->viscosity = 0.05;
+  params->viscosity = 0.05 * in.length * in.length / in.time;
   params->tolerance = 1e-3;
   params->iterations = 8;
   params->pressure_grid = 2;

@@ -48,7 +48,9 @@ struct watcher {
   }
   void curl() { stage_of("curl", FIELD_POSITION | FIELD_VELOCITY, FIELD_CURL_SIZE); }
   void confine() { stage_of("confine", FIELD_POSITION | FIELD_CURL_SIZE, FIELD_VELOCITY); }
-  void viscosity() { stage_of("viscosity", FIELD_POSITION | FIELD_VELOCITY, FIELD_VELOCITY); }
+  void viscosity(uint32_t) {
+    stage_of("viscosity", FIELD_POSITION | FIELD_VELOCITY, FIELD_VELOCITY);
+  }
   void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);

@@ -44,7 +44,6 @@ static const watched *watched_at(unsigned k) {
 #endif
       WATCH_STAGE(solve_pressure_grid, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(update_sleep, SLEEP, "sleep"),
-      WATCH(viscosity, VISCOSITY | SLEEP),
       WATCH(pbf_activity, SLEEP),
       WATCH(poly6<pbf_real>, POLY6),
       WATCH(artificial_pressure<pbf_real>, SCORR),
