@@ -26,28 +26,31 @@ class Fluid {
     check(pbf_create(&desc, &params, &solver_));
     check(pbf_collider_init(&paddle_, sizeof paddle_, PBF_COLLIDER_SPHERE));
     paddle_.radius = 0.15;
+    place_paddle(0);
+    check(pbf_set_colliders(solver_, 1, &paddle_));
   }
   ~Fluid() { pbf_destroy(solver_); }
   Fluid(const Fluid &) = delete;
   Fluid &operator=(const Fluid &) = delete;
 
-  // Whole steps only; what is left of the frame waits for the next one.
+  // Whole steps only; what is left of the frame waits for the next one. The paddle comes to where
+  // it is to be at their end.
   void advance(double frame_time) {
     debt_ += frame_time;
     const auto steps = static_cast<uint32_t>(debt_ / step_);
+    if (steps == 0) return;
     debt_ -= steps * step_;
+    time_ += steps * step_;
+    place_paddle(time_);
+    check(pbf_move_colliders(solver_, 1, &paddle_, steps * step_));
     check(pbf_step(solver_, steps));
   }
 
-  // The velocity carries the sphere on through the steps of the frame.
-  void move_paddle(double time) {
+  void place_paddle(double time) {
     const double turn = 1.5;
     paddle_.position[0] = 0.5 + 0.25 * std::cos(turn * time);
     paddle_.position[1] = 0.2;
     paddle_.position[2] = 0.5 + 0.25 * std::sin(turn * time);
-    paddle_.velocity[0] = -0.25 * turn * std::sin(turn * time);
-    paddle_.velocity[2] = 0.25 * turn * std::cos(turn * time);
-    check(pbf_set_colliders(solver_, 1, &paddle_));
   }
 
   void open_tap() {
@@ -102,24 +105,21 @@ class Fluid {
  private:
   pbf_solver *solver_ = nullptr;
   pbf_collider paddle_;
-  double step_ = 0, debt_ = 0;
+  double step_ = 0, debt_ = 0, time_ = 0;
 };
 
 }  // namespace
 
 int main() try {
   Fluid fluid;
-  double time = 0;
   for (int frame = 0; frame < 60; ++frame) {
     const double frame_time = frame % 3 ? 1.0 / 60 : 1.0 / 48;  // frames vary
     fluid.open_tap();
-    fluid.move_paddle(time);
     fluid.advance(frame_time);
     if (frame % 10 == 9) {
       fluid.drain();
       fluid.draw();
     }
-    time += frame_time;
   }
   return 0;
 } catch (const std::exception &error) {

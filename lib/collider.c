@@ -17,12 +17,20 @@ static const double quaternion_tolerance = 1e-6;
 static const pbf_count_rule counts[] = {
     COUNT(shape, PBF_COLLIDER_BOX, " (PBF_COLLIDER_…)"),
     COUNT(inverted, 1, ""),
-    COUNT(reserved, 0, ""),
+    COUNT(path, PBF_PATH_SCREW, " (PBF_PATH_…)"),
 };
 
 static const pbf_real_rule reals[] = {
-    REAL(position, 3, PBF_ANY),     REAL(velocity, 3, PBF_ANY), REAL(axis, 3, PBF_ANY),
-    REAL(half_extents, 3, PBF_ANY), REAL(radius, 1, PBF_ANY),   REAL(half_length, 1, PBF_ANY),
+    REAL(position, 3, PBF_ANY),
+    REAL(velocity, 3, PBF_ANY),
+    REAL(axis, 3, PBF_ANY),
+    REAL(half_extents, 3, PBF_ANY),
+    REAL(radius, 1, PBF_ANY),
+    REAL(half_length, 1, PBF_ANY),
+    REAL(half_extents_rate, 3, PBF_ANY),
+    REAL(radius_rate, 1, PBF_ANY),
+    REAL(half_length_rate, 1, PBF_ANY),
+    REAL(duration, 1, PBF_AT_LEAST_ZERO),
 };
 
 /* 2D turns about z alone: the four and the third component are not what 2D leaves out. */
@@ -103,6 +111,7 @@ pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dim
   pbf_collider clean = *collider;
   if (dimension == 3) return clean;
   clean.position[2] = clean.velocity[2] = clean.axis[2] = clean.half_extents[2] = 0;
+  clean.half_extents_rate[2] = 0;
   clean.angular_velocity[0] = clean.angular_velocity[1] = 0;
   return clean;
 }

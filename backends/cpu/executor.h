@@ -50,7 +50,7 @@ struct executor {
   }
 
   bool wake() {
-    if (!sorted && sleep_is_on(w) && pbf_any_obstacle_moves(w->s->moving_obstacles))
+    if (!sorted && sleep_is_on(w) && pbf_any_obstacle_moves(w->moving_obstacles))
       parallel_for(w->me, particle_task_count(w), wake_task, NULL, w);
     return true; /* steps of none awake are not begun: steps_asleep */
   }

@@ -87,7 +87,7 @@ static void wake_task(void *context, uint32_t task) {
   for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
        r = sleeping_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)
-      if (pbf_near_moving_obstacle(s->moving_obstacles, w->obstacles, s->constants.h,
+      if (pbf_near_moving_obstacle(w->moving_obstacles, w->obstacles, s->constants.h,
                                    field_at(&w->b.x, i)))
         w->activity[i] = pbf_woken_activity(&s->sleep);
 }
@@ -137,9 +137,11 @@ static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, do
 static uint32_t steps_asleep(solver *s, const pbf_step_times *times, uint32_t done,
                              uint32_t steps) {
   if (!sleeps(s) || s->asleep < s->count) return 0;
-  if (!pbf_any_obstacle_moves(s->moving_obstacles)) return steps;
-  for (uint32_t k = 0; k < steps; ++k)
-    if (wake_near_moving(s, s->moving_obstacles, pbf_time_after(times, done + k + 1))) return k;
+  for (uint32_t k = done; k < done + steps; ++k) {
+    const pbf_moving_obstacles moving = moving_obstacles_at(s, pbf_time_after(times, k));
+    if (!pbf_any_obstacle_moves(moving)) break;
+    if (wake_near_moving(s, moving, pbf_time_after(times, k + 1))) return k - done;
+  }
   return steps;
 }
 

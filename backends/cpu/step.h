@@ -20,6 +20,7 @@ static step_outcome step_once(worker *w, double begin, double end, int sorted) {
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   w->forces = pbf_forces_of(&s->params, begin);
   place_obstacles(s, end, &w->obstacles);
+  w->moving_obstacles = moving_obstacles_at(s, begin);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)))
     place_obstacles(s, begin, &w->before);
   pbf_set_target_density(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);

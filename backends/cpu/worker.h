@@ -19,6 +19,7 @@ typedef struct worker {
   pbf_forces forces;
   pbf_obstacles obstacles;                        /* at the end of the step */
   pbf_obstacles before;                           /* at its start, for the residual density alone */
+  pbf_moving_obstacles moving_obstacles;          /* in this step */
   pbf_constants constants;                        /* of the iteration */
   pbf_real *activity, *sleeping_lambda;           /* in the order of the stage */
   uint32_t step, iteration;                       /* of this run */
@@ -108,6 +109,12 @@ static inline void stage_end(worker *w, pbf_stage stage) {
 /* Walls and colliders where they stand at a time. */
 static inline void place_obstacles(const solver *s, double time, pbf_obstacles *o) {
   pbf_place_obstacles(&s->params, s->collider_count, s->colliders, s->collider_time, time, o);
+}
+
+/* Those that move in the step that begins at a time. */
+static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
+                          time - s->collider_time);
 }
 
 /* What is packed of these sorted particles, where loops over pairs read any (neighbors.h). */

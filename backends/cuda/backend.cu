@@ -245,7 +245,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
   s->time = pbf_time_after(&times, s->count ? 0 : steps);
   *done = s->count ? 0 : steps;
   while (*done < steps) {
-    if (all_asleep(s)) {
+    if (all_asleep(s, pbf_time_after(&times, *done))) {
       s->time = pbf_time_after(&times, steps);
       s->pressure_scale = s->constants.pressure;
       *done = steps;
@@ -261,7 +261,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
       s->pressure_scale = s->constants.pressure;
       continue;
     }
-    for (uint32_t k = 0; k < ahead && !all_asleep(s); ++k, ++*done) {
+    for (uint32_t k = 0; k < ahead && !all_asleep(s, pbf_time_after(&times, *done)); ++k, ++*done) {
       if (pbf_status status =
               step_once(s, pbf_time_after(&left, k + 1), s->surfaces + k * s->collider_count))
         return status;

@@ -81,7 +81,8 @@ struct executor {
   void exchange(int) {} /* neighbours are read where they are */
 
   bool wake() {
-    status = wake_near_moving(s, s->moving_obstacles, extras.obstacles);
+    status =
+        wake_near_moving(s, moving_obstacles_at(s, time - s->params.time_step), extras.obstacles);
     return true; /* the device alone knows whether all sleep: its kernels then do nothing */
   }
 
@@ -338,10 +339,10 @@ static inline pbf_status step_once(solver *s, double time, const pbf_surface *su
   return e.status;
 }
 
-/* Whether no step has anything to do: a look, without waiting. A step launched for want of having
- * seen it changes nothing, so that results do not depend on when it is seen. */
-static inline bool all_asleep(const solver *s) {
-  return PBF_SLEEP && s->activity && !pbf_any_obstacle_moves(s->moving_obstacles) &&
+/* Whether no step from `time` on has anything to do: a look, without waiting. A step launched for
+ * want of having seen it changes nothing, so that results do not depend on when it is seen. */
+static inline bool all_asleep(const solver *s, double time) {
+  return PBF_SLEEP && s->activity && !pbf_any_obstacle_moves(moving_obstacles_at(s, time)) &&
          *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch;
 }
 

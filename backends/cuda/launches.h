@@ -132,6 +132,12 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   });
 }
 
+/* Those that move in the step that begins at a time. */
+static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
+                          time - s->collider_time);
+}
+
 static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles,
                                           const step_obstacles &obstacles) {
   if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))

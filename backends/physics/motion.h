@@ -36,18 +36,146 @@ static inline void pbf_motion_quaternion_product(const double a[4], const double
   product[3] = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
 }
 
-/* The pose `elapsed` after the one in *at_set, both velocities constant. */
+static inline double pbf_motion_length(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* v turned by the angle about a unit axis (Rodrigues). */
+static inline void pbf_motion_turned(const double v[3], const double axis[3], double angle,
+                                     double turned[3]) {
+  const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    const double across = v[a] - along * axis[a], round = axis[b] * v[c] - axis[c] * v[b];
+    turned[a] = along * axis[a] + cos(angle) * across + sin(angle) * round;
+  }
+}
+
+/* ---- Screws --------------------------------------------------------------------------------- */
+
+/* What turns at a constant rate while its velocity turns with it is on a screw: it turns about an
+ * axis that stands in space, and goes along it. So does every point of a rigid body, each with its
+ * own velocity: parts of one keep their distances, as they do not on straight ways between the same
+ * poses (Murray, Li & Sastry 1994, section 2.3). */
+
+/* Way in a time, the integral of the velocity v that turns with the rate w. */
+static inline void pbf_motion_screw_way(const double v[3], const double w[3], double time,
+                                        double way[3]) {
+  const double rate = pbf_motion_length(w), angle = rate * time;
+  const double sine = sin(angle) / rate, versine = 2 * sin(0.5 * angle) * sin(0.5 * angle) / rate;
+  const double axis[3] = {w[0] / rate, w[1] / rate, w[2] / rate};
+  const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    const double round = axis[b] * v[c] - axis[c] * v[b], straight = along * axis[a];
+    way[a] = straight * time + sine * (v[a] - straight) + versine * round;
+  }
+}
+
+/* The velocity to begin with of what so goes that way, turning by less than a whole turn. */
+static inline void pbf_motion_screw_velocity(const double way[3], const double w[3], double time,
+                                             double v[3]) {
+  const double rate = pbf_motion_length(w), half = 0.5 * rate * time;
+  for (int a = 0; a < 3; ++a) v[a] = way[a] / time;
+  if (!(half > 0)) return;
+  /* Across the axis it turns by half the angle in the mean, and cancels a part of itself. */
+  const double axis[3] = {w[0] / rate, w[1] / rate, w[2] / rate};
+  const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
+  double across[3];
+  for (int a = 0; a < 3; ++a) across[a] = (v[a] - along * axis[a]) * half / sin(half);
+  pbf_motion_turned(across, axis, -half, v);
+  for (int a = 0; a < 3; ++a) v[a] += along * axis[a];
+}
+
+/* The rate at which a turn between two orientations takes a time, the short way. */
+static inline void pbf_motion_turn_rate(const double from[4], const double to[4], double time,
+                                        double w[3]) {
+  const double conjugate[4] = {-from[0], -from[1], -from[2], from[3]};
+  double turn[4];
+  pbf_motion_quaternion_product(to, conjugate, turn);
+  const double sign = turn[3] < 0 ? -1 : 1, sine = pbf_motion_length(turn);
+  const double angle = 2 * atan2(sine, sign * turn[3]);
+  for (int a = 0; a < 3; ++a) w[a] = sine > 0 ? sign * turn[a] / sine * angle / time : 0;
+}
+
+/* ---- Colliders ------------------------------------------------------------------------------ */
+
+/* An angle is known of what does not turn too fast for that. */
+static inline int pbf_motion_turns(const pbf_collider *collider) {
+  const double rate = pbf_motion_length(collider->angular_velocity);
+  return rate > 0 && rate < 1e150;
+}
+
+/* How long it has been moving, `elapsed` after it was set. */
+static inline double pbf_motion_time(const pbf_collider *at_set, double elapsed) {
+  return at_set->duration > 0 && elapsed > at_set->duration ? at_set->duration : elapsed;
+}
+
+static inline int pbf_motion_has_ended(const pbf_collider *at_set, double elapsed) {
+  return at_set->duration > 0 && elapsed >= at_set->duration;
+}
+
+static inline double pbf_motion_size(double size, double rate, double time) {
+  const double grown = size + rate * time;
+  return rate != 0 && !(grown > 0) ? 0 : grown;
+}
+
+/* Its pose and sizes `elapsed` after those in *at_set. */
 static inline void pbf_motion_collider(const pbf_collider *at_set, double elapsed,
                                        pbf_collider *now) {
+  const double time = pbf_motion_time(at_set, elapsed);
+  const double *v = at_set->velocity, *w = at_set->angular_velocity;
   *now = *at_set;
-  const double *w = at_set->angular_velocity;
-  double speed = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-  for (int a = 0; a < 3; ++a) now->position[a] += elapsed * at_set->velocity[a];
-  if (speed > 0 && speed < 1e150) { /* no angle is known of what turns faster */
-    double s = sin(0.5 * speed * elapsed) / speed;
-    double turn[4] = {s * w[0], s * w[1], s * w[2], cos(0.5 * speed * elapsed)};
-    pbf_motion_quaternion_product(turn, at_set->orientation, now->orientation);
+  for (int a = 0; a < 3; ++a) now->position[a] += time * v[a];
+  for (int a = 0; a < 3; ++a)
+    now->half_extents[a] =
+        pbf_motion_size(at_set->half_extents[a], at_set->half_extents_rate[a], time);
+  now->radius = pbf_motion_size(at_set->radius, at_set->radius_rate, time);
+  now->half_length = pbf_motion_size(at_set->half_length, at_set->half_length_rate, time);
+  if (!pbf_motion_turns(at_set)) return;
+  const double rate = pbf_motion_length(w);
+  double s = sin(0.5 * rate * time) / rate;
+  double turn[4] = {s * w[0], s * w[1], s * w[2], cos(0.5 * rate * time)};
+  pbf_motion_quaternion_product(turn, at_set->orientation, now->orientation);
+  if (at_set->path != PBF_PATH_SCREW) return;
+  double way[3];
+  pbf_motion_screw_way(v, w, time, way);
+  for (int a = 0; a < 3; ++a) now->position[a] = at_set->position[a] + way[a];
+}
+
+/* The same with how it goes on from there. */
+static inline void pbf_motion_collider_state(const pbf_collider *at_set, double elapsed,
+                                             pbf_collider *now) {
+  pbf_motion_collider(at_set, elapsed, now);
+  if (pbf_motion_has_ended(at_set, elapsed)) {
+    for (int a = 0; a < 3; ++a)
+      now->velocity[a] = now->angular_velocity[a] = now->half_extents_rate[a] = 0;
+    now->radius_rate = now->half_length_rate = now->duration = 0;
+    return;
   }
+  if (at_set->duration > 0) now->duration = at_set->duration - elapsed;
+  if (at_set->path != PBF_PATH_SCREW || !pbf_motion_turns(at_set)) return;
+  const double rate = pbf_motion_length(at_set->angular_velocity);
+  double axis[3];
+  for (int a = 0; a < 3; ++a) axis[a] = at_set->angular_velocity[a] / rate;
+  pbf_motion_turned(at_set->velocity, axis, rate * elapsed, now->velocity);
+}
+
+/* Lets *from, a collider as it stands, come to a target in a time, and stop there. */
+static inline void pbf_motion_towards(pbf_collider *from, const pbf_collider *target,
+                                      double duration) {
+  double way[3], norm = 0;
+  for (int k = 0; k < 4; ++k) norm += from->orientation[k] * from->orientation[k];
+  for (int k = 0; k < 4; ++k) from->orientation[k] /= sqrt(norm);
+  for (int a = 0; a < 3; ++a) way[a] = target->position[a] - from->position[a];
+  pbf_motion_turn_rate(from->orientation, target->orientation, duration, from->angular_velocity);
+  pbf_motion_screw_velocity(way, from->angular_velocity, duration, from->velocity);
+  for (int a = 0; a < 3; ++a)
+    from->half_extents_rate[a] = (target->half_extents[a] - from->half_extents[a]) / duration;
+  from->radius_rate = (target->radius - from->radius) / duration;
+  from->half_length_rate = (target->half_length - from->half_length) / duration;
+  from->path = PBF_PATH_SCREW;
+  from->duration = duration;
 }
 
 #endif

@@ -68,6 +68,12 @@ static inline void update_sleep(solver *s) {
   }
 }
 
+/* Those that move in the step that begins at a time. */
+static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
+                          time - s->collider_time);
+}
+
 /* Wakes who is near what moves, or has been moved, as it stands at a time. */
 static inline void wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
   if (!sleeps(s) || !pbf_any_obstacle_moves(moving_obstacles)) return;

@@ -313,7 +313,7 @@ struct executor {
 
   bool wake() {
     if (!sleeps(s)) return true;
-    wake_near_moving(s, s->moving_obstacles, ends);
+    wake_near_moving(s, moving_obstacles_at(s, began), ends);
     return sleepers(s) < s->count;
   }
   void predict() { ::predict(s, began, &obstacles); }

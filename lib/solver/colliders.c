@@ -43,6 +43,46 @@ pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,
   return pbf_backend_result(solver, status, "set_colliders");
 }
 
+/* ---- Paths ---------------------------------------------------------------------------------- */
+
+static double distance2(const double a[3], const double b[3]) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  return sum;
+}
+
+/* How far from where it is set now a collider that was set before would be by that path. */
+static double miss_of(const pbf_collider *before, uint32_t path, double elapsed,
+                      const pbf_collider *now) {
+  pbf_collider moving = *before, moved;
+  moving.path = path;
+  pbf_motion_collider(&moving, elapsed, &moved);
+  return distance2(moved.position, now->position);
+}
+
+/* A velocity may be meant as a chord to the next pose, or as what it is at the time: whichever has
+ * foretold better where the collider is set now is how it goes on. */
+static uint32_t path_after(const pbf_collider *before, double elapsed, const pbf_collider *now) {
+  const double straight = miss_of(before, PBF_PATH_STRAIGHT, elapsed, now);
+  const double screw = miss_of(before, PBF_PATH_SCREW, elapsed, now);
+  if (straight == screw) return before->path;
+  return screw < straight ? PBF_PATH_SCREW : PBF_PATH_STRAIGHT;
+}
+
+static void choose_paths(const pbf_solver *solver, uint32_t count, pbf_collider *colliders,
+                         double now) {
+  const double elapsed = now - solver->collider_time;
+  for (uint32_t i = 0; i < count; ++i) {
+    const pbf_collider *before = i < solver->collider_count ? &solver->colliders[i] : NULL;
+    if (colliders[i].path != PBF_PATH_AUTO) continue;
+    colliders[i].path = !before || before->shape != colliders[i].shape
+                            ? (uint32_t)PBF_PATH_STRAIGHT
+                            : path_after(before, elapsed, &colliders[i]);
+  }
+}
+
+/* ---- Setting -------------------------------------------------------------------------------- */
+
 static pbf_status check_array(uint32_t count, const pbf_collider *colliders) {
   if (count > PBF_MAX_COLLIDERS) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
@@ -115,6 +155,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
                                  &memory);
   if (status != PBF_OK) return status;
   status = copy_in(solver, count, theirs, memory);
+  if (status == PBF_OK) choose_paths(solver, count, memory, now);
   if (status == PBF_OK) note_jumps(solver, count, memory);
   if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
@@ -130,6 +171,105 @@ pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_colli
   if (status != PBF_OK) return status;
   return pbf_leave(solver, set_colliders(solver, count, colliders));
 }
+
+/* ---- Moving --------------------------------------------------------------------------------- */
+
+/* As it stands and moves now; what the dimension ignores is as it was set. */
+static pbf_collider present_collider(const pbf_solver *solver, uint32_t index) {
+  const uint32_t dimension = solver->kind.dimension;
+  const pbf_collider moving = pbf_collider_for_backend(&solver->colliders[index], dimension);
+  pbf_collider collider = solver->colliders[index], now;
+  pbf_motion_collider_state(&moving, pbf_solver_time(solver) - solver->collider_time, &now);
+  for (uint32_t k = 0; k < dimension; ++k) {
+    collider.position[k] = now.position[k];
+    collider.velocity[k] = now.velocity[k];
+    collider.half_extents[k] = now.half_extents[k];
+    collider.half_extents_rate[k] = now.half_extents_rate[k];
+  }
+  memcpy(collider.orientation, now.orientation, sizeof now.orientation);
+  for (uint32_t k = dimension == 2 ? 2 : 0; k < 3; ++k)
+    collider.angular_velocity[k] = now.angular_velocity[k];
+  collider.radius = now.radius;
+  collider.radius_rate = now.radius_rate;
+  collider.half_length = now.half_length;
+  collider.half_length_rate = now.half_length_rate;
+  collider.duration = now.duration;
+  return collider;
+}
+
+static int has_axis(const pbf_collider *collider) {
+  return collider->shape == PBF_COLLIDER_PLANE || collider->shape == PBF_COLLIDER_CAPSULE;
+}
+
+static pbf_status check_target(const pbf_collider *collider, const pbf_collider *target,
+                               uint32_t index, uint32_t dimension) {
+  const char *what = NULL;
+  if (target->shape != collider->shape) what = "shape";
+  if (target->inverted != collider->inverted) what = "inverted";
+  if (has_axis(collider) &&
+      memcmp(target->axis, collider->axis, dimension * sizeof target->axis[0]) != 0)
+    what = "axis";
+  if (!what) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "targets[%u].%s is not that of collider %u; pbf_set_colliders changes it", index,
+                  what, index);
+}
+
+static pbf_status aim(const pbf_solver *solver, uint32_t count, double duration,
+                      pbf_collider *targets) {
+  const uint32_t dimension = solver->kind.dimension;
+  for (uint32_t i = 0; i < count; ++i) {
+    const pbf_collider target = pbf_collider_for_backend(&targets[i], dimension);
+    pbf_status status = check_target(&solver->colliders[i], &target, i, dimension);
+    if (status != PBF_OK) return status;
+    targets[i] = present_collider(solver, i);
+    pbf_collider moving = pbf_collider_for_backend(&targets[i], dimension);
+    pbf_motion_towards(&moving, &target, duration);
+    targets[i] = moving;
+  }
+  return PBF_OK;
+}
+
+static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf_collider *targets,
+                             double duration) {
+  if (count != solver->collider_count) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; the solver has %u colliders", count,
+                    solver->collider_count);
+  }
+  if (!(duration > 0 && isfinite(duration))) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "duration is %.9g; it must be a time above 0, and finite", duration);
+  }
+  return check_array(count, targets);
+}
+
+static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
+                                 double duration) {
+  void *memory = NULL;
+  const double now = pbf_solver_time(solver);
+  pbf_status status = check_move(solver, count, theirs, duration);
+  if (status != PBF_OK || count == 0) return status;
+  status =
+      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+  if (status != PBF_OK) return status;
+  status = copy_in(solver, count, theirs, memory);
+  if (status == PBF_OK) status = aim(solver, count, duration, memory);
+  if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
+  if (status == PBF_OK)
+    pbf_colliders_replace(solver, count, memory, now);
+  else
+    pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
+  return status;
+}
+
+pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets,
+                              double duration) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, move_colliders(solver, count, targets, duration));
+}
+
+/* ---- Asking --------------------------------------------------------------------------------- */
 
 static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
   if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
@@ -150,13 +290,8 @@ static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_col
     return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u colliders", index,
                     solver->collider_count);
   }
-  pbf_collider at_set = solver->colliders[index], now;
-  pbf_collider moving = pbf_collider_for_backend(&at_set, solver->kind.dimension);
-  pbf_motion_collider(&moving, pbf_solver_time(solver) - solver->collider_time, &now);
-  /* Only the pose changes: what the dimension ignores comes back as it was set. */
-  memcpy(at_set.position, now.position, solver->kind.dimension * sizeof now.position[0]);
-  memcpy(at_set.orientation, now.orientation, sizeof now.orientation);
-  pbf_struct_out(&pbf_kind_collider, &at_set, theirs, theirs->struct_size);
+  const pbf_collider now = present_collider(solver, index);
+  pbf_struct_out(&pbf_kind_collider, &now, theirs, theirs->struct_size);
   return PBF_OK;
 }
 

@@ -61,11 +61,11 @@ AT(pbf_params, struct_size, 0);
   AT_IN_TABLE(name, offset, double(*)[count]);
 #include "physics/params.def"
 
-SIZE(pbf_collider, 184);
+SIZE(pbf_collider, 232);
 AT(pbf_collider, struct_size, 0);
 AT(pbf_collider, shape, 4);
 AT(pbf_collider, inverted, 8);
-AT(pbf_collider, reserved, 12);
+AT(pbf_collider, path, 12);
 AT(pbf_collider, position, 16);
 AT(pbf_collider, orientation, 40);
 AT(pbf_collider, velocity, 72);
@@ -74,6 +74,10 @@ AT(pbf_collider, axis, 120);
 AT(pbf_collider, half_extents, 144);
 AT(pbf_collider, radius, 168);
 AT(pbf_collider, half_length, 176);
+AT(pbf_collider, half_extents_rate, 184);
+AT(pbf_collider, radius_rate, 208);
+AT(pbf_collider, half_length_rate, 216);
+AT(pbf_collider, duration, 224);
 
 SIZE(pbf_view, 72);
 AT(pbf_view, struct_size, 0);

@@ -283,7 +283,7 @@ static void colliders_by_table(void **state) {
   assert_ok(pbf_set_colliders(s, 1, &box));
   const count_case counts[] = {{"colliders[0].shape is 4", C(shape), 4},
                                {"colliders[0].inverted is 2", C(inverted), 2},
-                               {"colliders[0].reserved is 1", C(reserved), 1}};
+                               {"colliders[0].path is 3", C(path), 3}};
   for (size_t i = 0; i < LENGTH(counts); ++i) {
     pbf_collider bad = box;
     put_count(&bad, counts[i].offset, counts[i].value);

@@ -54,6 +54,11 @@ static pbf_status set_colliders(pbf_solver *s, void *context) {
   return pbf_set_colliders(s, a->count, a->colliders);
 }
 
+static pbf_status move_colliders(pbf_solver *s, void *context) {
+  arguments *a = context;
+  return pbf_move_colliders(s, a->count, a->colliders, 0.05);
+}
+
 static pbf_status set_positions(pbf_solver *s, void *context) {
   arguments *a = context;
   return pbf_set_positions(s, a->first, a->count, a->x);
@@ -200,6 +205,7 @@ static void call(input *in, twins *t) {
     case 7:
       draw_some_colliders(in, &a, &wild);
       if (twins_call(t, set_colliders, &a) == PBF_OK) t->wild |= wild;
+      if (a.count % 2) twins_call(t, move_colliders, &a);
       break;
     case 8:
       draw_rows(in, t, &a);

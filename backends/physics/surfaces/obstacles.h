@@ -65,6 +65,14 @@ typedef struct pbf_moving_obstacles {
   uint64_t surfaces;
 } pbf_moving_obstacles;
 
+static inline int pbf_collider_moves(const pbf_collider *collider) {
+  int moves = collider->radius_rate != 0 || collider->half_length_rate != 0;
+  for (int a = 0; a < 3; ++a)
+    moves = moves || collider->velocity[a] != 0 || collider->angular_velocity[a] != 0 ||
+            collider->half_extents_rate[a] != 0;
+  return moves;
+}
+
 static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *params, uint32_t count,
                                                            const pbf_collider *colliders) {
   pbf_moving_obstacles m = {0, 0};
@@ -74,9 +82,15 @@ static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *par
       m.walls |= 1u << w;
   if (!(PBF_BUILT & PBF_FEATURE_COLLIDERS)) return m;
   for (uint32_t k = 0; k < count; ++k)
-    for (int a = 0; a < 3; ++a)
-      if (colliders[k].velocity[a] != 0 || colliders[k].angular_velocity[a] != 0)
-        m.surfaces |= UINT64_C(1) << k;
+    if (pbf_collider_moves(&colliders[k])) m.surfaces |= UINT64_C(1) << k;
+  return m;
+}
+
+/* Those of them that still move in a step that begins `elapsed` after they were set. */
+static inline pbf_moving_obstacles pbf_still_moving(pbf_moving_obstacles m, uint32_t count,
+                                                    const pbf_collider *colliders, double elapsed) {
+  for (uint32_t k = 0; k < count; ++k)
+    if (pbf_motion_has_ended(&colliders[k], elapsed)) m.surfaces &= ~(UINT64_C(1) << k);
   return m;
 }
 

@@ -31,8 +31,8 @@ typedef struct pbf_surface {
   pbf_vec frame[PBF_DIM];
   pbf_vec half_extents;
   pbf_real radius, half_length;
-  pbf_real bound; /* nothing of it is farther from the centre */
-  pbf_vec start_center, start_frame[PBF_DIM];
+  pbf_real bound;                             /* nothing of it is farther from the centre */
+  pbf_vec start_center, start_frame[PBF_DIM]; /* longer by what it has grown along them */
   pbf_real step, turn; /* way of the centre in the step; of any other point, over its distance from
                           there, at most */
   pbf_real skin;       /* how far before it particles stay, and */

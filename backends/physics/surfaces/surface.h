@@ -61,18 +61,26 @@ PBF_FN int pbf_has_axis(const pbf_collider *collider) {
   return shapes::ask((int)collider->shape, [](auto shape) -> int { return shape.HAS_AXIS; });
 }
 
-static inline void pbf_place_surface(const pbf_collider *at_set, double elapsed, pbf_vec *center,
+static inline void pbf_place_surface(const pbf_collider *now, pbf_vec *center,
                                      pbf_vec frame[PBF_DIM]) {
-  pbf_collider now;
   double own[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  pbf_motion_collider(at_set, elapsed, &now);
-  if (pbf_has_axis(&now)) pbf_axis_frame(now.axis, own);
+  if (pbf_has_axis(now)) pbf_axis_frame(now->axis, own);
   for (int row = 0; row < PBF_DIM; ++row) {
     double turned[3];
-    pbf_rotate(now.orientation, own[row], turned);
+    pbf_rotate(now->orientation, own[row], turned);
     for (int k = 0; k < PBF_DIM; ++k) frame[row].c[k] = (pbf_real)turned[k];
-    center->c[row] = (pbf_real)now.position[row];
+    center->c[row] = (pbf_real)now->position[row];
   }
+}
+
+/* How much longer it is than before along a row of its frame. */
+static inline double pbf_growth(const pbf_collider *before, const pbf_collider *now, int row) {
+  double from = before->radius, to = now->radius;
+  if (now->shape == PBF_COLLIDER_PLANE) return 1;
+  if (now->shape == PBF_COLLIDER_BOX) from = before->half_extents[row], to = now->half_extents[row];
+  if (now->shape == PBF_COLLIDER_CAPSULE && row == 0)
+    from += before->half_length, to += now->half_length;
+  return from > 0 && from != to ? to / from : 1;
 }
 
 PBF_FN double pbf_bound(const pbf_collider *collider) {
@@ -91,20 +99,34 @@ static inline void pbf_set_ways(pbf_surface *s) {
   s->turn = pbf_real_sqrt(turn2);
 }
 
+/* At the end of a step, in which a collider has come from `before` to `now`. What grows stretches
+ * space: along with it go those before it. */
+static inline pbf_surface pbf_surface_between(const pbf_collider *before, const pbf_collider *now) {
+  pbf_surface s = {0};
+  s.shape = (int)now->shape;
+  s.sign = now->inverted ? (pbf_real)-1 : (pbf_real)1;
+  s.radius = (pbf_real)now->radius;
+  s.half_length = (pbf_real)now->half_length;
+  for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)now->half_extents[k];
+  const double bound = fmax(pbf_bound(before), pbf_bound(now));
+  s.bound = (pbf_real)(now->inverted ? INFINITY : 1.0001 * bound);
+  pbf_place_surface(now, &s.center, s.frame);
+  pbf_place_surface(before, &s.start_center, s.start_frame);
+  for (int row = 0; row < PBF_DIM; ++row) {
+    const pbf_real growth = (pbf_real)pbf_growth(before, now, row);
+    for (int k = 0; k < PBF_DIM; ++k) s.start_frame[row].c[k] *= growth;
+  }
+  pbf_set_ways(&s);
+  return s;
+}
+
 /* At the end of a step, `elapsed` after the collider was set. */
 static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elapsed,
                                          double time_step) {
-  pbf_surface s = {0};
-  s.shape = (int)at_set->shape;
-  s.sign = at_set->inverted ? (pbf_real)-1 : (pbf_real)1;
-  s.radius = (pbf_real)at_set->radius;
-  s.half_length = (pbf_real)at_set->half_length;
-  for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)at_set->half_extents[k];
-  s.bound = (pbf_real)(at_set->inverted ? INFINITY : 1.0001 * pbf_bound(at_set));
-  pbf_place_surface(at_set, elapsed, &s.center, s.frame);
-  pbf_place_surface(at_set, elapsed - time_step, &s.start_center, s.start_frame);
-  pbf_set_ways(&s);
-  return s;
+  pbf_collider now, before;
+  pbf_motion_collider(at_set, elapsed, &now);
+  pbf_motion_collider(at_set, elapsed - time_step, &before);
+  return pbf_surface_between(&before, &now);
 }
 
 /* As it stood at the start of the step. */
