@@ -28,11 +28,17 @@ PBF_FN int pbf_meet(const pbf_surface *s, pbf_vec from, pbf_vec x, pbf_real leng
   return 1;
 }
 
+/* What starts `distance` < 0 before a surface, inside, is to come out of it by as much as `push`,
+ * or else to get no deeper. */
+PBF_FN pbf_real pbf_way_out(pbf_real distance, pbf_real push) {
+  return pbf_real_min(-distance, push);
+}
+
 /* A particle on its way from `from`, which the surface carries along, to x: where the way enters
  * it, it slides on along the tangent plane, so that nothing goes through however thin the shape
  * and however fast the particle. What starts inside leaves by the face that is nearest to the
- * start. */
-PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_vec from, pbf_vec x,
+ * start, by no more than `push`. */
+PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_real push, pbf_vec from, pbf_vec x,
                                    pbf_contact *contact) {
   const pbf_vec way = pbf_sub(x, from);
   const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
@@ -40,7 +46,9 @@ PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_vec from, pbf_vec x
   pbf_vec at = from, normal;
   const pbf_real distance = pbf_surface_distance(s, from, &normal) - s->skin;
   if (!(distance < length)) return 0;
-  if (!(distance > s->rounding))
+  if (distance < -s->rounding)
+    at = pbf_add_scaled(from, pbf_way_out(distance, push), normal);
+  else if (!(distance > s->rounding))
     at = pbf_add_scaled(from, -distance, normal);
   else if (!pbf_meet(s, from, x, length, distance, &at, &normal))
     return 0;
@@ -48,23 +56,41 @@ PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_vec from, pbf_vec x
   return pbf_contact_gap(contact, x) < -s->rounding;
 }
 
+/* How far behind a surface without another side a particle may be that has started there. */
+PBF_FN pbf_real pbf_least_distance(const pbf_surface *s, pbf_real push, pbf_vec from) {
+  pbf_vec normal;
+  const pbf_real distance = pbf_surface_distance(s, from, &normal);
+  return distance < -s->rounding ? distance + pbf_way_out(distance, push) : 0;
+}
+
 /* What has no other side holds particles as walls do: planes, too, make corners. */
-PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_vec x, pbf_contact *contact) {
+PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_real push, pbf_vec from, pbf_vec x,
+                               pbf_contact *contact) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < -s->rounding)) return 0;
-  *contact = pbf_contact_at(pbf_add_scaled(x, -distance, normal), normal);
-  return 1;
+  const pbf_real least = pbf_least_distance(s, push, from);
+  *contact = pbf_contact_at(pbf_add_scaled(x, least - distance, normal), normal);
+  return distance < least - s->rounding;
+}
+
+/* Where a particle's way begins: `with_obstacle_motion` the surface has moved since it was there,
+ * in the prediction, and otherwise not. */
+PBF_FN pbf_vec pbf_way_start(const pbf_surface *s, int with_obstacle_motion, pbf_vec from) {
+  return with_obstacle_motion ? pbf_surface_carries(s, from) : from;
+}
+
+PBF_FN pbf_real pbf_push_of(const pbf_surface *s, int with_obstacle_motion) {
+  return with_obstacle_motion ? s->prediction_push : s->iteration_push;
 }
 
 /* Whether the surface has something against the way of a particle from `from` to x, and the plane
- * that it then stays before; `with_obstacle_motion` it has moved since the particle was there, in
- * the prediction, and otherwise not. */
-PBF_FN_APART int pbf_find_contact(const pbf_surface *s, int with_obstacle_motion, pbf_vec from,
-                                  pbf_vec x, pbf_contact *contact) {
-  if (pbf_surface_is_unbounded(s)) return pbf_find_contact_at(s, x, contact);
-  return pbf_find_contact_on_way(s, with_obstacle_motion ? pbf_surface_carries(s, from) : from, x,
-                                 contact);
+ * that it then stays before; what is found inside it takes out by as much as `push`. */
+PBF_FN_APART int pbf_find_contact(const pbf_surface *s, pbf_real push, int with_obstacle_motion,
+                                  pbf_vec from, pbf_vec x, pbf_contact *contact) {
+  const pbf_vec start = pbf_way_start(s, with_obstacle_motion, from);
+  return pbf_surface_is_unbounded(s) ? pbf_find_contact_at(s, push, start, x, contact)
+                                     : pbf_find_contact_on_way(s, push, start, x, contact);
 }
 
 PBF_FN int pbf_find_wall_contact(const pbf_domain *domain, int wall, pbf_vec x,
@@ -77,12 +103,17 @@ PBF_FN int pbf_find_wall_contact(const pbf_domain *domain, int wall, pbf_vec x,
   return 1;
 }
 
-/* What has no other side gives back of the depth what walls do. */
-PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const pbf_surface *s, pbf_vec x) {
+/* What has no other side gives back of the depth what walls do, unless the particle has been behind
+ * it before. */
+PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const pbf_surface *s,
+                            int with_obstacle_motion, pbf_vec from, pbf_vec x) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < 0)) return x;
-  return pbf_add_scaled(x, pbf_bounce(domain, -distance) - distance, normal);
+  const pbf_real least = pbf_least_distance(s, pbf_push_of(s, with_obstacle_motion),
+                                            pbf_way_start(s, with_obstacle_motion, from));
+  const pbf_real bounce = least < 0 ? 0 : pbf_bounce(domain, -distance);
+  return distance < least ? pbf_add_scaled(x, least + bounce - distance, normal) : x;
 }
 
 /* ---- All of them --------------------------------------------------------------------------- */
@@ -109,12 +140,15 @@ struct collision {
   int with_obstacle_motion;
   pbf_vec from;
 
-  /* Calls visit(contact, rounding) for those that x has with surfaces and walls. */
+  /* Calls visit(contact, rounding) for those that x has with surfaces and walls; these push whom
+   * they find inside, or else only keep him from getting deeper. */
   template <class Visit>
-  PBF_IN void each_contact(const pbf_vec &x, Visit visit) const {
+  PBF_IN void each_contact(const pbf_vec &x, bool push, Visit visit) const {
     surfaces->each([&](const pbf_surface &s) {
       pbf_contact contact;
-      if (pbf_find_contact(&s, with_obstacle_motion, from, x, &contact)) visit(contact, s.rounding);
+      const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
+      if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact))
+        visit(contact, s.rounding);
     });
     for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
       pbf_contact contact;
@@ -124,7 +158,7 @@ struct collision {
 
   PBF_IN bool is_free(const pbf_vec &x) const {
     bool free = true;
-    each_contact(x, [&](const pbf_contact &, pbf_real) { free = false; });
+    each_contact(x, false, [&](const pbf_contact &, pbf_real) { free = false; });
     return free;
   }
 
@@ -133,7 +167,7 @@ struct collision {
   PBF_IN pbf_vec between(pbf_vec x) const {
     for (int pass = 0; pass < 4; ++pass) {
       pbf_vec sum = x;
-      each_contact(x, [&](const pbf_contact &contact, pbf_real) {
+      each_contact(x, false, [&](const pbf_contact &contact, pbf_real) {
         sum = pbf_add_scaled(sum, (pbf_real)-0.5 * pbf_contact_gap(&contact, x), contact.normal);
       });
       x = sum;
@@ -164,7 +198,7 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
   pbf_contacts held = {0, {{{{0}}, 0}}};
   for (int pass = 0; pass < PASSES; ++pass) {
     bool pushed = false;
-    of.each_contact(x, [&](const pbf_contact &contact, pbf_real rounding) {
+    of.each_contact(x, true, [&](const pbf_contact &contact, pbf_real rounding) {
       pbf_hold_by_contact(&held, &contact, rounding, &x);
       pushed = true;
     });
@@ -173,18 +207,20 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
   return of.stay(x);
 }
 
-/* The way of a particle from `from`, which is in none of them, to x. */
+/* The way of a particle from `from` to x. What is found in one of them then, since it has been set
+ * there, leaves it bit by bit, in the prediction; iterations ask for what that has reached. */
 template <class Surfaces>
 PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfaces,
                                  int with_obstacle_motion, pbf_vec from, pbf_vec x) {
   surfaces.each([&](const pbf_surface &s) {
-    if (pbf_surface_is_unbounded(&s)) x = pbf_keep_out(domain, &s, x);
+    if (pbf_surface_is_unbounded(&s)) x = pbf_keep_out(domain, &s, with_obstacle_motion, from, x);
   });
   x = pbf_keep_in_domain(domain, x);
   bool touched = false;
   surfaces.each([&](const pbf_surface &s) {
     pbf_contact contact;
-    touched = touched || pbf_find_contact(&s, with_obstacle_motion, from, x, &contact);
+    touched = touched || pbf_find_contact(&s, pbf_push_of(&s, with_obstacle_motion),
+                                          with_obstacle_motion, from, x, &contact);
   });
   if (!touched) return x;
   const collision<Surfaces> of = {domain, &surfaces, with_obstacle_motion, from};

@@ -6,10 +6,12 @@
 
 #include <pbf/pbf.h>
 
-/* As fast as a fall by h / 2; without gravity as the attraction makes it over the domain's extent;
- * without that too a hundredth of h a step, for nothing else says what is fast. */
+/* As the parameter says, or as fast as a fall by h / 2; without gravity as the attraction makes it
+ * over the domain's extent; without that too a hundredth of h a step, for nothing else says what is
+ * fast. */
 static inline double pbf_max_depenetration_speed_of(const pbf_params *params, int dimension) {
   double h = params->smoothing_radius, g2 = 0, extent = 0;
+  if (params->max_depenetration_speed > 0) return params->max_depenetration_speed;
   for (int k = 0; k < dimension; ++k) {
     g2 += params->gravity[k] * params->gravity[k];
     extent = fmax(extent, params->domain_max[k] - params->domain_min[k]);

@@ -273,6 +273,12 @@ typedef struct pbf_params {
                   step. A particle that falls in it ends at gravity / drag, to first order in the
                   time step. 0, the default: none */
   double drag_velocity[3];
+  double max_depenetration_speed; /* length/time, >= 0: what overlaps parts no faster: particles out
+                       of colliders that are set, jump or grow where they are, and those that are
+                       placed upon others. With PBF_COLLIDE_AFTER_PREDICTION, which it needs.
+                       0, the default: sqrt(|gravity| h), the speed of a fall by h/2; without
+                       gravity as attraction makes it over the domain, without that too h / 100 a
+                       step */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

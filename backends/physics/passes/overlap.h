@@ -61,12 +61,14 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
 }
 
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
- * been placed; `before`: already. Of a particle that was itself placed it is all of its error. */
+ * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
+ * all of its error. */
 PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found, uint32_t id,
                                   pbf_real density, pbf_real placed_density, pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
   const pbf_real part = pbf_is_placed(found, id) ? 1 : (pbf_real)found.part;
-  return pbf_real_max(before, pbf_real_max(part * error, pbf_real_min(error, placed_density)));
+  return pbf_real_max(before,
+                      pbf_real_max(part * error, pbf_real_min(error, before + placed_density)));
 }
 
 /* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay:

@@ -2,6 +2,7 @@
 #ifndef PBF_PHYSICS_SURFACES_OBSTACLES_H
 #define PBF_PHYSICS_SURFACES_OBSTACLES_H
 
+#include "physics/depenetration.h"
 #include "physics/surfaces/domain.h"
 #include "physics/surfaces/surface.h"
 
@@ -39,11 +40,22 @@ static inline void pbf_set_margins(const pbf_params *params, const pbf_domain *d
                            : fmax(1e-3 * params->smoothing_radius, 16 * rounding));
 }
 
+/* What lands in a collider that has been set there, or jumps, or grows at once, would be thrown out
+ * of it: depth over time step is a speed without bound. So it leaves at a bounded one. A step
+ * without time, a projection, has no speeds; and without collisions in the prediction there is no
+ * telling what has just come in. */
+static inline void pbf_set_push(const pbf_params *params, pbf_surface *s) {
+  const double way = pbf_max_depenetration_speed_of(params, PBF_DIM) * params->time_step;
+  s->prediction_push = (pbf_real)(params->time_step > 0 ? way : INFINITY);
+  s->iteration_push = params->collide & PBF_COLLIDE_AFTER_PREDICTION ? 0 : (pbf_real)INFINITY;
+}
+
 /* A collider at the end of a step between these walls, `elapsed` after it was set. */
 static inline pbf_surface pbf_obstacle_at(const pbf_params *params, const pbf_domain *domain,
                                           const pbf_collider *at_set, double elapsed) {
   pbf_surface s = pbf_surface_at(at_set, elapsed, params->time_step);
   pbf_set_margins(params, domain, &s);
+  pbf_set_push(params, &s);
   return s;
 }
 

@@ -37,6 +37,8 @@ typedef struct pbf_surface {
                           there, at most */
   pbf_real skin;       /* how far before it particles stay, and */
   pbf_real rounding;   /* what rounding may take from distances: see pbf_set_margins */
+  pbf_real prediction_push, iteration_push; /* the way by which one of these takes out of it, at
+                                               most, what it finds inside: see pbf_set_push */
 } pbf_surface;
 
 #endif
