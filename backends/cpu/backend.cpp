@@ -73,10 +73,10 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
-  int changes = memcmp(&s->params, params, sizeof *params) != 0;
+  int changes = !pbf_only_time_step_differs(&s->params, params);
+  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
   s->params = *params;
   s->schedule = schedule;
-  s->constants = pbf_constants_of(params);
   if (!schedule.accelerated) s->pressure_scale = 0;
   if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
   return PBF_OK;
@@ -306,6 +306,18 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   return PBF_OK;
 }
 
+static pbf_status max_speed(solver *s, double *speed) {
+  double most2 = 0;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const pbf_vec v = field_at(&s->buffers.v, i);
+    double v2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) v2 += (double)v.c[k] * (double)v.c[k];
+    most2 = v2 > most2 ? v2 : most2;
+  }
+  *speed = sqrt(most2);
+  return PBF_OK;
+}
+
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
   char variant[sizeof plan->variant - 8];
   pbf_plan_stages(&s->schedule, plan);
@@ -371,4 +383,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
     .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
     .plan_for = plan_for,
+    .max_speed = max_speed,
 };

@@ -43,6 +43,7 @@ struct pbf_backend_solver {
   struct team *team;
 
   pbf_params params;
+  pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
 

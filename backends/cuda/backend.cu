@@ -89,10 +89,10 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   if (was_small && !small)
     take_lists(s, chunks, false); /* if that fails, it has more than it needs */
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
-  bool changes = memcmp(&s->params, params, sizeof *params) != 0;
+  bool changes = !pbf_only_time_step_differs(&s->params, params);
+  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
   s->params = *params;
   s->schedule = schedule;
-  s->constants = pbf_constants_of(params);
   if (!schedule.accelerated) s->pressure_scale = 0;
   return schedule.runs[PBF_STAGE_SLEEP] ? allow_sleep(s, changes, slept) : PBF_OK;
 }
@@ -398,6 +398,11 @@ static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
   return report_stats(of(handle), stats);
 }
 
+static pbf_status max_speed(pbf_backend_solver *handle, double *speed) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return report_max_speed(of(handle), speed);
+}
+
 static pbf_status get_plan(pbf_backend_solver *handle, pbf_plan *plan) {
   report_plan(of(handle), plan);
   return PBF_OK;
@@ -453,4 +458,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     PBF_BUILT &PBF_FEATURE_STATS ? project : nullptr,
     PBF_BUILT &PBF_FEATURE_CHEBYSHEV ? set_overlap : nullptr,
     plan_for,
+    max_speed,
 };

@@ -64,6 +64,36 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   return PBF_OK;
 }
 
+/* The largest square, whose bits are in the order of the numbers: the same in any order of threads.
+ */
+static __global__ void max_speed2_kernel(const pbf_vec *velocities, uint32_t count,
+                                         unsigned long long *largest) {
+  const uint32_t i = thread_index();
+  double v2 = 0;
+  if (i < count)
+    for (int k = 0; k < PBF_DIM; ++k) v2 += (double)velocities[i].c[k] * (double)velocities[i].c[k];
+  for (int step = 16; step > 0; step /= 2) v2 = fmax(v2, __shfl_xor_sync(~0u, v2, step));
+  if (threadIdx.x % 32 == 0 && v2 > 0)
+    atomicMax(largest, (unsigned long long)__double_as_longlong(v2));
+}
+
+/* Between steps the lists' room is free. */
+static inline pbf_status report_max_speed(solver *s, double *speed) {
+  unsigned long long *largest = static_cast<unsigned long long *>(s->list_room);
+  double v2 = 0;
+  *speed = 0;
+  if (!s->count) return PBF_OK;
+  if (pbf_status status = pbf_cuda_check(cudaMemsetAsync(largest, 0, sizeof *largest, s->stream),
+                                         "cudaMemsetAsync"))
+    return status;
+  max_speed2_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->velocities, s->count,
+                                                                       largest);
+  if (pbf_status status = pbf_cuda_check_launch("max_speed2_kernel")) return status;
+  if (pbf_status status = copy_out(s, &v2, largest, sizeof v2)) return status;
+  *speed = sqrt(v2);
+  return PBF_OK;
+}
+
 static inline void report_plan(const solver *s, pbf_plan *plan) {
   for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
     if (!s->schedule.runs[k]) continue;

@@ -33,6 +33,7 @@ struct solver {
   stage_clock clock;
 
   pbf_params params;
+  pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
   double time; /* of the last step's end: where walls and colliders stand for statistics */

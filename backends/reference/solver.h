@@ -13,6 +13,7 @@ struct pbf_backend_solver {
   pbf_memory memory;
   const pbf_backend_host *host;
   pbf_params params;
+  pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
   uint32_t capacity, count;

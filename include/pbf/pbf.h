@@ -225,8 +225,8 @@ typedef struct pbf_params {
    * next to nothing. What counts is the velocity of the fluid around a particle, itself included,
    * as a root mean square over about `sleep_time`: a fluid at rest trembles without flowing. Below
    * `sleep_speed` a particle falls asleep, unless fluid three times as fast is within h of it. Such
-   * fluid, or a moving wall or collider, also wakes it, within h; a change of the parameters, and
-   * particles that are set or removed, wake all. */
+   * fluid, or a moving wall or collider, also wakes it, within h; a change of the parameters but
+   * time_step, and particles that are set or removed, wake all. */
   double sleep_speed; /* a length a time unit; 0: nothing sleeps; 0.1 sqrt(|g| spacing) will do */
   double sleep_time;  /* > 0 where anything sleeps; half a second will do */
 
@@ -279,6 +279,14 @@ typedef struct pbf_params {
                        0, the default: sqrt(|gravity| h), the speed of a fall by h/2; without
                        gravity as attraction makes it over the domain, without that too h / 100 a
                        step */
+  uint32_t max_substeps; /* up to so many parts, at most 1000, the library divides a step into that
+                            is longer than pbf_get_step_limit: as few and equal ones as bring it
+                            below that, found anew for each step from the state at its begin alone.
+                            pbf_info counts the caller's steps; iterations, tolerance and what
+                            depends on time_step is each part's, pbf_stats.iterations the last
+                            one's. A step that fails between two parts leaves the time there. Looks
+                            at the fastest particle in each step. 0 or 1: never; 0, the default */
+  uint32_t reserved;     /* 0 */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -485,9 +493,33 @@ typedef struct pbf_stats {
   double density_mean;       /* mean of rho/rho0 */
   uint32_t asleep;           /* particles, see pbf_params.sleep_speed */
   uint32_t reserved;         /* 0 */
+  double step_limit;         /* as pbf_get_step_limit gives it */
+  uint32_t limited_by;       /* PBF_LIMIT_…: what that is for */
+  uint32_t substeps; /* parts that the last step had, see pbf_params.max_substeps; 0 before the
+                        first and after a load */
 } pbf_stats;
 
 PBF_API pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);
+
+/* What a step can be too long for. */
+enum {
+  PBF_LIMIT_NONE = 0,
+  PBF_LIMIT_GRAVITY = 1,    /* g dt² <= 0.5 spacing */
+  PBF_LIMIT_ATTRACTION = 2, /* the same with the largest acceleration at the surface of the fluid
+                               once it has gathered, or of a repulsion in the domain */
+  PBF_LIMIT_PARTICLES = 3,  /* v dt <= spacing: the fastest particle, */
+  PBF_LIMIT_WALLS = 4,      /* wall, */
+  PBF_LIMIT_COLLIDERS = 5   /* collider, its turn included */
+};
+
+/* The longest time_step that the present parameters, colliders and velocities stand, undivided;
+ * infinite where nothing moves or falls. Beyond it water at rest lies down or boils, and what moves
+ * squeezes it: up to 1 spacing a step by less than a tenth, at 3 by three quarters (measured at 4
+ * iterations). The bound on speed is that of Courant, Friedrichs and Lewy (Mathematische Annalen
+ * 100, 1928). Drag is solved exactly and limits nothing. pbf_desc.log is told of longer steps: once
+ * for each cause, and again only after it has ended; when steps are made, of particles when
+ * pbf_get_stats or max_substeps looks at them. Looks at all particles. */
+PBF_API pbf_status pbf_get_step_limit(pbf_solver *solver, double *limit);
 
 #define PBF_NAME_SIZE 32
 #define PBF_MAX_STAGES 24

@@ -189,6 +189,9 @@ struct pbf_backend_api {
    * parameters leave it the choice (pressure_grid -1); 0 until it is called. At most a third more
    * than `capacity`, and 3; the memory for it has been taken before. */
   pbf_status (*plan_for)(pbf_backend_solver *solver, uint32_t count);
+
+  /* Optional: the speed of the fastest particle, pbf_stats.speed_max without the rest. */
+  pbf_status (*max_speed)(pbf_backend_solver *solver, double *speed);
 };
 
 /* What the plugin answers. */

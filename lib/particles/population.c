@@ -79,6 +79,7 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
                              (uint32_t)(solver->next_id + count - 1));
   solver->next_id += count;
+  solver->step_length_checked = 0;
   ++solver->generation;
   return PBF_OK;
 }

@@ -99,6 +99,7 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
   solver->colliders = colliders;
   solver->collider_count = count;
   solver->collider_time = time;
+  solver->step_length_checked = 0;
 }
 
 /* How far the surface of a collider goes at most as it turns from one pose to another. */

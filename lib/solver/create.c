@@ -99,6 +99,7 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
   solver->capacity = desc->capacity;
   solver->device = desc->device;
   solver->params = *params;
+  solver->time_step_there = params->time_step;
   return create_backend(solver, checked);
 }
 

@@ -27,15 +27,16 @@ void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders) {
 
 /* What a step leaves of a density error is as its length squared: of what a much longer one has
  * left the shorter ones are to make no velocity. */
-static double part_of_longer_step(const pbf_params *before, const pbf_params *after) {
-  double ratio = after->time_step / before->time_step;
+static double part_of_longer_step(double before, double now) {
+  double ratio = now / before;
   return ratio < 0.75 ? 1 - ratio * ratio : 0;
 }
 
-void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params) {
-  if (!solver->overlap.moved) return;
-  double part = part_of_longer_step(&solver->params, params);
-  if (part > 0) noted(solver)->part = fmax(noted(solver)->part, part);
+void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
+  double before = solver->overlap.time_step;
+  double part = before > 0 ? part_of_longer_step(before, time_step) : 0;
+  if (solver->overlap.moved && part > 0) noted(solver)->part = fmax(noted(solver)->part, part);
+  solver->overlap.time_step = time_step;
 }
 
 void pbf_overlap_note_walls(pbf_solver *solver) {

@@ -14,8 +14,8 @@ void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders);
 /* Walls have jumped into the fluid. */
 void pbf_overlap_note_walls(pbf_solver *solver);
 
-/* The parameters change to these. */
-void pbf_overlap_note_params(pbf_solver *solver, const pbf_params *params);
+/* The next step has this length: those before may have been much longer. */
+void pbf_overlap_note_step(pbf_solver *solver, double time_step);
 
 /* Nothing overlaps any more. */
 pbf_status pbf_overlap_forget(pbf_solver *solver);

@@ -10,9 +10,17 @@
 #include "ids.h"
 #include "plan.h"
 #include "solver_time.h"
+#include "step_limit.h"
 #include "structs.h"
 
 static void end_text(char *text, size_t size) { text[size - 1] = 0; }
+
+static void add_step_limit(pbf_solver *solver, pbf_stats *stats) {
+  const pbf_step_limits limits = pbf_step_limits_of(solver, stats->speed_max);
+  stats->step_limit = pbf_shortest_limit(&limits, &stats->limited_by);
+  stats->substeps = solver->substeps;
+  pbf_warn_of_long_steps(solver, &limits, 1u << PBF_LIMIT_PARTICLES);
+}
 
 static pbf_status get_stats(pbf_solver *solver, pbf_stats *theirs) {
   pbf_stats stats = {.struct_size = sizeof stats};
@@ -27,6 +35,7 @@ static pbf_status get_stats(pbf_solver *solver, pbf_stats *theirs) {
                     "the backend \"%s\" gave statistics of %u particles out of %u",
                     solver->plugin->name, stats.count, solver->count);
   }
+  add_step_limit(solver, &stats);
   pbf_struct_out(&pbf_kind_stats, &stats, theirs, theirs->struct_size);
   return PBF_OK;
 }

@@ -2,7 +2,6 @@
 
 #include "backend_call.h"
 #include "handles.h"
-#include "overlap.h"
 #include "params.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -11,6 +10,7 @@
 pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
   pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
   pbf_status status = solver->api.set_params(solver->backend, &clean);
+  if (status == PBF_OK) solver->time_step_there = params->time_step;
   return pbf_backend_result(solver, status, "set_params");
 }
 
@@ -22,8 +22,8 @@ static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
   pbf_note_params(solver, &params);
-  pbf_overlap_note_params(solver, &params);
   solver->params = params;
+  solver->step_length_checked = 0;
   return PBF_OK;
 }
 

@@ -11,6 +11,7 @@ enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
 typedef struct pbf_overlap_state {
   pbf_overlap found; /* placed since the last step; struct_size 0: nothing */
   double end;        /* when nothing is left of what was placed before it; 0: nothing was */
+  double time_step;  /* the last one's; 0: there was none */
   uint32_t moved;    /* 1: steps have moved the particles that there are */
   uint32_t reserved; /* 0 */
 } pbf_overlap_state;
@@ -60,6 +61,11 @@ struct pbf_solver {
   uint64_t step;
   uint64_t steps_since;
   double time_base;
+
+  uint32_t substeps;      /* of the last step */
+  double time_step_there; /* as the backend has it: params.time_step, or a part */
+  uint32_t said; /* PBF_LIMIT_…, a bit each: steps are too long for it, and it was said */
+  uint32_t step_length_checked; /* 1: nothing has changed since by which steps could be too long */
 
   pbf_placement placement; /* since the last step */
 

@@ -10,6 +10,8 @@
 #include "plan.h"
 #include "prestabilize.h"
 #include "solver_time.h"
+#include "step_limit.h"
+#include "substeps.h"
 
 static double time_after(const pbf_solver *solver, uint32_t steps) {
   return solver->time_base + (double)(solver->steps_since + steps) * solver->params.time_step;
@@ -43,15 +45,41 @@ pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   return run_backend(solver, time, 0, 0, &done);
 }
 
+/* All parts of one step. What fails between two of them is a shorter step that has been done. */
+static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *done) {
+  double begin = pbf_solver_time(solver);
+  uint32_t parts = 0;
+  pbf_status status = run_backend(solver, begin, 0, substeps, &parts);
+  *done = parts == substeps;
+  if (*done || parts == 0) return status;
+  solver->time_base = begin + parts * (solver->params.time_step / substeps);
+  solver->steps_since = 0;
+  solver->overlap.moved = 1;
+  ++solver->generation;
+  return status;
+}
+
+/* So many of the steps as go alike. */
+static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
+  uint32_t substeps, alike = solver->params.max_substeps > 1 ? 1 : steps;
+  pbf_status status = pbf_substeps_of(solver, &substeps);
+  if (status == PBF_OK) status = pbf_divide_step(solver, substeps);
+  if (status != PBF_OK) return status;
+  pbf_overlap_note_step(solver, solver->time_step_there);
+  status = pbf_overlap_to_backend(solver, &alike);
+  if (status != PBF_OK) return status;
+  solver->substeps = substeps;
+  if (substeps > 1) return run_divided(solver, substeps, done);
+  return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
+}
+
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
   pbf_status status = pbf_plan_step(solver);
   if (status != PBF_OK) return status;
   if (solver->count > 0) {
     status = pbf_prestabilize(solver);
-    if (status == PBF_OK) status = pbf_overlap_to_backend(solver, &steps);
-    if (status == PBF_OK)
-      status = run_backend(solver, solver->time_base, solver->steps_since, steps, &done);
+    if (status == PBF_OK) status = run(solver, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {
     status = pbf_time_to_backend(solver, time_after(solver, steps));
@@ -79,6 +107,7 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
                     "steps is %u, after which the time would not be finite; it is %.9g now", steps,
                     pbf_solver_time(solver));
   }
+  pbf_check_step_length(solver);
   uint32_t possible = steps_before_walls_meet(solver, steps);
   if (possible > 0) status = advance(solver, possible);
   if (status != PBF_OK || possible == steps) return status;

@@ -119,6 +119,7 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   if (!solver->api.set_overlap) solver->overlap.end = 0;
   solver->placement = in->header.placement;
   solver->planned = in->header.planned;
+  solver->step_length_checked = 0;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

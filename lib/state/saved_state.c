@@ -90,6 +90,7 @@ static int is_overlap_sound(const pbf_snapshot_header *header) {
   const pbf_overlap_state *o = &header->overlap;
   int has_found = o->found.struct_size != 0;
   return o->moved <= 1 && o->reserved == 0 && isfinite(o->end) && o->end >= 0 &&
+         isfinite(o->time_step) && o->time_step >= 0 &&
          (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
          (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
                          o->found.part >= 0 && o->found.part <= 1));

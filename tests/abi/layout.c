@@ -94,7 +94,7 @@ AT(pbf_view, generation, 48);
 AT(pbf_view, data, 56);
 AT(pbf_view, ids, 64);
 
-SIZE(pbf_stats, 168);
+SIZE(pbf_stats, 184);
 AT(pbf_stats, struct_size, 0);
 AT(pbf_stats, count, 4);
 AT(pbf_stats, iterations, 8);
@@ -111,6 +111,9 @@ AT(pbf_stats, density_error_max, 144);
 AT(pbf_stats, density_mean, 152);
 AT(pbf_stats, asleep, 160);
 AT(pbf_stats, reserved, 164);
+AT(pbf_stats, step_limit, 168);
+AT(pbf_stats, limited_by, 176);
+AT(pbf_stats, substeps, 180);
 
 SIZE(pbf_stage_time, 48);
 AT(pbf_stage_time, name, 0);
@@ -235,7 +238,7 @@ AT(pbf_overlap, last_id, 12);
 AT(pbf_overlap, colliders, 16);
 AT(pbf_overlap, part, 24);
 
-SIZE(pbf_backend_api, 200);
+SIZE(pbf_backend_api, 208);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -262,6 +265,7 @@ AT(pbf_backend_api, map_pressures, 168);
 AT(pbf_backend_api, project, 176);
 AT(pbf_backend_api, set_overlap, 184);
 AT(pbf_backend_api, plan_for, 192);
+AT(pbf_backend_api, max_speed, 200);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);
