@@ -25,10 +25,6 @@ static inline double pbf_limit_of_speed(double spacing, double speed) {
   return speed > 0 ? most * spacing / speed : INFINITY;
 }
 
-static inline double pbf_length(const double v[3]) {
-  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* The acceleration by an attraction where it presses `count` particles: at the surface of the ball
  * that they gather to, or of the part of one at the walls next to its centre; of a repulsion in the
  * farthest corner. */
@@ -80,7 +76,7 @@ static inline double pbf_fastest_corner(const pbf_collider *c, const double rate
                           dimension == 3 ? c->half_extents[2] * (corner & 2 ? -1 : 1) : 0};
     double speed[3];
     pbf_cross(rate, at, speed);
-    most = fmax(most, pbf_length(speed));
+    most = fmax(most, pbf_motion_length(speed));
   }
   return most;
 }
@@ -89,24 +85,32 @@ static inline double pbf_fastest_corner(const pbf_collider *c, const double rate
  * the domain ends. About a fixed axis its parts keep their speed. */
 static inline double pbf_turning_speed(const pbf_collider *c, const pbf_params *params,
                                        uint32_t dimension) {
-  double length = pbf_length(c->axis), rate[3], speed[3], far[3] = {0, 0, 0};
+  double length = pbf_motion_length(c->axis), rate[3], speed[3], far[3] = {0, 0, 0};
   pbf_turned(c->orientation, 1, c->angular_velocity, rate);
   pbf_cross(rate, c->axis, speed);
   for (uint32_t k = 0; k < dimension; ++k)
     far[k] = fmax(fabs(params->domain_min[k] - c->position[k]),
                   fabs(params->domain_max[k] - c->position[k]));
   if (c->shape == PBF_COLLIDER_BOX) return pbf_fastest_corner(c, rate, dimension);
-  if (c->shape == PBF_COLLIDER_CAPSULE) return pbf_length(speed) / length * c->half_length;
-  if (c->shape == PBF_COLLIDER_PLANE) return pbf_length(speed) / length * pbf_length(far);
+  if (c->shape == PBF_COLLIDER_CAPSULE) return pbf_motion_length(speed) / length * c->half_length;
+  if (c->shape == PBF_COLLIDER_PLANE)
+    return pbf_motion_length(speed) / length * pbf_motion_length(far);
   return 0;
 }
 
-/* In 2D the components that it has not are 0. */
+/* How fast it grows or shrinks, at most. */
+static inline double pbf_growing_speed(const pbf_collider *c) {
+  if (c->shape == PBF_COLLIDER_BOX) return pbf_motion_length(c->half_extents_rate);
+  if (c->shape == PBF_COLLIDER_PLANE) return 0;
+  return fabs(c->radius_rate) + (c->shape == PBF_COLLIDER_CAPSULE ? fabs(c->half_length_rate) : 0);
+}
+
+/* As they are now. In 2D the components that it has not are 0. */
 static inline double pbf_fastest_collider(const pbf_params *params, uint32_t dimension,
                                           uint32_t count, const pbf_collider *colliders) {
   double most = 0;
   for (uint32_t k = 0; k < count; ++k)
-    most = fmax(most, pbf_length(colliders[k].velocity) +
+    most = fmax(most, pbf_motion_length(colliders[k].velocity) + pbf_growing_speed(&colliders[k]) +
                           pbf_turning_speed(&colliders[k], params, dimension));
   return most;
 }

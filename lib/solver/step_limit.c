@@ -13,8 +13,11 @@
 
 static double colliders_speed(const pbf_solver *solver, const pbf_params *params) {
   pbf_collider clean[PBF_MAX_COLLIDERS];
-  for (uint32_t i = 0; i < solver->collider_count; ++i)
-    clean[i] = pbf_collider_for_backend(&solver->colliders[i], solver->kind.dimension);
+  const double elapsed = pbf_solver_time(solver) - solver->collider_time;
+  for (uint32_t i = 0; i < solver->collider_count; ++i) {
+    pbf_motion_collider_state(&solver->colliders[i], elapsed, &clean[i]);
+    clean[i] = pbf_collider_for_backend(&clean[i], solver->kind.dimension);
+  }
   return pbf_fastest_collider(params, solver->kind.dimension, solver->collider_count, clean);
 }
 
@@ -25,7 +28,7 @@ pbf_step_limits pbf_step_limits_of(const pbf_solver *solver, double particle_spe
   const double pull = pbf_attraction_acceleration(&params, dimension, solver->count, now);
   return (pbf_step_limits){{
       [PBF_LIMIT_NONE] = INFINITY,
-      [PBF_LIMIT_GRAVITY] = pbf_limit_of_acceleration(d, pbf_length(params.gravity)),
+      [PBF_LIMIT_GRAVITY] = pbf_limit_of_acceleration(d, pbf_motion_length(params.gravity)),
       [PBF_LIMIT_ATTRACTION] = pbf_limit_of_acceleration(d, pull),
       [PBF_LIMIT_PARTICLES] = pbf_limit_of_speed(d, particle_speed),
       [PBF_LIMIT_WALLS] = pbf_limit_of_speed(d, pbf_fastest_wall(&params, dimension)),

@@ -97,6 +97,19 @@ static void check_limits(uint32_t dimension, uint32_t precision) {
   body.shape = PBF_COLLIDER_SPHERE; /* whose turn moves nothing */
   assert_ok(pbf_set_colliders(s, 1, &body));
   assert_true(fabs(limit_of(s) - d / 2) < 1e-6 * d);
+  body.radius_rate = 1; /* what it grows by adds to its way, for as long as it does */
+  body.duration = 0.4;
+  body.position[1] = 100;
+  assert_ok(pbf_set_colliders(s, 1, &body));
+  expect_limit(s, PBF_LIMIT_COLLIDERS, d / 3);
+  for (int k = 0; k < 2; ++k) {
+    params.time_step = 0.2;
+    params.wall_velocity[PBF_WALL_X_MIN] = params.wall_amplitude[PBF_WALL_Y_MAX] = 0;
+    params.gravity[0] = params.gravity[1] = params.gravity[2] = 0;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 1));
+    assert_int_equal(stats_of(s).limited_by == PBF_LIMIT_COLLIDERS, k == 0);
+  }
   double velocity[3] = {0, -4, dimension == 3 ? 3 : 0};
   char v[sizeof velocity];
   for (uint32_t k = 0; k < dimension; ++k) test_put(v, k, precision, velocity[k]);
