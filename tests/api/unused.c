@@ -12,8 +12,9 @@ typedef struct scene {
   double wall, ball; /* velocities */
 } scene;
 
-/* Water where a pressure grid serves, but not with a few layers fewer; a domain of more cells than
- * are worth their memory; walls and a collider that are where the time says. */
+/* Water where a pressure grid serves, but not with a few layers fewer; a domain of more cells
+ * between particles than are worth their memory; walls and a collider that are where the time says.
+ */
 static const scene scenes[] = {
     {"deep water", {5, 24, 4}, 1.5, 0, 0},
     {"wide domain", {6, 5, 4}, 60, 0, 0},
@@ -59,8 +60,10 @@ static pbf_solver *fill(const scene *s, const way *w, uint32_t dimension, uint32
   assert_non_null(x);
   for (uint32_t i = 0; i < total; ++i) {
     const uint32_t at[3] = {i % count[0], i / count[0] % count[1], i / count[0] / count[1]};
+    const int is_far = s->domain > 10 && i >= total / 2;
     for (uint32_t k = 0; k < dimension; ++k)
-      test_put(x, (uint64_t)i * dimension + k, precision, spacing * (at[k] + 0.5));
+      test_put(x, (uint64_t)i * dimension + k, precision,
+               spacing * (at[k] + 0.5) + (is_far ? 0.8 * params.domain_max[k] : 0));
   }
   assert_ok(pbf_add_particles(solver, total, x, NULL, NULL));
   free(x);
