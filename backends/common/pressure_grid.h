@@ -3,7 +3,8 @@
 #define PBF_COMMON_PRESSURE_GRID_H
 
 #include "common/memory.h"
-#include "physics/pressure_grid/nodes.h"
+#include "physics/pressure_grid/particles.h"
+#include "physics/pressure_grid/solve.h"
 #include "physics/constants.h"
 
 /* Nodes first … last - 1. */
@@ -19,12 +20,23 @@ typedef struct pbf_pressure_grid_storage {
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   pbf_pressure_grid_run *runs; /* all nodes that are not in the open are in one, in their order … */
   uint32_t count;              /* of so many; unless every node is looked at */
+  pbf_pressure_grid_topology topology;
+  pbf_obstacles obstacles; /* that it is of */
 } pbf_pressure_grid_storage;
+
+/* What a grid with thin solids in it has beside. */
+typedef struct pbf_pressure_grid_room {
+  char *bytes;
+} pbf_pressure_grid_room;
+
+static inline uint64_t pbf_pressure_grid_room_bytes(uint32_t capacity) {
+  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity));
+}
 
 /* Words of 8 bytes in all arrays. */
 static inline uint64_t pbf_pressure_grid_words(uint32_t capacity) {
   enum { ARRAYS = 11 };
-  return ARRAYS * pbf_pressure_grid_limit(pbf_most_planned(capacity));
+  return ARRAYS * pbf_pressure_grid_most(capacity);
 }
 
 /* Takes the memory or releases it; false when there is none. What lies behind the last node is
@@ -35,7 +47,7 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   if (!pbf_memory_keep(memory, wanted, name, pbf_pressure_grid_words(capacity), 0, &storage->sums))
     return false;
   if (!taken) return true;
-  uint64_t limit = pbf_pressure_grid_limit(pbf_most_planned(capacity));
+  uint64_t limit = pbf_pressure_grid_most(capacity);
   storage->places = storage->sums + limit;
   double *next = (double *)storage->places;
   double **const arrays[] = {&storage->free_volumes, &storage->parts, &storage->weights,
@@ -46,17 +58,109 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   return true;
 }
 
+/* ---- Thin solids ---------------------------------------------------------------------------- */
+
+static inline void pbf_pressure_grid_divide_cells(const pbf_pressure_grid *c,
+                                                  const pbf_pressure_grid_topology *t) {
+  int i[PBF_DIM];
+  memset(t->counts, 0, PBF_TOPOLOGY_COUNTS * sizeof *t->counts);
+  memset(t->links, 0, c->nodes * sizeof *t->links);
+  memset(t->merged, 0, (uint64_t)c->nodes * PBF_PARTS * sizeof *t->merged);
+  memset(t->touched, 0, c->nodes * sizeof *t->touched);
+  memset(t->corners, 0, (uint64_t)c->nodes * PBF_CORNERS * sizeof *t->corners);
+  for (uint32_t cell = 0; cell < c->nodes; ++cell) {
+    pbf_pressure_grid_place(c, cell, i);
+    if (pbf_cell_is_inside(c, i)) pbf_divide_cell(c, t, cell, i);
+  }
+  for (uint32_t cell = 0; cell < c->nodes; ++cell) {
+    pbf_pressure_grid_place(c, cell, i);
+    pbf_link_cell(c, t, cell, i);
+  }
+  for (uint32_t cell = 0; cell < c->nodes; ++cell) pbf_merge_compartments(c, t, cell);
+}
+
+static inline void pbf_pressure_grid_tear_nodes(const pbf_pressure_grid *c,
+                                                const pbf_pressure_grid_topology *t) {
+  memset(t->torn, 0, t->limit * sizeof *t->torn);
+  for (uint32_t node = 0; node < c->nodes; ++node)
+    if (pbf_node_is_inside(c, node)) pbf_tear_node(c, t, node);
+  for (uint32_t node = 0; node < c->nodes; ++node)
+    if (pbf_node_is_inside(c, node)) pbf_list_torn_node(c, t, node);
+}
+
+static inline int pbf_pressure_grid_has_thin(const pbf_pressure_grid *c, const pbf_obstacles *o) {
+  int any = 0;
+  for (int k = 0; k < pbf_surface_count(*o); ++k) any |= pbf_surface_is_thin(c, &o->surfaces[k]);
+  return any;
+}
+
+/* Whether nothing has moved since the last step: all that is found again would be the same. */
+static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *storage,
+                                           const pbf_pressure_grid *now, const pbf_obstacles *o) {
+  const pbf_obstacles *of = &storage->obstacles;
+  return storage->topology.counts[PBF_TOPOLOGY_FOUND] &&
+         memcmp(&storage->grid, now, sizeof *now) == 0 && of->count == o->count &&
+         memcmp(&of->domain, &o->domain, sizeof o->domain) == 0 &&
+         memcmp(of->surfaces, o->surfaces, (size_t)o->count * sizeof *o->surfaces) == 0;
+}
+
+/* The grid between these walls; where there are thin solids, in fewer of the indices, and with what
+ * they divide it into. */
+static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
+                                                const pbf_pressure_grid_room *room,
+                                                const pbf_params *params, const pbf_domain *domain,
+                                                uint32_t capacity, uint32_t count,
+                                                const pbf_obstacles *o) {
+  uint64_t limit = pbf_pressure_grid_limit(count);
+  pbf_pressure_grid_topology *t = &storage->topology;
+  pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, limit);
+  *t = pbf_pressure_grid_topology_in(room->bytes, pbf_pressure_grid_most(capacity), limit);
+  if (!room->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
+    storage->grid = now;
+    return;
+  }
+  now = pbf_pressure_grid_between(params, domain, pbf_pressure_grid_first_further(limit));
+  const int stands = pbf_pressure_grid_stands(storage, &now, o);
+  storage->grid = now;
+  storage->obstacles = *o;
+  t->surfaces = storage->obstacles.surfaces;
+  t->surface_count = o->count;
+  t->domain = o->domain;
+  if (!stands) {
+    pbf_pressure_grid_divide_cells(&storage->grid, t);
+    pbf_pressure_grid_tear_nodes(&storage->grid, t);
+    t->counts[PBF_TOPOLOGY_FOUND] = 1;
+  }
+  memset(storage->sums + t->first, 0, t->most * sizeof *storage->sums);
+  memset(storage->places + t->first, 0, t->most * sizeof *storage->places);
+}
+
+static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_topology *t) {
+  return t->surface_count ? t->first + pbf_pressure_grid_further_count(t, PBF_FURTHER_COMPARTMENTS)
+                          : t->first;
+}
+
 /* Before particles add to the sums, in a grid for `count` of them. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
-                                           const pbf_params *params, uint32_t count,
-                                           const pbf_obstacles *o) {
+                                           const pbf_pressure_grid_room *room,
+                                           const pbf_params *params, uint32_t capacity,
+                                           uint32_t count, const pbf_obstacles *o) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  storage->grid = pbf_pressure_grid_between(params, &domain, pbf_pressure_grid_limit(count));
+  pbf_pressure_grid_place_over(storage, room, params, &domain, capacity, count, o);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
 }
+
+/* The cell of a particle, or the compartment, and its place there; PBF_NO_INDEX: none. */
+static inline uint32_t pbf_pressure_grid_find(const pbf_pressure_grid_storage *storage, pbf_vec x,
+                                              double at[PBF_DIM]) {
+  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
+  return pbf_compartment_of(&storage->grid, &storage->topology, cell, x, at);
+}
+
+/* ---- The cells ------------------------------------------------------------------------------ */
 
 /* Indices, up to the last of them along each axis. */
 typedef struct pbf_pressure_grid_box {
@@ -94,6 +198,7 @@ static inline void pbf_pressure_grid_extend(const pbf_pressure_grid *c,
 static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes(
     pbf_pressure_grid_storage *storage, const pbf_obstacles *o, const pbf_pressure_grid_box *box) {
   const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid_extent extent = {{0}, {0}};
   int i[PBF_DIM];
   memcpy(i, box->first, sizeof i);
@@ -101,11 +206,20 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
     uint32_t row = pbf_pressure_grid_row(c, i);
     for (i[0] = box->first[0]; i[0] <= box->last[0]; ++i[0]) {
       uint32_t cell = row + (uint32_t)i[0];
-      storage->free_volumes[cell] = pbf_pressure_grid_free_volume_at(c, *o, i);
+      double whole = 0;
+      if (!pbf_cell_is_cut(t, cell)) whole = pbf_pressure_grid_free_volume_at(c, *o, i);
+      if (t->surface_count) whole = pbf_compartment_volume(t, cell, whole);
+      storage->free_volumes[cell] = whole;
       if (pbf_pressure_grid_is_filled(c, storage->sums[cell], storage->free_volumes[cell]))
         pbf_pressure_grid_extend(c, &extent, i);
     }
   } while (pbf_pressure_grid_next_row(box, i));
+  for (uint32_t k = t->first; k < pbf_pressure_grid_last_further(t); ++k) {
+    storage->free_volumes[k] = pbf_compartment_volume(t, k, 0);
+    if (!pbf_pressure_grid_is_filled(c, storage->sums[k], storage->free_volumes[k])) continue;
+    pbf_pressure_grid_place(c, pbf_compartment_cell(t, k), i);
+    pbf_pressure_grid_extend(c, &extent, i);
+  }
   return pbf_pressure_grid_source_scale_of(c, &extent);
 }
 
@@ -113,6 +227,7 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
 static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *storage,
                                                   const pbf_pressure_grid_box *box) {
   const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid_box nodes = *box;
   int i[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -123,14 +238,18 @@ static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *sto
     uint32_t row = pbf_pressure_grid_row(c, i);
     for (i[0] = nodes.first[0]; i[0] <= nodes.last[0]; ++i[0])
       storage->depths[row + (uint32_t)i[0]] = pbf_pressure_grid_node_depth(
-          c, storage->sums, storage->places, storage->free_volumes, (int64_t)row + i[0], i);
+          c, t, storage->sums, storage->places, storage->free_volumes, (int64_t)row + i[0], i);
   } while (pbf_pressure_grid_next_row(&nodes, i));
+  for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k)
+    storage->depths[t->torn_at[k]] = pbf_pressure_grid_torn_depth(
+        c, t, storage->sums, storage->places, storage->free_volumes, k);
 }
 
 /* What of the cells in a box, outside which there is no fluid, is below the surface. */
 static inline void pbf_pressure_grid_cut_cells(pbf_pressure_grid_storage *storage,
                                                const pbf_pressure_grid_box *box) {
   const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
   int i[PBF_DIM];
   pbf_pressure_grid_find_surface(storage, box);
   memcpy(i, box->first, sizeof i);
@@ -138,25 +257,60 @@ static inline void pbf_pressure_grid_cut_cells(pbf_pressure_grid_storage *storag
     uint32_t row = pbf_pressure_grid_row(c, i);
     for (int x = box->first[0]; x <= box->last[0]; ++x) {
       uint32_t cell = row + (uint32_t)x;
-      pbf_pressure_grid_cut(c, storage->depths, storage->free_volumes, cell, &storage->parts[cell],
-                            &storage->weights[cell]);
+      pbf_pressure_grid_cut(c, t, storage->depths, storage->free_volumes, cell,
+                            &storage->parts[cell], &storage->weights[cell]);
     }
   } while (pbf_pressure_grid_next_row(box, i));
+  for (uint32_t k = t->first; k < pbf_pressure_grid_last_further(t); ++k)
+    pbf_pressure_grid_cut(c, t, storage->depths, storage->free_volumes, k, &storage->parts[k],
+                          &storage->weights[k]);
+}
+
+/* The equations of torn nodes, which are none of the others; returns the largest right side of one
+ * that is not in the open. */
+static inline double pbf_pressure_grid_torn_equations(
+    pbf_pressure_grid_storage *storage, const pbf_pressure_grid_source_scale *source_scale) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  double largest = 0;
+  for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k) {
+    pbf_pressure_grid_torn_equation(&storage->grid, t, source_scale, storage->sums,
+                                    storage->free_volumes, storage->weights, storage->depths, k);
+    if (t->inverse[k] > 0) largest = pbf_greater(largest, fabs(t->right[k]));
+  }
+  return largest;
+}
+
+static inline void pbf_pressure_grid_guess_torn(pbf_pressure_grid_storage *storage, double part) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k) {
+    const double lambda = pbf_pressure_grid_torn_guess(&storage->grid, t, part, storage->inverse,
+                                                       storage->free_volumes, storage->weights, k);
+    storage->lambda[t->torn_at[k]] = storage->before[t->torn_at[k]] = t->before[k] = lambda;
+  }
 }
 
 /* Where the solve starts, once all have an equation. */
 static inline void pbf_pressure_grid_guess_all(pbf_pressure_grid_storage *storage,
                                                const pbf_pressure_grid_source_scale *source_scale) {
   const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  pbf_pressure_grid_guess_torn(storage, source_scale->part);
   for (uint32_t column = 0; column < pbf_pressure_grid_columns(c); ++column)
-    pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->free_volumes,
-                            storage->weights, column, storage->lambda);
+    if (t->surface_count)
+      pbf_pressure_grid_guess_between(c, t, source_scale->part, storage->inverse,
+                                      storage->free_volumes, storage->weights, column,
+                                      storage->lambda);
+    else
+      pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->free_volumes,
+                              storage->weights, column, storage->lambda);
   memcpy(storage->before, storage->lambda, c->nodes * sizeof *storage->lambda);
 }
 
 /* An iteration has written to `before`. */
 static inline void pbf_pressure_grid_swap(pbf_pressure_grid_storage *storage) {
   double *now = storage->before;
+  for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(&storage->topology); ++k)
+    pbf_pressure_grid_end_torn(&storage->topology, storage->lambda, now, k);
   storage->before = storage->lambda;
   storage->lambda = now;
 }
@@ -166,9 +320,10 @@ static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid
                                                          const pbf_constants *c,
                                                          pbf_real inv_time_step, pbf_vec x) {
   double at[PBF_DIM];
-  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
-  double lambda =
-      pbf_pressure_grid_lambda(&storage->grid, storage->lambda, storage->parts, cell, at);
+  uint32_t cell = pbf_pressure_grid_find(storage, x, at);
+  if (cell == PBF_NO_INDEX) return 0;
+  double lambda = pbf_pressure_grid_lambda(&storage->grid, &storage->topology, storage->lambda,
+                                           storage->parts, cell, at);
   return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)c->pressure);
 }
 

@@ -134,6 +134,8 @@ static extent chunks(const solver *s) { return {padded(s->capacity) / ACTIVITY_C
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
+static extent room_bytes(const solver *s) { return {pbf_pressure_grid_room_bytes(s->capacity), 0}; }
+
 static extent grid_words(const solver *s) { return {pbf_pressure_grid_words(s->capacity), 0}; }
 
 namespace {
@@ -157,6 +159,7 @@ struct optional_array {
   bool keep(pbf_pressure_grid_storage *storage, extent) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
+  bool keep(pbf_pressure_grid_room *room, extent e) const { return keep(&room->bytes, e); }
   bool keep() const { return true; } /* other backends' */
 };
 

@@ -29,6 +29,22 @@ PBF_FN void find_places(const pbf_pressure_grid *c, const field *x, uint32_t fir
   }
 }
 
+/* What of them are between thin solids is in compartments. */
+static __attribute__((noinline)) void find_compartments(const pbf_pressure_grid_storage *storage,
+                                                        const field *x, uint32_t first,
+                                                        uint32_t count,
+                                                        pressure_grid_places *places) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  for (uint32_t l = 0; l < count; ++l) {
+    if (!pbf_cell_is_cut(t, places->cells[l])) continue;
+    double at[PBF_DIM];
+    pbf_vec own;
+    for (int k = 0; k < PBF_DIM; ++k) own.c[k] = x->c[k][first + l];
+    places->cells[l] = pbf_compartment_of(&storage->grid, t, places->cells[l], own, at);
+    for (int k = 0; k < PBF_DIM; ++k) places->at[k][l] = at[k];
+  }
+}
+
 PBF_FN uint32_t pressure_grid_chunk(uint32_t first, uint32_t last) {
   return last - first < PRESSURE_GRID_CHUNK ? last - first : (uint32_t)PRESSURE_GRID_CHUNK;
 }
@@ -43,6 +59,7 @@ PBF_FN void add_entries(const pbf_pressure_grid_storage *storage, const uint32_t
       sum += entries[l];
       places += within[l];
     }
+    if (cell == PBF_NO_INDEX) continue;
     __atomic_fetch_add(&storage->sums[cell], sum, __ATOMIC_RELAXED);
     __atomic_fetch_add(&storage->places[cell], places, __ATOMIC_RELAXED);
   }
@@ -56,6 +73,7 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
     int64_t entries[PRESSURE_GRID_CHUNK], within[PRESSURE_GRID_CHUNK];
     count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
+    if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
     for (uint32_t l = 0; l < count; ++l)
       entries[l] = pbf_pressure_grid_entry(target, densities[first + l]);
     for (uint32_t l = 0; l < count; ++l) {
@@ -75,10 +93,13 @@ typedef struct pressure_grid_corners {
 PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32_t *cells,
                           uint32_t count, pressure_grid_corners *corners) {
   for (uint32_t l = 0; l < count; ++l) {
-    double values[PBF_CORNERS];
-    pbf_pressure_grid_corners(&storage->grid, storage->lambda, cells[l], values);
+    double values[PBF_CORNERS] = {0};
+    const int any = cells[l] != PBF_NO_INDEX;
+    if (any)
+      pbf_pressure_grid_corners(&storage->grid, &storage->topology, storage->lambda, cells[l],
+                                values);
     for (int a = 0; a < PBF_CORNERS; ++a) corners->lambda[a][l] = values[a];
-    corners->part[l] = storage->parts[cells[l]];
+    corners->part[l] = any ? storage->parts[cells[l]] : 1;
   }
 }
 
@@ -93,6 +114,7 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
     pbf_real moves[PBF_DIM][PRESSURE_GRID_CHUNK];
     count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
+    if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
     fetch_corners(storage, places.cells, count, &corners);
     for (uint32_t l = 0; l < count; ++l) {
       double values[PBF_CORNERS], at[PBF_DIM];

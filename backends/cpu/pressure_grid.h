@@ -16,7 +16,8 @@ static void end_search_with_grid(void *context) {
   solver *s = w->s;
   end_search(w);
   if (!s->wanted.lacking)
-    pbf_pressure_grid_begin(&s->pressure_grid, &s->params, s->planned, &w->obstacles);
+    pbf_pressure_grid_begin(&s->pressure_grid, &s->pressure_grid_room, &s->params, s->capacity,
+                            s->planned, &w->obstacles);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */

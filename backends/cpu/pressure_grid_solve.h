@@ -13,6 +13,23 @@ static int has_fluid(const int64_t *sums, uint32_t size) {
   return any != 0;
 }
 
+/* What of it is in further compartments, too. */
+static int find_fluid_between(const pbf_pressure_grid_storage *storage,
+                              pbf_pressure_grid_box *fluid) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  int i[PBF_DIM], any = 0;
+  for (uint32_t k = t->first; k < pbf_pressure_grid_last_further(t); ++k) {
+    if (!storage->sums[k]) continue;
+    any = 1;
+    pbf_pressure_grid_place(&storage->grid, pbf_compartment_cell(t, k), i);
+    for (int a = 0; a < PBF_DIM; ++a) {
+      if (i[a] < fluid->first[a]) fluid->first[a] = i[a];
+      if (i[a] > fluid->last[a]) fluid->last[a] = i[a];
+    }
+  }
+  return any;
+}
+
 /* The cells that hold particles, and those around them: so far nodes reach that are not in the
  * open. 0 when there are none. */
 static int find_fluid(const pbf_pressure_grid_storage *storage, pbf_pressure_grid_box *fluid) {
@@ -36,6 +53,7 @@ static int find_fluid(const pbf_pressure_grid_storage *storage, pbf_pressure_gri
       if (i[k] > fluid->last[k]) fluid->last[k] = i[k];
     }
   } while (pbf_pressure_grid_next_row(&all, i));
+  any |= find_fluid_between(storage, fluid);
   for (int k = 0; k < PBF_DIM; ++k) {
     --fluid->first[k];
     ++fluid->last[k];
@@ -55,13 +73,16 @@ static void add_to_runs(pbf_pressure_grid_storage *storage, uint32_t node) {
   }
 }
 
+static uint32_t whole_vectors(uint32_t nodes) {
+  return (nodes + PRESSURE_GRID_LANES - 1) / PRESSURE_GRID_LANES * PRESSURE_GRID_LANES;
+}
+
 /* Runs have whole vectors of nodes: those behind the last one are in the open. */
 static uint32_t round_runs(pbf_pressure_grid_storage *storage) {
   uint32_t nodes = 0;
   for (uint32_t k = 0; k < storage->count; ++k) {
     pbf_pressure_grid_run *run = &storage->runs[k];
-    run->last = run->first + (run->last - run->first + PRESSURE_GRID_LANES - 1) /
-                                 PRESSURE_GRID_LANES * PRESSURE_GRID_LANES;
+    run->last = run->first + whole_vectors(run->last - run->first);
     nodes += run->last - run->first;
   }
   return nodes;
@@ -72,7 +93,7 @@ static double find_equations(solver *s, const pbf_pressure_grid_source_scale *so
                              const pbf_pressure_grid_box *fluid) {
   pbf_pressure_grid_storage *storage = &s->pressure_grid;
   pbf_pressure_grid_box nodes = *fluid;
-  double largest = 0;
+  double largest = pbf_pressure_grid_torn_equations(storage, source_scale);
   int i[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) i[k] = ++nodes.first[k];
   storage->count = 0;
@@ -82,6 +103,8 @@ static double find_equations(solver *s, const pbf_pressure_grid_source_scale *so
     s->kernels->equations(storage, source_scale, i, nodes.last[0], row);
     for (int x = nodes.first[0]; x <= nodes.last[0]; ++x) {
       uint32_t node = row + (uint32_t)x;
+      if (storage->topology.surface_count && storage->topology.torn[node])
+        storage->inverse[node] = 0;
       if (!(storage->inverse[node] > 0)) continue;
       largest = pbf_greater(largest, fabs(storage->right[node]));
       add_to_runs(storage, node);
@@ -96,26 +119,40 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
   pressure_grid_solve *d = &s->pressure_grid_solve;
   pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
   pbf_pressure_grid_box fluid;
+  const uint32_t torn = pbf_pressure_grid_torn_count(&storage->topology);
   double largest = 0;
   storage->count = 0;
   memset(storage->inverse, 0, storage->grid.nodes * sizeof *storage->inverse);
+  if (torn) memset(storage->topology.inverse, 0, torn * sizeof *storage->topology.inverse);
   if (find_fluid(storage, &fluid)) {
     source_scale = pbf_pressure_grid_find_free_volumes(storage, o, &fluid);
     pbf_pressure_grid_cut_cells(storage, &fluid);
     if (source_scale.part > 0) largest = find_equations(s, &source_scale, &fluid);
   }
   pbf_pressure_grid_guess_all(storage, &source_scale);
-  d->nodes = round_runs(storage);
+  d->in_runs = round_runs(storage);
+  d->nodes = d->in_runs + whole_vectors(torn);
   d->solve = pbf_pressure_grid_solve_begin(source_scale.longest, largest);
   d->iteration = 0;
 }
 
 /* ---- Iterations ---------------------------------------------------------------------------- */
 
-/* The nodes first … last - 1 of all in the runs; 1 when one of them was missing more than enough.
- */
+static int relax_torn_nodes(const solver *s, uint32_t first, uint32_t last) {
+  const pbf_pressure_grid_storage *storage = &s->pressure_grid;
+  const pbf_pressure_grid_solve *solve = &s->pressure_grid_solve.solve;
+  int lacking = 0;
+  for (uint32_t k = first; k < last; ++k)
+    lacking |= pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
+                                            storage->weights, storage->lambda, k) > solve->enough;
+  return lacking;
+}
+
+/* The nodes first … last - 1 of all in the runs and, after these, of the torn ones; 1 when one of
+ * them was missing more than enough. */
 static int relax_nodes(const solver *s, uint32_t first, uint32_t last) {
   const pbf_pressure_grid_storage *storage = &s->pressure_grid;
+  const pressure_grid_solve *d = &s->pressure_grid_solve;
   uint32_t before = 0;
   int lacking = 0;
   for (uint32_t k = 0; k < storage->count && before < last; ++k) {
@@ -127,6 +164,9 @@ static int relax_nodes(const solver *s, uint32_t first, uint32_t last) {
                                    run.first + end);
     before += nodes;
   }
+  const uint32_t torn = pbf_pressure_grid_torn_count(&storage->topology), runs = d->in_runs;
+  const uint32_t end = last > runs ? last - runs : 0;
+  lacking |= relax_torn_nodes(s, first > runs ? first - runs : 0, end < torn ? end : torn);
   return lacking;
 }
 

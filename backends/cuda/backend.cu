@@ -79,7 +79,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
-  if (!schedule.runs[PBF_STAGE_GRID])
+  if (!schedule.runs[PBF_STAGE_GRID] || (s->pressure_grid_room && !schedule.solids))
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
   if (pbf_status status = take_for_scene(s, schedule, *params, small)) {

@@ -10,7 +10,8 @@
 
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
-  const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr;
+  const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
+                 solids = s->pressure_grid_room != nullptr;
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"
@@ -160,19 +161,23 @@ struct executor {
   void pressure_grid() {
     run(PBF_STAGE_GRID, [&] {
       s->pressure_grid_scale = 1 / (s->params.time_step * s->params.time_step);
-      s->pressure_grid = pressure_grid_at(s, domain(), time);
+      place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       status = clear_pressure_grid(s, arrays);
+      if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces);
       if (status != PBF_OK) return;
+      const bool torn = s->pressure_grid_solids > 0;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_ghosts_of_lambda<F>();
-        launch(deposit_kernel<F>, n, extras, ghosts, s->pressure_grid, arrays);
+        launch(torn ? deposit_kernel<F, true> : deposit_kernel<F, false>, n, extras, ghosts,
+               s->pressure_grid, arrays);
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
-      launch(apply_correction_kernel, n.particles, s->pressure_grid, arrays, extras.obstacles,
-             collides_with_surfaces(), (pbf_real)(1 / s->params.time_step));
+      launch(torn ? apply_correction_kernel<true> : apply_correction_kernel<false>, n.particles,
+             s->pressure_grid, arrays, extras.obstacles, collides_with_surfaces(),
+             (pbf_real)(1 / s->params.time_step));
     });
   }
 

@@ -5,7 +5,8 @@
 
 #include "cuda/barrier.h"
 #include "cuda/kernels.h"
-#include "physics/pressure_grid/nodes.h"
+#include "physics/pressure_grid/particles.h"
+#include "physics/pressure_grid/solve.h"
 
 /* Whether the build has it. */
 constexpr bool PBF_HAS_PRESSURE_GRID = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) != 0;
@@ -25,17 +26,30 @@ struct pressure_grid_arrays {
   double *free_volumes, *parts, *weights; /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
+  pbf_pressure_grid_topology topology; /* of thin solids */
 };
 
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
-  return sizeof(pressure_grid_control) + pbf_pressure_grid_limit(pbf_most_planned(capacity)) *
-                                             (10 * sizeof(double) + sizeof(uint32_t));
+  return sizeof(pressure_grid_control) +
+         pbf_pressure_grid_most(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
 }
 
-/* `nodes`: of the grid. */
+/* Behind the topology are the colliders that it is of. */
+static inline uint64_t pressure_grid_room_bytes(uint32_t capacity) {
+  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity)) +
+         PBF_MAX_COLLIDERS * sizeof(pbf_surface);
+}
+
+static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity) {
+  return reinterpret_cast<pbf_surface *>(
+      static_cast<char *>(room) +
+      pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity)));
+}
+
+/* `nodes`: of the grid, or all indices where further ones are used. */
 static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_t capacity,
                                                            uint32_t nodes) {
-  uint64_t limit = pbf_pressure_grid_limit(pbf_most_planned(capacity));
+  uint64_t limit = pbf_pressure_grid_most(capacity);
   pressure_grid_arrays a;
   a.control = static_cast<pressure_grid_control *>(memory);
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
@@ -45,6 +59,7 @@ static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_
                              &a.right,        &a.inverse, &a.lambda,  &a.before};
   for (double **array : arrays) *array = next += limit;
   a.inside = reinterpret_cast<uint32_t *>(next + limit);
+  a.topology = pbf_pressure_grid_topology_in(nullptr, 0, 0);
   return a;
 }
 
@@ -55,7 +70,7 @@ static __device__ __forceinline__ const double *pressure_grid_lambda(
 
 /* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
  * these add, or null. */
-template <int FEATURES>
+template <int FEATURES, bool TORN>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
     deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
                    pbf_pressure_grid grid, pressure_grid_arrays a) {
@@ -72,19 +87,81 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
+  if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
+  if (TORN && cell == PBF_NO_INDEX) return;
   atomicAdd(&a.sums[cell], (unsigned long long)pbf_pressure_grid_entry(c->target, density));
   atomicAdd(&a.places[cell], (unsigned long long)pbf_pressure_grid_place_entry(at));
 }
 
+/* ---- Thin solids: a thread a cell, or a node ------------------------------------------------ */
+
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    pressure_grid_cells_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
+    divide_cells_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                        const __grid_constant__ pressure_grid_arrays a) {
   uint32_t cell = thread_index();
   if (cell >= grid.nodes) return;
-  double free_volume = pbf_pressure_grid_free_volume(&grid, o, cell);
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(&grid, cell, i);
+  if (pbf_cell_is_inside(&grid, i)) pbf_divide_cell(&grid, &a.topology, cell, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    link_cells_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                      const __grid_constant__ pressure_grid_arrays a) {
+  uint32_t cell = thread_index();
+  if (cell >= grid.nodes) return;
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(&grid, cell, i);
+  pbf_link_cell(&grid, &a.topology, cell, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    merge_compartments_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                              const __grid_constant__ pressure_grid_arrays a) {
+  uint32_t cell = thread_index();
+  if (cell < grid.nodes) pbf_merge_compartments(&grid, &a.topology, cell);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    tear_nodes_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                      const __grid_constant__ pressure_grid_arrays a) {
+  uint32_t node = thread_index();
+  if (node < grid.nodes && pbf_node_is_inside(&grid, node)) pbf_tear_node(&grid, &a.topology, node);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    list_torn_nodes_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                           const __grid_constant__ pressure_grid_arrays a) {
+  uint32_t node = thread_index();
+  if (node < grid.nodes && pbf_node_is_inside(&grid, node))
+    pbf_list_torn_node(&grid, &a.topology, node);
+}
+
+/* Whether a thread has a cell, or a further compartment: `index` is that. */
+static __device__ __forceinline__ bool has_compartment(const pbf_pressure_grid &grid,
+                                                       const pressure_grid_arrays &a,
+                                                       uint32_t index) {
+  const pbf_pressure_grid_topology &t = a.topology;
+  if (index < grid.nodes) return true;
+  return t.surface_count && index >= t.first &&
+         index - t.first < pbf_pressure_grid_further_count(&t, PBF_FURTHER_COMPARTMENTS);
+}
+
+/* ---- The cells ------------------------------------------------------------------------------ */
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    pressure_grid_cells_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
+  const pbf_pressure_grid_topology *t = &a.topology;
+  uint32_t cell = thread_index();
+  if (!has_compartment(grid, a, cell)) return;
+  double free_volume = 0;
+  if (cell < grid.nodes && !pbf_cell_is_cut(t, cell))
+    free_volume = pbf_pressure_grid_free_volume(&grid, o, cell);
+  if (t->surface_count) free_volume = pbf_compartment_volume(t, cell, free_volume);
   a.free_volumes[cell] = free_volume;
   if (!pbf_pressure_grid_is_filled(&grid, (int64_t)a.sums[cell], free_volume)) return;
   int i[PBF_DIM];
-  pbf_pressure_grid_place(&grid, cell, i);
+  pbf_pressure_grid_place(&grid, pbf_compartment_cell(t, cell), i);
   for (int k = 0; k < PBF_DIM; ++k) {
     atomicMax(&a.control->extent.above[k], (uint32_t)i[k]);
     atomicMax(&a.control->extent.below[k], (uint32_t)(grid.n[k] + 1 - i[k]));
@@ -102,20 +179,29 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   uint32_t node = thread_index();
   int i[PBF_DIM];
   bool outside = false;
-  if (node >= grid.nodes) return;
+  const uint32_t torn = pbf_pressure_grid_torn_count(&a.topology);
+  if (node >= grid.nodes) { /* and of torn ones, instead of what they have as ordinary ones */
+    if (node - grid.nodes < torn)
+      a.depths[a.topology.torn_at[node - grid.nodes]] = pbf_pressure_grid_torn_depth(
+          &grid, &a.topology, pressure_grid_integers(a.sums), pressure_grid_integers(a.places),
+          a.free_volumes, node - grid.nodes);
+    return;
+  }
+  if (torn && a.topology.torn[node]) return;
   pbf_pressure_grid_place(&grid, node, i);
   for (int k = 0; k < PBF_DIM; ++k) outside = outside || i[k] == 0;
   a.depths[node] = outside ? -1
-                           : pbf_pressure_grid_node_depth(&grid, pressure_grid_integers(a.sums),
-                                                          pressure_grid_integers(a.places),
-                                                          a.free_volumes, node, i);
+                           : pbf_pressure_grid_node_depth(
+                                 &grid, &a.topology, pressure_grid_integers(a.sums),
+                                 pressure_grid_integers(a.places), a.free_volumes, node, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     pressure_grid_cut_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t cell = thread_index();
-  if (cell < grid.nodes)
-    pbf_pressure_grid_cut(&grid, a.depths, a.free_volumes, cell, &a.parts[cell], &a.weights[cell]);
+  if (has_compartment(grid, a, cell))
+    pbf_pressure_grid_cut(&grid, &a.topology, a.depths, a.free_volumes, cell, &a.parts[cell],
+                          &a.weights[cell]);
 }
 
 /* The step's source scale, for all threads of a block. */
@@ -135,8 +221,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (node < grid.nodes) {
     pbf_pressure_grid_equation(&grid, &source_scale, pressure_grid_integers(a.sums), a.free_volumes,
                                a.weights, a.depths[node], node, &right, &inverse);
+    if (a.topology.surface_count && a.topology.torn[node]) inverse = 0;
     a.right[node] = right;
     a.inverse[node] = inverse;
+  } else if (node - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
+    const uint32_t torn = node - grid.nodes;
+    pbf_pressure_grid_torn_equation(&grid, &a.topology, &source_scale,
+                                    pressure_grid_integers(a.sums), a.free_volumes, a.weights,
+                                    a.depths, torn);
+    right = a.topology.right[torn];
+    inverse = a.topology.inverse[torn];
   }
   double largest = inverse > 0 ? fabs(right) : 0;
   for (int step = 16; step > 0; step /= 2)
@@ -177,7 +271,36 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
 }
 
+/* The same between thin solids: of torn nodes, … */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    guess_torn_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                      const __grid_constant__ pressure_grid_arrays a) {
+  const pbf_pressure_grid_topology *t = &a.topology;
+  uint32_t torn = thread_index();
+  const double part = grid_source_scale(grid, a).part;
+  if (torn >= pbf_pressure_grid_torn_count(t)) return;
+  const double lambda =
+      pbf_pressure_grid_torn_guess(&grid, t, part, a.inverse, a.free_volumes, a.weights, torn);
+  a.lambda[t->torn_at[torn]] = a.before[t->torn_at[torn]] = t->before[torn] = lambda;
+}
+
+/* … and of the others: a thread a column. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    guess_between_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                         const __grid_constant__ pressure_grid_arrays a) {
+  uint32_t column = thread_index();
+  const double part = grid_source_scale(grid, a).part;
+  if (column >= pbf_pressure_grid_columns(&grid)) return;
+  pbf_pressure_grid_guess_between(&grid, &a.topology, part, a.inverse, a.free_volumes, a.weights,
+                                  column, a.lambda);
+  const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(&grid, column);
+  a.before[at.outside] = a.lambda[at.outside];
+  for (int64_t i = 0; i <= grid.n[grid.axis]; ++i)
+    a.before[at.floor + i * at.up] = a.lambda[at.floor + i * at.up];
+}
+
 /* What the grid adds to the moves. */
+template <bool TORN>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
                             step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
@@ -187,7 +310,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  pbf_vec u = pbf_pressure_grid_correction(&grid, pressure_grid_lambda(a), a.parts, cell, at);
+  if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
+  if (TORN && cell == PBF_NO_INDEX) return;
+  pbf_vec u =
+      pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), a.parts, cell, at);
   if (collide) u = pbf_move_past_obstacles(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
@@ -204,9 +330,12 @@ struct grid_pressure {
 static __device__ __forceinline__ pbf_real grid_pressure_at(const grid_pressure &d, pbf_vec x) {
   if (!PBF_HAS_PRESSURE_GRID || !d.arrays.control) return 0;
   double at[PBF_DIM];
+  const pbf_pressure_grid_topology *t = &d.arrays.topology;
   uint32_t cell = pbf_pressure_grid_cell(&d.grid, x, at);
-  double lambda =
-      pbf_pressure_grid_lambda(&d.grid, pressure_grid_lambda(d.arrays), d.arrays.parts, cell, at);
+  cell = pbf_compartment_of(&d.grid, t, cell, x, at);
+  if (cell == PBF_NO_INDEX) return 0;
+  double lambda = pbf_pressure_grid_lambda(&d.grid, t, pressure_grid_lambda(d.arrays),
+                                           d.arrays.parts, cell, at);
   return (pbf_real)(-d.scale * lambda);
 }
 

@@ -58,9 +58,11 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   return PBF_OK;
 }
 
-/* Blocks of the cluster that solves a grid; 0 where it has no room for it. */
+/* Blocks of the cluster that solves a grid; 0 where it has no room for it, or nodes are torn, whose
+ * neighbours may be anywhere. */
 static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_grid &grid) {
   uint32_t blocks = s->pressure_grid_cluster;
+  if (s->pressure_grid_solids) return 0;
   return pressure_grid_shared(grid, blocks) <= pressure_grid_most_shared(s) ? blocks : 0;
 }
 
@@ -81,37 +83,106 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
       "cudaLaunchKernelEx of the pressure grid");
 }
 
+/* Indices of cells and nodes that a kernel over all of them has threads for. */
+static inline uint32_t pressure_grid_indices(const solver *s) {
+  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_most(s->capacity)
+                                 : s->pressure_grid.nodes;
+}
+
 /* Before the particles are summed up. */
 static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arrays &arrays) {
   return pbf_cuda_check(
       cudaMemsetAsync(arrays.control, 0,
-                      sizeof *arrays.control + 2 * s->pressure_grid.nodes * sizeof *arrays.sums,
+                      sizeof *arrays.control + 2 * pressure_grid_indices(s) * sizeof *arrays.sums,
                       s->stream),
       "cudaMemsetAsync");
+}
+
+static inline pbf_status clear_topology(solver *s, const pressure_grid_arrays &arrays) {
+  const pbf_pressure_grid_topology &t = arrays.topology;
+  const struct {
+    void *data;
+    uint64_t bytes;
+  } cleared[] = {{t.counts, 64},
+                 {t.links, t.limit * (1 + PBF_PARTS) * sizeof *t.links},
+                 {t.touched, t.limit * 2ull * sizeof *t.touched},
+                 {t.corners, t.limit * (uint64_t)PBF_CORNERS * sizeof *t.corners}};
+  for (const auto &array : cleared)
+    if (pbf_status status = pbf_cuda_check(cudaMemsetAsync(array.data, 0, array.bytes, s->stream),
+                                           "cudaMemsetAsync"))
+      return status;
+  return PBF_OK;
+}
+
+/* What thin solids divide the grid into, of these colliders. */
+static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &arrays,
+                                       const pbf_surface *surfaces) {
+  if (!s->pressure_grid_solids) return PBF_OK;
+  const pbf_pressure_grid &grid = s->pressure_grid;
+  const uint32_t blocks = blocks_for(grid.nodes);
+  if (pbf_status status = clear_topology(s, arrays)) return status;
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemcpyAsync(pressure_grid_surfaces(s->pressure_grid_room, s->capacity),
+                                         surfaces, s->pressure_grid_solids * sizeof *surfaces,
+                                         cudaMemcpyDeviceToDevice, s->stream),
+                         "cudaMemcpyAsync"))
+    return status;
+  divide_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  link_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  merge_compartments_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  tear_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  list_torn_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  return pbf_cuda_check_launch("list_torn_nodes_kernel");
+}
+
+static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {
+  const pbf_pressure_grid &grid = s->pressure_grid;
+  const uint32_t columns = pbf_pressure_grid_columns(&grid);
+  if (!s->pressure_grid_solids) {
+    pressure_grid_guess_kernel<<<blocks_for(32 * columns), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+    return;
+  }
+  guess_torn_kernel<<<blocks_for(pressure_grid_indices(s)), PBF_BLOCK, 0, s->stream>>>(grid,
+                                                                                       arrays);
+  guess_between_kernel<<<blocks_for(columns), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
 }
 
 /* The grid's equations and their solution, once the particles have been summed up. */
 static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &obstacles) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   pressure_grid_arrays arrays = pressure_grid_of(s);
-  uint32_t blocks = blocks_for(grid.nodes);
+  const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
+  const uint32_t blocks = blocks_for(indices), with_torn = blocks_for(grid.nodes + torn);
   pressure_grid_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
-  pressure_grid_depths_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  pressure_grid_depths_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   pressure_grid_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  pressure_grid_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  pressure_grid_guess_kernel<<<blocks_for(32 * pbf_pressure_grid_columns(&grid)), PBF_BLOCK, 0,
-                               s->stream>>>(grid, arrays);
+  pressure_grid_nodes_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  launch_guess(s, arrays);
   return launch_pressure_grid_solve(s, grid, arrays);
 }
 
-/* Of the step that ends at `time`, between these walls and in the containers. */
-static inline pbf_pressure_grid pressure_grid_at(const solver *s, pbf_domain domain, double time) {
+/* The grid of the step that ends at `time`, between these walls and in the containers; where there
+ * are thin solids, in fewer of the indices. */
+static inline void place_pressure_grid(solver *s, const pbf_domain &walls, double time) {
+  const uint64_t limit = pbf_pressure_grid_limit(s->planned);
+  pbf_domain domain = walls;
+  bool thin = false;
   for (uint32_t k = 0; k < s->collider_count; ++k) {
     pbf_surface surface =
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     domain = pbf_domain_within(domain, &surface);
   }
-  return pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_limit(s->planned));
+  s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, limit);
+  s->pressure_grid_domain = walls;
+  for (uint32_t k = 0; k < s->collider_count; ++k) {
+    pbf_surface surface =
+        pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
+    thin = thin || pbf_surface_is_thin(&s->pressure_grid, &surface);
+  }
+  s->pressure_grid_solids = thin && s->pressure_grid_room ? (int)s->collider_count : 0;
+  if (s->pressure_grid_solids)
+    s->pressure_grid =
+        pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_first_further(limit));
 }
 
 #endif

@@ -84,6 +84,7 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
  */
 
 struct pressure_grid_in_memory {
+  static constexpr bool TORN = true; /* whether there may be torn nodes */
   grid_counter *barrier;
   uint32_t meetings, misses;
 
@@ -134,6 +135,7 @@ static inline __host__ __device__ uint32_t pressure_grid_length(uint32_t size, u
 }
 
 struct pressure_grid_in_cluster {
+  static constexpr bool TORN = false;
   pressure_grid_part part;
   uint32_t *misses; /* in shared memory: two that take turns */
   uint32_t asked_so_far;
@@ -193,6 +195,23 @@ struct pressure_grid_in_cluster {
   }
 };
 
+/* An iteration of the torn nodes, where there are some: lambda is in memory then. What another
+ * thread reads in it is `now`. Whether one misses. */
+static __device__ __forceinline__ bool relax_torn(const pbf_pressure_grid &grid,
+                                                  const pressure_grid_arrays &a,
+                                                  const pbf_pressure_grid_solve &solve,
+                                                  const double *now, double *before) {
+  const pbf_pressure_grid_topology *t = &a.topology;
+  const uint32_t count = pbf_pressure_grid_torn_count(t);
+  bool misses = false;
+  for (uint32_t k = thread_index(); k < count; k += gridDim.x * PRESSURE_GRID_THREADS) {
+    const double miss = pbf_pressure_grid_relax_torn(&grid, t, &solve, a.weights, now, k);
+    pbf_pressure_grid_end_torn(t, now, before, k);
+    misses = misses || miss > solve.enough;
+  }
+  return misses;
+}
+
 /* ---- The iterations ---------------------------------------------------------------------------
  */
 
@@ -233,6 +252,7 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
     for (uint32_t i = threadIdx.x + PRESSURE_GRID_KEPT * PRESSURE_GRID_THREADS; i < count;
          i += PRESSURE_GRID_THREADS)
       go_on(equation_of(grid, a, a.inside[part.first + i]));
+    if (Lambda::TORN) misses = relax_torn(grid, a, solve, now, before) || misses;
     over = !lambda.meet(pbf_pressure_grid_asks(k), misses) && pbf_pressure_grid_asks(k);
     pbf_pressure_grid_solve_go_on(&solve, k);
     double *other = now;

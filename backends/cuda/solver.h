@@ -60,7 +60,9 @@ struct solver {
 
   uint32_t pressure_grid_cluster;  /* most blocks of a cluster; 0: it has none */
   pbf_pressure_grid pressure_grid; /* of the last step, … */
-  double pressure_grid_scale;      /* … as is this, of lambda */
+  double pressure_grid_scale;      /* … as is this, of lambda, … */
+  int pressure_grid_solids;        /* … and the colliders in it; 0: none is thin */
+  pbf_domain pressure_grid_domain; /* between these walls */
   uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that; with
                            sleep only */
   uint64_t epoch;       /* between two events that may wake a particle */
@@ -145,7 +147,17 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 /* Without arrays where the scene has no pressure grid. */
 static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory) return pressure_grid_arrays{};
-  return pressure_grid_arrays_in(s->pressure_grid_memory, s->capacity, s->pressure_grid.nodes);
+  const bool torn = s->pressure_grid_room && s->pressure_grid_solids;
+  const uint64_t limit = pbf_pressure_grid_most(s->capacity);
+  pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->capacity,
+                                                   torn ? (uint32_t)limit : s->pressure_grid.nodes);
+  if (!torn) return a;
+  a.topology = pbf_pressure_grid_topology_in(s->pressure_grid_room, limit,
+                                             pbf_pressure_grid_limit(s->planned));
+  a.topology.surfaces = pressure_grid_surfaces(s->pressure_grid_room, s->capacity);
+  a.topology.surface_count = s->pressure_grid_solids;
+  a.topology.domain = s->pressure_grid_domain;
+  return a;
 }
 
 template <class Value>

@@ -16,6 +16,11 @@ static inline int pbf_is_container(const pbf_collider *collider) {
   return collider->inverted && pbf_container_volume(collider, 0) < INFINITY;
 }
 
+/* Whether fluid can be on two sides of it. */
+static inline int pbf_is_solid(const pbf_collider *collider) {
+  return !collider->inverted && pbf_container_volume(collider, 0) < INFINITY;
+}
+
 /* How far beyond the centres that touch a wall fluid reaches: walls that contribute no density let
  * them come so near. */
 static inline double pbf_reach_beyond_walls(const pbf_params *params) {

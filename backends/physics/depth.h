@@ -5,7 +5,7 @@
 #ifndef PBF_PHYSICS_DEPTH_H
 #define PBF_PHYSICS_DEPTH_H
 
-#include "physics/containers.h"
+#include "physics/basins.h"
 #include "physics/derive.h"
 
 /* What is left of an error of this kind to the iterations, where a grid carries the rest: the
@@ -40,10 +40,17 @@ static inline double pbf_depth_error(const pbf_params *params, double head) {
   return head / (4 * fmax(iterations, 1) * d * d);
 }
 
-/* g H dt² once so many particles have settled in the domain, or in a container within it, along the
- * axis of the gravity's largest component. */
-static inline double pbf_depth_settled(const pbf_params *params, uint32_t colliders,
-                                       const pbf_collider *list, uint32_t count) {
+/* Whether the grid is wanted at such a depth along the axis. */
+static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double depth) {
+  double head = fabs(params->gravity[axis]) * depth * params->time_step * params->time_step;
+  return pbf_depth_error(params, head) > PBF_DEPTH_DEEP;
+}
+
+/* Whether it is, once so many particles have settled in the domain, in a
+ * container within it, or between other colliders, along the axis of the gravity's largest
+ * component. */
+static inline int pbf_depth_could_be_deep(const pbf_params *params, uint32_t colliders,
+                                          const pbf_collider *list, uint32_t count) {
   double part = count, fluid = count, height = 0, most = 0;
   int axis = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -56,7 +63,8 @@ static inline double pbf_depth_settled(const pbf_params *params, uint32_t collid
     axis = k;
   }
   double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
-  return most * depth * params->time_step * params->time_step;
+  return pbf_depth_is_deep(params, axis, depth) ||
+         pbf_depth_is_deep(params, axis, pbf_basins_depth(params, colliders, list, axis, fluid));
 }
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
@@ -64,8 +72,8 @@ static inline double pbf_depth_settled(const pbf_params *params, uint32_t collid
 static inline double pbf_depth_grid(const pbf_params *params, uint32_t colliders,
                                     const pbf_collider *list, uint32_t count) {
   if (params->pressure_grid >= 0) return params->pressure_grid;
-  double error = pbf_depth_error(params, pbf_depth_settled(params, colliders, list, count));
-  int deep = params->solver == PBF_SOLVER_CHEBYSHEV && error > PBF_DEPTH_DEEP;
+  int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
+             pbf_depth_could_be_deep(params, colliders, list, count);
   return deep ? PBF_DEPTH_WIDTH : 0;
 }
 

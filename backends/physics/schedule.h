@@ -20,6 +20,7 @@ typedef struct pbf_schedule {
   uint32_t runs[PBF_STAGE_COUNT]; /* a step, at most */
   int features;
   int colliders;
+  int solids;             /* of them that water can be on two sides of */
   double min_volume;      /* of the smallest container, see physics/containers.h */
   int accelerated;        /* lambda adds up over the iterations */
   int wall_density;       /* walls and colliders contribute density */
@@ -38,6 +39,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
   s.colliders = (int)colliders;
+  for (uint32_t k = 0; k < colliders; ++k) s.solids += pbf_is_solid(&list[k]);
   s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;

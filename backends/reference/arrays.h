@@ -38,6 +38,10 @@ struct optional_array {
   bool keep(pbf_pressure_grid_storage *storage) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
+  bool keep(pbf_pressure_grid_room *room) const {
+    return pbf_memory_keep(&s->memory, wanted, name, pbf_pressure_grid_room_bytes(s->capacity), 0,
+                           &room->bytes);
+  }
   bool keep() const { return true; } /* other backends' */
 };
 

@@ -7,25 +7,29 @@
 static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_real target,
                                      pbf_real density) {
   double at[PBF_DIM];
-  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
+  uint32_t cell = pbf_pressure_grid_find(storage, x, at);
+  if (cell == PBF_NO_INDEX) return;
   storage->sums[cell] += pbf_pressure_grid_entry(target, density);
   storage->places[cell] += pbf_pressure_grid_place_entry(at);
 }
 
 static inline pbf_vec pressure_grid_move(const pbf_pressure_grid_storage *storage, pbf_vec x) {
   double at[PBF_DIM];
-  uint32_t cell = pbf_pressure_grid_cell(&storage->grid, x, at);
-  return pbf_pressure_grid_correction(&storage->grid, storage->lambda, storage->parts, cell, at);
+  uint32_t cell = pbf_pressure_grid_find(storage, x, at);
+  if (cell == PBF_NO_INDEX) return (pbf_vec){{0}};
+  return pbf_pressure_grid_correction(&storage->grid, &storage->topology, storage->lambda,
+                                      storage->parts, cell, at);
 }
 
 /* Returns the largest right side of a node that is not in the open. */
 static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
                                              const pbf_pressure_grid_source_scale *source_scale) {
-  double largest = 0;
+  double largest = pbf_pressure_grid_torn_equations(storage, source_scale);
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double *right = &storage->right[node], *inverse = &storage->inverse[node];
     pbf_pressure_grid_equation(&storage->grid, source_scale, storage->sums, storage->free_volumes,
                                storage->weights, storage->depths[node], node, right, inverse);
+    if (storage->topology.surface_count && storage->topology.torn[node]) *inverse = 0;
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
   return largest;
@@ -35,6 +39,9 @@ static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
 static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
                                            const pbf_pressure_grid_solve *solve) {
   double miss = 0;
+  for (uint32_t torn = 0; torn < pbf_pressure_grid_torn_count(&storage->topology); ++torn)
+    miss = pbf_greater(miss, pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
+                                                          storage->weights, storage->lambda, torn));
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double now = storage->lambda[node], *before = &storage->before[node];
     if (!(storage->inverse[node] > 0)) continue;

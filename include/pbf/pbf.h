@@ -234,17 +234,18 @@ typedef struct pbf_params {
                        of max(rho/rho0 - 1, 0) (in very short steps less what they leave for later)
                        of at most this, and after `iterations` in any case; 0: always after these.
                        Of particles asleep only those within h of a particle awake count. */
-  double
-      pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
-                        the iterations, the pressure of the fluid's weight is found, so far as
-                        it is more than these carry, by about a layer each: 1 … 1000; 0: none.
-                        Linear momentum is then kept only about as well as particles fill the
-                        cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where the
-                        particles would settle so deep, H, in the domain or in an inverted sphere,
-                        capsule or box, that g H dt² > 0.06 iterations spacing² (18 layers of
-                        the defaults), or 0. Decided at the begin of each pbf_step by as many
-                        particles as there are, or as the last step was for, unless a quarter
-                        of these is gone: it would flicker where particles come and go. */
+  double pressure_grid; /* deep water: cell width, in units of h, of a coarse grid on which, before
+                           the iterations, the pressure of the fluid's weight is found, so far as
+                           it is more than these carry, by about a layer each: 1 … 1000; 0: none.
+                           Linear momentum is then kept only about as well as particles fill the
+                           cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where the
+                           particles would settle so deep, H, in the domain, in an inverted sphere,
+                           capsule or box, or between other colliders, that
+                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0.
+                           Decided at the begin of each pbf_step by as many particles as there are,
+                           or as the last step was for, unless a quarter of these is gone: it would
+                           flicker where particles come and go. Solids of up to two cells part the
+                           grid where they part the fluid. */
   double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: where the mean of max(rho/rho0 - 1,
                               0) is above this, or the largest above 25 times this, a fluid that
                               has been placed is moved to rest density before its next step,

@@ -19,6 +19,9 @@
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
  *
+ * A thin solid divides cells into compartments (compartments.h), and what is said here of cells is
+ * then true of each of these, and of each copy of a node (topology.h).
+ *
  * lambda is 0 at nodes in the open and nowhere positive; beyond walls there is nothing to move,
  * which is what an element's edge does of itself. */
 #ifndef PBF_PHYSICS_PRESSURE_GRID_GRID_H
@@ -68,6 +71,10 @@ static inline uint64_t pbf_pressure_grid_limit(uint32_t count) {
   return 4096 + (uint64_t)count / (PBF_DIM == 3 ? 8 : 2);
 }
 
+static inline uint64_t pbf_pressure_grid_most(uint32_t capacity) {
+  return pbf_pressure_grid_limit(pbf_most_planned(capacity));
+}
+
 static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, double width) {
   double length = (double)domain->upper.c[axis] - (double)domain->lower.c[axis];
   return (int)fmin(fmax(ceil(length / width - 1e-6), 1), 1e6);
@@ -88,6 +95,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
                                                           const pbf_domain *domain,
                                                           uint64_t limit) {
   pbf_pressure_grid c;
+  memset(&c, 0, sizeof c); /* so that two can be compared */
   double dt2 = params->time_step * params->time_step;
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
   double width = cells * params->smoothing_radius;
@@ -168,7 +176,8 @@ PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density) {
  * either way, all at once. */
 PBF_FN int64_t pbf_pressure_grid_place_entry(const double at[PBF_DIM]) {
   int64_t entry = 0;
-  for (int k = PBF_DIM - 1; k >= 0; --k) entry = (entry << 21) + (int)(at[k] * 128 + 0.3);
+  for (int k = PBF_DIM - 1; k >= 0; --k)
+    entry = (entry << 21) + (int)(pbf_greater(pbf_lesser(at[k], 1), 0) * 128 + 0.3);
   return entry;
 }
 
@@ -213,31 +222,6 @@ PBF_FN pbf_vec pbf_pressure_grid_correction_from(const pbf_pressure_grid *c,
   for (int k = 0; k < PBF_DIM; ++k)
     u.c[k] = (pbf_real)(scale * pbf_pressure_grid_in_cell(values, at, k));
   return u;
-}
-
-PBF_FN void pbf_pressure_grid_corners(const pbf_pressure_grid *c, const double *lambda,
-                                      uint32_t cell, double values[PBF_CORNERS]) {
-  for (int a = 0; a < PBF_CORNERS; ++a) values[a] = lambda[cell + c->corner[a]];
-}
-
-/* u at the place `at` in a cell. */
-PBF_FN pbf_vec pbf_pressure_grid_correction(const pbf_pressure_grid *c, const double *lambda,
-                                            const double *parts, uint32_t cell,
-                                            const double at[PBF_DIM]) {
-  double values[PBF_CORNERS];
-  pbf_pressure_grid_corners(c, lambda, cell, values);
-  return pbf_pressure_grid_correction_from(c, values, at, parts[cell]);
-}
-
-/* lambda there. */
-PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c, const double *lambda,
-                                       const double *parts, uint32_t cell,
-                                       const double at[PBF_DIM]) {
-  double values[PBF_CORNERS];
-  pbf_pressure_grid_corners(c, lambda, cell, values);
-  double deepest = pbf_pressure_grid_deepest(values);
-  double value = deepest + (pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest) / parts[cell];
-  return c->width * c->width * pbf_lesser(value, 0);
 }
 
 /* ---- Cells --------------------------------------------------------------------------------- */

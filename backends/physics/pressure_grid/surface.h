@@ -5,44 +5,82 @@
 #ifndef PBF_PHYSICS_PRESSURE_GRID_SURFACE_H
 #define PBF_PHYSICS_PRESSURE_GRID_SURFACE_H
 
-#include "physics/pressure_grid/grid.h"
+#include "physics/pressure_grid/topology.h"
 
 /* How far a cell's fluid lies towards its corner `a` from the middle of its free volume, over all
- * axes, in halves of a cell; `i` is the cell's place. Only where that free volume is the walls'. */
-PBF_FN double pbf_pressure_grid_leaning(const pbf_pressure_grid *c, int64_t count, int64_t places,
-                                        double free_volume, const int i[PBF_DIM], int a) {
+ * axes, in halves of a cell. */
+PBF_FN double pbf_pressure_grid_leaning(int64_t count, int64_t places, const double middle[PBF_DIM],
+                                        int a) {
   double lean = 0;
-  if (count == 0 || count > 16383 || free_volume < pbf_pressure_grid_inside(c, i) - 1e-3) return 0;
+  if (count == 0 || count > 16383) return 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    int first = i[k] == 1, last = i[k] == c->n[k];
-    double middle = (last - first) * (c->edge[k] - 1);
     double mean = ((double)(places >> 21 * k & 0x1fffff) / (double)count + 0.2) / 64 - 1;
-    lean += (a >> k & 1 ? 1 : -1) * (mean - middle);
+    lean += (a >> k & 1 ? 1 : -1) * (mean - middle[k]);
   }
   return lean;
 }
 
-/* How far the i-th node along each axis is below the surface, in cells: from -1, above it, to 1. By
- * what is near it, in cells weighted by how near: lattices come into a cell row by row. Nodes
- * without a filled cell are in the open. */
-PBF_FN double pbf_pressure_grid_node_depth(const pbf_pressure_grid *c, const int64_t *sums,
+/* What of the cells around a node is filled. */
+typedef struct pbf_pressure_grid_filling {
+  double filled, free_volume;
+  int any; /* whether one of them counts as filled */
+} pbf_pressure_grid_filling;
+
+/* The cell, the i-th along each axis, or a compartment of it, of which the node is corner `a`. By
+ * what is near the node, in cells weighted by how near: lattices come into a cell row by row. */
+PBF_FN void pbf_pressure_grid_add_filling(const pbf_pressure_grid *c,
+                                          const pbf_pressure_grid_topology *t, uint32_t compartment,
+                                          int64_t sum, int64_t places, double free_volume,
+                                          const int i[PBF_DIM], int a,
+                                          pbf_pressure_grid_filling *all) {
+  int64_t count = pbf_pressure_grid_count(sum);
+  double middle[PBF_DIM], lean = 0;
+  if (pbf_compartment_middle(c, t, compartment, free_volume, i, middle))
+    lean = pbf_pressure_grid_leaning(count, places, middle, a);
+  all->any |= pbf_pressure_grid_is_filled(c, sum, free_volume);
+  all->filled += c->unit * (double)count * (1 + lean);
+  all->free_volume += free_volume;
+}
+
+/* How far the node is below the surface, in cells: from -1, above it, to 1. Nodes without a filled
+ * cell are in the open. */
+PBF_FN double pbf_pressure_grid_depth(const pbf_pressure_grid_filling *all) {
+  if (all->free_volume < 0.1) return -1;
+  double part = pbf_greater(pbf_lesser(all->filled / all->free_volume, 1), 0);
+  double depth = part < 0.5 ? sqrt(2 * part) - 1 : 1 - sqrt(2 - 2 * part);
+  return all->any ? depth : pbf_lesser(depth, 0);
+}
+
+/* Of the i-th node along each axis. */
+PBF_FN double pbf_pressure_grid_node_depth(const pbf_pressure_grid *c,
+                                           const pbf_pressure_grid_topology *t, const int64_t *sums,
                                            const int64_t *places, const double *free_volumes,
                                            int64_t node, const int i[PBF_DIM]) {
-  double filled = 0, free_volume = 0;
-  int any = 0;
+  pbf_pressure_grid_filling all = {0, 0, 0};
   for (int a = 0; a < PBF_CORNERS; ++a) {
-    int64_t cell = node - (int64_t)c->corner[a], count = pbf_pressure_grid_count(sums[cell]);
+    int64_t cell = node - (int64_t)c->corner[a];
     int at[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k) at[k] = i[k] - (a >> k & 1);
-    double lean = pbf_pressure_grid_leaning(c, count, places[cell], free_volumes[cell], at, a);
-    any |= pbf_pressure_grid_is_filled(c, sums[cell], free_volumes[cell]);
-    filled += c->unit * (double)count * (1 + lean);
-    free_volume += free_volumes[cell];
+    pbf_pressure_grid_add_filling(c, t, (uint32_t)cell, sums[cell], places[cell],
+                                  free_volumes[cell], at, a, &all);
   }
-  if (free_volume < 0.1) return -1;
-  double part = pbf_greater(pbf_lesser(filled / free_volume, 1), 0);
-  double depth = part < 0.5 ? sqrt(2 * part) - 1 : 1 - sqrt(2 - 2 * part);
-  return any ? depth : pbf_lesser(depth, 0);
+  return pbf_pressure_grid_depth(&all);
+}
+
+/* Of a torn node. */
+PBF_FN double pbf_pressure_grid_torn_depth(const pbf_pressure_grid *c,
+                                           const pbf_pressure_grid_topology *t, const int64_t *sums,
+                                           const int64_t *places, const double *free_volumes,
+                                           uint32_t torn) {
+  pbf_pressure_grid_filling all = {0, 0, 0};
+  for (int k = 0; k < PBF_MEMBERS && pbf_member(t, torn, k) != PBF_NO_INDEX; ++k) {
+    const uint32_t member = pbf_member(t, torn, k), compartment = member / PBF_CORNERS;
+    int i[PBF_DIM];
+    pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
+    pbf_pressure_grid_add_filling(c, t, compartment, sums[compartment], places[compartment],
+                                  free_volumes[compartment], i, (int)(member % PBF_CORNERS), &all);
+  }
+  return pbf_pressure_grid_depth(&all);
 }
 
 PBF_FN int pbf_pressure_grid_is_open(double depth) { return depth < PBF_PRESSURE_GRID_SURFACE; }
@@ -66,14 +104,14 @@ PBF_FN double pbf_pressure_grid_part_below(const double depths[PBF_CORNERS]) {
 
 /* Of a cell: that part, and its free volume over it. Cells without free volume are for the
  * sentinel. */
-PBF_FN void pbf_pressure_grid_cut(const pbf_pressure_grid *c, const double *depths,
-                                  const double *free_volumes, uint32_t cell, double *part,
-                                  double *weight) {
+PBF_FN void pbf_pressure_grid_cut(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                                  const double *depths, const double *free_volumes, uint32_t cell,
+                                  double *part, double *weight) {
   double corners[PBF_CORNERS];
   *part = 1;
   *weight = 0;
   if (!(free_volumes[cell] > 0)) return;
-  pbf_pressure_grid_corners(c, depths, cell, corners);
+  pbf_pressure_grid_corners(c, t, depths, cell, corners);
   if (c->level) *part = pbf_pressure_grid_part_below(corners);
   *weight = free_volumes[cell] / *part;
 }

@@ -26,6 +26,12 @@ struct box_shape {
     return extent;
   }
 
+  static PBF_IN double width(const pbf_surface *s) {
+    double width = INFINITY;
+    for (int k = 0; k < PBF_DIM; ++k) width = fmin(width, 2 * (double)s->half_extents.c[k]);
+    return width;
+  }
+
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     pbf_vec local, local_normal;
     for (int k = 0; k < PBF_DIM; ++k) local.c[k] = pbf_dot(p, s->frame[k]);
@@ -36,6 +42,23 @@ struct box_shape {
         normal->c[k] += s->frame[row].c[k] * local_normal.c[row];
     }
     return distance;
+  }
+
+  /* What of the way is between each two faces, one after the other. */
+  static PBF_IN int blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
+    pbf_real first = 0, last = 1;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      const pbf_real from = pbf_dot(p, s->frame[k]), by = pbf_dot(way, s->frame[k]);
+      const pbf_real half = s->half_extents.c[k];
+      if (!(by > 0 || by < 0)) {
+        if (from > half || from < -half) return 0;
+        continue;
+      }
+      const pbf_real a = (-half - from) / by, b = (half - from) / by;
+      first = pbf_real_max(first, pbf_real_min(a, b));
+      last = pbf_real_min(last, pbf_real_max(a, b));
+    }
+    return first <= last;
   }
 
   static PBF_IN pbf_real face(const pbf_surface *s, int k, pbf_vec p, pbf_vec *normal) {

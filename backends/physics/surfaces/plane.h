@@ -13,9 +13,15 @@ struct plane_shape {
   static PBF_IN double volume(const pbf_collider *, double) { return INFINITY; }
   static PBF_IN double extent(const pbf_surface *, int) { return INFINITY; }
 
+  static PBF_IN double width(const pbf_surface *) { return INFINITY; }
+
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     *normal = s->frame[0];
     return pbf_dot(p, *normal);
+  }
+
+  static PBF_IN int blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
+    return pbf_dot(pbf_add_scaled(p, 1, way), s->frame[0]) < 0;
   }
 };
 

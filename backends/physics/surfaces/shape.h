@@ -10,6 +10,9 @@
  *   distance(surface, p, *normal)
  *                            of p, which counts from the center: negative inside; *normal points
  *                            out
+ *   width(surface)           the distance of the closest two parallel planes that it fits between
+ *   blocks(surface, p, way)  whether the straight way from p, which counts from the center and is
+ *                            outside, to p + way meets it
  *   face(surface, k, p, *normal)
  *                            where there are FACES: the distance from the k-th of them, of what is
  *                            inside, where *normal points

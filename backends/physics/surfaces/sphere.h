@@ -17,6 +17,8 @@ struct sphere_shape {
   }
   static PBF_IN double extent(const pbf_surface *s, int) { return (double)s->radius; }
 
+  static PBF_IN double width(const pbf_surface *s) { return 2 * (double)s->radius; }
+
   /* From the very center, out along an axis of the frame. */
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     const pbf_real r = pbf_real_sqrt(pbf_dot(p, p));
@@ -24,6 +26,14 @@ struct sphere_shape {
     if (r > 0)
       for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = p.c[k] / r;
     return r - s->radius;
+  }
+
+  static PBF_IN int blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
+    const pbf_real length2 = pbf_dot(way, way);
+    pbf_real t = length2 > 0 ? -pbf_dot(p, way) / length2 : 0;
+    t = pbf_real_max(pbf_real_min(t, 1), 0);
+    const pbf_vec nearest = pbf_add_scaled(p, t, way);
+    return pbf_dot(nearest, nearest) < s->radius * s->radius;
   }
 };
 

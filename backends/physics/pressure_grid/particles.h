@@ -1,0 +1,98 @@
+/* Which compartment a particle is in, and what that does to it. */
+#ifndef PBF_PHYSICS_PRESSURE_GRID_PARTICLES_H
+#define PBF_PHYSICS_PRESSURE_GRID_PARTICLES_H
+
+#include "physics/pressure_grid/division.h"
+
+/* The solids that can be between x and a point near it. */
+PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                                  pbf_vec x) {
+  const double reach = 2.0 * c->width / PBF_SAMPLES;
+  uint64_t beside = 0;
+  for (int s = 0; s < t->surface_count; ++s) {
+    pbf_vec normal;
+    if (pbf_surface_is_unbounded(&t->surfaces[s]) ||
+        pbf_surface_is_beyond(&t->surfaces[s], x, (pbf_real)reach))
+      continue;
+    if ((double)pbf_surface_distance(&t->surfaces[s], x, &normal) < reach)
+      beside |= UINT64_C(1) << s;
+  }
+  return beside;
+}
+
+PBF_FN int pbf_is_seen(const pbf_pressure_grid_topology *t, uint64_t beside, pbf_vec x,
+                       pbf_vec point) {
+  for (int s = 0; s < t->surface_count && beside >> s; ++s)
+    if ((beside >> s & 1) && pbf_surface_blocks(&t->surfaces[s], x, point)) return 0;
+  return 1;
+}
+
+/* The compartment of the nearest point that no solid hides from x; PBF_NO_INDEX: none is near. */
+PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c,
+                                              const pbf_pressure_grid_topology *t, pbf_vec x,
+                                              const double before[PBF_DIM]) {
+  const uint64_t beside = pbf_solids_beside(c, t, x);
+  uint32_t nearest = PBF_NO_INDEX;
+  double least = 1e30;
+  for (int a = 0; a < PBF_CORNERS; ++a) {
+    int i[PBF_DIM], at[PBF_DIM], outside = 0;
+    uint32_t cell = 0;
+    double away = 0;
+    for (int k = PBF_DIM - 1; k >= 0; --k) {
+      const double among = before[k] * PBF_SAMPLES - 0.5;
+      const int point = (int)floor(among) + (a >> k & 1);
+      outside |= point < 0 || point >= PBF_SAMPLES * c->n[k];
+      i[k] = point / PBF_SAMPLES + 1;
+      at[k] = point % PBF_SAMPLES;
+      cell = cell * c->size[k] + (uint32_t)i[k];
+      away += (among - point) * (among - point);
+    }
+    if (outside || !(away < least)) continue;
+    const int k = pbf_compartment_with(t, cell, pbf_sample_index(at));
+    if (k < 0 || !pbf_is_seen(t, beside, x, pbf_sample_at(c, i, at))) continue;
+    least = away;
+    nearest = pbf_cell_compartment(t, cell, k);
+  }
+  return nearest;
+}
+
+/* What a particle at x, `before` cells and `at` in the one that it is in, belongs to: the cell, or
+ * the compartment that has it, with its place in the cell of that, which may be beyond its edge. */
+PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                                   uint32_t cell, pbf_vec x, double at[PBF_DIM]) {
+  if (!pbf_cell_is_cut(t, cell)) return cell;
+  double before[PBF_DIM];
+  int i[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) before[k] = pbf_pressure_grid_before(c, k, x.c[k]);
+  uint32_t compartment = pbf_nearest_compartment(c, t, x, before);
+  if (compartment == PBF_NO_INDEX) return compartment;
+  if (!pbf_compartment_is_own(t, compartment)) compartment = t->target[compartment];
+  pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
+  for (int k = 0; k < PBF_DIM; ++k) at[k] = before[k] - (i[k] - 1);
+  return compartment;
+}
+
+/* u at the place `at` in a compartment. */
+PBF_FN pbf_vec pbf_pressure_grid_correction(const pbf_pressure_grid *c,
+                                            const pbf_pressure_grid_topology *t,
+                                            const double *lambda, const double *parts,
+                                            uint32_t compartment, const double at[PBF_DIM]) {
+  double values[PBF_CORNERS];
+  pbf_pressure_grid_corners(c, t, lambda, compartment, values);
+  return pbf_pressure_grid_correction_from(c, values, at, parts[compartment]);
+}
+
+/* lambda there. */
+PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c,
+                                       const pbf_pressure_grid_topology *t, const double *lambda,
+                                       const double *parts, uint32_t compartment,
+                                       const double at[PBF_DIM]) {
+  double values[PBF_CORNERS];
+  pbf_pressure_grid_corners(c, t, lambda, compartment, values);
+  double deepest = pbf_pressure_grid_deepest(values);
+  double value =
+      deepest + (pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest) / parts[compartment];
+  return c->width * c->width * pbf_lesser(value, 0);
+}
+
+#endif

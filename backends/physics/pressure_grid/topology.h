@@ -1,0 +1,161 @@
+/* The copies of nodes that thin solids tear apart (compartments.h), and the compartments that each
+ * is a corner of. */
+#ifndef PBF_PHYSICS_PRESSURE_GRID_TOPOLOGY_H
+#define PBF_PHYSICS_PRESSURE_GRID_TOPOLOGY_H
+
+#include "physics/pressure_grid/compartments.h"
+
+/* The cells around a node, by the corner that it is of each. */
+typedef struct pbf_node_cells {
+  uint32_t cells[PBF_CORNERS];
+  int counts[PBF_CORNERS]; /* of compartments; 0 outside */
+} pbf_node_cells;
+
+PBF_FN pbf_node_cells pbf_cells_around_node(const pbf_pressure_grid *c,
+                                            const pbf_pressure_grid_topology *t, uint32_t node) {
+  pbf_node_cells around;
+  int i[PBF_DIM], at[PBF_DIM];
+  pbf_pressure_grid_place(c, node, i);
+  for (int a = 0; a < PBF_CORNERS; ++a) {
+    for (int k = 0; k < PBF_DIM; ++k) at[k] = i[k] - (a >> k & 1);
+    around.cells[a] = node - c->corner[a];
+    around.counts[a] = pbf_cell_is_inside(c, at) ? pbf_cell_compartments(t, around.cells[a]) : 0;
+  }
+  return around;
+}
+
+PBF_FN int pbf_node_is_inside(const pbf_pressure_grid *c, uint32_t node) {
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(c, node, i);
+  for (int k = 0; k < PBF_DIM; ++k)
+    if (i[k] == 0) return 0;
+  return 1;
+}
+
+PBF_FN int pbf_is_around(const uint32_t *marks, const pbf_node_cells *around) {
+  int any = 0;
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    if (around->counts[a] && marks[around->cells[a]]) any = 1;
+  return any;
+}
+
+PBF_FN int pbf_cut_is_around(const pbf_pressure_grid_topology *t, const pbf_node_cells *around) {
+  int any = 0;
+  for (int a = 0; a < PBF_CORNERS; ++a) any |= pbf_cell_is_cut(t, around->cells[a]);
+  return any;
+}
+
+/* Marks each compartment around a node with the lowest number of those that it is connected with:
+ * compartment k of the cell of which the node is corner a has PBF_COMPARTMENTS a + k. */
+PBF_FN_APART void pbf_connect_around_node(const pbf_pressure_grid *c,
+                                          const pbf_pressure_grid_topology *t,
+                                          const pbf_node_cells *around,
+                                          uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS]) {
+  for (int m = 0; m < PBF_CORNERS * PBF_COMPARTMENTS; ++m) marks[m] = (uint8_t)m;
+  for (int changes = 1; changes;) {
+    changes = 0;
+    for (int a = 0; a < PBF_CORNERS; ++a)
+      for (int axis = 0; axis < PBF_DIM; ++axis) {
+        const int low = a | 1 << axis; /* the cell before that one along the axis */
+        if (low == a) continue;
+        for (int k = 0; k < around->counts[low]; ++k)
+          for (int l = 0; l < around->counts[a]; ++l) {
+            uint8_t *one = &marks[PBF_COMPARTMENTS * low + k];
+            uint8_t *other = &marks[PBF_COMPARTMENTS * a + l];
+            if (*one == *other || !pbf_cell_link(c, t, around->cells[low], axis, k, l)) continue;
+            *one = *other = *one < *other ? *one : *other;
+            changes = 1;
+          }
+      }
+  }
+}
+
+/* Gives each of the unconnected groups around a node its own copy. Where no index is left, they
+ * share the first. */
+PBF_FN void pbf_tear_node(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                          uint32_t node) {
+  const pbf_node_cells around = pbf_cells_around_node(c, t, node);
+  uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS];
+  if (!pbf_cut_is_around(t, &around)) return;
+  pbf_connect_around_node(c, t, &around, marks);
+  int first = 1;
+  for (int m = 0; m < PBF_CORNERS * PBF_COMPARTMENTS; ++m) {
+    uint32_t copy = PBF_NO_INDEX;
+    for (int a = 0; a < PBF_CORNERS; ++a)
+      for (int k = 0; k < around.counts[a]; ++k) {
+        const uint32_t cell = around.cells[a], compartment = pbf_cell_compartment(t, cell, k);
+        if (marks[PBF_COMPARTMENTS * a + k] != m || !pbf_compartment_is_own(t, compartment))
+          continue;
+        if (copy == PBF_NO_INDEX) {
+          copy = node;
+          if (!first) {
+            const uint32_t taken =
+                pbf_pressure_grid_take(&t->counts[PBF_FURTHER_COPIES], 1, t->most);
+            if (taken != PBF_NO_INDEX) copy = t->first + taken;
+          }
+          first = 0;
+        }
+        if (copy == node && compartment < t->first) continue;
+        t->corners[(uint64_t)compartment * PBF_CORNERS + (uint64_t)a] = copy;
+        t->touched[cell] = 1;
+      }
+  }
+}
+
+/* The corners of the compartments around a torn node are no longer those of their cells: a list for
+ * each copy. */
+PBF_FN void pbf_list_members(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                             const pbf_node_cells *around, uint32_t node, uint32_t copy) {
+  const uint32_t torn = pbf_pressure_grid_take(&t->counts[PBF_TORN_NODES], 1, t->limit);
+  uint32_t *members = t->members + (uint64_t)torn * PBF_MEMBERS;
+  int count = 0;
+  t->torn[copy] = 1 + torn;
+  t->torn_at[torn] = copy;
+  t->base[torn] = node;
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    for (int k = 0; k < around->counts[a]; ++k) {
+      const uint32_t compartment = pbf_cell_compartment(t, around->cells[a], k);
+      if (count == PBF_MEMBERS || !pbf_compartment_is_own(t, compartment) ||
+          pbf_pressure_grid_corner(c, t, compartment, a) != copy)
+        continue;
+      members[count++] = compartment * PBF_CORNERS + (uint32_t)a;
+    }
+  for (; count < PBF_MEMBERS; ++count) members[count] = PBF_NO_INDEX;
+}
+
+/* Once all nodes have been torn. */
+PBF_FN void pbf_list_torn_node(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                               uint32_t node) {
+  const pbf_node_cells around = pbf_cells_around_node(c, t, node);
+  if (!pbf_is_around(t->touched, &around)) return;
+  pbf_list_members(c, t, &around, node, node);
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    for (int k = 0; k < around.counts[a]; ++k) {
+      const uint32_t compartment = pbf_cell_compartment(t, around.cells[a], k);
+      if (!pbf_compartment_is_own(t, compartment)) continue;
+      const uint32_t copy = pbf_pressure_grid_corner(c, t, compartment, a);
+      if (copy != node && !t->torn[copy]) pbf_list_members(c, t, &around, node, copy);
+    }
+}
+
+/* ---- A torn node's compartments ------------------------------------------------------------- */
+
+PBF_FN uint32_t pbf_member(const pbf_pressure_grid_topology *t, uint32_t torn, int k) {
+  return t->members[(uint64_t)torn * PBF_MEMBERS + (uint64_t)k];
+}
+
+/* The node next to a torn one towards one side of an axis; PBF_NO_INDEX where there is none. */
+PBF_FN uint32_t pbf_node_beside_torn(const pbf_pressure_grid *c,
+                                     const pbf_pressure_grid_topology *t, uint32_t torn, int axis,
+                                     int upwards) {
+  for (int k = 0; k < PBF_MEMBERS; ++k) {
+    const uint32_t member = pbf_member(t, torn, k);
+    if (member == PBF_NO_INDEX) break;
+    const int a = (int)(member % PBF_CORNERS);
+    if ((a >> axis & 1) == upwards) continue;
+    return pbf_pressure_grid_corner(c, t, member / PBF_CORNERS, a ^ 1 << axis);
+  }
+  return PBF_NO_INDEX;
+}
+
+#endif
