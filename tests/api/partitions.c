@@ -136,17 +136,18 @@ static void check_pressures(const scene *s, pbf_solver *solver, uint32_t first, 
 
 enum { WIDE = 10, DEEP = 40, SHALLOW = 12 };
 
-static scene *gate(uint32_t dimension, uint32_t precision, double thick, double opening) {
-  scene *s = scene_of(dimension, precision, 2 * WIDE + thick, DEEP + 12);
-  fill(s, 0, 0, WIDE, DEEP);
-  fill(s, WIDE + thick, 0, WIDE, SHALLOW);
-  add_box(s, WIDE, opening ? opening : -10, WIDE + thick, DEEP + 20, 0);
+static scene *gate(uint32_t dimension, uint32_t precision, int left, double thick, double opening) {
+  scene *s = scene_of(dimension, precision, left + thick + WIDE, DEEP + 12);
+  fill(s, 0, 0, left, DEEP);
+  fill(s, left + thick, 0, WIDE, SHALLOW);
+  add_box(s, left, opening ? opening : -10, left + thick, DEEP + 20, 0);
   return s;
 }
 
-static void check_gate(uint32_t dimension, uint32_t precision, double thick, double speed) {
-  const uint32_t layer = WIDE * (dimension == 3 ? THICK : 1), deep = DEEP * layer;
-  scene *s = gate(dimension, precision, thick, 0);
+static void check_gate(uint32_t dimension, uint32_t precision, int left, double thick,
+                       double speed) {
+  const uint32_t across = dimension == 3 ? THICK : 1, deep = (uint32_t)(DEEP * left) * across;
+  scene *s = gate(dimension, precision, left, thick, 0);
   s->list[0].velocity[1] = speed;
   pbf_solver *solver = started(s);
   char what[64];
@@ -154,17 +155,17 @@ static void check_gate(uint32_t dimension, uint32_t precision, double thick, dou
   assert_true(keeps_grid(solver));
   assert_ok(pbf_step(solver, dimension == 3 ? 100 : 200));
   check_level(s, solver, 0, deep, DEEP, 0.01, what);
-  check_level(s, solver, deep, SHALLOW * layer, SHALLOW, 0.01, what);
+  check_level(s, solver, deep, SHALLOW * WIDE * across, SHALLOW, 0.01, what);
   check_pressures(s, solver, 0, deep, DEEP, what);
   destroy(s, solver);
 }
 
 static void check_gates(uint32_t dimension, uint32_t precision) {
-  check_gate(dimension, precision, 1, 0);
+  check_gate(dimension, precision, WIDE, 1, 0);
   if (dimension == 3) return;
-  check_gate(2, precision, 0.5, 0.2);
-  check_gate(2, precision, 2.5, 0);
-  check_gate(2, precision, 6, 0);
+  check_gate(2, precision, WIDE, 0.5, 0.2);
+  check_gate(2, precision, WIDE + 2, 1.4, 0); /* of a cell 0.3 spacings are left of it */
+  check_gate(2, precision, WIDE, 6, 0);
 }
 
 static void each_side_of_a_gate_has_its_level(void **state) {
@@ -224,7 +225,7 @@ static void so_has_each_side_of_one_aslant(void **state) {
 
 static void check_opening(uint32_t precision) {
   enum { dimension = 2 };
-  scene *s = gate(dimension, precision, 1, 5);
+  scene *s = gate(dimension, precision, WIDE, 1, 5);
   const uint32_t count = s->count;
   pbf_solver *solver = started(s);
   void *x = calloc((size_t)count * dimension, precision);
@@ -304,18 +305,18 @@ static void where_there_is_a_pool(void **state) {
 
 /* ---- Round walls ---------------------------------------------------------------------------- */
 
-/* A wall of three capsules, one above the other. */
+/* A wall of three capsules, one above the other, thinner than the grid's points are apart. */
 static void check_capsules(uint32_t precision) {
-  scene *s = gate(2, precision, 2, 0);
+  scene *s = gate(2, precision, WIDE, 0.3, 0);
   const uint32_t deep = DEEP * WIDE;
   s->colliders = 3;
   for (int k = 0; k < 3; ++k) {
     assert_ok(pbf_collider_init(&s->list[k], sizeof s->list[k], PBF_COLLIDER_CAPSULE));
-    s->list[k].radius = d;
+    s->list[k].radius = 0.15 * d;
     s->list[k].half_length = 10 * d;
     s->list[k].axis[0] = 0;
     s->list[k].axis[1] = 1;
-    s->list[k].position[0] = d * (WIDE + 1);
+    s->list[k].position[0] = d * (WIDE + 0.15);
     s->list[k].position[1] = d * (9 + 20 * k);
   }
   pbf_solver *solver = started(s);
