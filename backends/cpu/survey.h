@@ -66,10 +66,13 @@ static int diagnose(solver *s, team_function what) {
 
 /* After a diagnostics: sums in the sorted order, which no number of threads changes. */
 static void sum_stats(const solver *s, pbf_stats *stats) {
+  pbf_obstacles obstacles;
+  place_obstacles(s, s->now, &obstacles);
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];
     pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
                   (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
+    stats->squeezed += pbf_is_squeezed_by(obstacles, field_at(&s->buffers.x, i));
   }
   if (s->count) pbf_stats_finish(stats);
 }

@@ -139,7 +139,7 @@ static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
   extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count, s->surfaces};
   extras->wall_density = s->schedule.wall_density;
-  return extras->wall_density ? place_surfaces(s, s->time) : PBF_OK;
+  return place_surfaces(s, s->time);
 }
 
 static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) {

@@ -21,6 +21,7 @@ static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stat
   stats->density_error_max = fmax(sum.density_max - 1, 0);
   stats->neighbors_mean = sum.neighbors * per_particle;
   stats->neighbors_max = sum.neighbors_max;
+  stats->squeezed = sum.squeezed;
 }
 
 static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {

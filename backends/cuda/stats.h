@@ -12,7 +12,7 @@ struct partial_stats {
   double density, density_error, neighbors;
   double position_min[PBF_DIM], position_max[PBF_DIM];
   double speed2_max, density_max;
-  uint32_t neighbors_max;
+  uint32_t neighbors_max, squeezed;
 };
 
 static __host__ __device__ inline double larger(double a, double b) { return a > b ? a : b; }
@@ -28,6 +28,7 @@ static __host__ __device__ inline void merge(partial_stats *a, const partial_sta
   a->density += b.density;
   a->density_error += b.density_error;
   a->neighbors += b.neighbors;
+  a->squeezed += b.squeezed;
   a->speed2_max = larger(a->speed2_max, b.speed2_max);
   a->density_max = larger(a->density_max, b.density_max);
   a->neighbors_max = a->neighbors_max > b.neighbors_max ? a->neighbors_max : b.neighbors_max;
@@ -82,6 +83,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     s.density_max = larger(s.density_max, density);
     s.neighbors += neighbors;
     s.neighbors_max = max(s.neighbors_max, neighbors);
+    s.squeezed += pbf_is_squeezed_by(extras.obstacles, position_of(load(state.points, i)));
   }
   /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
   for (uint32_t lane = 0; lane < 32; ++lane) {

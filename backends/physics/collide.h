@@ -8,6 +8,9 @@
 
 /* ---- One surface --------------------------------------------------------------------------- */
 
+/* What a surface has to do with a way, in bits: it is in its way; it begins inside. */
+enum { PBF_IN_THE_WAY = 1, PBF_BEGINS_INSIDE = 2 };
+
 /* Where the way of length `length` from `from` to x, `distance` before the surface, first meets it,
  * found by stepping on by the distance from it (sphere tracing); *normal is that of the surface
  * there. A way that grazes it for long comes to no end and counts as one that meets it at
@@ -53,7 +56,8 @@ PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_real push, pbf_vec 
   else if (!pbf_meet(s, from, x, length, distance, &at, &normal))
     return 0;
   *contact = pbf_contact_at(at, normal);
-  return pbf_contact_gap(contact, x) < -s->rounding;
+  return (pbf_contact_gap(contact, x) < -s->rounding ? PBF_IN_THE_WAY : 0) |
+         (distance < -s->rounding ? PBF_BEGINS_INSIDE : 0);
 }
 
 /* How far behind a surface without another side a particle may be that has started there. */
@@ -71,7 +75,7 @@ PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_real push, pbf_vec from
   if (!(distance < -s->rounding)) return 0;
   const pbf_real least = pbf_least_distance(s, push, from);
   *contact = pbf_contact_at(pbf_add_scaled(x, least - distance, normal), normal);
-  return distance < least - s->rounding;
+  return distance < least - s->rounding ? PBF_IN_THE_WAY : 0;
 }
 
 /* Where a particle's way begins: `with_obstacle_motion` the surface has moved since it was there,
@@ -147,7 +151,7 @@ struct collision {
     surfaces->each([&](const pbf_surface &s) {
       pbf_contact contact;
       const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
-      if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact))
+      if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact) & PBF_IN_THE_WAY)
         visit(contact, s.rounding);
     });
     for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
@@ -190,11 +194,37 @@ struct collision {
   }
 };
 
+/* Whether a particle is inside a surface, and at another one or a wall: between what has closed on
+ * it. */
+template <class Surfaces>
+PBF_FN bool pbf_is_squeezed(const pbf_domain *domain, const Surfaces &surfaces, const pbf_vec &x) {
+  int inside = 0, at = 0;
+  pbf_real skin = 0;
+  surfaces.each([&](const pbf_surface &s) {
+    if (pbf_surface_is_beyond(&s, x, s.skin)) return;
+    pbf_vec normal;
+    const pbf_real distance = pbf_surface_distance(&s, x, &normal) - s.skin;
+    skin = pbf_real_max(skin, s.skin);
+    inside += !pbf_surface_is_unbounded(&s) && distance < -4 * s.rounding;
+    at += distance < skin;
+  });
+  return inside > 0 && (at > 1 || pbf_domain_distance(domain, x) < skin);
+}
+
+template <class Obstacles>
+PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
+  const surface_array surfaces = {pbf_surface_count(o), o.surfaces};
+  return surfaces.count > 0 && pbf_is_squeezed(&o.domain, surfaces, x);
+}
+
 /* Obstacle after obstacle pushes x off, until none has anything to do: whom one pushes may be in
  * another. */
 template <class Surfaces>
 PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
   enum { PASSES = 8 };
+  /* The nearest face says nothing of how it has come in: it would slip through what closes on it.
+   */
+  if (!of.with_obstacle_motion && pbf_is_squeezed(of.domain, *of.surfaces, of.from)) return of.from;
   pbf_contacts held = {0, {{{{0}}, 0}}};
   for (int pass = 0; pass < PASSES; ++pass) {
     bool pushed = false;
@@ -220,7 +250,7 @@ PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfa
   surfaces.each([&](const pbf_surface &s) {
     pbf_contact contact;
     touched = touched || pbf_find_contact(&s, pbf_push_of(&s, with_obstacle_motion),
-                                          with_obstacle_motion, from, x, &contact);
+                                          with_obstacle_motion, from, x, &contact) != 0;
   });
   if (!touched) return x;
   const collision<Surfaces> of = {domain, &surfaces, with_obstacle_motion, from};

@@ -278,6 +278,7 @@ static void add_to_stats(pbf_stats *stats, const solver *s, const pbf_obstacles 
   uint32_t neighbors = 0;
   double density = (double)solver_density(s, o, i, &neighbors);
   pbf_stats_add(stats, i == 0, s->x[i], s->v[i], density, neighbors);
+  stats->squeezed += pbf_is_squeezed_by(*o, s->x[i]);
 }
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {

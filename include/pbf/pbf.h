@@ -493,11 +493,12 @@ typedef struct pbf_stats {
   double density_error_max;  /* largest rho/rho0 - 1, at least 0 */
   double density_mean;       /* mean of rho/rho0 */
   uint32_t asleep;           /* particles, see pbf_params.sleep_speed */
-  uint32_t reserved;         /* 0 */
-  double step_limit;         /* as pbf_get_step_limit gives it */
-  uint32_t limited_by;       /* PBF_LIMIT_…: what that is for */
-  uint32_t substeps; /* parts that the last step had, see pbf_params.max_substeps; 0 before the
-                        first and after a load */
+  uint32_t squeezed;   /* particles inside a collider, and at another one or a wall: what closes on
+                          fluid leaves them no room, and they stay where they are until there is */
+  double step_limit;   /* as pbf_get_step_limit gives it */
+  uint32_t limited_by; /* PBF_LIMIT_…: what that is for */
+  uint32_t substeps;   /* parts that the last step had, see pbf_params.max_substeps; 0 before the
+                          first and after a load */
 } pbf_stats;
 
 PBF_API pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);

@@ -110,7 +110,7 @@ AT(pbf_stats, density_error_mean, 136);
 AT(pbf_stats, density_error_max, 144);
 AT(pbf_stats, density_mean, 152);
 AT(pbf_stats, asleep, 160);
-AT(pbf_stats, reserved, 164);
+AT(pbf_stats, squeezed, 164);
 AT(pbf_stats, step_limit, 168);
 AT(pbf_stats, limited_by, 176);
 AT(pbf_stats, substeps, 180);

@@ -317,11 +317,51 @@ static void buckets_can_be_swung(void **state) {
   test_for_long_kinds(check_swing);
 }
 
+/* ---- Walls that close on the water ---------------------------------------------------------- */
+
+/* Two opposite walls come together until they overlap, and open again: who finds no room is
+ * counted, stays, and is there again in the end. */
+static void check_squeeze(uint32_t dimension, uint32_t precision) {
+  enum { CLOSING = 60 };
+  const double half[3] = {2 * spacing, 4 * spacing, 2 * spacing}, closed = half[0] + 0.1 * wall;
+  const rotation upright = rotation_about(along_z, 0);
+  const vessel v = vessel_of(dimension, half, wall);
+  const pbf_params params = params_of(1.0 / 120);
+  const uint32_t walls = 2 * dimension;
+  pbf_collider colliders[WALLS];
+  pbf_stats stats = {.struct_size = sizeof stats};
+  water w = fill(dimension, precision, &v, center, &upright, &params);
+  place_vessel(&v, walls, center, &upright, colliders);
+  assert_ok(pbf_set_colliders(w.solver, walls, colliders));
+  for (int way = 0; way < 2; ++way) {
+    for (uint32_t k = 2; k < 4; ++k) /* those at the ends of x */
+      colliders[k].position[0] += (k == 2 ? 1 : -1) * (way ? -1 : 1) * closed;
+    assert_ok(pbf_move_colliders(w.solver, walls, colliders, CLOSING / 120.0));
+    assert_ok(pbf_step(w.solver, CLOSING + 10));
+    assert_ok(pbf_get_stats(w.solver, &stats));
+    if (way == 0 && stats.squeezed < w.count / 2)
+      fail_msg("%uD: %u of %u are squeezed", dimension, stats.squeezed, w.count);
+  }
+  assert_ok(pbf_step(w.solver, 30));
+  assert_ok(pbf_get_stats(w.solver, &stats));
+  const uint32_t outside = count_outside(&w, &v, center, &upright);
+  if (stats.squeezed > 0 || outside > 0)
+    fail_msg("%uD: %u of %u are outside, %u squeezed", dimension, outside, w.count, stats.squeezed);
+  destroy(&w);
+}
+
+static void what_is_squeezed_stays(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_squeeze);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(seams_are_tight),
       cmocka_unit_test(troughs_are_tight),
       cmocka_unit_test(buckets_can_be_swung),
+      cmocka_unit_test(what_is_squeezed_stays),
   };
   return TEST_RUN(tests);
 }
