@@ -144,8 +144,8 @@ struct collision {
   int with_obstacle_motion;
   pbf_vec from;
 
-  /* Calls visit(contact, rounding) for those that x has with surfaces and walls; these push whom
-   * they find inside, or else only keep him from getting deeper. */
+  /* Calls visit(contact, rounding) for those that x has with surfaces and walls; these push a
+   * particle that they find inside, or else only keep it from getting deeper. */
   template <class Visit>
   PBF_IN void each_contact(const pbf_vec &x, bool push, Visit visit) const {
     surfaces->each([&](const pbf_surface &s) {
