@@ -292,6 +292,13 @@ static inline void apply_viscous_stress(solver *s, uint32_t k) {
   }
 }
 
+static inline void apply_viscosity(solver *s, uint32_t k) {
+  if (s->schedule.accelerated)
+    apply_viscous_stress(s, k);
+  else
+    apply_xsph(s);
+}
+
 static inline void apply_drag(solver *s) {
   const drag_pass pass = drag_of(&s->params);
   for (uint32_t i = 0; i < s->count; ++i)
@@ -351,12 +358,7 @@ struct executor {
   void correct_angular_momentum() { ::turn(s); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
-  void viscosity(uint32_t k) {
-    if (s->schedule.accelerated)
-      apply_viscous_stress(s, k);
-    else
-      apply_xsph(s);
-  }
+  void viscosity(uint32_t k) { apply_viscosity(s, k); }
   void drag() { apply_drag(s); }
   bool update_sleep() {
     ::update_sleep(s);

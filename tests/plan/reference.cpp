@@ -36,7 +36,7 @@ static const watched *watched_at(unsigned k) {
       WATCH_STAGE(end_solve, NOTHING, "velocity"),
       WATCH_STAGE(compute_curl, VORTICITY, "curl"),
       WATCH_STAGE(confine_vorticity, VORTICITY, "confine"),
-      WATCH_STAGE(executor::viscosity, VISCOSITY, "viscosity"),
+      WATCH_STAGE(apply_viscosity, VISCOSITY, "viscosity"),
       WATCH_STAGE(solve_pressure_grid, PRESSURE_GRID, "pressure grid"),
       WATCH_STAGE(update_sleep, SLEEP, "sleep"),
       WATCH(pbf_activity, SLEEP),
