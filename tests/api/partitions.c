@@ -341,5 +341,5 @@ int main(void) {
       cmocka_unit_test(where_there_is_a_pool),
       cmocka_unit_test(walls_may_be_round),
   };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return TEST_RUN(tests);
 }

@@ -83,8 +83,9 @@ static pbf_solver *scene(const char *backend, uint32_t dimension, uint64_t seed)
   return s;
 }
 
-/* A collider that is not looked at shows by 1e-3 spacings and more. Where three planes nearly meet in
- * a line the point that they hold a particle at multiplies rounding, in one of these 33,000 by 1e8.
+/* A collider that is not looked at shows by 1e-3 spacings and more. Where three planes nearly meet
+ * in a line the point that they hold a particle at multiplies rounding, in one of these 33,000 by
+ * 1e8.
  */
 static void compare(uint32_t dimension) {
   uint64_t scenes = dimension == 3 ? SCENES_3D : SCENES_2D;
