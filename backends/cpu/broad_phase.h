@@ -74,7 +74,7 @@ static inline void collect_candidates(const pbf_obstacles *all, const group_boun
 }
 
 /* These obstacles without the surfaces that they don't meet; the number of those that are left.
- * What moves pushes by as much, and those whom it pushes may meet others. */
+ * What moves pushes by as much, and the particles that it pushes may meet others. */
 static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
                                        int with_obstacle_motion, pbf_obstacles *candidates) {
   pbf_real pushed = 0;

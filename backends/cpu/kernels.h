@@ -159,7 +159,7 @@ typedef struct kernels {
   /* What passes/pressure_fit.h makes of numbers that the particles have. */
   void (*fit)(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
               uint32_t last);
-  /* The density that those contribute whose number is 1, of 1 and 0. */
+  /* The density that neighbours contribute, times their numbers: 1 where placed, else 0. */
   void (*placed_density)(const pair_pass *p, const pbf_real *numbers, pbf_real *density,
                          uint32_t first, uint32_t last);
   void (*residual_density)(const pbf_constants *constants, pbf_real *density, uint32_t first,

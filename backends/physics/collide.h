@@ -217,7 +217,7 @@ PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
   return surfaces.count > 0 && pbf_is_squeezed(&o.domain, surfaces, x);
 }
 
-/* Obstacle after obstacle pushes x off, until none has anything to do: whom one pushes may be in
+/* Obstacle after obstacle pushes x off, until none has anything to do: one may push a particle into
  * another. */
 template <class Surfaces>
 PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
