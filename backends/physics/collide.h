@@ -194,19 +194,21 @@ struct collision {
   }
 };
 
-/* Whether a particle is inside a surface, and at another one or a wall: between what has closed on
- * it. */
-template <class Surfaces>
-PBF_FN bool pbf_is_squeezed(const pbf_domain *domain, const Surfaces &surfaces, const pbf_vec &x) {
+/* Whether a particle is inside one of the surfaces that `may_squeeze` tells, and at another one or
+ * a wall: between what has closed on it. */
+template <class Surfaces, class MaySqueeze>
+PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, const pbf_vec &x,
+                           MaySqueeze may_squeeze) {
   int inside = 0, at = 0;
   pbf_real skin = 0;
   surfaces.each([&](const pbf_surface &s) {
     if (pbf_surface_is_beyond(&s, x, s.skin)) return;
     pbf_vec normal;
-    const pbf_real distance = pbf_surface_distance(&s, x, &normal) - s.skin;
+    const pbf_real distance = pbf_surface_distance(&s, x, &normal);
+    const pbf_real least = pbf_surface_is_unbounded(&s) ? 0 : s.skin;
     skin = pbf_real_max(skin, s.skin);
-    inside += !pbf_surface_is_unbounded(&s) && distance < -4 * s.rounding;
-    at += distance < skin;
+    inside += may_squeeze(s) && distance - least < -4 * s.rounding;
+    at += distance - s.skin < skin;
   });
   return inside > 0 && (at > 1 || pbf_domain_distance(domain, x) < skin);
 }
@@ -214,7 +216,8 @@ PBF_FN bool pbf_is_squeezed(const pbf_domain *domain, const Surfaces &surfaces, 
 template <class Obstacles>
 PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
   const surface_array surfaces = {pbf_surface_count(o), o.surfaces};
-  return surfaces.count > 0 && pbf_is_squeezed(&o.domain, surfaces, x);
+  return surfaces.count > 0 &&
+         pbf_is_between(&o.domain, surfaces, x, [](const pbf_surface &) { return true; });
 }
 
 /* Obstacle after obstacle pushes x off, until none has anything to do: one may push a particle into
@@ -222,9 +225,11 @@ PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
 template <class Surfaces>
 PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
   enum { PASSES = 8 };
-  /* The nearest face says nothing of how it has come in: it would slip through what closes on it.
-   */
-  if (!of.with_obstacle_motion && pbf_is_squeezed(of.domain, *of.surfaces, of.from)) return of.from;
+  /* The nearest face says nothing of how it has come in: it would slip through what closes on it,
+   * unless that has no other side. */
+  const auto has_faces = [](const pbf_surface &s) { return !pbf_surface_is_unbounded(&s); };
+  if (!of.with_obstacle_motion && pbf_is_between(of.domain, *of.surfaces, of.from, has_faces))
+    return of.from;
   pbf_contacts held = {0, {{{{0}}, 0}}};
   for (int pass = 0; pass < PASSES; ++pass) {
     bool pushed = false;

@@ -149,6 +149,7 @@ static void change_params(input *in, twins *t, arguments *a) {
     wild = draw_params(in, &a->params);
   }
   if (twins_call(t, set_params, a) == PBF_OK) t->wild |= wild;
+  t->placed = 1; /* walls may have jumped, steps become shorter */
 }
 
 /* As most runs do: places at random take hundreds of iterations to part. */
@@ -170,7 +171,9 @@ static void call_with_particles(input *in, twins *t, arguments *a, unsigned whic
     draw_numbers(in, a, 0.21, 0.79, a->x, &wild);
     draw_numbers(in, a, -4, 4, a->v, &wild);
   }
-  if (twins_call(t, calls[which], a) == PBF_OK) t->wild |= wild;
+  if (twins_call(t, calls[which], a) != PBF_OK) return;
+  t->wild |= wild;
+  t->placed = 1;
 }
 
 static void step_some(input *in, twins *t) {
@@ -205,6 +208,7 @@ static void call(input *in, twins *t) {
     case 7:
       draw_some_colliders(in, &a, &wild);
       if (twins_call(t, set_colliders, &a) == PBF_OK) t->wild |= wild;
+      t->placed = 1;
       if (a.count % 2) twins_call(t, move_colliders, &a);
       break;
     case 8:

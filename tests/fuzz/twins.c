@@ -106,10 +106,11 @@ static int load_from(pbf_solver *to, pbf_solver *from) {
 }
 
 /* Gives the second twin the particles of the first: by overwriting them where they are, or by way
- * of a saved state, which is portable between backends. Fails while a view is mapped. */
+ * of a saved state, which is portable between backends and has what is left of an overlap, too.
+ * Fails while a view is mapped. */
 static int even_out(twins *t, int by_loading) {
   particles p;
-  if (!by_loading) {
+  if (!by_loading && !t->overlapped) {
     get_particles(t->solver[0], &p);
     if (pbf_set_positions(t->solver[1], 0, p.count, p.x) == PBF_OK &&
         pbf_set_velocities(t->solver[1], 0, p.count, p.v) == PBF_OK)
@@ -187,11 +188,12 @@ static int took_as_long(pbf_solver *a, pbf_solver *b) {
   return one.iterations == other.iterations;
 }
 
-/* In one, whoever is h away from it is held by many times what its own move says. */
-static int has_a_crowd(pbf_solver *s) {
+/* In one, what is h away from it is held by many times what its own move says; and colliders that
+ * leave a particle no room move it, by whatever they are apart, as the last digit decides. */
+static int has_a_crowd_or_no_room(pbf_solver *s) {
   pbf_stats stats = {.struct_size = sizeof stats};
   insist(pbf_get_stats(s, &stats) == PBF_OK);
-  return stats.density_error_max > 4;
+  return stats.density_error_max > 4 || stats.squeezed > 0;
 }
 
 static int is_coarse_or_short(const twins *t) {
@@ -206,8 +208,9 @@ static int is_coarse_or_short(const twins *t) {
  * the solve is seen by a search that looked farther than it had to and missed by another: an error
  * of the square of how far particles move in the solve, in units of h, and no bound where they move
  * by as much as h. Where h is hardly more than the spacing such a pair is all that pushes, and the
- * error as large as the move; so it is in very short steps, which ask for the density at their
- * start, too, where pairs may have been within h that are looked at no more. */
+ * error as large as the move; so it is in steps that ask for the density at their start, too, where
+ * pairs may have been within h that are looked at no more: very short ones, and those that look for
+ * what overlaps. */
 static void compare_particles(const twins *t, const particles *before, pbf_solver *shaken) {
   particles a, b, c;
   get_particles(t->solver[0], &a);
@@ -216,10 +219,10 @@ static void compare_particles(const twins *t, const particles *before, pbf_solve
   uint32_t numbers = a.count * t->k.dimension;
   double h = params_of(t).smoothing_radius, apart = distance(t, a.x, b.x, numbers) / h;
   double moved = farthest_move(t, before, &a);
-  double unseen = is_coarse_or_short(t) ? 2 * moved : 2 * moved * moved;
+  double unseen = is_coarse_or_short(t) || t->placed ? 2 * moved : 2 * moved * moved;
   double limit = rounding(t) + unseen + 10 * distance(t, a.x, c.x, numbers) / h;
   insist(isfinite(distance(t, a.v, b.v, numbers)) && isfinite(apart));
-  if (moved > 0.25 || apart <= limit || has_a_crowd(t->solver[0])) return;
+  if (moved > 0.25 || apart <= limit || has_a_crowd_or_no_room(t->solver[0])) return;
   fprintf(stderr, "positions are %.3g h apart after a step; at most %.3g h\n", apart, limit);
   insist(apart <= limit);
 }
@@ -242,6 +245,8 @@ pbf_status twins_step(twins *t, int by_loading) {
       took_as_long(t->solver[0], t->solver[1]))
     compare_particles(t, &before, shaken);
   pbf_destroy(shaken);
+  t->overlapped |= t->placed;
+  t->placed = 0;
   for (int i = 0; i < TWINS; ++i) t->lost |= !are_finite(t->solver[i], t);
   insist(!t->lost || t->wild);
   return status;

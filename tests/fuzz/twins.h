@@ -11,6 +11,8 @@ typedef struct twins {
   kind k;
   pbf_solver *solver[TWINS]; /* reference, serial */
   int wild;                  /* numbers have been let in that no distance can be stated for */
+  int placed;                /* since the last step: what overlaps is looked for in the next */
+  int overlapped;            /* in an earlier step: something may be left of that */
   int lost;                  /* and have led to what is no number: the two need not agree on more */
 } twins;
 
