@@ -16,7 +16,7 @@ typedef struct pbf_pressure_grid_storage {
   pbf_pressure_grid grid; /* of this step */
   int64_t *sums;          /* of cells: pbf_pressure_grid_entry; the first of all arrays */
   int64_t *places;        /* of cells: pbf_pressure_grid_place_entry */
-  double *free_volumes, *parts, *weights; /* of cells: weights are free volumes over parts */
+  double *free_volumes;   /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   pbf_pressure_grid_run *runs; /* all nodes that are not in the open are in one, in their order … */
   uint32_t count;              /* of so many; unless every node is looked at */
@@ -35,7 +35,7 @@ static inline uint64_t pbf_pressure_grid_room_bytes(uint32_t capacity) {
 
 /* Words of 8 bytes in all arrays. */
 static inline uint64_t pbf_pressure_grid_words(uint32_t capacity) {
-  enum { ARRAYS = 11 };
+  enum { ARRAYS = 9 };
   return ARRAYS * pbf_pressure_grid_most(capacity);
 }
 
@@ -50,9 +50,8 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   uint64_t limit = pbf_pressure_grid_most(capacity);
   storage->places = storage->sums + limit;
   double *next = (double *)storage->places;
-  double **const arrays[] = {&storage->free_volumes, &storage->parts, &storage->weights,
-                             &storage->depths,       &storage->right, &storage->inverse,
-                             &storage->lambda,       &storage->before};
+  double **const arrays[] = {&storage->free_volumes, &storage->depths, &storage->right,
+                             &storage->inverse,      &storage->lambda, &storage->before};
   for (unsigned k = 0; k < sizeof arrays / sizeof arrays[0]; ++k) *arrays[k] = next += limit;
   storage->runs = (pbf_pressure_grid_run *)(next + limit);
   return true;
@@ -245,27 +244,6 @@ static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *sto
         c, t, storage->sums, storage->places, storage->free_volumes, k);
 }
 
-/* What of the cells in a box, outside which there is no fluid, is below the surface. */
-static inline void pbf_pressure_grid_cut_cells(pbf_pressure_grid_storage *storage,
-                                               const pbf_pressure_grid_box *box) {
-  const pbf_pressure_grid *c = &storage->grid;
-  const pbf_pressure_grid_topology *t = &storage->topology;
-  int i[PBF_DIM];
-  pbf_pressure_grid_find_surface(storage, box);
-  memcpy(i, box->first, sizeof i);
-  do {
-    uint32_t row = pbf_pressure_grid_row(c, i);
-    for (int x = box->first[0]; x <= box->last[0]; ++x) {
-      uint32_t cell = row + (uint32_t)x;
-      pbf_pressure_grid_cut(c, t, storage->depths, storage->free_volumes, cell,
-                            &storage->parts[cell], &storage->weights[cell]);
-    }
-  } while (pbf_pressure_grid_next_row(box, i));
-  for (uint32_t k = t->first; k < pbf_pressure_grid_last_further(t); ++k)
-    pbf_pressure_grid_cut(c, t, storage->depths, storage->free_volumes, k, &storage->parts[k],
-                          &storage->weights[k]);
-}
-
 /* The equations of torn nodes, which are none of the others; returns the largest right side of one
  * that is not in the open. */
 static inline double pbf_pressure_grid_torn_equations(
@@ -274,7 +252,7 @@ static inline double pbf_pressure_grid_torn_equations(
   double largest = 0;
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k) {
     pbf_pressure_grid_torn_equation(&storage->grid, t, source_scale, storage->sums,
-                                    storage->free_volumes, storage->weights, storage->depths, k);
+                                    storage->free_volumes, storage->depths, k);
     if (t->inverse[k] > 0) largest = pbf_greater(largest, fabs(t->right[k]));
   }
   return largest;
@@ -284,7 +262,7 @@ static inline void pbf_pressure_grid_guess_torn(pbf_pressure_grid_storage *stora
   const pbf_pressure_grid_topology *t = &storage->topology;
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k) {
     const double lambda = pbf_pressure_grid_torn_guess(&storage->grid, t, part, storage->inverse,
-                                                       storage->free_volumes, storage->weights, k);
+                                                       storage->free_volumes, storage->depths, k);
     storage->lambda[t->torn_at[k]] = storage->before[t->torn_at[k]] = t->before[k] = lambda;
   }
 }
@@ -298,11 +276,11 @@ static inline void pbf_pressure_grid_guess_all(pbf_pressure_grid_storage *storag
   for (uint32_t column = 0; column < pbf_pressure_grid_columns(c); ++column)
     if (t->surface_count)
       pbf_pressure_grid_guess_between(c, t, source_scale->part, storage->inverse,
-                                      storage->free_volumes, storage->weights, column,
+                                      storage->free_volumes, storage->depths, column,
                                       storage->lambda);
     else
-      pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->free_volumes,
-                              storage->weights, column, storage->lambda);
+      pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->depths, column,
+                              storage->lambda);
   memcpy(storage->before, storage->lambda, c->nodes * sizeof *storage->lambda);
 }
 
@@ -315,6 +293,28 @@ static inline void pbf_pressure_grid_swap(pbf_pressure_grid_storage *storage) {
   storage->lambda = now;
 }
 
+/* After the last iteration: lambda goes on beyond the surface, in a box of nodes. */
+static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *storage,
+                                                 const pbf_pressure_grid_box *nodes) {
+  const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  const double *depths = storage->depths, *free_volumes = storage->free_volumes;
+  double *lambda = storage->lambda;
+  int i[PBF_DIM];
+  memcpy(i, nodes->first, sizeof i);
+  do {
+    uint32_t row = pbf_pressure_grid_row(c, i);
+    for (int x = nodes->first[0]; x <= nodes->last[0]; ++x) {
+      const uint32_t node = row + (uint32_t)x;
+      if (pbf_pressure_grid_is_open(depths[node]) && !(t->surface_count && t->torn[node]))
+        lambda[node] = pbf_pressure_grid_node_beyond(c, t, depths, free_volumes, lambda, node);
+    }
+  } while (pbf_pressure_grid_next_row(nodes, i));
+  for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k)
+    if (pbf_pressure_grid_is_open(depths[t->torn_at[k]]))
+      lambda[t->torn_at[k]] = pbf_pressure_grid_torn_beyond(c, t, depths, free_volumes, lambda, k);
+}
+
 /* The lambda over particles that has the grid's pressure at x. */
 static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid_storage *storage,
                                                          const pbf_constants *c,
@@ -322,8 +322,8 @@ static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_find(storage, x, at);
   if (cell == PBF_NO_INDEX) return 0;
-  double lambda = pbf_pressure_grid_lambda(&storage->grid, &storage->topology, storage->lambda,
-                                           storage->parts, cell, at);
+  double lambda =
+      pbf_pressure_grid_lambda(&storage->grid, &storage->topology, storage->lambda, cell, at);
   return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)c->pressure);
 }
 

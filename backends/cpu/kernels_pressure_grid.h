@@ -85,21 +85,19 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
   }
 }
 
-/* Lambda at the corners of the particles' cells, and the cells' parts below the surface. */
+/* Lambda at the corners of the particles' cells. */
 typedef struct pressure_grid_corners {
-  double lambda[PBF_CORNERS][PRESSURE_GRID_CHUNK], part[PRESSURE_GRID_CHUNK];
+  double lambda[PBF_CORNERS][PRESSURE_GRID_CHUNK];
 } pressure_grid_corners;
 
 PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32_t *cells,
                           uint32_t count, pressure_grid_corners *corners) {
   for (uint32_t l = 0; l < count; ++l) {
     double values[PBF_CORNERS] = {0};
-    const int any = cells[l] != PBF_NO_INDEX;
-    if (any)
+    if (cells[l] != PBF_NO_INDEX)
       pbf_pressure_grid_corners(&storage->grid, &storage->topology, storage->lambda, cells[l],
                                 values);
     for (int a = 0; a < PBF_CORNERS; ++a) corners->lambda[a][l] = values[a];
-    corners->part[l] = any ? storage->parts[cells[l]] : 1;
   }
 }
 
@@ -120,7 +118,7 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
       double values[PBF_CORNERS], at[PBF_DIM];
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
-      pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at, corners.part[l]);
+      pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at);
       if (obstacles) u = pbf_move_past_obstacles(*obstacles, field_at(&x, first + l), u);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }
@@ -140,14 +138,13 @@ static __attribute__((noinline)) void write_equations(
     double *restrict inverse) {
   const pbf_pressure_grid c = storage->grid;
   const pbf_pressure_grid_source_scale d = *source_scale;
-  const double *free_volumes = storage->free_volumes, *weights = storage->weights,
-               *depths = storage->depths;
+  const double *free_volumes = storage->free_volumes, *depths = storage->depths;
   const int64_t *sums = storage->sums;
   for (int x = i[0]; x <= last; ++x) {
     int node[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k) node[k] = k ? i[k] : x;
-    pbf_pressure_grid_equation_at(&c, &d, sums, free_volumes, weights, depths[row + x],
-                                  (int64_t)row + x, node, &right[x], &inverse[x]);
+    pbf_pressure_grid_equation_at(&c, &d, sums, free_volumes, depths[row + x], (int64_t)row + x,
+                                  node, &right[x], &inverse[x]);
   }
 }
 
@@ -164,13 +161,13 @@ static __attribute__((noinline)) int relax_run(const pbf_pressure_grid_storage *
                                                uint32_t count, double *restrict before) {
   const pbf_pressure_grid c = storage->grid;
   const pbf_pressure_grid_solve s = *solve;
-  const double *weights = storage->weights + first, *now = storage->lambda + first;
+  const double *free_volumes = storage->free_volumes + first, *now = storage->lambda + first;
   const double *right = storage->right + first, *inverse = storage->inverse + first;
   int64_t lacking = 0;
   for (uint32_t k = 0; k < count; ++k) {
     double around[PBF_CORNERS];
-    pbf_pressure_grid_around(&c, weights, k, around);
-    double residual = pbf_pressure_grid_residual(&c, around, now, right[k], k);
+    pbf_pressure_grid_around(&c, free_volumes, k, around);
+    double residual = pbf_pressure_grid_residual(&c, around, now, right[k], inverse[k], k);
     double miss = inverse[k] > 0 ? pbf_pressure_grid_miss(residual, now[k]) : 0;
     lacking |= miss > s.enough ? 1 : 0;
     before[k] = pbf_pressure_grid_next(&s, residual, inverse[k], now[k], before[k]);

@@ -106,6 +106,9 @@ static double find_equations(solver *s, const pbf_pressure_grid_source_scale *so
       if (storage->topology.surface_count && storage->topology.torn[node])
         storage->inverse[node] = 0;
       if (!(storage->inverse[node] > 0)) continue;
+      storage->inverse[node] =
+          pbf_pressure_grid_end_equation(&storage->grid, &storage->topology, storage->free_volumes,
+                                         storage->depths, node, storage->inverse[node]);
       largest = pbf_greater(largest, fabs(storage->right[node]));
       add_to_runs(storage, node);
     }
@@ -118,7 +121,7 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
   pbf_pressure_grid_storage *storage = &s->pressure_grid;
   pressure_grid_solve *d = &s->pressure_grid_solve;
   pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
-  pbf_pressure_grid_box fluid;
+  pbf_pressure_grid_box fluid = {{0}, {0}};
   const uint32_t torn = pbf_pressure_grid_torn_count(&storage->topology);
   double largest = 0;
   storage->count = 0;
@@ -126,7 +129,7 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
   if (torn) memset(storage->topology.inverse, 0, torn * sizeof *storage->topology.inverse);
   if (find_fluid(storage, &fluid)) {
     source_scale = pbf_pressure_grid_find_free_volumes(storage, o, &fluid);
-    pbf_pressure_grid_cut_cells(storage, &fluid);
+    pbf_pressure_grid_find_surface(storage, &fluid);
     if (source_scale.part > 0) largest = find_equations(s, &source_scale, &fluid);
   }
   pbf_pressure_grid_guess_all(storage, &source_scale);
@@ -134,6 +137,8 @@ static void find_solve(solver *s, const pbf_obstacles *o) {
   d->nodes = d->in_runs + whole_vectors(torn);
   d->solve = pbf_pressure_grid_solve_begin(source_scale.longest, largest);
   d->iteration = 0;
+  d->inside = fluid;
+  for (int k = 0; k < PBF_DIM; ++k) ++d->inside.first[k];
 }
 
 /* ---- Iterations ---------------------------------------------------------------------------- */
@@ -143,8 +148,9 @@ static int relax_torn_nodes(const solver *s, uint32_t first, uint32_t last) {
   const pbf_pressure_grid_solve *solve = &s->pressure_grid_solve.solve;
   int lacking = 0;
   for (uint32_t k = first; k < last; ++k)
-    lacking |= pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
-                                            storage->weights, storage->lambda, k) > solve->enough;
+    lacking |=
+        pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
+                                     storage->free_volumes, storage->lambda, k) > solve->enough;
   return lacking;
 }
 
@@ -181,8 +187,11 @@ static int end_iteration(solver *s, int lacking) {
 }
 
 static void solve_alone(solver *s) {
-  int over = s->pressure_grid_solve.solve.most <= 0;
-  while (!over) over = end_iteration(s, relax_nodes(s, 0, s->pressure_grid_solve.nodes));
+  pressure_grid_solve *d = &s->pressure_grid_solve;
+  int over = d->solve.most <= 0;
+  if (over) return;
+  while (!over) over = end_iteration(s, relax_nodes(s, 0, d->nodes));
+  pbf_pressure_grid_extrapolate(&s->pressure_grid, &d->inside);
 }
 
 /* ---- Iterations by several threads --------------------------------------------------------- */
@@ -227,6 +236,7 @@ static void lead_solve(solver *s) {
       wait_a_little(&looks);
     over = end_iteration(s, (int)atomic_exchange_explicit(&d->lacking, 0, memory_order_relaxed));
   }
+  pbf_pressure_grid_extrapolate(&s->pressure_grid, &d->inside);
   atomic_store_explicit(&d->solved, 1, memory_order_release);
 }
 

@@ -25,9 +25,10 @@ typedef struct slab_counter {
  */
 typedef struct pressure_grid_solve {
   pbf_pressure_grid_solve solve;
-  int iteration;           /* under way */
-  uint32_t in_runs, nodes; /* in all runs, and with the torn ones */
-  uint32_t parts;          /* of an iteration */
+  int iteration;                /* under way */
+  uint32_t in_runs, nodes;      /* in all runs, and with the torn ones */
+  uint32_t parts;               /* of an iteration */
+  pbf_pressure_grid_box inside; /* nodes of cells that hold particles */
   atomic_uint led, solved;
   _Alignas(64) atomic_ullong next; /* the iteration, and the next of its parts to be taken */
   _Alignas(64) atomic_uint done;   /* parts, of all iterations */

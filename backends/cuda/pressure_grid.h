@@ -21,9 +21,9 @@ struct pressure_grid_control {
 };
 
 struct pressure_grid_arrays {
-  pressure_grid_control *control;         /* the first of all arrays; null: there is no grid */
-  unsigned long long *sums, *places;      /* of cells; the places lie behind the sums of the grid */
-  double *free_volumes, *parts, *weights; /* of cells */
+  pressure_grid_control *control;    /* the first of all arrays; null: there is no grid */
+  unsigned long long *sums, *places; /* of cells; the places lie behind the sums of the grid */
+  double *free_volumes;              /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
   pbf_pressure_grid_topology topology; /* of thin solids */
@@ -31,7 +31,7 @@ struct pressure_grid_arrays {
 
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
   return sizeof(pressure_grid_control) +
-         pbf_pressure_grid_most(capacity) * (10 * sizeof(double) + sizeof(uint32_t));
+         pbf_pressure_grid_most(capacity) * (8 * sizeof(double) + sizeof(uint32_t));
 }
 
 /* Behind the topology are the colliders that it is of. */
@@ -55,16 +55,15 @@ static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
   a.places = a.sums + nodes;
   double *next = reinterpret_cast<double *>(a.sums + limit);
-  double **const arrays[] = {&a.free_volumes, &a.parts,   &a.weights, &a.depths,
-                             &a.right,        &a.inverse, &a.lambda,  &a.before};
+  double **const arrays[] = {&a.free_volumes, &a.depths, &a.right,
+                             &a.inverse,      &a.lambda, &a.before};
   for (double **array : arrays) *array = next += limit;
   a.inside = reinterpret_cast<uint32_t *>(next + limit);
   a.topology = pbf_pressure_grid_topology_in(nullptr, 0, 0);
   return a;
 }
 
-static __device__ __forceinline__ const double *pressure_grid_lambda(
-    const pressure_grid_arrays &a) {
+static __device__ __forceinline__ double *pressure_grid_lambda(const pressure_grid_arrays &a) {
   return a.control->odd ? a.before : a.lambda;
 }
 
@@ -196,14 +195,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                  pressure_grid_integers(a.places), a.free_volumes, node, i);
 }
 
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    pressure_grid_cut_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
-  uint32_t cell = thread_index();
-  if (has_compartment(grid, a, cell))
-    pbf_pressure_grid_cut(&grid, &a.topology, a.depths, a.free_volumes, cell, &a.parts[cell],
-                          &a.weights[cell]);
-}
-
 /* The step's source scale, for all threads of a block. */
 static __device__ __forceinline__ pbf_pressure_grid_source_scale
 grid_source_scale(const pbf_pressure_grid &grid, const pressure_grid_arrays &a) {
@@ -219,16 +210,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_pressure_grid_source_scale source_scale = grid_source_scale(grid, a);
   double right = 0, inverse = 0;
   if (node < grid.nodes) {
-    pbf_pressure_grid_equation(&grid, &source_scale, pressure_grid_integers(a.sums), a.free_volumes,
-                               a.weights, a.depths[node], node, &right, &inverse);
+    pbf_pressure_grid_equation(&grid, &a.topology, &source_scale, pressure_grid_integers(a.sums),
+                               a.free_volumes, a.depths, node, &right, &inverse);
     if (a.topology.surface_count && a.topology.torn[node]) inverse = 0;
     a.right[node] = right;
     a.inverse[node] = inverse;
   } else if (node - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
     const uint32_t torn = node - grid.nodes;
     pbf_pressure_grid_torn_equation(&grid, &a.topology, &source_scale,
-                                    pressure_grid_integers(a.sums), a.free_volumes, a.weights,
-                                    a.depths, torn);
+                                    pressure_grid_integers(a.sums), a.free_volumes, a.depths, torn);
     right = a.topology.right[torn];
     inverse = a.topology.inverse[torn];
   }
@@ -261,9 +251,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   bool stays = pbf_pressure_grid_down(&grid) == 0;
   uint32_t stands = stays ? 0 : pressure_grid_stands(a.inverse, at.floor, at.up, top);
   double above = 0;
-  if (stands)
-    above =
-        pbf_pressure_grid_above(&grid, a.free_volumes, a.weights, at.floor + (stands - 1) * at.up);
+  if (stands) above = pbf_pressure_grid_column_above(a.depths, at, stands, top);
   for (uint32_t i = threadIdx.x % 32; i <= top; i += 32) {
     int64_t node = i < top ? at.floor + i * at.up : at.outside;
     double lambda = i < stands ? pbf_pressure_grid_weight(&grid, part, stands - 1 - i + above) : 0;
@@ -280,7 +268,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const double part = grid_source_scale(grid, a).part;
   if (torn >= pbf_pressure_grid_torn_count(t)) return;
   const double lambda =
-      pbf_pressure_grid_torn_guess(&grid, t, part, a.inverse, a.free_volumes, a.weights, torn);
+      pbf_pressure_grid_torn_guess(&grid, t, part, a.inverse, a.free_volumes, a.depths, torn);
   a.lambda[t->torn_at[torn]] = a.before[t->torn_at[torn]] = t->before[torn] = lambda;
 }
 
@@ -291,12 +279,34 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   uint32_t column = thread_index();
   const double part = grid_source_scale(grid, a).part;
   if (column >= pbf_pressure_grid_columns(&grid)) return;
-  pbf_pressure_grid_guess_between(&grid, &a.topology, part, a.inverse, a.free_volumes, a.weights,
+  pbf_pressure_grid_guess_between(&grid, &a.topology, part, a.inverse, a.free_volumes, a.depths,
                                   column, a.lambda);
   const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(&grid, column);
   a.before[at.outside] = a.lambda[at.outside];
   for (int64_t i = 0; i <= grid.n[grid.axis]; ++i)
     a.before[at.floor + i * at.up] = a.lambda[at.floor + i * at.up];
+}
+
+/* After the solve: lambda goes on beyond the surface, a thread a node. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    extrapolate_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                       const __grid_constant__ pressure_grid_arrays a) {
+  const pbf_pressure_grid_topology *t = &a.topology;
+  double *lambda = pressure_grid_lambda(a);
+  const uint32_t index = thread_index(), torn = pbf_pressure_grid_torn_count(t);
+  if (a.control->largest == 0) return; /* lambda is 0 */
+  if (index >= grid.nodes) {
+    if (index - grid.nodes >= torn) return;
+    const uint32_t node = t->torn_at[index - grid.nodes];
+    if (pbf_pressure_grid_is_open(a.depths[node]))
+      lambda[node] = pbf_pressure_grid_torn_beyond(&grid, t, a.depths, a.free_volumes, lambda,
+                                                   index - grid.nodes);
+    return;
+  }
+  if (!pbf_node_is_inside(&grid, index) || (torn && t->torn[index]) ||
+      !pbf_pressure_grid_is_open(a.depths[index]))
+    return;
+  lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index);
 }
 
 /* What the grid adds to the moves. */
@@ -312,8 +322,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
   if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
-  pbf_vec u =
-      pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), a.parts, cell, at);
+  pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
   if (collide) u = pbf_move_past_obstacles(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
@@ -334,8 +343,7 @@ static __device__ __forceinline__ pbf_real grid_pressure_at(const grid_pressure 
   uint32_t cell = pbf_pressure_grid_cell(&d.grid, x, at);
   cell = pbf_compartment_of(&d.grid, t, cell, x, at);
   if (cell == PBF_NO_INDEX) return 0;
-  double lambda = pbf_pressure_grid_lambda(&d.grid, t, pressure_grid_lambda(d.arrays),
-                                           d.arrays.parts, cell, at);
+  double lambda = pbf_pressure_grid_lambda(&d.grid, t, pressure_grid_lambda(d.arrays), cell, at);
   return (pbf_real)(-d.scale * lambda);
 }
 

@@ -155,10 +155,11 @@ static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &ob
   const uint32_t blocks = blocks_for(indices), with_torn = blocks_for(grid.nodes + torn);
   pressure_grid_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
   pressure_grid_depths_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  pressure_grid_cut_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   pressure_grid_nodes_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   launch_guess(s, arrays);
-  return launch_pressure_grid_solve(s, grid, arrays);
+  if (pbf_status status = launch_pressure_grid_solve(s, grid, arrays)) return status;
+  extrapolate_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  return pbf_cuda_check_launch("extrapolate_kernel");
 }
 
 /* The grid of the step that ends at `time`, between these walls and in the containers; where there

@@ -76,7 +76,7 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
   e.node = node;
   e.right = a.right[node];
   e.inverse = a.inverse[node];
-  pbf_pressure_grid_around(&grid, a.weights, node, e.around);
+  pbf_pressure_grid_around(&grid, a.free_volumes, node, e.around);
   return e;
 }
 
@@ -205,7 +205,7 @@ static __device__ __forceinline__ bool relax_torn(const pbf_pressure_grid &grid,
   const uint32_t count = pbf_pressure_grid_torn_count(t);
   bool misses = false;
   for (uint32_t k = thread_index(); k < count; k += gridDim.x * PRESSURE_GRID_THREADS) {
-    const double miss = pbf_pressure_grid_relax_torn(&grid, t, &solve, a.weights, now, k);
+    const double miss = pbf_pressure_grid_relax_torn(&grid, t, &solve, a.free_volumes, now, k);
     pbf_pressure_grid_end_torn(t, now, before, k);
     misses = misses || miss > solve.enough;
   }
@@ -240,7 +240,7 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
     bool misses = false;
     auto go_on = [&](const pressure_grid_equation &e) {
       uint32_t at = e.node - lambda.low();
-      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, at);
+      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.inverse, at);
       double next = pbf_pressure_grid_next(&solve, residual, e.inverse, now[at], before[at]);
       misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve.enough;
       before[at] = next;

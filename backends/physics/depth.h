@@ -12,17 +12,15 @@
  * larger one of LEFT and SHARE (error - FROM). What they press on keeps its order: fluid whose
  * whole weight is carried comes loose, by 3 % of its volume, and trembles.
  *
- * LEFT: the grid's surface wakes its neighbours water of any depth. With 0.4 %, 20 layers that are
- * tilted by a degree move at 0.095 sqrt(g d) instead of 0.027, with 0.5 % 100 layers come loose in
- * one run of eight; with 1 % water of 20 layers is lower by half again as much as n iterations
- * should leave.
+ * LEFT: with 0.5 % 100 layers come loose in one run of a few; with 0.7 % water of 20 layers is lower
+ * than n iterations should leave it, with 1 % by half again as much.
  *
  * SHARE: what the grid carries wakes its neighbours, too, and grows with the weight: so the
  * iterations get a share of what is beyond 60 layers (4 iterations, 1/120 s), which is more than
  * LEFT from 220 on. With 0.7 % at any depth 300 layers from disorder swell by 0.7 %, in steps of
  * 1/44 s by 4 %; with 7 % of what is beyond 3 %, 60 and 100 layers in steps of 1/60 s stand 0.1 %
  * lower. */
-#define PBF_DEPTH_LEFT 0.007
+#define PBF_DEPTH_LEFT 0.006
 #define PBF_DEPTH_SHARE 0.05
 #define PBF_DEPTH_FROM 0.05
 

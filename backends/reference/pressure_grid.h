@@ -17,8 +17,8 @@ static inline pbf_vec pressure_grid_move(const pbf_pressure_grid_storage *storag
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_find(storage, x, at);
   if (cell == PBF_NO_INDEX) return (pbf_vec){{0}};
-  return pbf_pressure_grid_correction(&storage->grid, &storage->topology, storage->lambda,
-                                      storage->parts, cell, at);
+  return pbf_pressure_grid_correction(&storage->grid, &storage->topology, storage->lambda, cell,
+                                      at);
 }
 
 /* Returns the largest right side of a node that is not in the open. */
@@ -27,8 +27,8 @@ static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
   double largest = pbf_pressure_grid_torn_equations(storage, source_scale);
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double *right = &storage->right[node], *inverse = &storage->inverse[node];
-    pbf_pressure_grid_equation(&storage->grid, source_scale, storage->sums, storage->free_volumes,
-                               storage->weights, storage->depths[node], node, right, inverse);
+    pbf_pressure_grid_equation(&storage->grid, &storage->topology, source_scale, storage->sums,
+                               storage->free_volumes, storage->depths, node, right, inverse);
     if (storage->topology.surface_count && storage->topology.torn[node]) *inverse = 0;
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
@@ -40,15 +40,17 @@ static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
                                            const pbf_pressure_grid_solve *solve) {
   double miss = 0;
   for (uint32_t torn = 0; torn < pbf_pressure_grid_torn_count(&storage->topology); ++torn)
-    miss = pbf_greater(miss, pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
-                                                          storage->weights, storage->lambda, torn));
+    miss = pbf_greater(miss,
+                       pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
+                                                    storage->free_volumes, storage->lambda, torn));
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double now = storage->lambda[node], *before = &storage->before[node];
     if (!(storage->inverse[node] > 0)) continue;
     double around[PBF_CORNERS];
-    pbf_pressure_grid_around(&storage->grid, storage->weights, node, around);
-    double residual = pbf_pressure_grid_residual(&storage->grid, around, storage->lambda,
-                                                 storage->right[node], node);
+    pbf_pressure_grid_around(&storage->grid, storage->free_volumes, node, around);
+    double residual =
+        pbf_pressure_grid_residual(&storage->grid, around, storage->lambda, storage->right[node],
+                                   storage->inverse[node], node);
     miss = pbf_greater(miss, pbf_pressure_grid_miss(residual, now));
     *before = pbf_pressure_grid_next(solve, residual, storage->inverse[node], now, *before);
   }
@@ -65,7 +67,7 @@ static inline void pressure_grid_solve(pbf_pressure_grid_storage *storage, const
   }
   pbf_pressure_grid_source_scale source_scale =
       pbf_pressure_grid_find_free_volumes(storage, o, &all);
-  pbf_pressure_grid_cut_cells(storage, &all);
+  pbf_pressure_grid_find_surface(storage, &all);
   pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
       source_scale.longest, pressure_grid_equations(storage, &source_scale));
   pbf_pressure_grid_guess_all(storage, &source_scale);
@@ -74,6 +76,8 @@ static inline void pressure_grid_solve(pbf_pressure_grid_storage *storage, const
     if (pbf_pressure_grid_asks(k) && miss <= solve.enough) break;
     pbf_pressure_grid_solve_go_on(&solve, k);
   }
+  for (int k = 0; k < PBF_DIM; ++k) all.first[k] = 1;
+  pbf_pressure_grid_extrapolate(storage, &all);
 }
 
 #endif

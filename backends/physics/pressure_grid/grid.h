@@ -5,16 +5,16 @@
  * the stiffness of an element, N a node's function and w the moves that the forces alone make in
  * the step,
  *
- *   sum over the cells e at a node of  volume_e / below_e (K lambda)_node
+ *   sum over the cells e at a node of  volume_e (K lambda)_node
  *       = - part * sum over them of  volume_e w_e · grad N_node + share error_e N_node
  *
- * and particles move by grad lambda / below. What the fluid brings along is left to the iterations:
+ * and particles move by grad lambda. What the fluid brings along is left to the iterations:
  * it is free of divergence as far as these have made it so, and taking from it what a grid can't
  * tell from compression takes energy from every wave. Errors of density would stay; a share of them
  * goes along. It is the free volume of a cell that counts, the part that is free of walls and
  * colliders, and not what fills it: so nothing presses on fluid that falls, whose surface fills
- * cells in part. Where the surface cuts a cell, pressure ends in it: below_e is the part of the
- * cell that it ends within, 1 inside the fluid (surface.h).
+ * cells in part. Where the surface cuts a cell, pressure ends in it, whatever its slope: lambda
+ * goes on beyond it as it is below, and is 0 there (surface.h).
  *
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
@@ -33,18 +33,13 @@
 /* A cell is filled from such a part of its free volume on. */
 #define PBF_PRESSURE_GRID_FILLED 0.6
 
-/* Nodes that are at least so many cells below the surface are not in the open, and no cell that the
- * surface cuts counts as a smaller part. */
-#define PBF_PRESSURE_GRID_SURFACE 0.05
+/* Nodes that are at least so many cells below the surface are not in the open. */
+#define PBF_PRESSURE_GRID_SURFACE 0.001
 
 PBF_FN double pbf_lesser(double a, double b) { return a < b ? a : b; }
 PBF_FN double pbf_greater(double a, double b) { return a > b ? a : b; }
 
 enum { PBF_CORNERS = 1 << PBF_DIM };
-
-/* Surfaces across the cells, by more than 2 degrees at rest, are taken to be at nodes: by the parts
- * of cells below them fluid would tremble. */
-#define PBF_PRESSURE_GRID_LEVEL 0.9994
 
 /* In units of the cells' width: lambda of its square, moves of itself. A cell has the index of its
  * corner 0, and one row of cells and nodes lies before the walls on each side, so that no loop asks
@@ -58,7 +53,6 @@ typedef struct pbf_pressure_grid {
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
   int axis;                     /* along which the forces push most */
-  int level;                    /* whether water at rest has its surface along the cells */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
@@ -105,7 +99,6 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.error = pbf_depth_error(params, width * width);
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pow(pbf_derive_spacing(params), PBF_DIM);
-  double push2 = 0;
   c.nodes = 1;
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
@@ -121,13 +114,10 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
                  params->attraction * (c.lower[k] - 0.5 * width - params->attraction_center[k]));
     c.pull[k] = -dt2 * params->attraction;
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
-    push2 += c.push[k] * c.push[k];
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;
     c.size[k] = (uint32_t)c.n[k] + 2;
     c.nodes *= c.size[k];
   }
-  c.level =
-      params->attraction == 0 && fabs(c.push[c.axis]) >= PBF_PRESSURE_GRID_LEVEL * sqrt(push2);
   return c;
 }
 
@@ -208,19 +198,22 @@ PBF_FN double pbf_pressure_grid_deepest(const double values[PBF_CORNERS]) {
   return deepest;
 }
 
-/* u there, from lambda at the corners of a cell of which the fluid is such a part. It ends a
- * quarter of a cell above the surface: what flies there falls. */
+/* u there, from lambda at the corners of a cell. It ends a quarter of a cell above the surface:
+ * what flies there falls. */
 PBF_FN pbf_vec pbf_pressure_grid_correction_from(const pbf_pressure_grid *c,
                                                  const double values[PBF_CORNERS],
-                                                 const double at[PBF_DIM], double part) {
-  double deepest = pbf_pressure_grid_deepest(values);
-  double above =
-      pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest + part * deepest; /* lambda */
-  double fades = pbf_lesser(1 + 4 * above / pbf_lesser(deepest, -1e-30), 1);
-  double scale = c->width / part * pbf_greater(fades, 0);
+                                                 const double at[PBF_DIM]) {
+  const double above = pbf_pressure_grid_in_cell(values, at, PBF_DIM);
+  const double any = pbf_pressure_grid_deepest(values) < 0 ? 1 : 0;
+  double slope[PBF_DIM], slope2 = 1e-60;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    slope[k] = pbf_pressure_grid_in_cell(values, at, k);
+    slope2 += slope[k] * slope[k];
+  }
+  const double fades = pbf_lesser(1 - 4 * above / sqrt(slope2), 1);
+  const double scale = any * c->width * pbf_greater(fades, 0);
   pbf_vec u;
-  for (int k = 0; k < PBF_DIM; ++k)
-    u.c[k] = (pbf_real)(scale * pbf_pressure_grid_in_cell(values, at, k));
+  for (int k = 0; k < PBF_DIM; ++k) u.c[k] = (pbf_real)(scale * slope[k]);
   return u;
 }
 

@@ -14,7 +14,7 @@
 
 /* What a node's cells have and do. */
 typedef struct pbf_pressure_grid_node_sum {
-  double free_volume, weight, sum;
+  double free_volume, sum;
 } pbf_pressure_grid_node_sum;
 
 /* A cell, or a compartment of it, of which the node, the i-th along each axis, is corner `a`. A
@@ -22,15 +22,14 @@ typedef struct pbf_pressure_grid_node_sum {
 PBF_FN void pbf_pressure_grid_add_cell(const pbf_pressure_grid *c,
                                        const pbf_pressure_grid_source_scale *source_scale,
                                        const int64_t *sums, const double *free_volumes,
-                                       const double *weights, int64_t cell, const int i[PBF_DIM],
-                                       int a, pbf_pressure_grid_node_sum *all) {
+                                       int64_t cell, const int i[PBF_DIM], int a,
+                                       pbf_pressure_grid_node_sum *all) {
   double divergence = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     int right_of = a >> k & 1;
     divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
   }
   all->free_volume += free_volumes[cell];
-  all->weight += weights[cell];
   all->sum += source_scale->share / PBF_CORNERS *
                   pbf_lesser(pbf_pressure_grid_error(c, sums[cell]), free_volumes[cell]) +
               free_volumes[cell] * divergence * 2 / PBF_CORNERS;
@@ -42,58 +41,101 @@ PBF_FN void pbf_pressure_grid_equation_of(const pbf_pressure_grid_source_scale *
   int has = all->free_volume >= 0.1 && source_scale->part > 0;
   int solved = has && !pbf_pressure_grid_is_open(depth);
   *right = has ? -source_scale->part * all->sum : 0;
-  *inverse = solved ? 1 / (PBF_PRESSURE_GRID_STIFFNESS * PBF_PRESSURE_GRID_STIFFNESS_OWN *
-                           pbf_greater(all->weight, 0.1))
-                    : 0;
+  *inverse =
+      solved
+          ? 1 / (PBF_PRESSURE_GRID_STIFFNESS * PBF_PRESSURE_GRID_STIFFNESS_OWN * all->free_volume)
+          : 0;
 }
 
 /* The system's right side and the inverse of its diagonal: 0 for a node in the open or with next to
- * no free volume, and where nothing is to be done. `weights` are free volumes over parts. One cell
- * by one, here and below, so that the compiler can do several nodes at once. */
+ * no free volume, and where nothing is to be done. One cell by one, here and below, so that the
+ * compiler can do several nodes at once. */
 PBF_FN void pbf_pressure_grid_equation_at(const pbf_pressure_grid *c,
                                           const pbf_pressure_grid_source_scale *source_scale,
                                           const int64_t *sums, const double *free_volumes,
-                                          const double *weights, double depth, int64_t node,
-                                          const int i[PBF_DIM], double *right, double *inverse) {
-  pbf_pressure_grid_node_sum all = {0, 0, 0};
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
-                             node - (int64_t)c->corner[0], i, 0, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
-                             node - (int64_t)c->corner[1], i, 1, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
-                             node - (int64_t)c->corner[2], i, 2, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
-                             node - (int64_t)c->corner[3], i, 3, &all);
+                                          double depth, int64_t node, const int i[PBF_DIM],
+                                          double *right, double *inverse) {
+  pbf_pressure_grid_node_sum all = {0, 0};
+  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[0], i,
+                             0, &all);
+  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[1], i,
+                             1, &all);
+  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[2], i,
+                             2, &all);
+  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[3], i,
+                             3, &all);
   if (PBF_DIM == 3) {
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 4], i, PBF_CORNERS - 4,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 3], i, PBF_CORNERS - 3,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 2], i, PBF_CORNERS - 2,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights,
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 1], i, PBF_CORNERS - 1,
                                &all);
   }
   pbf_pressure_grid_equation_of(source_scale, &all, depth, right, inverse);
 }
 
-/* That of any node; 0 for those outside. */
+/* What is between corners a and b of a cell, in PBF_PRESSURE_GRID_STIFFNESS. */
+PBF_FN double pbf_pressure_grid_between_corners(int a, int b) {
+  const int axes = ((a ^ b) & 1) + ((a ^ b) >> 1 & 1) + ((a ^ b) >> 2 & 1);
+  return PBF_DIM == 2 ? axes : axes > 1;
+}
+
+/* What the surface adds to the diagonal of a node inside that is corner `a` of a cell or
+ * compartment, times how deep the node is: between it and each corner in the open lambda ends. */
+PBF_FN double pbf_pressure_grid_surface_stiffness(const pbf_pressure_grid *c,
+                                                  const pbf_pressure_grid_topology *t,
+                                                  const double *free_volumes, const double *depths,
+                                                  uint32_t compartment, int a) {
+  double sum = 0;
+  if (!(free_volumes[compartment] > 0)) return 0;
+  for (int b = 0; b < PBF_CORNERS; ++b) {
+    const double depth = depths[pbf_pressure_grid_corner(c, t, compartment, b)];
+    if (b != a && pbf_pressure_grid_is_open(depth))
+      sum -= pbf_pressure_grid_between_corners(a, b) * depth;
+  }
+  return free_volumes[compartment] * sum;
+}
+
+/* The inverse of the diagonal with that. */
+PBF_FN double pbf_pressure_grid_with_surface(double inverse, double surface, double depth) {
+  return surface != 0 ? 1 / (1 / inverse + PBF_PRESSURE_GRID_STIFFNESS * surface / depth) : inverse;
+}
+
+/* Of an ordinary node that is not in the open. */
+PBF_FN double pbf_pressure_grid_end_equation(const pbf_pressure_grid *c,
+                                             const pbf_pressure_grid_topology *t,
+                                             const double *free_volumes, const double *depths,
+                                             uint32_t node, double inverse) {
+  double surface = 0;
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    surface +=
+        pbf_pressure_grid_surface_stiffness(c, t, free_volumes, depths, node - c->corner[a], a);
+  return pbf_pressure_grid_with_surface(inverse, surface, depths[node]);
+}
+
+/* The equation of any node; 0 for those outside. */
 PBF_FN void pbf_pressure_grid_equation(const pbf_pressure_grid *c,
+                                       const pbf_pressure_grid_topology *t,
                                        const pbf_pressure_grid_source_scale *source_scale,
                                        const int64_t *sums, const double *free_volumes,
-                                       const double *weights, double depth, uint32_t node,
-                                       double *right, double *inverse) {
+                                       const double *depths, uint32_t node, double *right,
+                                       double *inverse) {
   int i[PBF_DIM];
   *right = *inverse = 0;
   pbf_pressure_grid_place(c, node, i);
   for (int k = 0; k < PBF_DIM; ++k)
     if (i[k] == 0) return;
-  pbf_pressure_grid_equation_at(c, source_scale, sums, free_volumes, weights, depth, node, i, right,
+  pbf_pressure_grid_equation_at(c, source_scale, sums, free_volumes, depths[node], node, i, right,
                                 inverse);
+  if (*inverse > 0)
+    *inverse = pbf_pressure_grid_end_equation(c, t, free_volumes, depths, node, *inverse);
 }
 
 /* That of a torn node. */
@@ -101,24 +143,35 @@ PBF_FN void pbf_pressure_grid_torn_equation(const pbf_pressure_grid *c,
                                             const pbf_pressure_grid_topology *t,
                                             const pbf_pressure_grid_source_scale *source_scale,
                                             const int64_t *sums, const double *free_volumes,
-                                            const double *weights, const double *depths,
-                                            uint32_t torn) {
-  pbf_pressure_grid_node_sum all = {0, 0, 0};
+                                            const double *depths, uint32_t torn) {
+  pbf_pressure_grid_node_sum all = {0, 0};
+  double surface = 0;
   int i[PBF_DIM];
   pbf_pressure_grid_place(c, t->base[torn], i);
   for (int k = 0; k < PBF_MEMBERS && pbf_member(t, torn, k) != PBF_NO_INDEX; ++k) {
     const uint32_t member = pbf_member(t, torn, k);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, weights, member / PBF_CORNERS,
-                               i, (int)(member % PBF_CORNERS), &all);
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, member / PBF_CORNERS, i,
+                               (int)(member % PBF_CORNERS), &all);
+    surface += pbf_pressure_grid_surface_stiffness(c, t, free_volumes, depths, member / PBF_CORNERS,
+                                                   (int)(member % PBF_CORNERS));
   }
-  pbf_pressure_grid_equation_of(source_scale, &all, depths[t->torn_at[torn]], &t->right[torn],
-                                &t->inverse[torn]);
+  const double depth = depths[t->torn_at[torn]];
+  pbf_pressure_grid_equation_of(source_scale, &all, depth, &t->right[torn], &t->inverse[torn]);
+  if (t->inverse[torn] > 0)
+    t->inverse[torn] = pbf_pressure_grid_with_surface(t->inverse[torn], surface, depth);
 }
 
-/* The weights of the cells around a node: of the one of which it is corner a. */
-PBF_FN void pbf_pressure_grid_around(const pbf_pressure_grid *c, const double *weights,
+/* The free volumes of the cells around a node: of the one of which it is corner a. */
+PBF_FN void pbf_pressure_grid_around(const pbf_pressure_grid *c, const double *free_volumes,
                                      uint32_t node, double around[PBF_CORNERS]) {
-  for (int a = 0; a < PBF_CORNERS; ++a) around[a] = weights[(int64_t)node - (int64_t)c->corner[a]];
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    around[a] = free_volumes[(int64_t)node - (int64_t)c->corner[a]];
+}
+
+/* What of the diagonal is not the cells' own: the surface's, and 0 for a node in the open. */
+PBF_FN double pbf_pressure_grid_surface_diagonal(double inverse, double free_volume) {
+  const double own = PBF_PRESSURE_GRID_STIFFNESS * PBF_PRESSURE_GRID_STIFFNESS_OWN * free_volume;
+  return inverse > 0 ? 1 / inverse - own : 0;
 }
 
 /* The part of a node's left side from the cell of which it is corner `a`. */
@@ -136,7 +189,8 @@ PBF_FN double pbf_pressure_grid_stiffness(const pbf_pressure_grid *c,
 /* What is missing on the left side. */
 PBF_FN double pbf_pressure_grid_residual(const pbf_pressure_grid *c,
                                          const double around[PBF_CORNERS], const double *lambda,
-                                         double right, uint32_t node) {
+                                         double right, double inverse, uint32_t node) {
+  double free_volume = around[0] + around[1] + (around[2] + around[3]);
   double left = pbf_pressure_grid_stiffness(c, around, lambda, node, 0) +
                 pbf_pressure_grid_stiffness(c, around, lambda, node, 1) +
                 (pbf_pressure_grid_stiffness(c, around, lambda, node, 2) +
@@ -146,16 +200,20 @@ PBF_FN double pbf_pressure_grid_residual(const pbf_pressure_grid *c,
             pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 3) +
             (pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 2) +
              pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 1));
-  return right - PBF_PRESSURE_GRID_STIFFNESS * left;
+  if (PBF_DIM == 3)
+    free_volume += around[PBF_CORNERS - 4] + around[PBF_CORNERS - 3] +
+                   (around[PBF_CORNERS - 2] + around[PBF_CORNERS - 1]);
+  return right - PBF_PRESSURE_GRID_STIFFNESS * left -
+         pbf_pressure_grid_surface_diagonal(inverse, free_volume) * lambda[node];
 }
 
 /* The same of a torn node. */
 PBF_FN double pbf_pressure_grid_torn_residual(const pbf_pressure_grid *c,
                                               const pbf_pressure_grid_topology *t,
-                                              const double *weights, const double *lambda,
+                                              const double *free_volumes, const double *lambda,
                                               uint32_t torn) {
-  const double own = PBF_PRESSURE_GRID_STIFFNESS_OWN * lambda[t->torn_at[torn]];
-  double left = 0;
+  const double now = lambda[t->torn_at[torn]], own = PBF_PRESSURE_GRID_STIFFNESS_OWN * now;
+  double left = 0, free_volume = 0;
   for (int k = 0; k < PBF_MEMBERS && pbf_member(t, torn, k) != PBF_NO_INDEX; ++k) {
     const uint32_t member = pbf_member(t, torn, k), of = member / PBF_CORNERS;
     const int a = (int)(member % PBF_CORNERS);
@@ -168,9 +226,11 @@ PBF_FN double pbf_pressure_grid_torn_residual(const pbf_pressure_grid *c,
       others = x + lambda[pbf_pressure_grid_corner(c, t, of, a ^ (5 % PBF_CORNERS))] +
                lambda[pbf_pressure_grid_corner(c, t, of, a ^ (6 % PBF_CORNERS))] +
                lambda[pbf_pressure_grid_corner(c, t, of, a ^ (PBF_CORNERS - 1))];
-    left += weights[of] * (own - others);
+    left += free_volumes[of] * (own - others);
+    free_volume += free_volumes[of];
   }
-  return t->right[torn] - PBF_PRESSURE_GRID_STIFFNESS * left;
+  return t->right[torn] - PBF_PRESSURE_GRID_STIFFNESS * left -
+         pbf_pressure_grid_surface_diagonal(t->inverse[torn], free_volume) * now;
 }
 
 #endif

@@ -75,24 +75,20 @@ PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const pbf_pressur
 /* u at the place `at` in a compartment. */
 PBF_FN pbf_vec pbf_pressure_grid_correction(const pbf_pressure_grid *c,
                                             const pbf_pressure_grid_topology *t,
-                                            const double *lambda, const double *parts,
-                                            uint32_t compartment, const double at[PBF_DIM]) {
+                                            const double *lambda, uint32_t compartment,
+                                            const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
   pbf_pressure_grid_corners(c, t, lambda, compartment, values);
-  return pbf_pressure_grid_correction_from(c, values, at, parts[compartment]);
+  return pbf_pressure_grid_correction_from(c, values, at);
 }
 
 /* lambda there. */
 PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c,
                                        const pbf_pressure_grid_topology *t, const double *lambda,
-                                       const double *parts, uint32_t compartment,
-                                       const double at[PBF_DIM]) {
+                                       uint32_t compartment, const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
   pbf_pressure_grid_corners(c, t, lambda, compartment, values);
-  double deepest = pbf_pressure_grid_deepest(values);
-  double value =
-      deepest + (pbf_pressure_grid_in_cell(values, at, PBF_DIM) - deepest) / parts[compartment];
-  return c->width * c->width * pbf_lesser(value, 0);
+  return c->width * c->width * pbf_lesser(pbf_pressure_grid_in_cell(values, at, PBF_DIM), 0);
 }
 
 #endif

@@ -25,8 +25,8 @@ PBF_FN pbf_pressure_grid_solve pbf_pressure_grid_solve_begin(int longest, double
   double ratio = (PBF_PRESSURE_GRID_HIGHEST - low) / (PBF_PRESSURE_GRID_HIGHEST + low);
   s.ratio2 = ratio * ratio;
   s.step = 2 / (PBF_PRESSURE_GRID_HIGHEST + low);
-  s.most = largest > 0 ? 8 + 2 * longest : 0;
-  s.enough = 0.05 / longest * largest;
+  s.most = largest > 0 ? 8 + 4 * longest : 0;
+  s.enough = 0.005 / longest * largest;
   s.weight = 1;
   return s;
 }
@@ -56,14 +56,14 @@ PBF_FN double pbf_pressure_grid_miss(double residual, double lambda) {
 PBF_FN double pbf_pressure_grid_relax_torn(const pbf_pressure_grid *c,
                                            const pbf_pressure_grid_topology *t,
                                            const pbf_pressure_grid_solve *solve,
-                                           const double *weights, const double *lambda,
+                                           const double *free_volumes, const double *lambda,
                                            uint32_t torn) {
   const double now = lambda[t->torn_at[torn]];
   if (!(t->inverse[torn] > 0)) {
     t->next[torn] = 0;
     return 0;
   }
-  const double residual = pbf_pressure_grid_torn_residual(c, t, weights, lambda, torn);
+  const double residual = pbf_pressure_grid_torn_residual(c, t, free_volumes, lambda, torn);
   t->next[torn] = pbf_pressure_grid_next(solve, residual, t->inverse[torn], now, t->before[torn]);
   return pbf_pressure_grid_miss(residual, now);
 }
@@ -102,17 +102,16 @@ PBF_FN pbf_pressure_grid_column pbf_pressure_grid_column_at(const pbf_pressure_g
                                     falls ? (int64_t)stride : -(int64_t)stride};
 }
 
-/* Cells between a node and the surface above it. */
-PBF_FN double pbf_pressure_grid_above(const pbf_pressure_grid *c, const double *free_volumes,
-                                      const double *weights, int64_t node) {
-  double free_volume = 0, weight = 0;
-  int below = pbf_pressure_grid_down(c) > 0;
-  for (int a = 0; a < PBF_CORNERS; ++a) {
-    if ((a >> c->axis & 1) != below) continue;
-    free_volume += free_volumes[node - (int64_t)c->corner[a]];
-    weight += weights[node - (int64_t)c->corner[a]];
-  }
-  return weight > 0 ? free_volume / weight : 1;
+/* Cells between a node inside and the surface, on the way to the next one, which is not. */
+PBF_FN double pbf_pressure_grid_above(const double *depths, int64_t node, int64_t next) {
+  return depths[node] / pbf_greater(depths[node] - depths[next], depths[node]);
+}
+
+/* And above the last of so many nodes inside of a column of `top`. */
+PBF_FN double pbf_pressure_grid_column_above(const double *depths, pbf_pressure_grid_column at,
+                                             uint32_t stands, uint32_t top) {
+  const int64_t last = at.floor + (stands - 1) * at.up;
+  return stands < top ? pbf_pressure_grid_above(depths, last, last + at.up) : 1;
 }
 
 /* What carries a part of the weight of so many cells, one above the other. */
@@ -123,8 +122,7 @@ PBF_FN double pbf_pressure_grid_weight(const pbf_pressure_grid *c, double part, 
 /* The part of the weight of what stands above, in the run of nodes of a column that stands on the
  * domain's wall; 0 elsewhere. */
 PBF_FN void pbf_pressure_grid_guess(const pbf_pressure_grid *c, double part, const double *inverse,
-                                    const double *free_volumes, const double *weights,
-                                    uint32_t column, double *lambda) {
+                                    const double *depths, uint32_t column, double *lambda) {
   const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(c, column);
   uint32_t top = 1 + (uint32_t)c->n[c->axis], stands = 0;
   lambda[at.outside] = 0;
@@ -132,7 +130,7 @@ PBF_FN void pbf_pressure_grid_guess(const pbf_pressure_grid *c, double part, con
   if (pbf_pressure_grid_down(c) == 0) return;
   while (stands < top && inverse[at.floor + stands * at.up] > 0) ++stands;
   if (!stands) return;
-  double above = pbf_pressure_grid_above(c, free_volumes, weights, at.floor + (stands - 1) * at.up);
+  const double above = pbf_pressure_grid_column_above(depths, at, stands, top);
   for (uint32_t i = 0; i < stands; ++i)
     lambda[at.floor + i * at.up] = pbf_pressure_grid_weight(c, part, stands - 1 - i + above);
 }
@@ -166,27 +164,12 @@ PBF_FN uint32_t pbf_pressure_grid_beside(const pbf_pressure_grid *c,
   return upwards ? node + stride : node - stride;
 }
 
-/* Cells between a torn node and the surface above it. */
-PBF_FN double pbf_pressure_grid_torn_above(const pbf_pressure_grid *c,
-                                           const pbf_pressure_grid_topology *t,
-                                           const double *free_volumes, const double *weights,
-                                           uint32_t torn, int upwards) {
-  double room = 0, weight = 0;
-  for (int k = 0; k < PBF_MEMBERS && pbf_member(t, torn, k) != PBF_NO_INDEX; ++k) {
-    const uint32_t member = pbf_member(t, torn, k);
-    if (((int)(member % PBF_CORNERS) >> c->axis & 1) == upwards) continue;
-    room += free_volumes[member / PBF_CORNERS];
-    weight += weights[member / PBF_CORNERS];
-  }
-  return weight > 0 ? room / weight : 1;
-}
-
 /* What a torn node starts with: the part of the weight of what stands above it, where that stands
  * on something. */
 PBF_FN double pbf_pressure_grid_torn_guess(const pbf_pressure_grid *c,
                                            const pbf_pressure_grid_topology *t, double part,
                                            const double *inverse, const double *free_volumes,
-                                           const double *weights, uint32_t torn) {
+                                           const double *depths, uint32_t torn) {
   const int upwards = pbf_pressure_grid_down(c) < 0;
   uint32_t node = t->torn_at[torn], next, cells = 0;
   if (pbf_pressure_grid_down(c) == 0 || !pbf_pressure_grid_is_solved(t, inverse, node)) return 0;
@@ -200,9 +183,7 @@ PBF_FN double pbf_pressure_grid_torn_guess(const pbf_pressure_grid *c,
     node = next;
     ++cells;
   }
-  const double above = t->torn[node] ? pbf_pressure_grid_torn_above(c, t, free_volumes, weights,
-                                                                    t->torn[node] - 1, upwards)
-                                     : pbf_pressure_grid_above(c, free_volumes, weights, node);
+  const double above = next == PBF_NO_INDEX ? 1 : pbf_pressure_grid_above(depths, node, next);
   return pbf_pressure_grid_weight(c, part, cells + above);
 }
 
@@ -211,8 +192,7 @@ PBF_FN double pbf_pressure_grid_torn_guess(const pbf_pressure_grid *c,
 PBF_FN void pbf_pressure_grid_guess_between(const pbf_pressure_grid *c,
                                             const pbf_pressure_grid_topology *t, double part,
                                             const double *inverse, const double *free_volumes,
-                                            const double *weights, uint32_t column,
-                                            double *lambda) {
+                                            const double *depths, uint32_t column, double *lambda) {
   const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(c, column);
   const uint32_t top = 1 + (uint32_t)c->n[c->axis];
   const int upwards = pbf_pressure_grid_down(c) < 0;
@@ -235,7 +215,7 @@ PBF_FN void pbf_pressure_grid_guess_between(const pbf_pressure_grid *c,
       continue;
     const double above = i < top && t->torn[last + at.up] && lambda[last + at.up] < 0
                              ? 1 + lambda[last + at.up] / pbf_pressure_grid_weight(c, part, 1)
-                             : pbf_pressure_grid_above(c, free_volumes, weights, last);
+                             : pbf_pressure_grid_column_above(depths, at, i, top);
     for (uint32_t k = first; k < i; ++k)
       lambda[at.floor + k * at.up] = pbf_pressure_grid_weight(c, part, i - 1 - k + above);
   }
