@@ -3,20 +3,36 @@
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
-/* Opening a pipe or a device could wait for ever. */
+#include "image.h"
+
+static pbf_status refuse_to_open(pbf_plugin *plugin) {
+  return pbf_plugin_refuse(plugin, errno == ENOENT ? PBF_ERROR_NOT_FOUND : PBF_ERROR_UNAVAILABLE,
+                           "can't open it: %s", strerror(errno));
+}
+
+static pbf_status check_open_file(int descriptor, pbf_plugin *plugin) {
+  struct stat file;
+  if (fstat(descriptor, &file) != 0) return refuse_to_open(plugin);
+  return pbf_image_check(descriptor, (uint64_t)file.st_size, plugin);
+}
+
+/* Opening a pipe or a device could wait for ever, or do something. */
 static pbf_status check_file(const char *path, pbf_plugin *plugin) {
   struct stat file;
-  if (stat(path, &file) != 0) {
-    return pbf_plugin_refuse(plugin, errno == ENOENT ? PBF_ERROR_NOT_FOUND : PBF_ERROR_UNAVAILABLE,
-                             "can't open it: %s", strerror(errno));
-  }
+  if (stat(path, &file) != 0) return refuse_to_open(plugin);
   if (!S_ISREG(file.st_mode))
     return pbf_plugin_refuse(plugin, PBF_ERROR_UNAVAILABLE, "it is not a regular file");
-  return PBF_OK;
+  int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return refuse_to_open(plugin);
+  pbf_status status = check_open_file(descriptor, plugin);
+  close(descriptor);
+  return status;
 }
 
 pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin) {
