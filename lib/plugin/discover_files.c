@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #include "entries.h"
@@ -12,8 +13,8 @@
 #include "search.h"
 #include "text.h"
 
-/* Loads and lists one file; the first plugin of a name keeps it. */
-static pbf_status load(const char *path, const char *expected, pbf_plugin *plugin) {
+/* Loads and lists one file; the first plugin of a name keeps it. One that works takes `room`. */
+static pbf_status load(const char *path, const char *expected, pbf_plugin *plugin, pbf_room room) {
   pbf_status status = pbf_plugin_load(path, expected, plugin);
   const pbf_plugin *first = status == PBF_OK ? pbf_entries_usable(plugin->name) : NULL;
   if (first) {
@@ -21,36 +22,39 @@ static pbf_status load(const char *path, const char *expected, pbf_plugin *plugi
     snprintf(plugin->reason, sizeof plugin->reason, "its name \"%s\" is taken by %.180s",
              plugin->name, first->path);
   }
-  if (status == PBF_OK || !pbf_entries_of_path(plugin->path, 0)) pbf_entries_append(plugin);
+  if (status == PBF_OK)
+    pbf_entries_append(plugin, room);
+  else if (!pbf_entries_of_path(plugin->path, 0))
+    pbf_entries_append(plugin, PBF_ROOM_FAILED);
   return status;
 }
 
-/* 1 when the folder has such a file, whether it loads or not. */
-static int try_folder(const char *folder, const char *name) {
+/* 1 when the folder has such a file, whether it loads or not; `reason` is why it does not. */
+static int try_folder(const char *folder, const char *name, char reason[256]) {
   char path[PATH_MAX];
   struct stat file;
   pbf_plugin plugin;
   int length = snprintf(path, sizeof path, "%s/pbf_backend_%s.so", folder, name);
   if (length >= (int)sizeof path) return 0;
   if (stat(path, &file) != 0 && (errno == ENOENT || errno == ENOTDIR)) return 0;
-  load(path, name, &plugin);
+  load(path, name, &plugin, PBF_ROOM_SEARCH);
+  memcpy(reason, plugin.reason, sizeof plugin.reason);
   return 1;
 }
 
 void pbf_discover_name(const char *name) {
-  char folder[PATH_MAX], tried[200] = "";
+  char folder[PATH_MAX], tried[200] = "", reason[256];
   int candidates = 0;
   pbf_folder kind;
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind != PBF_FOLDER_USABLE) continue;
-    candidates += try_folder(folder, name);
+    candidates += try_folder(folder, name, reason);
     if (pbf_entries_usable(name)) return;
     if (tried[0]) pbf_text_append(tried, sizeof tried, ":");
     pbf_text_append(tried, sizeof tried, folder);
   }
-  char reason[256];
-  snprintf(reason, sizeof reason, "no pbf_backend_%s.so in %s", name, tried);
-  if (!candidates) pbf_entries_append_failure(name, "", reason);
+  if (!candidates) snprintf(reason, sizeof reason, "no pbf_backend_%s.so in %s", name, tried);
+  if (!pbf_entries_name(name)) pbf_entries_append_failure(name, "", reason, PBF_ROOM_SEARCH);
 }
 
 void pbf_discover_end(void) {
@@ -59,20 +63,21 @@ void pbf_discover_end(void) {
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind == PBF_FOLDER_NOT_ABSOLUTE)
       pbf_entries_append_failure("", folder,
-                                 "a folder in PBF_BACKEND_PATH that is not absolute is left out");
+                                 "a folder in PBF_BACKEND_PATH that is not absolute is left out",
+                                 PBF_ROOM_FAILED);
     if (kind == PBF_FOLDER_TOO_LONG)
-      pbf_entries_append_failure("", "",
-                                 "a folder in PBF_BACKEND_PATH is longer than a path can be");
+      pbf_entries_append_failure(
+          "", "", "a folder in PBF_BACKEND_PATH is longer than a path can be", PBF_ROOM_FAILED);
   }
 }
 
 pbf_status pbf_discover_path(const char *path) {
   pbf_plugin plugin;
   if (pbf_entries_of_path(path, 1)) return PBF_OK;
-  if (pbf_entries_are_full()) {
-    return pbf_fail(PBF_ERROR_CAPACITY, "%s: the list of backends is full with %d entries", path,
-                    PBF_MAX_PLUGINS);
+  if (!pbf_entries_have(PBF_ROOM_LOADED)) {
+    return pbf_fail(PBF_ERROR_CAPACITY, "%s: the list of backends is full with %u entries", path,
+                    pbf_entries_count());
   }
-  pbf_status status = load(path, NULL, &plugin);
+  pbf_status status = load(path, NULL, &plugin, PBF_ROOM_LOADED);
   return status == PBF_OK ? PBF_OK : pbf_fail(status, "%s: %s", path, plugin.reason);
 }

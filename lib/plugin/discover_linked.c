@@ -24,10 +24,10 @@ void pbf_discover_name(const char *name) {
     pbf_plugin plugin = {0};
     snprintf(plugin.name, sizeof plugin.name, "%s", name);
     pbf_plugin_negotiate(linked[i].entry, name, &plugin);
-    pbf_entries_append(&plugin);
+    pbf_entries_append(&plugin, PBF_ROOM_SEARCH);
     return;
   }
-  pbf_entries_append_failure(name, "", "built without it");
+  pbf_entries_append_failure(name, "", "built without it", PBF_ROOM_SEARCH);
 }
 
 void pbf_discover_end(void) {}

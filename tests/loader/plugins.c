@@ -162,28 +162,102 @@ static void beyond_the_list(void **state) {
   in_child(ask_beyond_the_list);
 }
 
+static void check_builtin_found(void) {
+  static const char *const names[] = {"reference", "serial", "openmp", "cuda"};
+  pbf_backend_info info;
+  pbf_desc desc;
+  pbf_solver *solver = NULL;
+  for (int i = 0; i < 4; ++i) check(find_backend(names[i], NULL, &info) >= 0);
+  check(find_backend("serial", NULL, &info) >= 0 && info.available);
+  check_ok(pbf_desc_init(&desc, sizeof desc));
+  desc.capacity = 8;
+  desc.backend = "serial";
+  desc.strict = 1;
+  check_ok(pbf_create(&desc, NULL, &solver));
+  pbf_destroy(solver);
+}
+
 /* More failures than the list has room for lose nothing but their place in it. */
 static void overfill(void) {
   char path[1024];
   for (int i = 0; i < 100; ++i) {
     snprintf(path, sizeof path, "%s/none%d.so", "/nowhere", i);
-    pbf_status status = pbf_load_backend(path);
-    check(status == PBF_ERROR_NOT_FOUND || status == PBF_ERROR_CAPACITY);
+    check_fails(pbf_load_backend(path), PBF_ERROR_NOT_FOUND, path);
   }
-  check_fails(pbf_load_backend(PBF_STUB_DIR "/ballistic.so"), PBF_ERROR_CAPACITY, "is full");
+  check_ok(pbf_load_backend(PBF_STUB_DIR "/ballistic.so"));
+  check_builtin_found();
 }
 
-static void a_full_list(void **state) {
+static void a_list_full_of_failures(void **state) {
   (void)state;
+  make_folder(folder, sizeof folder);
+  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
+  setenv("PBF_BACKEND_PATH", folder, 1);
   in_child(overfill);
+  unsetenv("PBF_BACKEND_PATH");
+  drop_folder(folder);
+}
+
+/* Nor do plugins that the caller loads keep out those that come with the library. */
+static void fill_with_plugins(void) {
+  char path[1024], name[16];
+  int loaded = 0;
+  for (int i = 0; i < 70; ++i) {
+    snprintf(name, sizeof name, "plugin-%02d", i);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    put_file(folder, name, "ballistic.so");
+    setenv("PBF_STUB_NAME", name, 1);
+    loaded += pbf_load_backend(path) == PBF_OK;
+  }
+  unsetenv("PBF_STUB_NAME");
+  check(loaded > 40 && loaded < 70);
+  check_fails(pbf_load_backend(path), PBF_ERROR_CAPACITY, "is full");
+  check_builtin_found();
+}
+
+static void a_list_full_of_plugins(void **state) {
+  (void)state;
+  make_folder(folder, sizeof folder);
+  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
+  setenv("PBF_BACKEND_PATH", folder, 1);
+  in_child(fill_with_plugins);
+  unsetenv("PBF_BACKEND_PATH");
+  drop_folder(folder);
+}
+
+/* Broken files of one name in many folders before a whole one of the next name. */
+static void search_past_failures(void) { check_builtin_found(); }
+
+static void folders_full_of_failures(void **state) {
+  (void)state;
+  static char list[70 * 80];
+  make_folder(folder, sizeof folder);
+  for (int i = 0; i < 70; ++i) {
+    char name[16], text[128];
+    snprintf(name, sizeof name, "%d", i);
+    make_subfolder(folder, name);
+    snprintf(text, sizeof text, "%s/pbf_backend_reference.so", name);
+    put_text(folder, text, "text");
+    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s/%d", i ? ":" : "", folder, i);
+  }
+  put_file(folder, "69/pbf_backend_serial.so", "stub_serial.so");
+  setenv("PBF_BACKEND_PATH", list, 1);
+  in_child(search_past_failures);
+  unsetenv("PBF_BACKEND_PATH");
+  drop_folder(folder);
 }
 
 int main(void) {
   const struct CMUnitTest plugins[] = {
-      cmocka_unit_test(broken_plugins),  cmocka_unit_test(files_that_are_none),
-      cmocka_unit_test(two_of_one_name), cmocka_unit_test(tables_of_other_headers),
-      cmocka_unit_test(bad_probes),      cmocka_unit_test(beyond_the_list),
-      cmocka_unit_test(a_full_list),
+      cmocka_unit_test(broken_plugins),
+      cmocka_unit_test(files_that_are_none),
+      cmocka_unit_test(two_of_one_name),
+      cmocka_unit_test(tables_of_other_headers),
+      cmocka_unit_test(bad_probes),
+      cmocka_unit_test(beyond_the_list),
+      cmocka_unit_test(a_list_full_of_failures),
+      cmocka_unit_test(a_list_full_of_plugins),
+      cmocka_unit_test(folders_full_of_failures),
   };
   return cmocka_run_group_tests(plugins, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "ballistic.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <pbf/pbf_backend.h>
@@ -354,7 +355,8 @@ EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_a
   host = h;
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;
-  snprintf(answer->name, sizeof answer->name, "%s", STUB_NAME);
+  const char *name = getenv("PBF_STUB_NAME");
+  snprintf(answer->name, sizeof answer->name, "%s", name ? name : STUB_NAME);
   snprintf(answer->build_id, sizeof answer->build_id, "stub");
   return PBF_OK;
 }
