@@ -3,6 +3,7 @@
 #define PBF_COMMON_VARIANTS_H
 
 #include <stdio.h>
+#include <string.h>
 
 #include <pbf/pbf_backend.h>
 
@@ -37,17 +38,30 @@ static inline int pbf_variant_refuse(const pbf_variant *variants, const pbf_work
   return 1;
 }
 
-/* `create` of a backend: that of the variant. */
+/* The description as this header has it: a host of an older one does not say which it is. */
+static inline pbf_backend_desc pbf_variant_complete(const pbf_backend_desc *desc,
+                                                    const pbf_backend_host *negotiated) {
+  pbf_backend_desc complete;
+  memset(&complete, 0, sizeof complete);
+  memcpy(&complete, desc,
+         desc->struct_size < sizeof complete ? desc->struct_size : sizeof complete);
+  complete.struct_size = sizeof complete;
+  if (!complete.host) complete.host = negotiated;
+  return complete;
+}
+
+/* `create` of a backend: that of the variant. `negotiated` is the last host that has. */
 static inline pbf_status pbf_variant_create(const pbf_variant *variants,
-                                            const pbf_backend_host *host,
+                                            const pbf_backend_host *negotiated,
                                             const pbf_backend_desc *desc, const pbf_params *params,
                                             pbf_backend_solver **solver,
                                             const pbf_backend_api **api) {
   const pbf_backend_api *variant = pbf_variant_find(variants, desc->dimension, desc->precision);
   char reason[64];
-  if (variant) return variant->create(desc, params, solver, api);
+  const pbf_backend_desc complete = pbf_variant_complete(desc, negotiated);
+  if (variant) return variant->create(&complete, params, solver, api);
   pbf_variant_say_missing(reason, sizeof reason, desc->dimension, desc->precision);
-  host->set_error(reason);
+  complete.host->set_error(reason);
   return PBF_ERROR_UNSUPPORTED;
 }
 

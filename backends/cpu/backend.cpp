@@ -93,17 +93,17 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   cpu_isa isa;
   char error[160];
   if (!cpu_isa_choose(&isa, error, sizeof error)) {
-    cpu_host->set_error(error);
+    desc->host->set_error(error);
     return PBF_ERROR_UNSUPPORTED;
   }
   solver *s = (solver *)desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
   if (!s) {
-    cpu_host->set_error("no memory for a solver");
+    desc->host->set_error("no memory for a solver");
     return PBF_ERROR_OUT_OF_MEMORY;
   }
   memset(s, 0, sizeof *s);
   s->memory.allocator = desc->allocator;
-  s->host = cpu_host;
+  s->host = desc->host;
   s->capacity = desc->capacity;
   s->threads = team_size(desc->threads);
   s->isa = isa;

@@ -8,7 +8,7 @@
 #include "cpu/isa.h"
 #include "cpu/team.h"
 
-const pbf_backend_host *cpu_host;
+static const pbf_backend_host *negotiated;
 
 #define VARIANT(dim, bits) {dim, bits / 8, &cpu_##dim##d_f##bits},
 static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
@@ -39,12 +39,12 @@ void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
-  return pbf_variant_create(variants, cpu_host, desc, params, solver, api);
+  return pbf_variant_create(variants, negotiated, desc, params, solver, api);
 }
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  cpu_host = host;
+  negotiated = host;
   table = *variants[0].api;
   table.create = create;
   return pbf_entry_answer(host, &table, answer);

@@ -8,7 +8,6 @@
 extern "C" {
 #endif
 
-extern const pbf_backend_host *cpu_host;
 extern const pbf_backend_api cpu_2d_f32, cpu_2d_f64, cpu_3d_f32, cpu_3d_f64;
 
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result);

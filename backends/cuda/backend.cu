@@ -8,7 +8,12 @@
 #include "cuda/report.h"
 #include "cuda/small/host.h"
 
-static solver *of(pbf_backend_solver *handle) { return reinterpret_cast<solver *>(handle); }
+/* Every call begins with it. */
+static solver *of(pbf_backend_solver *handle) {
+  solver *s = reinterpret_cast<solver *>(handle);
+  pbf_cuda_host = s->host;
+  return s;
+}
 
 static void destroy_solver(solver *s) {
   {
@@ -193,6 +198,7 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
   const pbf_allocator &allocator = desc->allocator;
+  pbf_cuda_host = desc->host;
   solver *s =
       static_cast<solver *>(allocator.allocate(allocator.user, sizeof(solver), alignof(solver)));
   if (!s) {
@@ -201,6 +207,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   }
   memset(static_cast<void *>(s), 0, sizeof *s);
   s->allocator = allocator;
+  s->host = desc->host;
   s->capacity = desc->capacity;
   pbf_status status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
   if (status == PBF_OK) {
@@ -344,7 +351,7 @@ static pbf_status remove_all(pbf_backend_solver *handle) {
 static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
                        void *out) {
   if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
-    return pbf_refuse_without(pbf_cuda_host, PBF_FEATURE_STATS);
+    return pbf_refuse_without(of(handle)->host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
   return population_read(of(handle), field, rows, out);
 }
@@ -393,7 +400,8 @@ static pbf_status map_pressures(pbf_backend_solver *handle, pbf_view *view) {
 }
 
 static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
-  if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(pbf_cuda_host, PBF_FEATURE_STATS);
+  if (!(PBF_BUILT & PBF_FEATURE_STATS))
+    return pbf_refuse_without(of(handle)->host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
   return report_stats(of(handle), stats);
 }

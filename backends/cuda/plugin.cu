@@ -4,16 +4,18 @@
 #include "common/entry.h"
 #include "common/variants.h"
 
-const pbf_backend_host *pbf_cuda_host;
+__thread const pbf_backend_host *pbf_cuda_host;
 
 namespace {
+
+const pbf_backend_host *negotiated;
 
 #define VARIANT(dim, bits) {dim, bits / 8, &cuda_##dim##d_f##bits},
 const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, nullptr}};
 
 pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                   pbf_backend_solver **solver, const pbf_backend_api **api) {
-  return pbf_variant_create(variants, pbf_cuda_host, desc, params, solver, api);
+  return pbf_variant_create(variants, negotiated, desc, params, solver, api);
 }
 
 /* The variants' own tables ask the device alone: libpbf asks a backend's first table. */
@@ -26,7 +28,7 @@ void probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  pbf_cuda_host = host;
+  negotiated = host;
   table = *variants[0].api;
   table.probe = probe;
   table.create = create;

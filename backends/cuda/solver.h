@@ -22,6 +22,7 @@ enum { STEPS_AHEAD = SMALL_STEPS };
 
 struct solver {
   pbf_allocator allocator;
+  const pbf_backend_host *host;
   int device;
   pbf_cuda_context context;
   cudaStream_t stream;

@@ -64,12 +64,12 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
   solver *s = (solver *)desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
   if (!s) {
-    reference_host->set_error("no memory for a reference solver");
+    desc->host->set_error("no memory for a reference solver");
     return PBF_ERROR_OUT_OF_MEMORY;
   }
   memset(s, 0, sizeof *s);
   s->memory.allocator = desc->allocator;
-  s->host = reference_host;
+  s->host = desc->host;
   s->capacity = desc->capacity;
   pbf_status status = take_arrays(s) ? set_params(s, params) : out_of_memory(s, "the arrays");
   if (status != PBF_OK) {

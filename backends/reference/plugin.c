@@ -7,7 +7,7 @@
 #include "common/entry.h"
 #include "common/variants.h"
 
-const pbf_backend_host *reference_host;
+static const pbf_backend_host *negotiated;
 
 #define VARIANT(dim, bits) {dim, bits / 8, &reference_##dim##d_f##bits},
 static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
@@ -21,12 +21,12 @@ void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
-  return pbf_variant_create(variants, reference_host, desc, params, solver, api);
+  return pbf_variant_create(variants, negotiated, desc, params, solver, api);
 }
 
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
   static pbf_backend_api table;
-  reference_host = host;
+  negotiated = host;
   table = *variants[0].api;
   table.create = create;
   return pbf_entry_answer(host, &table, answer);

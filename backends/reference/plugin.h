@@ -8,7 +8,6 @@
 extern "C" {
 #endif
 
-extern const pbf_backend_host *reference_host;
 extern const pbf_backend_api reference_2d_f32, reference_2d_f64, reference_3d_f32, reference_3d_f64;
 
 void reference_probe(const pbf_workload *workload, pbf_probe_result *result);

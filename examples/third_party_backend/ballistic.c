@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const pbf_backend_host *host;
-
 struct pbf_backend_solver {
   pbf_backend_desc desc;
   pbf_params params;
@@ -51,7 +49,7 @@ static const pbf_backend_api table;
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
   if (!serves(desc->dimension, desc->precision)) {
-    host->set_error("the ballistic backend is built for 3D float32 alone");
+    desc->host->set_error("the ballistic backend is built for 3D float32 alone");
     return PBF_ERROR_UNSUPPORTED;
   }
   pbf_backend_solver *s = take(desc, sizeof *s);
@@ -69,7 +67,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
     }
     destroy(s);
   }
-  host->set_error("no memory for a ballistic solver");
+  desc->host->set_error("no memory for a ballistic solver");
   return PBF_ERROR_OUT_OF_MEMORY;
 }
 
@@ -82,7 +80,7 @@ static pbf_status set_colliders(pbf_backend_solver *s, uint32_t count,
                                 const pbf_collider *colliders, double time) {
   (void)s, (void)colliders, (void)time;
   if (!count) return PBF_OK;
-  host->set_error("the ballistic backend has no colliders");
+  s->desc.host->set_error("the ballistic backend has no colliders");
   return PBF_ERROR_UNSUPPORTED;
 }
 
@@ -134,7 +132,7 @@ static pbf_status remove_all(pbf_backend_solver *s) {
 static pbf_status read_field(pbf_backend_solver *s, uint32_t field, const pbf_rows *rows,
                              void *out) {
   if (field == PBF_FIELD_DENSITY) {
-    host->set_error("the ballistic backend has no densities");
+    s->desc.host->set_error("the ballistic backend has no densities");
     return PBF_ERROR_UNSUPPORTED;
   }
   memcpy(out, (field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first,
@@ -214,7 +212,6 @@ __attribute__((visibility("default"))) pbf_status pbf_backend_negotiate(
     const pbf_backend_host *offer, pbf_backend_answer *answer) {
   if (offer->abi_min > PBF_BACKEND_ABI_VERSION || offer->abi_max < PBF_BACKEND_ABI_VERSION)
     return PBF_ERROR_UNSUPPORTED;
-  host = offer;
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;
   snprintf(answer->name, sizeof answer->name, "ballistic");

@@ -6,7 +6,7 @@
  * their struct_size. Calls for one solver never overlap.
  *
  * On failure a function returns a status other than PBF_OK and has called host->set_error with a
- * sentence; the solver is then as it was before the call.
+ * sentence, pbf_backend_desc.host of the solver; the solver is then as it was before the call.
  */
 #ifndef PBF_PBF_BACKEND_H
 #define PBF_PBF_BACKEND_H
@@ -61,6 +61,8 @@ typedef struct pbf_backend_desc {
   pbf_allocator allocator; /* complete: never null functions */
   pbf_log_fn log;          /* never null */
   void *log_user;
+  const pbf_backend_host *host; /* whose solver this is: a process may have several libpbf, and they
+                                   share the plugin's file, and so what it keeps of negotiations */
 } pbf_backend_desc;
 
 /* New particles. Their ids ascend and are above all ids that the solver has held. */

@@ -8,7 +8,7 @@
 #include "error.h"
 #include "structs.h"
 
-static const pbf_backend_host host = {
+const pbf_backend_host pbf_plugin_host = {
     .struct_size = sizeof(pbf_backend_host),
     .abi_min = PBF_BACKEND_ABI_VERSION,
     .abi_max = PBF_BACKEND_ABI_VERSION,
@@ -102,10 +102,11 @@ static pbf_status check_name(const char *name, const char *expected, pbf_plugin 
 
 static pbf_status check_answer(const pbf_backend_answer *answer, const char *expected,
                                pbf_plugin *plugin) {
-  if (answer->abi_version < host.abi_min || answer->abi_version > host.abi_max) {
+  if (answer->abi_version < pbf_plugin_host.abi_min ||
+      answer->abi_version > pbf_plugin_host.abi_max) {
     return pbf_plugin_refuse(plugin, PBF_ERROR_UNSUPPORTED,
                              "it speaks version %u of the plugin ABI; this library speaks %u … %u",
-                             answer->abi_version, host.abi_min, host.abi_max);
+                             answer->abi_version, pbf_plugin_host.abi_min, pbf_plugin_host.abi_max);
   }
   pbf_status status = check_name(answer->name, expected, plugin);
   if (status != PBF_OK) return status;
@@ -120,11 +121,11 @@ pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expe
                                 pbf_plugin *plugin) {
   pbf_backend_answer answer = {.struct_size = sizeof answer};
   pbf_plugin_message_clear();
-  pbf_status status = entry(&host, &answer);
+  pbf_status status = entry(&pbf_plugin_host, &answer);
   if (status == PBF_OK) return check_answer(&answer, expected, plugin);
   const char *message = pbf_plugin_message();
   if (!message[0]) message = "it gave no reason";
   return pbf_plugin_refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
                            "it refused to work with version %u … %u of the plugin ABI: %s",
-                           host.abi_min, host.abi_max, message);
+                           pbf_plugin_host.abi_min, pbf_plugin_host.abi_max, message);
 }

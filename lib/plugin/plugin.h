@@ -15,6 +15,9 @@ typedef struct pbf_plugin {
   pbf_backend_api api;
 } pbf_plugin;
 
+/* What backends get of this library. */
+extern const pbf_backend_host pbf_plugin_host;
+
 /* Asks a backend by its entry function; plugin->path is the caller's. `expected` is the name that
  * it must give, null for any. */
 pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,

@@ -43,6 +43,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, cons
       .allocator = solver->allocator,
       .log = solver->log,
       .log_user = solver->log_user,
+      .host = &pbf_plugin_host,
   };
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;

@@ -197,7 +197,7 @@ AT(pbf_probe_result, reserved, 12);
 AT(pbf_probe_result, device_name, 16);
 AT(pbf_probe_result, reason, 112);
 
-SIZE(pbf_backend_desc, 80);
+SIZE(pbf_backend_desc, 88);
 AT(pbf_backend_desc, struct_size, 0);
 AT(pbf_backend_desc, dimension, 4);
 AT(pbf_backend_desc, precision, 8);
@@ -208,6 +208,7 @@ AT(pbf_backend_desc, stream, 24);
 AT(pbf_backend_desc, allocator, 32);
 AT(pbf_backend_desc, log, 64);
 AT(pbf_backend_desc, log_user, 72);
+AT(pbf_backend_desc, host, 80);
 
 SIZE(pbf_particles, 32);
 AT(pbf_particles, struct_size, 0);
