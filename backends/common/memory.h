@@ -26,9 +26,9 @@ static inline void pbf_memory_free(pbf_memory *memory, void *data) {
   if (!data) return;
   for (uint32_t k = 0; k < memory->count; ++k)
     if (memory->arrays[k].data == data) {
-      memory->allocator.release(memory->allocator.user, data, memory->arrays[k].bytes,
-                                PBF_ALIGNMENT);
+      const uint64_t bytes = memory->arrays[k].bytes;
       memory->arrays[k] = memory->arrays[--memory->count];
+      memory->allocator.release(memory->allocator.user, data, bytes, PBF_ALIGNMENT);
       return;
     }
 }

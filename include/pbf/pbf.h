@@ -14,7 +14,15 @@
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
- *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
+ *   signals   so does a call in a signal handler, where its thread has been interrupted in a moment
+ * in which it would wait for itself; pbf_destroy then does nothing. What allocates memory is no
+ * more to be called there than malloc. callbacks (the allocator's, the log) should return. One that
+ * a C++ exception or a longjmp leaves leaves its call halfway: from then on the solver's calls in
+ * that thread return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
+ * *solver when it logs; what the allocator has given when it is left in there is lost. So on Linux,
+ * on the stack that the thread was made with, and for exceptions where C has unwind tables (as
+ * compilers make them on x86-64 and AArch64; not in a MinSizeRel build); elsewhere the solver is
+ * busy for good. arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
  *             (count, dimension), in the order in which the particles were added.
  *   units     any consistent set; lengths, times and accelerations are the caller's own. In units
  *             that are larger or smaller by powers of two the numbers are the same to the last bit
@@ -60,7 +68,7 @@ enum {
   PBF_ERROR_NOT_FOUND = -5,        /* no particle, backend or item of that name or number */
   PBF_ERROR_UNAVAILABLE = -6,      /* no backend can serve this solver; the sentence says why */
   PBF_ERROR_UNSUPPORTED = -7,      /* this build or backend does not have it */
-  PBF_ERROR_BUSY = -8,             /* another thread is inside this solver */
+  PBF_ERROR_BUSY = -8,             /* another call is inside this solver */
   PBF_ERROR_STATE = -9,            /* not now: a view is mapped, for example */
   PBF_ERROR_DEVICE = -10,          /* a device call failed; the sentence names the call */
   PBF_ERROR_PLUGIN = -11,          /* a backend broke the plugin rules */

@@ -3,6 +3,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "solver/callbacks.h"
 #include "solver/handles.h"
 #include "views.h"
 
@@ -17,7 +18,7 @@ typedef struct exported {
 static void delete_tensor(DLManagedTensor *tensor) {
   exported *own = tensor->manager_ctx;
   pbf_solver *solver = own->solver;
-  pbf_memory_free(&solver->allocator, own, sizeof *own);
+  pbf_memory_free(&solver->callbacks.allocator, own, sizeof *own);
   pbf_solver_drop_export(solver);
 }
 
@@ -67,6 +68,7 @@ static pbf_status export(pbf_solver *solver, uint32_t field, DLManagedTensor **t
     status = pbf_memory_allocate(&solver->allocator, sizeof(exported), "a tensor", &memory);
   if (status != PBF_OK) return status;
   fill(memory, solver, &view);
+  pbf_callbacks_forget(solver, memory);
   pbf_solver_add_export(solver);
   *tensor = &((exported *)memory)->tensor;
   return PBF_OK;

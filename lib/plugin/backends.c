@@ -3,20 +3,23 @@
 
 #include "desc.h"
 #include "error.h"
+#include "lock.h"
 #include "probe.h"
 #include "registry.h"
 #include "structs.h"
 
 pbf_status pbf_get_backend_count(uint32_t *count) {
   if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = pbf_registry_count();
-  return PBF_OK;
+  pbf_status status = pbf_lock_check();
+  if (status == PBF_OK) *count = pbf_registry_count();
+  return status;
 }
 
 pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info) {
   pbf_checked_desc checked;
   pbf_status status = pbf_desc_check(desc, &checked);
   if (status == PBF_OK) status = pbf_struct_check_out(&pbf_kind_backend_info, info);
+  if (status == PBF_OK) status = pbf_lock_check();
   if (status != PBF_OK) return status;
   const pbf_plugin *plugin = pbf_registry_entry(index);
   if (!plugin) {

@@ -1,15 +1,14 @@
 #include "registry.h"
 
-#include <pthread.h>
 #include <stddef.h>
 
 #include "discover.h"
 #include "entries.h"
 #include "error.h"
+#include "lock.h"
 
 static const char *const known_names[] = {"reference", "serial", "openmp", "cuda"};
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static int searched;
 
 /* Called with the lock held. */
@@ -23,10 +22,10 @@ static void search_once(void) {
 }
 
 uint32_t pbf_registry_count(void) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_BACKENDS);
   search_once();
   uint32_t count = pbf_entries_count();
-  pthread_mutex_unlock(&lock);
+  pbf_lock_release(PBF_LOCK_BACKENDS);
   return count;
 }
 
@@ -39,8 +38,10 @@ pbf_status pbf_load_backend(const char *path) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "path is %s%s%s; it must be absolute",
                     path ? "\"" : "", path ? path : "null", path ? "\"" : "");
   }
-  pthread_mutex_lock(&lock);
-  pbf_status status = pbf_discover_path(path);
-  pthread_mutex_unlock(&lock);
+  pbf_status status = pbf_lock_check();
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_BACKENDS);
+  status = pbf_discover_path(path);
+  pbf_lock_release(PBF_LOCK_BACKENDS);
   return status;
 }

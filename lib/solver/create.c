@@ -4,17 +4,15 @@
 #include <string.h>
 
 #include "backend_call.h"
+#include "callbacks.h"
 #include "error.h"
 #include "handles.h"
+#include "lock.h"
 #include "memory.h"
 #include "params.h"
 #include "plugin/select.h"
 #include "structs.h"
 #include "text.h"
-
-static void ignore_message(void *user, int32_t level, const char *message) {
-  (void)user, (void)level, (void)message;
-}
 
 /* Without a valid table nothing can free what a faulty plugin may have created. */
 static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api *table,
@@ -59,10 +57,16 @@ static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, 
   if (!reason[0]) return;
   solver->fell_back = candidates->named && strcmp(solver->plugin->name, asked) != 0;
   pbf_text_append(solver->fallback_reason, sizeof solver->fallback_reason, reason);
+}
+
+/* A call of its own, in which the caller's function may destroy the solver, or never return. */
+static void warn_of_fallback(pbf_solver *solver) {
   char message[PBF_MESSAGE_SIZE];
+  if (!solver->fallback_reason[0] || pbf_enter(solver) != PBF_OK) return;
   snprintf(message, sizeof message, "the backend \"%s\" serves instead of another: %s",
-           solver->plugin->name, reason);
+           solver->plugin->name, solver->fallback_reason);
   solver->log(solver->log_user, PBF_LOG_WARNING, message);
+  pbf_leave(solver, PBF_OK);
 }
 
 /* Creates the best one that works; fails with the message of the first when none does. */
@@ -93,9 +97,7 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
                        const pbf_params *params) {
   const pbf_desc *desc = &checked->desc;
   memset(solver, 0, sizeof *solver);
-  solver->allocator = checked->allocator;
-  solver->log = desc->log ? desc->log : ignore_message;
-  solver->log_user = desc->log_user;
+  pbf_callbacks_wrap(solver, &checked->allocator, desc->log, desc->log_user);
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;
   solver->device = desc->device;
@@ -120,7 +122,8 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
   if (!solver)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
-  pbf_status status = pbf_desc_check(desc, &checked);
+  pbf_status status = pbf_lock_check();
+  if (status == PBF_OK) status = pbf_desc_check(desc, &checked);
   if (status == PBF_OK) status = check_params(params, &checked, &ours);
   if (status == PBF_OK)
     status = pbf_memory_allocate(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
@@ -132,5 +135,6 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   }
   pbf_solver_publish(memory);
   *solver = memory;
+  warn_of_fallback(memory);
   return PBF_OK;
 }

@@ -1,13 +1,16 @@
 #include "free.h"
 
+#include "callbacks.h"
 #include "colliders.h"
 #include "ids.h"
 #include "memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
-  pbf_allocator allocator = solver->allocator;
+  const pbf_allocator allocator = solver->callbacks.allocator;
   solver->api.destroy(solver->backend);
-  pbf_memory_free(&allocator, solver->ids, pbf_ids_bytes(solver));
-  pbf_memory_free(&allocator, solver->colliders, pbf_colliders_bytes(solver->collider_count));
+  pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
+  pbf_memory_free(&solver->allocator, solver->colliders,
+                  pbf_colliders_bytes(solver->collider_count));
+  if (solver->left) pbf_callbacks_release_rest(solver);
   pbf_memory_free(&allocator, solver, sizeof *solver);
 }

@@ -2,16 +2,16 @@
  * that was destroyed is refused without looking into its memory. */
 #include "handles.h"
 
-#include <pthread.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "callbacks.h"
 #include "error.h"
 #include "free.h"
+#include "lock.h"
 
 enum { BUCKETS = 64 };
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pbf_solver *buckets[BUCKETS];
 
 static pbf_solver **bucket_of(const pbf_solver *solver) {
@@ -27,8 +27,28 @@ static int is_live(const pbf_solver *solver) {
 /* Called with the lock held, which it opens. */
 static void drop_reference(pbf_solver *solver) {
   int last = --solver->references == 0;
-  pthread_mutex_unlock(&lock);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
   if (last) pbf_solver_free(solver);
+}
+
+/* The call that is said to be inside will not come back. */
+static void leave_halfway(pbf_solver *solver, pbf_left why) {
+  solver->in_call = 0;
+  solver->callbacks.frame = NULL;
+  solver->left = why;
+  --solver->references;
+}
+
+static void see_whether_left(pbf_solver *solver) {
+  if (solver->in_call && pbf_callbacks_were_left(solver))
+    leave_halfway(solver, PBF_LEFT_BY_CALLBACK);
+}
+
+static pbf_status fail_as_left(const pbf_solver *solver) {
+  return pbf_fail(PBF_ERROR_STATE, "%s; this solver can only be destroyed",
+                  solver->left == PBF_LEFT_BY_CALLBACK
+                      ? "an exception or a longjmp has left a callback, and so a call, halfway"
+                      : "another thread was halfway in a call when this process was forked off");
 }
 
 static pbf_status enter_locked(pbf_solver *solver) {
@@ -37,69 +57,88 @@ static pbf_status enter_locked(pbf_solver *solver) {
                     "solver is %p, which pbf_create did not give or pbf_destroy has taken back",
                     (void *)solver);
   }
+  see_whether_left(solver);
+  if (solver->left) return fail_as_left(solver);
   if (solver->in_call) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this solver; a solver belongs to one thread at a time");
   }
   solver->in_call = 1;
+  solver->callbacks.thread = pthread_self();
+  solver->callbacks.frame = NULL;
   ++solver->references;
   return PBF_OK;
 }
 
 pbf_status pbf_enter(pbf_solver *solver) {
   if (!solver) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; pbf_create makes one");
-  pthread_mutex_lock(&lock);
-  pbf_status status = enter_locked(solver);
-  pthread_mutex_unlock(&lock);
+  pbf_status status = pbf_lock_check();
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  status = enter_locked(solver);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
   if (status == PBF_OK) pbf_plugin_message_clear();
   return status;
 }
 
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->in_call = 0;
   drop_reference(solver);
   return status;
 }
 
 void pbf_solver_publish(pbf_solver *solver) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->references = 1;
   solver->next_live = *bucket_of(solver);
   *bucket_of(solver) = solver;
-  pthread_mutex_unlock(&lock);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
 void pbf_destroy(pbf_solver *solver) {
-  if (!solver) return;
-  pthread_mutex_lock(&lock);
+  if (!solver || pbf_lock_check() != PBF_OK) return;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   pbf_solver **link = bucket_of(solver);
   while (*link && *link != solver) link = &(*link)->next_live;
   if (!*link) {
-    pthread_mutex_unlock(&lock);
+    pbf_lock_release(PBF_LOCK_SOLVERS);
     return;
   }
   *link = solver->next_live;
+  see_whether_left(solver);
   drop_reference(solver);
 }
 
+/* In the child of a fork: its one thread is the one that forked. */
+static void leave_to_other_threads(void) {
+  for (int k = 0; k < BUCKETS; ++k)
+    for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live)
+      if (solver->in_call && !pthread_equal(solver->callbacks.thread, pthread_self()))
+        leave_halfway(solver, PBF_LEFT_BY_FORK);
+}
+
+__attribute__((constructor)) static void prepare_for_forks(void) {
+  pthread_atfork(NULL, NULL, leave_to_other_threads);
+}
+
 void pbf_solver_add_export(pbf_solver *solver) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   ++solver->exported;
   ++solver->references;
-  pthread_mutex_unlock(&lock);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
 void pbf_solver_drop_export(pbf_solver *solver) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   --solver->exported;
   drop_reference(solver);
 }
 
 pbf_status pbf_check_unmapped(pbf_solver *solver) {
-  pthread_mutex_lock(&lock);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
   uint32_t exported = solver->exported;
-  pthread_mutex_unlock(&lock);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
   uint32_t mapped = 0;
   for (int field = 0; field < PBF_FIELD_COUNT; ++field) mapped += solver->mapped[field];
   if (!mapped && !exported) return PBF_OK;

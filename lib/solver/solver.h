@@ -2,6 +2,8 @@
 #ifndef PBF_LIB_SOLVER_SOLVER_H
 #define PBF_LIB_SOLVER_SOLVER_H
 
+#include <pthread.h>
+
 #include "check.h"
 #include "plugin/plugin.h"
 
@@ -25,17 +27,45 @@ typedef struct pbf_placement {
   double wall_shift[6];     /* of each wall */
 } pbf_placement;
 
+enum { PBF_MAX_BLOCKS = 96 };
+
+typedef struct pbf_block {
+  void *memory;
+  uint64_t size, alignment;
+} pbf_block;
+
+/* The caller's functions, and where they run: callbacks.h. */
+typedef struct pbf_callbacks {
+  pbf_allocator allocator;
+  pbf_log_fn log; /* or null */
+  void *log_user;
+  pthread_t thread;           /* of the running call, or the last one */
+  const void *volatile frame; /* on its stack, of a callback that runs; null: none does */
+  uint64_t calls;             /* of them, so far */
+  uint32_t block_count;       /* blocks that the solver has, as many as there is room for */
+  pbf_block blocks[PBF_MAX_BLOCKS];
+} pbf_callbacks;
+
+/* Why a solver can do nothing any more but be destroyed. */
+typedef enum pbf_left {
+  PBF_LEFT_NOT,
+  PBF_LEFT_BY_CALLBACK, /* an exception or a longjmp has left a call halfway */
+  PBF_LEFT_BY_FORK      /* another thread was inside when this process was forked off */
+} pbf_left;
+
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
   uint32_t references; /* the handle, a running call, every exported tensor */
   uint32_t in_call;    /* 1: a call is running */
   uint32_t exported;   /* tensors whose deleter has not run */
+  pbf_left left;
 
   /* Belongs to the running call. */
-  pbf_allocator allocator;
+  pbf_allocator allocator; /* these three lead to the caller's own: */
   pbf_log_fn log;
   void *log_user;
+  pbf_callbacks callbacks;
   const pbf_plugin *plugin;
   pbf_backend_api api; /* the table of this solver's variant */
   pbf_backend_solver *backend;

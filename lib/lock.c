@@ -1,0 +1,80 @@
+#include "lock.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <time.h>
+
+#include "error.h"
+
+/* The thread that holds each, 0: none. A mutex that is taken first and says by whom after it has a
+ * moment between, in which a signal handler would wait for its own thread; thread-local memory
+ * is allocated where it is first looked at, which a signal handler must not do. */
+static _Atomic uintptr_t holders[PBF_LOCK_COUNT];
+
+static uintptr_t this_thread(void) { return (uintptr_t)pthread_self(); }
+
+static int is_held_here(int lock) {
+  return atomic_load_explicit(&holders[lock], memory_order_relaxed) == this_thread();
+}
+
+pbf_status pbf_lock_check(void) {
+  for (int lock = 0; lock < PBF_LOCK_COUNT; ++lock) {
+    if (!is_held_here(lock)) continue;
+    return pbf_fail(PBF_ERROR_BUSY,
+                    "the call comes from a signal handler that has interrupted another one of this "
+                    "thread; after that has returned it would do");
+  }
+  return PBF_OK;
+}
+
+/* Most who hold one do so for nanoseconds, and one who searches for backends for milliseconds. */
+static void wait_a_little(unsigned looks) {
+  enum { PATIENCE = 100 };
+  const struct timespec nap = {0, 50000};
+  if (looks < PATIENCE)
+    sched_yield();
+  else
+    nanosleep(&nap, NULL);
+}
+
+void pbf_lock_take(pbf_lock lock) {
+  uintptr_t none = 0;
+  for (unsigned looks = 0; !atomic_compare_exchange_strong_explicit(
+           &holders[lock], &none, this_thread(), memory_order_acquire, memory_order_relaxed);
+       ++looks) {
+    wait_a_little(looks);
+    none = 0;
+  }
+}
+
+void pbf_lock_release(pbf_lock lock) {
+  atomic_store_explicit(&holders[lock], 0, memory_order_release);
+}
+
+/* ---- A process that forks ------------------------------------------------------------------ */
+
+/* The child has the thread alone that forks. What others hold at this moment would be held there
+ * for ever, and be half done. Each is written by who holds the lock. */
+static int taken_to_fork[PBF_LOCK_COUNT];
+
+static void before_fork(void) {
+  for (int lock = 0; lock < PBF_LOCK_COUNT; ++lock) {
+    if (is_held_here(lock)) continue; /* in a signal handler, or in a plugin that is being loaded */
+    pbf_lock_take((pbf_lock)lock);
+    taken_to_fork[lock] = 1;
+  }
+}
+
+static void after_fork(void) {
+  for (int lock = PBF_LOCK_COUNT - 1; lock >= 0; --lock) {
+    if (!is_held_here(lock) || !taken_to_fork[lock]) continue;
+    taken_to_fork[lock] = 0;
+    pbf_lock_release((pbf_lock)lock);
+  }
+}
+
+__attribute__((constructor)) static void prepare_for_forks(void) {
+  pthread_atfork(before_fork, after_fork, after_fork);
+}

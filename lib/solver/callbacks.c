@@ -1,0 +1,151 @@
+#define _GNU_SOURCE /* pthread_getattr_np */
+#include "callbacks.h"
+
+#include <signal.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- Blocks of memory that are out --------------------------------------------------------- */
+
+static void note_taken(pbf_callbacks *own, void *memory, uint64_t size, uint64_t alignment) {
+  if (memory && own->block_count < PBF_MAX_BLOCKS)
+    own->blocks[own->block_count++] = (pbf_block){memory, size, alignment};
+}
+
+/* Before it is released: a release that is left is not to be done again. */
+static void note_released(pbf_callbacks *own, const void *memory) {
+  for (uint32_t i = own->block_count; i-- > 0;) {
+    if (own->blocks[i].memory != memory) continue;
+    own->blocks[i] = own->blocks[--own->block_count];
+    return;
+  }
+}
+
+void pbf_callbacks_forget(pbf_solver *solver, const void *memory) {
+  note_released(&solver->callbacks, memory);
+}
+
+void pbf_callbacks_release_rest(pbf_solver *solver) {
+  pbf_callbacks *own = &solver->callbacks;
+  while (own->block_count > 0) {
+    pbf_block block = own->blocks[--own->block_count];
+    own->allocator.release(own->allocator.user, block.memory, block.size, block.alignment);
+  }
+}
+
+/* ---- Places on the stack ------------------------------------------------------------------- */
+
+/* A frame that is there still has all of its mark. One that is not lies where other frames are now,
+ * if any, and in so many words these have at least a return address or a register. */
+enum { MARK_WORDS = 64 };
+
+typedef struct mark {
+  volatile uint64_t words[MARK_WORDS];
+} mark;
+
+static uint64_t word_of(const pbf_callbacks *own, int k) {
+  return (own->calls + (uint64_t)k) * UINT64_C(0x9e3779b97f4a7c15);
+}
+
+#if defined(__linux__)
+
+/* The stack that this thread was made with: coroutines and signal handlers may have others. */
+static _Thread_local struct { uintptr_t lowest, size; } thread_stack;
+
+/* Not in a signal handler: it allocates. */
+static void find_stack(void) {
+  pthread_attr_t attributes;
+  void *lowest;
+  size_t size;
+  if (thread_stack.size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+  if (pthread_attr_getstack(&attributes, &lowest, &size) == 0) {
+    thread_stack.lowest = (uintptr_t)lowest;
+    thread_stack.size = size;
+  }
+  pthread_attr_destroy(&attributes);
+}
+
+static int is_on_stack(const volatile void *place) {
+  return (uintptr_t)place - thread_stack.lowest < thread_stack.size;
+}
+
+static int on_signal_stack(void) {
+  stack_t stack;
+  return sigaltstack(NULL, &stack) != 0 || stack.ss_flags & SS_ONSTACK;
+}
+
+#else /* unknown */
+
+static void find_stack(void) {}
+static int is_on_stack(const volatile void *place) { return (void)place, 0; }
+static int on_signal_stack(void) { return 1; }
+
+#endif
+
+/* A stack may have been given other borders by what looks after memory. */
+#define UNCHECKED __attribute__((noinline, no_sanitize("address"), no_sanitize("thread")))
+
+UNCHECKED static int is_changed(const pbf_callbacks *own, const mark *there) {
+  for (int k = 0; k < MARK_WORDS; ++k)
+    if (there->words[k] != word_of(own, k)) return 1;
+  return 0;
+}
+
+/* Stacks grow downwards. */
+UNCHECKED int pbf_callbacks_were_left(const pbf_solver *solver) {
+  const pbf_callbacks *own = &solver->callbacks;
+  const mark *there = own->frame;
+  const void *here = __builtin_frame_address(0);
+  if (!there || !pthread_equal(own->thread, pthread_self())) return 0;
+  if (on_signal_stack() || !is_on_stack(here) || !is_on_stack(there)) return 0;
+  return (uintptr_t)here > (uintptr_t)there || is_changed(own, there);
+}
+
+/* ---- Calling ------------------------------------------------------------------------------- */
+
+UNCHECKED static void begin(pbf_callbacks *own, mark *here) {
+  find_stack();
+  ++own->calls;
+  for (int k = 0; k < MARK_WORDS; ++k) here->words[k] = word_of(own, k);
+  own->frame = here;
+}
+
+static void end(pbf_callbacks *own) { own->frame = NULL; }
+
+UNCHECKED static void *allocate(void *user, uint64_t size, uint64_t alignment) {
+  pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  mark here;
+  begin(own, &here);
+  void *memory = own->allocator.allocate(own->allocator.user, size, alignment);
+  end(own);
+  note_taken(own, memory, size, alignment);
+  return memory;
+}
+
+UNCHECKED static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
+  pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  mark here;
+  note_released(own, memory);
+  begin(own, &here);
+  own->allocator.release(own->allocator.user, memory, size, alignment);
+  end(own);
+}
+
+UNCHECKED static void write_log(void *user, int32_t level, const char *message) {
+  pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  mark here;
+  if (!own->log) return;
+  begin(own, &here);
+  own->log(own->log_user, level, message);
+  end(own);
+}
+
+void pbf_callbacks_wrap(pbf_solver *solver, const pbf_allocator *allocator, pbf_log_fn log,
+                        void *log_user) {
+  solver->callbacks.allocator = *allocator;
+  solver->callbacks.log = log;
+  solver->callbacks.log_user = log_user;
+  solver->allocator = (pbf_allocator){sizeof solver->allocator, 0, solver, allocate, release};
+  solver->log = write_log;
+  solver->log_user = solver;
+}
