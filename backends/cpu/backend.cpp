@@ -331,7 +331,7 @@ static pbf_status get_plan(solver *s, pbf_plan *plan) {
 static pbf_status describe(solver *s, pbf_backend_state *state) {
   char brand[64];
   cpu_brand(brand, sizeof brand);
-  state->threads = s->threads;
+  state->threads = team_threads(s->threads);
   state->device_type = PBF_DEVICE_CPU;
   snprintf(state->device_name, sizeof state->device_name, "%s (%s)", brand, cpu_isa_name(s->isa));
   return PBF_OK;

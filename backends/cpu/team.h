@@ -43,11 +43,16 @@ enum { TEAM_MOST_PIECES = 0xffff };
 /* Threads that a solver gets when its description asks for `wanted` (0: all there are). */
 uint32_t team_size(uint32_t wanted);
 
+/* Of these, those that a run in the calling thread has now: fewer in a process that can't start so
+ * many, and one in the child of a fork. */
+uint32_t team_threads(uint32_t threads);
+
 /* Bytes of the memory, aligned to TEAM_ALIGNMENT, in which such a team meets. */
 enum { TEAM_ALIGNMENT = 64 };
 uint64_t team_bytes(uint32_t threads);
 
-/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. */
+/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. There is always
+ * that one. */
 void team_run(team *all, uint32_t threads, team_function function, void *context);
 
 /* A loop that the whole team shares. Within `function` every thread calls this for the same loops

@@ -6,9 +6,12 @@
  * done with its own part takes tasks from the end of another's. A loop is over when its tasks are
  * done, whether or not all threads have come. */
 #include <omp.h>
+#include <unistd.h>
+
 #include "cpu/atomics.h"
 
 #include "cpu/team.h"
+#include "cpu/thread_room.h"
 
 /* More threads than that gain nothing. */
 enum { MAX_THREADS = 256 };
@@ -40,7 +43,35 @@ struct team {
 
 uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
+  uint32_t limit = (uint32_t)omp_get_thread_limit();
+  if (threads > limit) threads = limit;
   return threads < MAX_THREADS ? threads : MAX_THREADS;
+}
+
+/* ---- Threads that can be had --------------------------------------------------------------- */
+
+/* Where OpenMP's threads are: they do not go along with a fork, and the runtime would wait for them
+ * in the child for ever, also for those that the program's own loops have left it. */
+static pid_t home;
+
+__attribute__((constructor)) static void remember_home(void) { home = getpid(); }
+
+/* Threads of the last run that this thread began: the runtime keeps them for the next one. Most
+ * that there could be when it wanted more; 0: it did not, or got them. */
+static _Thread_local uint32_t kept, most;
+
+uint32_t team_threads(uint32_t threads) {
+  if (getpid() != home) return 1;
+  return most && most < threads ? most : threads;
+}
+
+/* OpenMP's runtime ends the process when it can't start a thread. */
+static uint32_t threads_to_be_had(uint32_t threads) {
+  if (threads == 1 || getpid() != home) return 1;
+  uint32_t there = kept ? kept : 1;
+  uint32_t had = threads > there ? there + thread_room(threads - there) : threads;
+  most = had < threads ? had : 0;
+  return kept = had;
 }
 
 uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(desk); }
@@ -48,9 +79,15 @@ uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(d
 void team_run(team *all, uint32_t threads, team_function function, void *context) {
   atomic_init(&all->over, 0);
   atomic_init(&all->ending, 0);
+  threads = threads_to_be_had(threads);
   for (uint32_t t = 0; t < threads; ++t) {
     atomic_init(&all->desks[t].left, 0);
     atomic_init(&all->desks[t].done, 0);
+  }
+  if (threads == 1) {
+    member alone = {.team = all, .thread = 0, .threads = 1};
+    function(context, &alone);
+    return;
   }
 #pragma omp parallel num_threads((int)threads)
   {

@@ -14,15 +14,20 @@
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
- *   signals   so does a call in a signal handler, where its thread has been interrupted in a moment
- * in which it would wait for itself; pbf_destroy then does nothing. What allocates memory is no
- * more to be called there than malloc. callbacks (the allocator's, the log) should return. One that
- * a C++ exception or a longjmp leaves leaves its call halfway: from then on the solver's calls in
- * that thread return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
- * *solver when it logs; what the allocator has given when it is left in there is lost. So on Linux,
- * on the stack that the thread was made with, and for exceptions where C has unwind tables (as
- * compilers make them on x86-64 and AArch64; not in a MinSizeRel build); elsewhere the solver is
- * busy for good. arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
+ *   signals   so does a call in a signal handler, where its thread has been interrupted at a point
+ *             at which it would wait for itself; pbf_destroy then does nothing. What allocates
+ *             memory is no more to be called there than malloc.
+ *   callbacks (the allocator's, the log) should return. One that is left by a C++ exception or a
+ *             longjmp leaves its call halfway: from then on the solver's calls in that thread
+ *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
+ *             *solver when it logs; what the allocator has given is lost when it is left in there.
+ *             So on Linux, on the stack that the thread was made with, and for exceptions where C
+ *             has unwind tables (as compilers make them on x86-64 and AArch64, not in a MinSizeRel
+ *             build); elsewhere the solver is busy for good.
+ *   fork      in the child solvers go on from where they are, on `openmp` with one thread: those of
+ *             OpenMP do not come along. One in which another thread was returns PBF_ERROR_STATE
+ *             and can be destroyed. A device is the parent's.
+ *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
  *             (count, dimension), in the order in which the particles were added.
  *   units     any consistent set; lengths, times and accelerations are the caller's own. In units
  *             that are larger or smaller by powers of two the numbers are the same to the last bit
@@ -113,7 +118,8 @@ typedef struct pbf_desc {
   uint32_t strict;      /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
   const char *backend;  /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
   int32_t device;       /* which device of that backend; 0 is the first */
-  uint32_t threads;     /* CPU threads; 0: as many as the machine offers */
+  uint32_t threads;     /* CPU threads; 0: as many as the machine offers. A process that can't
+                           start so many gets fewer, see pbf_info, and the same bits */
   void *stream;         /* cudaStream_t to work on; null: one of the solver's own */
   const pbf_allocator *allocator; /* null: malloc; copied by pbf_create */
   pbf_log_fn log;                 /* null: silence */

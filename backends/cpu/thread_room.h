@@ -1,0 +1,11 @@
+/* How many threads a process can still start. */
+#ifndef PBF_CPU_THREAD_ROOM_H
+#define PBF_CPU_THREAD_ROOM_H
+
+#include <stdint.h>
+
+/* 0 … wanted, that many at once: they have been started, and have ended. Limits of users, control
+ * groups and of memory count alike. Others may take them at any time. */
+uint32_t thread_room(uint32_t wanted);
+
+#endif

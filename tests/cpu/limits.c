@@ -1,0 +1,129 @@
+/* A process that may not start as many threads as a solver wants: it gets fewer, the bits are the
+ * same, and the process goes on. Each case runs in a child, which a limit does not leave. */
+#define _GNU_SOURCE /* setresuid */
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cpu_support.h"
+
+enum { COUNT = 2000, THREADS = 6, STEPS = 5 };
+
+typedef struct outcome {
+  pbf_status status;
+  uint32_t threads;
+  uint64_t hash;
+} outcome;
+
+static outcome run(const char *backend, uint32_t threads) {
+  outcome it = {.status = PBF_OK};
+  pbf_desc desc;
+  pbf_solver *solver = NULL;
+  pbf_info info = {.struct_size = sizeof info};
+  pbf_desc_init(&desc, sizeof desc);
+  desc.backend = backend;
+  desc.strict = 1;
+  desc.capacity = COUNT;
+  desc.threads = threads;
+  float *x = test_lattice(3, PBF_FLOAT32, COUNT);
+  it.status = pbf_create(&desc, NULL, &solver);
+  for (uint32_t i = 0; i < COUNT; ++i) x[3 * i + 2] = 0.02f + 0.015f * (float)(i / 64);
+  if (it.status == PBF_OK) it.status = pbf_add_particles(solver, COUNT, x, NULL, NULL);
+  for (int step = 0; step < STEPS && it.status == PBF_OK; ++step) it.status = pbf_step(solver, 1);
+  if (it.status == PBF_OK) it.status = pbf_hash(solver, &it.hash);
+  if (it.status == PBF_OK) it.status = pbf_get_info(solver, &info);
+  it.threads = info.threads;
+  pbf_destroy(solver);
+  free(x);
+  return it;
+}
+
+/* As a user with no other processes, where that can be: root has no limit of them. */
+static int limit_threads(unsigned most) {
+  const struct rlimit limit = {most, most};
+  return setrlimit(RLIMIT_NPROC, &limit) == 0 &&
+         (geteuid() != 0 || setresuid(54321, 54321, 54321) == 0);
+}
+
+static int limit_memory(unsigned more) {
+  unsigned long pages = 0;
+  FILE *file = fopen("/proc/self/statm", "r");
+  if (!file || fscanf(file, "%lu", &pages) != 1) return 0;
+  fclose(file);
+  rlim_t most = pages * (rlim_t)sysconf(_SC_PAGESIZE) + more;
+  const struct rlimit limit = {most, most};
+  return setrlimit(RLIMIT_AS, &limit) == 0;
+}
+
+static outcome run_within(int (*limit)(unsigned), unsigned most, const char *backend) {
+  int ends[2], status = 0;
+  outcome it = {0};
+  assert_int_equal(pipe(ends), 0);
+  fflush(NULL);
+  pid_t child = fork();
+  if (child == 0) {
+    uint32_t count;
+    pbf_get_backend_count(&count); /* loads them while their files may be read */
+    if (!limit(most)) _exit(77);
+    it = run(backend, THREADS);
+    _exit(write(ends[1], &it, sizeof it) != sizeof it);
+  }
+  assert_int_equal(waitpid(child, &status, 0), child);
+  assert_true(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) test_skip("the limit can't be set here");
+  assert_int_equal(WEXITSTATUS(status), 0);
+  assert_int_equal(read(ends[0], &it, sizeof it), sizeof it);
+  close(ends[0]);
+  close(ends[1]);
+  return it;
+}
+
+static int unlimited(unsigned most) { return most == 0; }
+
+static void assert_serves(const outcome *it, uint32_t threads) {
+  outcome serial = run_within(unlimited, 0, "serial");
+  assert_int_equal(it->status, PBF_OK);
+  assert_int_equal(it->hash, serial.hash);
+  assert_int_equal(it->threads, threads);
+}
+
+static void without_a_limit(void **state) {
+  (void)state;
+  outcome it = run_within(unlimited, 0, "openmp");
+  assert_serves(&it, THREADS);
+}
+
+static void no_further_thread(void **state) {
+  (void)state;
+  outcome it = run_within(limit_threads, 1, "openmp");
+  assert_serves(&it, 1);
+}
+
+/* Another user's processes may count. */
+static void some_threads(void **state) {
+  (void)state;
+  if (geteuid() != 0) test_skip("only root can become a user without other processes");
+  for (unsigned most = 2; most <= THREADS; ++most) {
+    outcome it = run_within(limit_threads, most, "openmp");
+    assert_serves(&it, most);
+  }
+}
+
+static void no_memory_for_stacks(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("a sanitizer needs the address space");
+  outcome it = run_within(limit_memory, 20u << 20, "openmp");
+  assert_int_equal(it.status, PBF_OK);
+  assert_in_range(it.threads, 1, 3); /* stacks have 8 MiB */
+}
+
+int main(void) {
+  const struct CMUnitTest limits[] = {
+      cmocka_unit_test(without_a_limit),
+      cmocka_unit_test(no_further_thread),
+      cmocka_unit_test(some_threads),
+      cmocka_unit_test(no_memory_for_stacks),
+  };
+  return cmocka_run_group_tests(limits, NULL, NULL);
+}
