@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "text.h"
+
 static _Thread_local char last_message[PBF_MESSAGE_SIZE];
 static _Thread_local char plugin_message[PBF_MESSAGE_SIZE];
 
@@ -12,7 +14,7 @@ pbf_status pbf_fail(pbf_status status, const char *format, ...) {
   char message[PBF_MESSAGE_SIZE];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(message, sizeof message, format, arguments);
+  pbf_text_write_list(message, sizeof message, format, arguments);
   va_end(arguments);
   memcpy(last_message, message, sizeof message);
   return status;

@@ -2,9 +2,11 @@
 #define PBF_LIB_TEXT_H
 
 #include <math.h>
+#include <stdarg.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
+
+#include "common/number.h"
 
 /* Appends as much of `addition` as fits. */
 static inline void pbf_text_append(char *text, size_t size, const char *addition) {
@@ -14,13 +16,14 @@ static inline void pbf_text_append(char *text, size_t size, const char *addition
   text[used + length] = 0;
 }
 
-enum { PBF_NUMBER_SIZE = 32 };
+/* snprintf, with a point in numbers whatever the program's locale writes. */
+__attribute__((format(printf, 3, 4))) void pbf_text_write(char *text, size_t size,
+                                                          const char *format, ...);
+void pbf_text_write_list(char *text, size_t size, const char *format, va_list arguments);
 
 /* A number with up to 9 digits. NaN is always spelled so: printf may write nan or -nan. */
 static inline const char *pbf_text_number(char text[PBF_NUMBER_SIZE], double value) {
-  if (isnan(value)) return "NaN";
-  snprintf(text, PBF_NUMBER_SIZE, "%.9g", value);
-  return text;
+  return isnan(value) ? "NaN" : pbf_number_text(text, value);
 }
 
 #endif

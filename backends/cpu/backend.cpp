@@ -1,4 +1,5 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
+#include "common/number.h"
 #include "common/without.h"
 #include "common/views.h"
 #include "cpu/arrays.h"
@@ -32,11 +33,11 @@ static pbf_status out_of_memory(const solver *s, const char *what) {
 }
 
 static pbf_status no_memory_for_neighbors(const solver *s) {
-  char text[160];
+  char text[160], radius[PBF_NUMBER_SIZE];
   snprintf(text, sizeof text,
            "no memory for the neighbours of %u particles; fewer particles or a smaller "
-           "smoothing_radius (now %g) would do",
-           s->count, s->params.smoothing_radius);
+           "smoothing_radius (now %s) would do",
+           s->count, pbf_number_text(radius, s->params.smoothing_radius));
   s->host->set_error(text);
   return PBF_ERROR_OUT_OF_MEMORY;
 }

@@ -205,7 +205,8 @@ typedef struct pbf_params {
 
   double scorr_k;  /* artificial pressure, eq. 13: k, an area; 0: none. With CHEBYSHEV no more of it
                       acts than a step can integrate */
-  double scorr_dq; /* delta q / h, in (0, 1) */
+  double scorr_dq; /* delta q / h, in (0, 1); this and the exponent are not looked at, and may be
+                      anything, while scorr_k is 0 */
   uint32_t scorr_n; /* exponent, 1 … 8 */
   uint32_t solver;  /* PBF_SOLVER_… */
 

@@ -9,6 +9,7 @@
 #include "physics/motion.h"
 #include "physics/prestabilization.h"
 #include "solver_time.h"
+#include "text.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
  * (Unified Particle Physics for Real-Time Applications, 2014, section 4.4): what a step corrects of
@@ -37,7 +38,7 @@ static pbf_status measure(pbf_solver *solver, pbf_stats *stats, double *error) {
 
 static void warn(const pbf_solver *solver, double error) {
   char text[200];
-  snprintf(
+  pbf_text_write(
       text, sizeof text,
       "pre-stabilization leaves a mean density error of %.3g: there may be too little room, or "
       "too much fluid in too little of it, for params.spacing",

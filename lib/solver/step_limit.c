@@ -10,6 +10,7 @@
 #include "params.h"
 #include "physics/step_limit.h"
 #include "solver_time.h"
+#include "text.h"
 
 static double colliders_speed(const pbf_solver *solver, const pbf_params *params) {
   pbf_collider clean[PBF_MAX_COLLIDERS];
@@ -69,7 +70,7 @@ static void warn(const pbf_solver *solver, uint32_t cause, double limit) {
   int falls = cause == PBF_LIMIT_GRAVITY || cause == PBF_LIMIT_ATTRACTION;
   char divided[40] = "", text[300];
   if (parts > 1) snprintf(divided, sizeof divided, " in %.0f parts", parts);
-  snprintf(
+  pbf_text_write(
       text, sizeof text,
       "params.time_step, %.3g%s, is too long for %s: %s %.2g spacings%s, where %s is the most; "
       "%.3g would do, or max_substeps %.0f",
