@@ -1,4 +1,5 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
+#include "common/host_only.h"
 #include "common/number.h"
 #include "common/without.h"
 #include "common/views.h"
@@ -93,6 +94,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
   cpu_isa isa;
   char error[160];
+  if (pbf_status status = pbf_refuse_stream(desc)) return status;
   if (!cpu_isa_choose(&isa, error, sizeof error)) {
     desc->host->set_error(error);
     return PBF_ERROR_UNSUPPORTED;

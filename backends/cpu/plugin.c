@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "common/entry.h"
+#include "common/host_only.h"
 #include "common/variants.h"
 #include "cpu/isa.h"
 #include "cpu/team.h"
@@ -26,6 +27,7 @@ static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
   cpu_isa isa;
   if (pbf_variant_refuse(variants, workload, result)) return;
+  if (pbf_refuse_device(workload, result)) return;
   if (!cpu_isa_best(&isa, result->reason, sizeof result->reason)) return;
   char brand[64];
   double threads = team_size(workload->threads), work = workload->capacity;

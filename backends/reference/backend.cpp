@@ -1,4 +1,5 @@
 /* The `reference` backend's table for one variant: particles in and out, statistics, plan. */
+#include "common/host_only.h"
 #include "common/report.h"
 #include "common/rows.h"
 #include "common/without.h"
@@ -62,6 +63,7 @@ static void destroy(solver *s) {
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
+  if (pbf_status status = pbf_refuse_stream(desc)) return status;
   solver *s = (solver *)desc->allocator.allocate(desc->allocator.user, sizeof *s, PBF_ALIGNMENT);
   if (!s) {
     desc->host->set_error("no memory for a reference solver");

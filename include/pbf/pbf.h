@@ -117,10 +117,12 @@ typedef struct pbf_desc {
   uint32_t capacity;    /* maximum of particles held at once, 1 … PBF_MAX_CAPACITY */
   uint32_t strict;      /* 1: `backend` or failure; 0: fall back and say so in pbf_info */
   const char *backend;  /* "auto" (also null), "reference", "serial", "openmp", "cuda", … */
-  int32_t device;       /* which device of that backend; 0 is the first */
+  int32_t device;       /* which device of that backend; 0 is the first, and a CPU's only one. A
+                           backend that serves instead of that one has its first */
   uint32_t threads;     /* CPU threads; 0: as many as the machine offers. A process that can't
                            start so many gets fewer, see pbf_info, and the same bits */
-  void *stream;         /* cudaStream_t to work on; null: one of the solver's own */
+  void *stream;         /* cudaStream_t to work on; null: one of the solver's own; on a CPU null.
+                           A backend that serves instead of that one does not get it */
   const pbf_allocator *allocator; /* null: malloc; copied by pbf_create */
   pbf_log_fn log;                 /* null: silence */
   void *log_user;
@@ -165,7 +167,8 @@ enum {
   PBF_WALL_Z_MAX = 5
 };
 
-/* In 2D every third component is ignored. */
+/* In 2D every third component is ignored. Numbers are finite in the solver's precision, in float64
+ * at most 1e150 in size. */
 typedef struct pbf_params {
   uint32_t struct_size;
   uint32_t kernel; /* PBF_KERNEL_… */
@@ -185,8 +188,8 @@ typedef struct pbf_params {
   double attraction_center[3];
 
   double
-      over_relaxation; /* omega >= 0, a factor on the position change (1 in the paper); 0: from the
-                     largest eigenvalue of the Jacobi iteration on the lattice, always stable */
+      over_relaxation; /* omega, 0 … 1e6, a factor on the position change (1 in the paper); 0: from
+                     the largest eigenvalue of the Jacobi iteration on the lattice, always stable */
   double cfm;          /* constraint force mixing, eq. 11, without a unit: cfm * h² */
 
   double cohesion; /* 0 … 1, how much the fluid holds together. With JACOBI densities below rest
@@ -203,15 +206,16 @@ typedef struct pbf_params {
                           a smoothing_radius of 2.55 spacings or more the domain's walls, where they
                           are no nearer to each other than that, mirror the fluid instead */
 
-  double scorr_k;  /* artificial pressure, eq. 13: k, an area; 0: none. With CHEBYSHEV no more of it
-                      acts than a step can integrate */
-  double scorr_dq; /* delta q / h, in (0, 1); this and the exponent are not looked at, and may be
-                      anything, while scorr_k is 0 */
+  double scorr_k;   /* artificial pressure, eq. 13: k, an area, at most 1e6 h²; 0: none. With
+                       CHEBYSHEV no more of it acts than a step can integrate */
+  double scorr_dq;  /* delta q / h, in (0, 1); this and the exponent are not looked at, and may be
+                       anything, while scorr_k is 0 */
   uint32_t scorr_n; /* exponent, 1 … 8 */
   uint32_t solver;  /* PBF_SOLVER_… */
 
-  double vorticity; /* vorticity confinement, eq. 16, a speed; 0: none. With CHEBYSHEV no more of it
-                       acts than 0.01 h / time_step, beyond which eddies feed themselves */
+  double vorticity; /* vorticity confinement, eq. 16, a speed, at most 1e6 h / time_step; 0: none.
+                       With CHEBYSHEV no more of it acts than 0.01 h / time_step, beyond which
+                       eddies feed themselves */
   double viscosity; /* kinematic, a length² a time unit: water 1e-6 m²/s, honey 0.005. Acts on shear
                        alone, conserves momentum and angular momentum, and does not depend on the
                        time step; right to a third at h = 2 spacings, a tenth at 3. Takes a pass
@@ -242,7 +246,8 @@ typedef struct pbf_params {
    * `sleep_speed` a particle falls asleep, unless fluid three times as fast is within h of it. Such
    * fluid, or a moving wall or collider, also wakes it, within h; a change of the parameters but
    * time_step, and particles that are set or removed, wake all. */
-  double sleep_speed; /* a length a time unit; 0: nothing sleeps; 0.1 sqrt(|g| spacing) will do */
+  double sleep_speed; /* a length a time unit, in float32 at most 1e18; 0: nothing sleeps;
+                         0.1 sqrt(|g| spacing) will do */
   double sleep_time;  /* > 0 where anything sleeps; half a second will do */
 
   double tolerance; /* >= 0: the density solve of a step ends with the iteration that finds a mean

@@ -18,6 +18,9 @@ typedef struct pbf_candidates {
 /* PBF_ERROR_NOT_FOUND for a name of no backend, PBF_ERROR_UNAVAILABLE when no candidate is left. */
 pbf_status pbf_select(const pbf_checked_desc *checked, pbf_candidates *candidates);
 
+/* As a candidate gets it: a device and a stream are those of the backend that was asked for. */
+pbf_desc pbf_desc_for(const pbf_checked_desc *checked, const pbf_plugin *plugin);
+
 /* For a candidate that failed later. */
 void pbf_candidates_add_reason(pbf_candidates *candidates, const char *name, const char *reason);
 

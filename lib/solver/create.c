@@ -46,6 +46,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, cons
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;
   solver->backend = NULL;
+  solver->device = desc->device;
   pbf_plugin_message_clear();
   pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
   if (status != PBF_OK) return pbf_backend_check_status(plugin, status, "create", why, size);
@@ -79,7 +80,8 @@ static pbf_status create_backend(pbf_solver *solver, const pbf_checked_desc *che
   for (uint32_t i = 0; i < candidates.count; ++i) {
     const pbf_plugin *plugin = candidates.plugins[i];
     char why[PBF_MESSAGE_SIZE] = "";
-    status = create_with(plugin, solver, &checked->desc, why, sizeof why);
+    const pbf_desc desc = pbf_desc_for(checked, plugin);
+    status = create_with(plugin, solver, &desc, why, sizeof why);
     if (status == PBF_OK) {
       note_fallback(solver, &candidates, checked->backend);
       return PBF_OK;
@@ -100,7 +102,6 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
   pbf_callbacks_wrap(solver, &checked->allocator, desc->log, desc->log_user);
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;
-  solver->device = desc->device;
   solver->params = *params;
   solver->time_step_there = params->time_step;
   return create_backend(solver, checked);

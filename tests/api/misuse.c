@@ -205,11 +205,51 @@ static void a_handle_that_comes_back(void **state) {
   assert_int_equal(test_count.live_blocks, 0);
 }
 
+/* ---- What a CPU has not ---- */
+
+static void devices_and_streams_of_a_cpu(void **state) {
+  (void)state;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  pbf_solver *solver = NULL;
+  int stream;
+  if (test_is_stub() || strcmp(desc.backend, "cuda") == 0) test_skip("no backend on a CPU");
+  desc.device = 7;
+  assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_UNAVAILABLE,
+               "desc.device is 7; it must be 0");
+  desc.device = 0;
+  desc.stream = &stream;
+  assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_INVALID_ARGUMENT,
+               "desc.stream is not null");
+  assert_null(solver);
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
+/* They are those of the backend that was asked for; what serves instead takes its own. */
+static void devices_of_another_backend(void **state) {
+  (void)state;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  pbf_solver *solver = NULL;
+  pbf_info info = {.struct_size = sizeof info};
+  int stream;
+  if (pbf_load_backend(PBF_STUB_DIR "/failing_probe.so") == PBF_ERROR_UNSUPPORTED)
+    test_skip("a static build has no stub");
+  desc.backend = "failing";
+  desc.strict = 0;
+  desc.device = 7;
+  desc.stream = &stream;
+  assert_ok(pbf_create(&desc, NULL, &solver));
+  assert_ok(pbf_get_info(solver, &info));
+  assert_int_equal(info.fell_back, 1);
+  assert_int_equal(info.device, 0);
+  pbf_destroy(solver);
+}
+
 int main(void) {
   const struct CMUnitTest misuse[] = {
-      cmocka_unit_test(capacities_without_memory), cmocka_unit_test(counts_without_memory),
-      cmocka_unit_test(a_call_from_the_allocator), cmocka_unit_test(rivals),
-      cmocka_unit_test(times_before_timing),       cmocka_unit_test(a_handle_that_comes_back),
+      cmocka_unit_test(capacities_without_memory),  cmocka_unit_test(counts_without_memory),
+      cmocka_unit_test(a_call_from_the_allocator),  cmocka_unit_test(rivals),
+      cmocka_unit_test(times_before_timing),        cmocka_unit_test(devices_and_streams_of_a_cpu),
+      cmocka_unit_test(devices_of_another_backend), cmocka_unit_test(a_handle_that_comes_back),
   };
   return TEST_RUN(misuse);
 }
