@@ -120,6 +120,42 @@ static pbf_status check_resolution(const pbf_params *params, uint32_t precision,
                   single ? " or use PBF_FLOAT64" : ", and its ends nearer to it");
 }
 
+/* The fastest that a particle can be: by the domain's lengths in a step. Its square is a number. */
+static pbf_status check_speed(const pbf_params *params, pbf_check_kind kind) {
+  const double fastest = kind.precision == PBF_FLOAT32 ? 1e18 : 1e150;
+  double way = 0;
+  for (uint32_t axis = 0; axis < kind.dimension; ++axis)
+    way += params->domain_max[axis] - params->domain_min[axis];
+  if (way / params->time_step <= fastest) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "params.time_step is %.9g; it must be at least %.2g, for float%u computes with "
+                  "speeds up to %.0e",
+                  params->time_step, way / fastest, 8 * kind.precision, fastest);
+}
+
+/* What a step multiplies must stay a number: beyond these a factor has been mistaken for another.
+ */
+static pbf_status check_factors(const pbf_params *params, pbf_check_kind kind) {
+  const double h = params->smoothing_radius, step = params->time_step;
+  const double fastest = kind.precision == PBF_FLOAT32 ? 1e18 : 1e150;
+  const struct {
+    const char *name;
+    double value, most;
+    const char *unit;
+  } factors[] = {
+      {"over_relaxation", params->over_relaxation, 1e6, ""},
+      {"scorr_k", params->scorr_k / (h * h), 1e6, " in units of smoothing_radius²"},
+      {"vorticity", params->vorticity * step / h, 1e6, " in units of smoothing_radius / time_step"},
+      {"sleep_speed", params->sleep_speed, fastest, ""},
+  };
+  for (size_t i = 0; i < LENGTH(factors); ++i) {
+    if (factors[i].value <= factors[i].most) continue;
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "params.%s is %.9g%s; it must be at most %.0e",
+                    factors[i].name, factors[i].value, factors[i].unit, factors[i].most);
+  }
+  return PBF_OK;
+}
+
 static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, double time) {
   for (uint32_t axis = 0; axis < kind.dimension; ++axis) {
     double low = params->domain_min[axis], high = params->domain_max[axis];
@@ -149,7 +185,9 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
   if (status == PBF_OK) status = check_sleep(params);
   if (status == PBF_OK) status = check_solver(params);
   if (status == PBF_OK) status = check_lengths(params, kind);
+  if (status == PBF_OK) status = check_factors(params, kind);
   if (status == PBF_OK) status = check_domain(params, kind, time);
+  if (status == PBF_OK) status = check_speed(params, kind);
   return status;
 }
 

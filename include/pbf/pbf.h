@@ -179,7 +179,8 @@ typedef struct pbf_params {
   double particle_volume; /* V, 1e-6 … 1000 h^dimension; 0: such that a square or cubic lattice of
                              `spacing` has density 1 */
 
-  double time_step; /* > 0; no particle is faster than the sum of domain_max - domain_min in one */
+  double time_step;    /* > 0; no particle is faster than the sum of domain_max - domain_min in one,
+                          which as a speed is at most 1e18, in float64 1e150 */
   uint32_t iterations; /* of the density solve in a step, >= 1 */
   uint32_t collide;    /* PBF_COLLIDE_… bits */
 

@@ -7,6 +7,7 @@
 #include "handles.h"
 #include "overlap.h"
 #include "params.h"
+#include "physics/motion.h"
 #include "plan.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -26,6 +27,51 @@ static uint32_t steps_before_walls_meet(const pbf_solver *solver, uint32_t steps
     if (pbf_box_closed_axis(&box, dimension) != dimension) return i;
   }
   return steps;
+}
+
+/* Null when all of it is a number for the backend, else the member that is not. */
+static const char *overflowing_member(const pbf_solver *solver, const pbf_collider *now) {
+  const uint32_t precision = solver->kind.precision;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+    if (pbf_check_finite(now->position[k], precision)) return "position";
+    if (pbf_check_finite(now->half_extents[k], precision)) return "half_extents";
+  }
+  for (int k = 0; k < 4; ++k)
+    if (!isfinite(now->orientation[k])) return "orientation";
+  if (pbf_check_finite(now->radius, precision)) return "radius";
+  return pbf_check_finite(now->half_length, precision) ? "half_length" : NULL;
+}
+
+/* Of the first collider that a step which ends then can't place: its number, or the count. */
+static uint32_t overflowing_collider(const pbf_solver *solver, double time, const char **member) {
+  uint32_t k = 0;
+  for (; k < solver->collider_count; ++k) {
+    pbf_collider now;
+    pbf_motion_collider(&solver->colliders[k], time - solver->collider_time, &now);
+    *member = overflowing_member(solver, &now);
+    if (*member) break;
+  }
+  return k;
+}
+
+/* A collider moves one way until its motion ends: what is a number at the end is one before. */
+static uint32_t steps_before_overflow(const pbf_solver *solver, uint32_t steps) {
+  const char *member;
+  if (overflowing_collider(solver, time_after(solver, steps), &member) == solver->collider_count)
+    return steps;
+  for (uint32_t i = 0; i < steps; ++i)
+    if (overflowing_collider(solver, time_after(solver, i + 1), &member) < solver->collider_count)
+      return i;
+  return steps;
+}
+
+static pbf_status fail_to_place(const pbf_solver *solver, uint32_t step, uint32_t steps) {
+  const char *member = "";
+  uint32_t k = overflowing_collider(solver, time_after(solver, 1), &member);
+  return pbf_fail(PBF_ERROR_STATE,
+                  "step %u of %u would end at time %.9g, when colliders[%u].%s is beyond what "
+                  "float%u holds; set it with other velocities first",
+                  step, steps, time_after(solver, 1), k, member, 8 * solver->kind.precision);
 }
 
 static pbf_status run_backend(pbf_solver *solver, double time, uint64_t before, uint32_t steps,
@@ -108,9 +154,11 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
                     pbf_solver_time(solver));
   }
   pbf_check_step_length(solver);
-  uint32_t possible = steps_before_walls_meet(solver, steps);
+  uint32_t with_room = steps_before_walls_meet(solver, steps);
+  uint32_t possible = steps_before_overflow(solver, with_room);
   if (possible > 0) status = advance(solver, possible);
   if (status != PBF_OK || possible == steps) return status;
+  if (possible < with_room) return fail_to_place(solver, possible + 1, steps);
   return pbf_fail(PBF_ERROR_STATE,
                   "step %u of %u would end at time %.9g, when the moving walls have left no room "
                   "between them; change params.wall_… first",
