@@ -14,6 +14,7 @@
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
+ *   stack     a call takes up to 64 KiB of it, on `cuda` what its driver takes.
  *   signals   so does a call in a signal handler, where its thread has been interrupted at a point
  *             at which it would wait for itself; pbf_destroy then does nothing. What allocates
  *             memory is no more to be called there than malloc.

@@ -1,0 +1,90 @@
+/* Threads with as little stack as pbf.h asks for, from the search for backends on. */
+#include <pthread.h>
+#include <stdio.h>
+
+#include "support.h"
+
+enum { STACK = 64 << 10, COUNT = 400 };
+
+static pbf_status worst;
+
+static void note(pbf_status status) {
+  if (status != PBF_OK && worst == PBF_OK) worst = status;
+}
+
+static void use_all(pbf_solver *s, pbf_params *params) {
+  pbf_collider ball;
+  pbf_stats stats = {.struct_size = sizeof stats};
+  static float x[3 * COUNT];
+  uint64_t size = 0;
+  static unsigned char saved[1 << 18];
+  for (uint32_t i = 0; i < COUNT; ++i) {
+    x[3 * i] = 0.1f + 0.05f * (float)(i % 16);
+    x[3 * i + 1] = 0.1f + 0.05f * (float)(i / 16 % 5);
+    x[3 * i + 2] = 0.1f + 0.05f * (float)(i / 80);
+  }
+  note(pbf_add_particles(s, COUNT, x, NULL, NULL));
+  note(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_BOX));
+  ball.half_extents[0] = ball.half_extents[1] = ball.half_extents[2] = 0.1;
+  ball.velocity[0] = ball.angular_velocity[1] = 0.5;
+  note(pbf_set_colliders(s, 1, &ball));
+  note(pbf_step(s, 5));
+  params->viscosity = params->vorticity = 0.01;
+  params->damping_compensation = params->angular_momentum_correction = 1;
+  params->tolerance = 1e-3;
+  params->pressure_grid = 2;
+  params->sleep_speed = params->sleep_time = 0.1;
+  params->max_substeps = 4;
+  note(pbf_set_params(s, params));
+  note(pbf_step(s, 5));
+  note(pbf_get_stats(s, &stats));
+  note(pbf_get_pressures(s, 0, COUNT, x));
+  size = sizeof saved;
+  note(pbf_save(s, saved, &size));
+  note(pbf_load(s, saved, size));
+  note(pbf_step(s, 1));
+  if (pbf_step(NULL, 1) != PBF_ERROR_INVALID_ARGUMENT) worst = PBF_ERROR_PLUGIN;
+}
+
+static void *use_little_stack(void *user) {
+  pbf_desc desc;
+  pbf_params params;
+  pbf_solver *solver = NULL;
+  note(pbf_desc_init(&desc, sizeof desc));
+  note(pbf_params_init(&params, sizeof params));
+  desc.capacity = COUNT;
+  desc.threads = 2;
+  desc.backend = user;
+  desc.strict = 1;
+  note(pbf_create(&desc, &params, &solver));
+  if (solver) use_all(solver, &params);
+  pbf_destroy(solver);
+  return NULL;
+}
+
+/* Before anything else has loaded a backend. */
+static int run_in_thread(void) {
+  pthread_attr_t attributes;
+  pthread_t thread;
+  char *name = getenv("PBF_TEST_BACKEND");
+  if (!name || strcmp(name, "ballistic") == 0 || strcmp(name, "cuda") == 0) return 0;
+  if (pthread_attr_init(&attributes) || pthread_attr_setstacksize(&attributes, STACK)) return 0;
+  int made = pthread_create(&thread, &attributes, use_little_stack, name) == 0;
+  if (made) pthread_join(thread, NULL);
+  pthread_attr_destroy(&attributes);
+  return made;
+}
+
+static int was_run;
+
+static void little_stack_will_do(void **state) {
+  (void)state;
+  if (!was_run) test_skip("for backends on a CPU, without a sanitizer");
+  if (worst != PBF_ERROR_UNSUPPORTED) assert_int_equal(worst, PBF_OK);
+}
+
+int main(void) {
+  const struct CMUnitTest stacks[] = {cmocka_unit_test(little_stack_will_do)};
+  was_run = !TEST_INSTRUMENTED && run_in_thread();
+  return TEST_RUN(stacks);
+}
