@@ -1,10 +1,13 @@
+#define _GNU_SOURCE /* secure_getenv */
 #include "desc.h"
 
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
+#include "common/instruction_sets.h"
 #include "error.h"
 #include "memory.h"
 #include "structs.h"
@@ -57,6 +60,13 @@ static pbf_status check_allocator(const pbf_allocator *theirs, pbf_allocator *al
   return PBF_OK;
 }
 
+static pbf_status check_tasks(const pbf_desc *desc) {
+  if (!desc->enqueue_task == !desc->finish_task) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "desc.%s is null; both functions of a task system must be set, or neither",
+                  desc->enqueue_task ? "finish_task" : "enqueue_task");
+}
+
 static pbf_status copy_backend_name(const char *name, char copy[PBF_NAME_SIZE]) {
   if (!name) name = "auto";
   size_t length = strnlen(name, PBF_NAME_SIZE);
@@ -69,11 +79,36 @@ static pbf_status copy_backend_name(const char *name, char copy[PBF_NAME_SIZE]) 
   return PBF_OK;
 }
 
+static pbf_status copy_isa(const char *theirs, pbf_checked_desc *checked) {
+  const char *name = theirs ? theirs : secure_getenv("PBF_ISA");
+  checked->isa[0] = 0;
+  checked->isa_by_environment = !theirs;
+  if (!name || (!theirs && !name[0])) return PBF_OK;
+  int known = pbf_instruction_set_of(name);
+  if (known == PBF_INSTRUCTION_SET_COUNT) {
+    return pbf_fail(
+        PBF_ERROR_INVALID_ARGUMENT,
+        "%s is \"%.*s\"; it must be \"scalar\", \"sse2\", \"avx2\" or \"avx512\", or %s",
+        theirs ? "desc.isa" : "PBF_ISA in the environment", PBF_NAME_SIZE, name,
+        theirs ? "null for the best one" : "unset");
+  }
+  snprintf(checked->isa, sizeof checked->isa, "%s", pbf_instruction_sets[known]);
+  return PBF_OK;
+}
+
+const char *pbf_desc_isa(const pbf_checked_desc *checked, const char *backend) {
+  int is_named = strcmp(backend, checked->backend) == 0;
+  if (!checked->isa[0] || (checked->isa_by_environment && is_named)) return NULL;
+  return checked->isa;
+}
+
 pbf_status pbf_desc_check(const pbf_desc *theirs, pbf_checked_desc *checked) {
   pbf_status status = theirs ? pbf_struct_in(&pbf_kind_desc, theirs, &checked->desc)
                              : pbf_desc_init(&checked->desc, sizeof checked->desc);
   if (status == PBF_OK) status = check_numbers(&checked->desc);
+  if (status == PBF_OK) status = check_tasks(&checked->desc);
   if (status == PBF_OK) status = check_allocator(checked->desc.allocator, &checked->allocator);
   if (status == PBF_OK) status = copy_backend_name(checked->desc.backend, checked->backend);
+  if (status == PBF_OK) status = copy_isa(checked->desc.isa, checked);
   return status;
 }

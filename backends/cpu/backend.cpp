@@ -86,6 +86,7 @@ static pbf_status set_params(solver *s, const pbf_params *params) {
 
 static void destroy(solver *s) {
   pbf_allocator allocator = s->memory.allocator;
+  team_end();
   pbf_memory_free_all(&s->memory);
   allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
 }
@@ -95,7 +96,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   cpu_isa isa;
   char error[160];
   if (pbf_status status = pbf_refuse_stream(desc)) return status;
-  if (!cpu_isa_choose(&isa, error, sizeof error)) {
+  if (!cpu_isa_choose(desc->isa, &isa, error, sizeof error)) {
     desc->host->set_error(error);
     return PBF_ERROR_UNSUPPORTED;
   }
@@ -109,14 +110,17 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->host = desc->host;
   s->capacity = desc->capacity;
   s->threads = team_size(desc->threads);
+  s->threads_by_choice = !desc->threads && team_resizes;
+  s->tasks = {desc->enqueue_task, desc->finish_task, desc->task_user};
   s->isa = isa;
   s->kernels = kernels_for(isa);
+  team_begin();
   if (!take_arrays(s)) {
     pbf_status status = out_of_memory(s, "the arrays");
     destroy(s);
     return status;
   }
-  team_run(s->team, s->threads, clear_arrays, s);
+  team_run(&s->tasks, s->team, s->threads, clear_arrays, s);
   ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
   pbf_status status = set_params(s, params);
   if (status != PBF_OK) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/instruction_sets.h"
 #include "pbf_build.h"
 
 #if defined(__x86_64__)
@@ -13,8 +14,8 @@
 #endif
 
 const char *cpu_isa_name(cpu_isa isa) {
-  static const char *const names[CPU_ISA_COUNT] = {"scalar", "sse2", "avx2", "avx512"};
-  return names[isa];
+  _Static_assert((int)CPU_ISA_COUNT == (int)PBF_INSTRUCTION_SET_COUNT, "a name for each");
+  return pbf_instruction_sets[isa];
 }
 
 #if defined(__x86_64__)
@@ -56,28 +57,21 @@ int cpu_isa_best(cpu_isa *isa, char *error, size_t size) {
   return 0;
 }
 
-static int judge(cpu_isa isa, cpu_isa best, char *error, size_t size) {
-  if (has(isa) && is_built(isa)) return 1;
-  snprintf(error, size, "PBF_ISA is '%s', which this %s; its best is '%s'", cpu_isa_name(isa),
-           has(isa) ? "build is without" : "machine can't run", cpu_isa_name(best));
-  return 0;
-}
-
-int cpu_isa_choose(cpu_isa *isa, char *error, size_t size) {
-  const char *name = secure_getenv("PBF_ISA");
+int cpu_isa_choose(const char *name, cpu_isa *isa, char *error, size_t size) {
   cpu_isa best;
   if (!cpu_isa_best(&best, error, size)) return 0;
   *isa = best;
+  if (!name) name = secure_getenv("PBF_ISA");
   if (!name || !*name) return 1;
-  for (int k = 0; k < CPU_ISA_COUNT; ++k) {
-    if (strcmp(name, cpu_isa_name((cpu_isa)k)) != 0) continue;
-    *isa = (cpu_isa)k;
-    return judge(*isa, best, error, size);
-  }
-  snprintf(error, size,
-           "PBF_ISA is '%.40s'; known are scalar, sse2, avx2 and avx512, and this machine's best "
-           "is '%s'",
-           name, cpu_isa_name(best));
+  *isa = (cpu_isa)pbf_instruction_set_of(name);
+  if (*isa < CPU_ISA_COUNT && has(*isa) && is_built(*isa)) return 1;
+  const char *why = *isa == CPU_ISA_COUNT ? "has no meaning"
+                    : has(*isa)           ? "this build is without"
+                                          : "this machine can't run";
+  snprintf(
+      error, size,
+      "desc.isa, or else PBF_ISA in the environment, is '%.20s', which %s; the best here is '%s'",
+      name, why, cpu_isa_name(best));
   return 0;
 }
 

@@ -16,9 +16,10 @@ const char *cpu_isa_name(cpu_isa isa);
  * when there is none. */
 int cpu_isa_best(cpu_isa *isa, char *error, size_t size);
 
-/* That, or the one that the environment variable PBF_ISA names. 0, with a sentence in `error`, for
- * a name that is unknown, left out of the build, or that this machine can't run. */
-int cpu_isa_choose(cpu_isa *isa, char *error, size_t size);
+/* The one of that name; null: the one that the environment variable PBF_ISA names, or else the
+ * best. 0, with a sentence in `error`, for a name that is unknown, left out of the build, or that
+ * this machine can't run. */
+int cpu_isa_choose(const char *name, cpu_isa *isa, char *error, size_t size);
 
 /* "AMD EPYC 9B45" or "CPU". */
 void cpu_brand(char *brand, size_t size);

@@ -1,4 +1,4 @@
-/* The `serial` and `openmp` plugins: one CPU solver with two kinds of team. */
+/* The `serial`, `threads` and `openmp` plugins: one CPU solver with three kinds of team. */
 #include "cpu/plugin.h"
 
 #include <stdio.h>
@@ -8,6 +8,7 @@
 #include "common/variants.h"
 #include "cpu/isa.h"
 #include "cpu/team.h"
+#include "cpu/team_worth.h"
 
 static const pbf_backend_host *negotiated;
 
@@ -23,15 +24,21 @@ static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
   return workload->dimension == 3 ? score / 3 : score;
 }
 
-/* What a team's loops cost beside their work is as much as a few hundred particles. */
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
   cpu_isa isa;
   if (pbf_variant_refuse(variants, workload, result)) return;
   if (pbf_refuse_device(workload, result)) return;
-  if (!cpu_isa_best(&isa, result->reason, sizeof result->reason)) return;
+  if (!cpu_isa_choose(workload->isa, &isa, result->reason, sizeof result->reason)) return;
+  if (workload->has_tasks && team_ignores_tasks) {
+    snprintf(result->reason, sizeof result->reason,
+             "it has threads of its own; with desc.enqueue_task \"threads\" has none");
+    return;
+  }
   char brand[64];
-  double threads = team_size(workload->threads), work = workload->capacity;
-  double speed_up = threads > 1 ? work / (work / threads + 300 + 100 * threads) : 1;
+  const double work = workload->capacity;
+  uint32_t threads = team_size(workload->threads);
+  if (!workload->threads && team_resizes) threads = team_worth(work, threads);
+  const double speed_up = work / team_cost(work, threads);
   int32_t score = (int32_t)(thread_score(isa, workload) * speed_up);
   cpu_brand(brand, sizeof brand);
   result->score = score > 1 ? score : 1;

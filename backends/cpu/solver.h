@@ -9,6 +9,7 @@
 #include "cpu/kernels.h"
 #include "cpu/state.h"
 #include "cpu/team.h"
+#include "cpu/team_worth.h"
 #include "physics/schedule.h"
 
 /* The smallest box around some particles. */
@@ -40,8 +41,10 @@ struct pbf_backend_solver {
   const pbf_backend_host *host;
   const struct kernels *kernels;
   cpu_isa isa;
-  uint32_t threads;
+  uint32_t threads;      /* at most */
+  int threads_by_choice; /* 1: as many of them as are worth it */
   struct team *team;
+  team_tasks tasks;
 
   pbf_params params;
   pbf_derived derived; /* from the parameters, as these: */
@@ -112,6 +115,11 @@ struct pbf_backend_solver {
   pbf_collider colliders[PBF_MAX_COLLIDERS];
 };
 typedef struct pbf_backend_solver solver;
+
+/* That the next run has. */
+static inline uint32_t threads_now(const solver *s) {
+  return s->threads_by_choice ? team_worth(s->count, s->threads) : s->threads;
+}
 
 /* Particles whose lowest and highest cell are known. */
 enum { CHUNK = 256 };

@@ -9,6 +9,7 @@ typedef struct step_job {
   solver *s;
   pbf_step_times times;
   uint32_t steps, done;
+  uint32_t stop;     /* of the team's run: after so many */
   int sorted;        /* the next step has come as far as that */
   uint32_t reached;  /* step, by the team's run, */
   step_outcome last; /* and how that ended */
@@ -40,7 +41,7 @@ static void run_steps(void *context, member *me) {
   step_job *job = static_cast<step_job *>(context);
   worker w = worker_of(job->s, me);
   step_outcome last = STEP_COMPLETE;
-  for (w.step = job->done; w.step < job->steps && last == STEP_COMPLETE;) {
+  for (w.step = job->done; w.step < job->stop && last == STEP_COMPLETE;) {
     last = step_once(&w, pbf_time_after(&job->times, w.step),
                      pbf_time_after(&job->times, w.step + 1), job->sorted && w.step == job->done);
     if (last != STEP_SHORT_OF_MEMORY) ++w.step;
@@ -49,6 +50,11 @@ static void run_steps(void *context, member *me) {
   job->reached = w.step;
   job->last = last;
   job->after = w.b;
+}
+
+static uint32_t steps_at_once(const solver *s, uint32_t left) {
+  const uint64_t most = team_run_length / (s->count + 1) + 1;
+  return most < left ? (uint32_t)most : left;
 }
 
 /* Steps until all are done, or memory is lacking that is not to be had. */
@@ -62,7 +68,8 @@ static void run_job(step_job *job) {
     atomic_store(&s->stopped, 0);
     atomic_store(&s->all_asleep, 0);
     atomic_store(&s->near_sleep_count, 0);
-    team_run(s->team, s->threads, run_steps, job);
+    job->stop = job->done + steps_at_once(s, job->steps - job->done);
+    team_run(&s->tasks, s->team, threads_now(s), run_steps, job);
     s->buffers = job->after;
     if (job->reached > job->done)
       s->grid_pressure_pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;

@@ -59,7 +59,7 @@ static int diagnose(solver *s, team_function what) {
   if (!s->count) return 1;
   do {
     atomic_store(&s->stopped, 0);
-    team_run(s->team, s->threads, what, s);
+    team_run(&s->tasks, s->team, threads_now(s), what, s);
   } while (atomic_load(&s->stopped) && grow_lists(s));
   return !atomic_load(&s->stopped);
 }

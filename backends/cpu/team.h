@@ -1,11 +1,14 @@
-/* The threads of a solver: what the `serial` and the `openmp` plugin do not share. Everything that
- * computes is the same object code in both: loops over tasks of the work, whose results do not
- * depend on how many tasks there are, nor on which thread did which. */
+/* The threads of a solver: what the `serial`, `threads` and `openmp` plugins do not share.
+ * Everything that computes is the same object code in all: loops over tasks of the work, whose
+ * results do not depend on how many tasks there are, nor on which thread did which. */
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 
 #include <sched.h>
 #include <stdint.h>
+#include <time.h>
+
+#include <pbf/pbf.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -33,7 +36,14 @@ typedef struct member {
   uint32_t loops; /* that this thread has come to */
   uint64_t tasks; /* in these loops */
   uint64_t done;  /* of them, by this thread */
+  double waited;  /* seconds, in loops whose end was long in coming */
 } member;
+
+static inline double seconds_now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 typedef void (*team_function)(void *context, member *me);
 
@@ -51,9 +61,29 @@ uint32_t team_threads(uint32_t threads);
 enum { TEAM_ALIGNMENT = 64 };
 uint64_t team_bytes(uint32_t threads);
 
-/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. There is always
- * that one. */
-void team_run(team *all, uint32_t threads, team_function function, void *context);
+/* The life of a solver: a team runs only between these two. */
+void team_begin(void);
+void team_end(void);
+
+/* Steps times particles that a team runs at once; how many threads it has may change in between. */
+extern const uint64_t team_run_length;
+
+/* A caller's task system; without one `enqueue` is null. */
+typedef struct team_tasks {
+  pbf_enqueue_task_fn enqueue;
+  pbf_finish_task_fn finish;
+  void *user;
+} team_tasks;
+
+/* 1: runs may have other numbers of threads than those before at no cost. */
+extern const int team_resizes;
+
+/* 1: the team starts threads whether there is a task system or not. */
+extern const int team_ignores_tasks;
+
+/* Calls `function` in up to `threads` threads at once, thread 0 being the caller's. */
+void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+              void *context);
 
 /* A loop that the whole team shares. Within `function` every thread calls this for the same loops
  * in the same order; `task` is then called once for each task, in whatever thread is free, and

@@ -1,52 +1,27 @@
-/* Threads by OpenMP, with loops of their own. A step has some fifteen loops, each a few
- * microseconds long in a small scene, on cores that others may use too: OpenMP's would wait for
- * the slowest thread in each of them.
- *
- * A thread's part of a loop is a run of tasks. The thread takes them from its front; one that has
- * done with its own part takes tasks from the end of another's. A loop is over when its tasks are
- * done, whether or not all threads have come. */
+/* Threads by OpenMP. */
 #include <omp.h>
 #include <unistd.h>
 
-#include "cpu/atomics.h"
-
-#include "cpu/team.h"
+#include "common/fp_environment.h"
+#include "cpu/team_loops.h"
 #include "cpu/thread_room.h"
-
-/* More threads than that gain nothing. */
-enum { MAX_THREADS = 256 };
-
-/* How often it looks before it counts the tasks done itself, in case thread 0 can't. */
-enum { TRUST = 64 };
-
-/* Pieces of a loop that are still to be taken from a part. */
-typedef struct left {
-  uint32_t loop, first, last; /* up to last - 1 */
-} left;
-
-/* Each on cache lines of its own; processors fetch them in pairs. */
-enum { LINES = 2 * TEAM_ALIGNMENT };
-typedef struct desk {
-  _Alignas(TEAM_ALIGNMENT) atomic_ullong left; /* of the thread's part: packed */
-  char apart[LINES - sizeof(atomic_ullong)];
-  atomic_ullong done; /* tasks in all loops, by this thread */
-  char apart_too[LINES - sizeof(atomic_ullong)];
-} desk;
-
-struct team {
-  _Alignas(TEAM_ALIGNMENT) atomic_uint over; /* loops that are */
-  char apart[LINES - sizeof(atomic_uint)];
-  atomic_uint ending; /* the loop whose `last` has been taken */
-  char apart_too[LINES - sizeof(atomic_uint)];
-  desk desks[];
-};
 
 uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
   uint32_t limit = (uint32_t)omp_get_thread_limit();
   if (threads > limit) threads = limit;
-  return threads < MAX_THREADS ? threads : MAX_THREADS;
+  return threads < TEAM_MOST_THREADS ? threads : TEAM_MOST_THREADS;
 }
+
+const int team_resizes = 0;
+
+const int team_ignores_tasks = 1;
+
+const uint64_t team_run_length = UINT64_MAX;
+
+void team_begin(void) {}
+
+void team_end(void) {}
 
 /* ---- Threads that can be had --------------------------------------------------------------- */
 
@@ -74,106 +49,27 @@ static uint32_t threads_to_be_had(uint32_t threads) {
   return kept = had;
 }
 
-uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(desk); }
+static void run_alone(team *all, team_function function, void *context) {
+  member alone = {.team = all, .thread = 0, .threads = 1};
+  function(context, &alone);
+}
 
-void team_run(team *all, uint32_t threads, team_function function, void *context) {
-  atomic_init(&all->over, 0);
-  atomic_init(&all->ending, 0);
+void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+              void *context) {
+  (void)tasks;
   threads = threads_to_be_had(threads);
-  for (uint32_t t = 0; t < threads; ++t) {
-    atomic_init(&all->desks[t].left, 0);
-    atomic_init(&all->desks[t].done, 0);
-  }
+  team_reset(all, threads);
   if (threads == 1) {
-    member alone = {.team = all, .thread = 0, .threads = 1};
-    function(context, &alone);
+    run_alone(all, function, context);
     return;
   }
 #pragma omp parallel num_threads((int)threads)
   {
+    pbf_fp_environment before = pbf_fp_begin();
     member me = {.team = all,
                  .thread = (uint32_t)omp_get_thread_num(),
                  .threads = (uint32_t)omp_get_num_threads()};
     function(context, &me);
+    pbf_fp_end(before);
   }
-}
-
-/* Numbers of loops may wrap around. */
-static int is_before(uint32_t a, uint32_t b) { return (int32_t)(a - b) < 0; }
-
-static unsigned long long pack(left l) {
-  return (unsigned long long)l.loop << 32 | l.first << 16 | l.last;
-}
-
-static left unpack(unsigned long long word) {
-  return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & 0xffff, (uint32_t)word & 0xffff};
-}
-
-/* Takes a task of the loop from a thread's part; 0 when none is left there. The first thread that
- * comes divides the part up. */
-static int take_task(const member *me, uint32_t thread, uint32_t tasks, uint32_t *task) {
-  atomic_ullong *word = &me->team->desks[thread].left;
-  unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;
-  do {
-    left l = unpack(seen);
-    if (is_before(me->loops, l.loop)) return 0;
-    if (l.loop != me->loops)
-      l = (left){me->loops, (uint32_t)((uint64_t)tasks * thread / me->threads),
-                 (uint32_t)((uint64_t)tasks * (thread + 1) / me->threads)};
-    if (l.first == l.last) return 0;
-    *task = thread == me->thread ? l.first++ : --l.last;
-    next = pack(l);
-  } while (!atomic_compare_exchange_weak_explicit(word, &seen, next, memory_order_relaxed,
-                                                  memory_order_relaxed));
-  return 1;
-}
-
-static void work_on(member *me, uint32_t thread, uint32_t tasks, task_function task,
-                    void *context) {
-  uint64_t done = me->done;
-  for (uint32_t k; take_task(me, thread, tasks, &k); ++me->done) task(context, k);
-  if (me->done > done)
-    atomic_store_explicit(&me->team->desks[me->thread].done, me->done, memory_order_release);
-}
-
-static int is_converged(const member *me) {
-  return !is_before(atomic_load_explicit(&me->team->over, memory_order_acquire), me->loops);
-}
-
-/* Counts only grow, and none of the next loop's tasks is done before this loop is over. */
-static int all_done(const member *me) {
-  uint64_t done = 0;
-  for (uint32_t t = 0; t < me->threads; ++t)
-    done += atomic_load_explicit(&me->team->desks[t].done, memory_order_acquire);
-  return done >= me->tasks;
-}
-
-/* One thread alone ends a loop. */
-static void end_loop(const member *me, completion_function last, void *context) {
-  uint32_t ended = atomic_load_explicit(&me->team->ending, memory_order_relaxed);
-  if (!is_before(ended, me->loops)) return;
-  if (!atomic_compare_exchange_strong_explicit(&me->team->ending, &ended, me->loops,
-                                               memory_order_relaxed, memory_order_relaxed))
-    return;
-  if (last) last(context);
-  atomic_store_explicit(&me->team->over, me->loops, memory_order_release);
-}
-
-static void wait_for_end(const member *me, completion_function last, void *context) {
-  for (unsigned looks = 1; !is_converged(me); wait_a_little(&looks))
-    if ((me->thread == 0 || looks % TRUST == 0) && all_done(me)) end_loop(me, last, context);
-}
-
-void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
-                  void *context) {
-  ++me->loops;
-  me->tasks += tasks;
-  if (me->threads == 1) {
-    for (uint32_t k = 0; k < tasks; ++k) task(context, k);
-    if (last) last(context);
-    return;
-  }
-  for (uint32_t k = 0; k < me->threads && !is_converged(me); ++k)
-    work_on(me, (me->thread + me->threads - k) % me->threads, tasks, task, context);
-  wait_for_end(me, last, context);
 }

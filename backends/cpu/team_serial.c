@@ -12,7 +12,19 @@ uint64_t team_bytes(uint32_t threads) {
   return 0;
 }
 
-void team_run(team *all, uint32_t threads, team_function function, void *context) {
+const int team_resizes = 0;
+
+const int team_ignores_tasks = 0;
+
+const uint64_t team_run_length = UINT64_MAX;
+
+void team_begin(void) {}
+
+void team_end(void) {}
+
+void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+              void *context) {
+  (void)tasks;
   member me = {.team = all, .thread = 0, .threads = threads};
   function(context, &me);
 }

@@ -2,8 +2,6 @@
 #ifndef PBF_CPU_WORKER_H
 #define PBF_CPU_WORKER_H
 
-#include <time.h>
-
 #include "cpu/solver.h"
 
 typedef struct range {
@@ -90,12 +88,6 @@ static inline range task_sorted(const worker *w, uint32_t task) {
   range r = task_groups(w, task);
   uint64_t last = (uint64_t)r.last * width;
   return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
-}
-
-static inline double seconds_now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static inline void stage_end(worker *w, pbf_stage stage) {

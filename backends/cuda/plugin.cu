@@ -2,6 +2,7 @@
 #include "cuda/plugin.h"
 
 #include "common/entry.h"
+#include "common/instruction_sets.h"
 #include "common/variants.h"
 
 __thread const pbf_backend_host *pbf_cuda_host;
@@ -21,7 +22,8 @@ pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 /* The variants' own tables ask the device alone: libpbf asks a backend's first table. */
 void probe(const pbf_workload *workload, pbf_probe_result *result) {
   result->device_type = PBF_DEVICE_CUDA;
-  if (!pbf_variant_refuse(variants, workload, result)) pbf_cuda_probe(workload, result);
+  if (pbf_variant_refuse(variants, workload, result)) return;
+  if (!pbf_instruction_set_refuse(workload, result)) pbf_cuda_probe(workload, result);
 }
 
 }  // namespace

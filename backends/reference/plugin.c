@@ -6,6 +6,7 @@
 
 #include "common/entry.h"
 #include "common/host_only.h"
+#include "common/instruction_sets.h"
 #include "common/variants.h"
 
 static const pbf_backend_host *negotiated;
@@ -16,6 +17,7 @@ static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
 void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
   if (pbf_variant_refuse(variants, workload, result)) return;
   if (pbf_refuse_device(workload, result)) return;
+  if (pbf_instruction_set_refuse(workload, result)) return;
   result->score = 1;
   result->device_type = PBF_DEVICE_CPU;
   snprintf(result->device_name, sizeof result->device_name, "one CPU thread");

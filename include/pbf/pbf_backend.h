@@ -37,6 +37,9 @@ typedef struct pbf_workload {
   uint32_t capacity;
   int32_t device;
   uint32_t threads;
+  const char *isa;    /* null: the best; a backend without that choice refuses others */
+  uint32_t has_tasks; /* 1: the description has a task system */
+  uint32_t reserved;
 } pbf_workload;
 
 /* 0: can't serve, `reason` says why. Otherwise, the higher the faster: the scale is millions of
@@ -63,6 +66,10 @@ typedef struct pbf_backend_desc {
   void *log_user;
   const pbf_backend_host *host; /* whose solver this is: a process may have several libpbf, and they
                                    share the plugin's file, and so what it keeps of negotiations */
+  const char *isa;              /* as in pbf_workload; valid during the call */
+  pbf_enqueue_task_fn enqueue_task; /* both or neither */
+  pbf_finish_task_fn finish_task;
+  void *task_user;
 } pbf_backend_desc;
 
 /* New particles. Their ids ascend and are above all ids that the solver has held. */

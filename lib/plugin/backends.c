@@ -26,7 +26,7 @@ pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backen
     return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the list of backends has %u entries", index,
                     pbf_registry_count());
   }
-  pbf_probe_result probe = pbf_probe(plugin, &checked.desc);
+  pbf_probe_result probe = pbf_probe(plugin, &checked);
   pbf_backend_info ours = {
       .available = probe.score > 0,
       .score = probe.score,

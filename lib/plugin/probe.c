@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/fp_environment.h"
+
 static void refuse(pbf_probe_result *result, const char *reason) {
   result->score = 0;
   snprintf(result->reason, sizeof result->reason, "%s", reason);
@@ -19,7 +21,8 @@ static void sanitize(pbf_probe_result *result) {
   if (result->score == 0 && !result->reason[0]) refuse(result, "its probe gave no reason");
 }
 
-pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc) {
+pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_checked_desc *checked) {
+  const pbf_desc *desc = &checked->desc;
   pbf_probe_result result = {.struct_size = sizeof result};
   if (plugin->reason[0]) {
     refuse(&result, plugin->reason);
@@ -32,8 +35,12 @@ pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc) {
       .capacity = desc->capacity,
       .device = desc->device,
       .threads = desc->threads,
+      .isa = pbf_desc_isa(checked, plugin->name),
+      .has_tasks = desc->enqueue_task != NULL,
   };
+  pbf_fp_environment callers = pbf_fp_begin();
   plugin->api.probe(&workload, &result);
+  pbf_fp_end(callers);
   sanitize(&result);
   return result;
 }

@@ -6,6 +6,6 @@
 
 /* What the plugin's probe answers, with every field in range; score 0 with a reason for a candidate
  * that did not load. */
-pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_desc *desc);
+pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_checked_desc *checked);
 
 #endif

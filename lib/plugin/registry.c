@@ -7,7 +7,7 @@
 #include "error.h"
 #include "lock.h"
 
-static const char *const known_names[] = {"reference", "serial", "openmp", "cuda"};
+static const char *const known_names[] = {"reference", "serial", "threads", "openmp", "cuda"};
 
 static int searched;
 

@@ -66,21 +66,21 @@ static int is_usable(const char *name) {
   return 0;
 }
 
-pbf_desc pbf_desc_for(const pbf_checked_desc *checked, const pbf_plugin *plugin) {
-  pbf_desc desc = checked->desc;
+pbf_checked_desc pbf_desc_for(const pbf_checked_desc *checked, const pbf_plugin *plugin) {
+  pbf_checked_desc its = *checked;
   if (strcmp(checked->backend, "auto") == 0 || strcmp(checked->backend, plugin->name) == 0)
-    return desc;
-  desc.device = 0;
-  desc.stream = NULL;
-  return desc;
+    return its;
+  its.desc.device = 0;
+  its.desc.stream = NULL;
+  return its;
 }
 
 static void consider(const pbf_plugin *plugin, const pbf_checked_desc *checked,
                      pbf_candidates *candidates, char *all, size_t size) {
   int is_named = strcmp(plugin->name, checked->backend) == 0;
   if (candidates->named && checked->desc.strict && !is_named) return;
-  const pbf_desc desc = pbf_desc_for(checked, plugin);
-  pbf_probe_result probe = pbf_probe(plugin, &desc);
+  const pbf_checked_desc its = pbf_desc_for(checked, plugin);
+  pbf_probe_result probe = pbf_probe(plugin, &its);
   if (probe.score > 0 && candidates->count < PBF_MAX_CANDIDATES) {
     insert(candidates, plugin, probe.score, checked->backend);
     return;

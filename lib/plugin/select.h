@@ -19,7 +19,7 @@ typedef struct pbf_candidates {
 pbf_status pbf_select(const pbf_checked_desc *checked, pbf_candidates *candidates);
 
 /* As a candidate gets it: a device and a stream are those of the backend that was asked for. */
-pbf_desc pbf_desc_for(const pbf_checked_desc *checked, const pbf_plugin *plugin);
+pbf_checked_desc pbf_desc_for(const pbf_checked_desc *checked, const pbf_plugin *plugin);
 
 /* For a candidate that failed later. */
 void pbf_candidates_add_reason(pbf_candidates *candidates, const char *name, const char *reason);

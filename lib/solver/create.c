@@ -28,8 +28,9 @@ static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api 
   return status;
 }
 
-static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, const pbf_desc *desc,
-                              char *why, size_t size) {
+static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
+                              const pbf_checked_desc *checked, char *why, size_t size) {
+  const pbf_desc *desc = &checked->desc;
   const pbf_backend_desc backend_desc = {
       .struct_size = sizeof backend_desc,
       .dimension = desc->dimension,
@@ -42,6 +43,10 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver, cons
       .log = solver->log,
       .log_user = solver->log_user,
       .host = &pbf_plugin_host,
+      .isa = pbf_desc_isa(checked, plugin->name),
+      .enqueue_task = desc->enqueue_task,
+      .finish_task = desc->finish_task,
+      .task_user = desc->task_user,
   };
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;
@@ -80,8 +85,8 @@ static pbf_status create_backend(pbf_solver *solver, const pbf_checked_desc *che
   for (uint32_t i = 0; i < candidates.count; ++i) {
     const pbf_plugin *plugin = candidates.plugins[i];
     char why[PBF_MESSAGE_SIZE] = "";
-    const pbf_desc desc = pbf_desc_for(checked, plugin);
-    status = create_with(plugin, solver, &desc, why, sizeof why);
+    const pbf_checked_desc its = pbf_desc_for(checked, plugin);
+    status = create_with(plugin, solver, &its, why, sizeof why);
     if (status == PBF_OK) {
       note_fallback(solver, &candidates, checked->backend);
       return PBF_OK;
@@ -116,13 +121,10 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
-pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
+static pbf_status create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
   pbf_checked_desc checked;
   pbf_params ours;
   void *memory;
-  if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
-  if (!solver)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
   pbf_status status = pbf_lock_check();
   if (status == PBF_OK) status = pbf_desc_check(desc, &checked);
   if (status == PBF_OK) status = check_params(params, &checked, &ours);
@@ -138,4 +140,14 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   *solver = memory;
   warn_of_fallback(memory);
   return PBF_OK;
+}
+
+pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
+  if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
+  if (!solver)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
+  pbf_fp_environment callers = pbf_fp_begin();
+  pbf_status status = create(desc, params, solver);
+  pbf_fp_end(callers);
+  return status;
 }

@@ -77,11 +77,14 @@ pbf_status pbf_enter(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   status = enter_locked(solver);
   pbf_lock_release(PBF_LOCK_SOLVERS);
-  if (status == PBF_OK) pbf_plugin_message_clear();
-  return status;
+  if (status != PBF_OK) return status;
+  solver->callers_fp = pbf_fp_begin();
+  pbf_plugin_message_clear();
+  return PBF_OK;
 }
 
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status) {
+  pbf_fp_end(solver->callers_fp);
   pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->in_call = 0;
   drop_reference(solver);

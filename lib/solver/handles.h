@@ -5,7 +5,8 @@
 #include "solver.h"
 
 /* Begins a call. Fails for null, for a pointer to no live solver, and with PBF_ERROR_BUSY. After a
- * success the call ends with one pbf_leave, which returns `status`. */
+ * success the call ends with one pbf_leave, which returns `status`. Between them the thread has the
+ * floating-point environment that everything computes under. */
 pbf_status pbf_enter(pbf_solver *solver);
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
 

@@ -5,6 +5,7 @@
 #include <pthread.h>
 
 #include "check.h"
+#include "common/fp_environment.h"
 #include "plugin/plugin.h"
 
 enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
@@ -62,7 +63,8 @@ struct pbf_solver {
   pbf_left left;
 
   /* Belongs to the running call. */
-  pbf_allocator allocator; /* these three lead to the caller's own: */
+  pbf_fp_environment callers_fp; /* the environment of the thread that it came from */
+  pbf_allocator allocator;       /* these three lead to the caller's own: */
   pbf_log_fn log;
   void *log_user;
   pbf_callbacks callbacks;

@@ -14,7 +14,7 @@ AT(pbf_allocator, user, 8);
 AT(pbf_allocator, allocate, 16);
 AT(pbf_allocator, release, 24);
 
-SIZE(pbf_desc, 72);
+SIZE(pbf_desc, 104);
 AT(pbf_desc, struct_size, 0);
 AT(pbf_desc, api_version, 4);
 AT(pbf_desc, dimension, 8);
@@ -28,6 +28,10 @@ AT(pbf_desc, stream, 40);
 AT(pbf_desc, allocator, 48);
 AT(pbf_desc, log, 56);
 AT(pbf_desc, log_user, 64);
+AT(pbf_desc, isa, 72);
+AT(pbf_desc, enqueue_task, 80);
+AT(pbf_desc, finish_task, 88);
+AT(pbf_desc, task_user, 96);
 
 /* pbf_params by params.def, which states the offsets: the members that pbf.h writes out are those
  * of the table, in its order, of its types and counts, and there are no others. */
@@ -181,13 +185,16 @@ AT(pbf_backend_host, abi_max, 8);
 AT(pbf_backend_host, reserved, 12);
 AT(pbf_backend_host, set_error, 16);
 
-SIZE(pbf_workload, 24);
+SIZE(pbf_workload, 40);
 AT(pbf_workload, struct_size, 0);
 AT(pbf_workload, dimension, 4);
 AT(pbf_workload, precision, 8);
 AT(pbf_workload, capacity, 12);
 AT(pbf_workload, device, 16);
 AT(pbf_workload, threads, 20);
+AT(pbf_workload, isa, 24);
+AT(pbf_workload, has_tasks, 32);
+AT(pbf_workload, reserved, 36);
 
 SIZE(pbf_probe_result, 368);
 AT(pbf_probe_result, struct_size, 0);
@@ -197,7 +204,7 @@ AT(pbf_probe_result, reserved, 12);
 AT(pbf_probe_result, device_name, 16);
 AT(pbf_probe_result, reason, 112);
 
-SIZE(pbf_backend_desc, 88);
+SIZE(pbf_backend_desc, 120);
 AT(pbf_backend_desc, struct_size, 0);
 AT(pbf_backend_desc, dimension, 4);
 AT(pbf_backend_desc, precision, 8);
@@ -209,6 +216,10 @@ AT(pbf_backend_desc, allocator, 32);
 AT(pbf_backend_desc, log, 64);
 AT(pbf_backend_desc, log_user, 72);
 AT(pbf_backend_desc, host, 80);
+AT(pbf_backend_desc, isa, 88);
+AT(pbf_backend_desc, enqueue_task, 96);
+AT(pbf_backend_desc, finish_task, 104);
+AT(pbf_backend_desc, task_user, 112);
 
 SIZE(pbf_particles, 32);
 AT(pbf_particles, struct_size, 0);

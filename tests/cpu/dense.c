@@ -78,30 +78,35 @@ static void growth_fails_in_openmp(void **state) {
   growth_that_fails("openmp", 3);
 }
 
+static void growth_fails_in_threads(void **state) {
+  (void)state;
+  growth_that_fails("threads", 3);
+}
+
 /* Positions of adding order, far from sorted: the sort by threads takes any. */
 static void backwards_and_shuffled(void **state) {
   (void)state;
   enum { COUNT = 20000 };
   pbf_params params = test_params();
-  uint64_t hashes[2];
+  static const char *const backends[] = {"serial", "openmp", "threads"};
+  uint64_t hashes[3];
   double *x = crowd(COUNT, 0.99);
-  for (int k = 0; k < 2; ++k) {
-    pbf_desc desc = cpu_desc(k ? "openmp" : "serial", 3, PBF_FLOAT32, COUNT, k ? 5 : 1);
+  for (int k = 0; k < 3; ++k) {
+    pbf_desc desc = cpu_desc(backends[k], 3, PBF_FLOAT32, COUNT, k ? 5 : 1);
     pbf_solver *solver = test_create(&desc, &params);
     cpu_add(solver, PBF_FLOAT32, 3, COUNT, x, NULL);
     assert_ok(pbf_step(solver, 2));
     hashes[k] = test_hash(solver);
     pbf_destroy(solver);
   }
-  assert_true(hashes[0] == hashes[1]);
+  assert_true(hashes[0] == hashes[1] && hashes[0] == hashes[2]);
   free(x);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(growth_fails_in_serial),
-      cmocka_unit_test(growth_fails_in_openmp),
-      cmocka_unit_test(backwards_and_shuffled),
+      cmocka_unit_test(growth_fails_in_serial),  cmocka_unit_test(growth_fails_in_openmp),
+      cmocka_unit_test(growth_fails_in_threads), cmocka_unit_test(backwards_and_shuffled),
       cmocka_unit_test(all_in_one_cell),
   };
   return TEST_RUN(tests);

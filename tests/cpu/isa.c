@@ -1,4 +1,4 @@
-/* Each instruction set against its scalar twin, and the variable that forces one. */
+/* Each instruction set against its scalar twin, and the ways to ask for one. */
 #include "cpu_support.h"
 
 #include <stdio.h>
@@ -56,9 +56,8 @@ static pbf_solver *run(const char *set, const cpu_block *block, uint32_t precisi
   pbf_params params = cpu_block_params();
   kind(&params);
   pbf_solver *solver = NULL;
-  assert_int_equal(setenv("PBF_ISA", set, 1), 0);
+  desc.isa = set;
   pbf_status status = pbf_create(&desc, &params, &solver);
-  unsetenv("PBF_ISA");
   if (status != PBF_OK) {
     const char *why = pbf_last_error();
     assert_true(strstr(why, "machine can't run") || strstr(why, "build is without"));
@@ -100,26 +99,96 @@ static void vectors_agree_with_scalars(void **state) {
   test_for_each_kind(compare);
 }
 
+/* Whether another one would do or not: a typo must not make `reference` of "auto". */
+static const char *const backends[] = {"auto", "serial", "threads", "openmp", "reference"};
+enum { BACKENDS = sizeof backends / sizeof backends[0] };
+
 static void an_unknown_set_is_refused(void **state) {
   (void)state;
-  pbf_desc desc = cpu_desc("serial", 2, PBF_FLOAT32, 10, 1);
+  static const char *const unknown[] = {"mmx", "", "AVX2", "avx2 ", "scalar\n"};
   pbf_solver *solver = NULL;
-  setenv("PBF_ISA", "mmx", 1);
-  assert_true(pbf_create(&desc, NULL, &solver) != PBF_OK);
+  for (size_t k = 0; k < BACKENDS * 2; ++k)
+    for (size_t n = 0; n < sizeof unknown / sizeof unknown[0]; ++n) {
+      pbf_desc desc = cpu_desc(backends[k / 2], 3, PBF_FLOAT32, 10, 1);
+      desc.strict = k % 2;
+      desc.isa = unknown[n];
+      assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_INVALID_ARGUMENT, "desc.isa is \"");
+      assert_non_null(strstr(pbf_last_error(), unknown[n]));
+      assert_non_null(strstr(pbf_last_error(), "avx512"));
+    }
   assert_null(solver);
-  assert_non_null(strstr(pbf_last_error(), "PBF_ISA"));
-  assert_non_null(strstr(pbf_last_error(), "mmx"));
-  assert_non_null(strstr(pbf_last_error(), "avx2"));
-  setenv("PBF_ISA", "", 1);
+}
+
+static void an_unknown_set_in_the_environment_is_refused(void **state) {
+  (void)state;
+  pbf_solver *solver = NULL;
+  for (size_t k = 0; k < BACKENDS * 2; ++k) {
+    pbf_desc desc = cpu_desc(backends[k / 2], 3, PBF_FLOAT32, 10, 1);
+    desc.strict = k % 2;
+    setenv("PBF_ISA", "mmx", 1);
+    assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_INVALID_ARGUMENT,
+                 "PBF_ISA in the environment is \"mmx\"");
+    assert_non_null(strstr(pbf_last_error(), "avx2"));
+    setenv("PBF_ISA", "", 1);
+    assert_ok(pbf_create(&desc, NULL, &solver));
+    pbf_destroy(solver);
+    solver = NULL;
+    unsetenv("PBF_ISA");
+  }
+}
+
+/* The set that a solver of that backend has got; the solver is destroyed. */
+static void assert_set(const char *backend, const char *isa, const char *environment,
+                       const char *expected) {
+  pbf_desc desc = cpu_desc(backend, 3, PBF_FLOAT32, 10, 1);
+  pbf_solver *solver = NULL;
+  pbf_info info = {.struct_size = sizeof info};
+  desc.isa = isa;
+  if (environment) setenv("PBF_ISA", environment, 1);
   assert_ok(pbf_create(&desc, NULL, &solver));
-  pbf_destroy(solver);
   unsetenv("PBF_ISA");
+  assert_ok(pbf_get_info(solver, &info));
+  if (!strstr(info.device_name, expected))
+    fail_msg("\"%s\" with \"%s\" is %s on %s", backend, isa, info.backend, info.device_name);
+  pbf_destroy(solver);
+}
+
+static void a_set_is_what_was_asked_for(void **state) {
+  (void)state;
+  assert_set("serial", "scalar", NULL, "(scalar)");
+  assert_set("openmp", "scalar", NULL, "(scalar)");
+  assert_set("auto", "scalar", NULL, "(scalar)");
+  assert_set("serial", NULL, "scalar", "(scalar)");
+  assert_set("auto", NULL, "scalar", "(scalar)");
+  assert_set("reference", NULL, "scalar", "one CPU thread");
+}
+
+static void the_description_goes_before_the_environment(void **state) {
+  (void)state;
+  assert_set("serial", "scalar", "mmx", "(scalar)");
+  assert_set("auto", "scalar", "mmx", "(scalar)");
+}
+
+/* What has no choice can't serve who wants one. */
+static void the_reference_has_no_sets(void **state) {
+  (void)state;
+  pbf_desc desc = cpu_desc("reference", 3, PBF_FLOAT32, 10, 1);
+  pbf_solver *solver = NULL;
+  desc.isa = "scalar";
+  desc.strict = 1;
+  assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_UNAVAILABLE,
+               "reference: it has no choice of instruction sets");
+  assert_null(solver);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(vectors_agree_with_scalars),
       cmocka_unit_test(an_unknown_set_is_refused),
+      cmocka_unit_test(an_unknown_set_in_the_environment_is_refused),
+      cmocka_unit_test(a_set_is_what_was_asked_for),
+      cmocka_unit_test(the_description_goes_before_the_environment),
+      cmocka_unit_test(the_reference_has_no_sets),
   };
   return TEST_RUN(tests);
 }

@@ -109,6 +109,7 @@ static void check_all_ways(cloud *c) {
   check(c, "reference", 1);
   check(c, "serial", 1);
   check(c, "openmp", 3);
+  check(c, "threads", 3);
   free(c);
 }
 

@@ -1,6 +1,9 @@
-/* The same bits run after run, in both plugins, at any number of threads, and whatever order the
+/* The same bits run after run, in all plugins, at any number of threads, and whatever order the
  * particles have inside. */
 #include "cpu_support.h"
+
+static const char *const pools[] = {"threads", "openmp"};
+enum { POOLS = sizeof pools / sizeof pools[0] };
 
 static pbf_params lively(int plain) {
   pbf_params params = test_params();
@@ -77,8 +80,9 @@ static void compare(uint32_t dimension, uint32_t precision) {
   for (int plain = 0; plain < 2; ++plain) {
     uint64_t hash = hash_after("serial", dimension, precision, 1, plain);
     assert_true(hash == hash_after("serial", dimension, precision, 1, plain));
-    for (size_t k = 0; k < counts; ++k)
-      assert_true(hash == hash_after("openmp", dimension, precision, threads[k], plain));
+    for (size_t k = 0; k < counts * POOLS; ++k)
+      assert_true(hash ==
+                  hash_after(pools[k % POOLS], dimension, precision, threads[k / POOLS], plain));
   }
 }
 
@@ -88,10 +92,9 @@ static void any_number_of_threads(void **state) {
 }
 
 /* The sort by id undoes any order inside: a loaded solver has the order of adding. */
-static void the_order_inside_is_forgotten(void **state) {
-  (void)state;
+static void forget_order(const char *backend) {
   pbf_solver *one = make("serial", 3, PBF_FLOAT32, 1, 0),
-             *other = make("openmp", 3, PBF_FLOAT32, 3, 0);
+             *other = make(backend, 3, PBF_FLOAT32, 3, 0);
   assert_ok(pbf_step(one, 12));
   uint64_t size;
   void *saved = test_save(one, &size);
@@ -102,6 +105,11 @@ static void the_order_inside_is_forgotten(void **state) {
   free(saved);
   pbf_destroy(one);
   pbf_destroy(other);
+}
+
+static void the_order_inside_is_forgotten(void **state) {
+  (void)state;
+  for (int k = 0; k < POOLS; ++k) forget_order(pools[k]);
 }
 
 /* Waves in a pool that come to rest: some sleep, some wake. */
@@ -146,8 +154,9 @@ static uint64_t hash_of_sleepers(const char *backend, uint32_t threads, double t
 static void compare_sleepers(double tolerance) {
   uint64_t hash = hash_of_sleepers("serial", 1, tolerance);
   const uint32_t least = TEST_INSTRUMENTED ? 5 : 1;
-  for (uint32_t threads = least; threads <= 5; threads += 2)
-    assert_true(hash == hash_of_sleepers("openmp", threads, tolerance));
+  for (int k = 0; k < POOLS; ++k)
+    for (uint32_t threads = least; threads <= 5; threads += 2)
+      assert_true(hash == hash_of_sleepers(pools[k], threads, tolerance));
 }
 
 static void sleepers_with_any_number_of_threads(void **state) {

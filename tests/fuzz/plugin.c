@@ -29,7 +29,7 @@ static void insist_on_text(const char *text, size_t size) { insist(memchr(text, 
 
 static void negotiate(void) {
   pbf_plugin plugin;
-  pbf_desc desc;
+  pbf_checked_desc desc;
   control->lies_in_answer = 1;
   pbf_status status = pbf_plugin_load(PBF_LIAR_FILE, NULL, &plugin);
   control->lies_in_answer = 0;
@@ -40,7 +40,7 @@ static void negotiate(void) {
   insist_on_text(plugin.reason, sizeof plugin.reason);
   if (status != PBF_OK) return;
   insist(plugin.name[0] && strcmp(plugin.name, "auto") != 0);
-  insist(pbf_desc_init(&desc, sizeof desc) == PBF_OK);
+  insist(pbf_desc_check(NULL, &desc) == PBF_OK);
   pbf_probe_result probe = pbf_probe(&plugin, &desc);
   insist(probe.score >= 0 && (probe.score > 0) == (probe.reason[0] == 0));
   insist_on_text(probe.device_name, sizeof probe.device_name);

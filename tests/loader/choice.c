@@ -11,6 +11,7 @@ static int set_up(void **state) {
   make_folder(folder, sizeof folder);
   put_file(folder, "pbf_backend_reference.so", "stub_reference.so"); /* score 99 */
   put_file(folder, "pbf_backend_serial.so", "stub_serial.so");       /* 5 */
+  put_file(folder, "pbf_backend_threads.so", "stub_threads.so");     /* 8 */
   put_file(folder, "pbf_backend_openmp.so", "stub_openmp.so");       /* 9 */
   put_file(folder, "pbf_backend_cuda.so", "stub_cuda.so");           /* 0 */
   return setenv("PBF_BACKEND_PATH", folder, 1);
@@ -76,8 +77,9 @@ static void fall_back(void) {
   check(strcmp(info.backend, "openmp") == 0 && info.fell_back == 1);
   check(strstr(info.fallback_reason, "the stub's probe always fails"));
   check(logged_level == PBF_LOG_WARNING && strstr(logged, "the stub's probe always fails"));
-  check_fails(create("metal", 0, &info), PBF_ERROR_NOT_FOUND,
-              "desc.backend is \"metal\"; known are: auto; reference; serial; openmp; cuda");
+  check_fails(
+      create("metal", 0, &info), PBF_ERROR_NOT_FOUND,
+      "desc.backend is \"metal\"; known are: auto; reference; serial; threads; openmp; cuda");
   check_fails(create("Serial", 1, &info), PBF_ERROR_NOT_FOUND, "\"Serial\"");
 }
 
@@ -111,6 +113,7 @@ static void take_what_is_left(void) {
   snprintf(path, sizeof path, "%s/pbf_backend_serial.so", folder);
   remove(path);
   put_file(folder, "pbf_backend_serial.so", "broken6.so");
+  put_file(folder, "pbf_backend_threads.so", "broken6.so");
   put_file(folder, "pbf_backend_openmp.so", "broken6.so");
   check_ok(pbf_load_backend(PBF_STUB_DIR "/broken16.so"));  /* score 1, and creates nothing */
   check_ok(pbf_load_backend(PBF_STUB_DIR "/ballistic.so")); /* score 1 */

@@ -52,11 +52,15 @@ static void no_plugins(void **state) {
 static void a_missing_instruction_set(void **state) {
   (void)state;
   pbf_solver *solver = NULL;
-  pbf_desc desc = desc_of("serial", 3, PBF_FLOAT32);
-  setenv("PBF_ISA", "scalar", 1);
-  assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_UNSUPPORTED,
-               "which this build is without");
-  unsetenv("PBF_ISA");
+  static const char *const backends[] = {"serial", "auto"};
+  for (int k = 0; k < 4; ++k) {
+    pbf_desc desc = desc_of(backends[k / 2], 3, PBF_FLOAT32);
+    desc.isa = k % 2 ? "scalar" : NULL;
+    if (!desc.isa) setenv("PBF_ISA", "scalar", 1);
+    assert_fails(pbf_create(&desc, NULL, &solver), PBF_ERROR_UNAVAILABLE,
+                 "which this build is without");
+    unsetenv("PBF_ISA");
+  }
 }
 
 int main(void) {

@@ -1,0 +1,64 @@
+/* The floating-point environment that everything computes under: to nearest, with subnormal
+ * numbers, exceptions masked. A thread's environment is its owner's: a caller's may be another one,
+ * and the threads of a pool have that of whoever started them, so that the bits would depend on
+ * which thread did what. */
+#ifndef PBF_COMMON_FP_ENVIRONMENT_H
+#define PBF_COMMON_FP_ENVIRONMENT_H
+
+#include <stdint.h>
+
+#if defined(__x86_64__)
+
+/* The control and status of SSE, and the control word of the x87 unit, which long double and some
+ * of libm use. */
+typedef struct pbf_fp_environment {
+  uint32_t mxcsr;
+  uint16_t x87_control;
+} pbf_fp_environment;
+
+enum { PBF_DEFAULT_MXCSR = 0x1f80, PBF_DEFAULT_X87_CONTROL = 0x037f };
+
+static inline void pbf_set_mxcsr(uint32_t value) {
+  __asm__ volatile("ldmxcsr %0" : : "m"(value) : "memory");
+}
+
+static inline void pbf_set_x87_control(uint16_t value) {
+  __asm__ volatile("fldcw %0" : : "m"(value) : "memory");
+}
+
+/* Sets the environment of this thread, and returns the one before. */
+static inline pbf_fp_environment pbf_fp_begin(void) {
+  pbf_fp_environment before;
+  __asm__ volatile("stmxcsr %0" : "=m"(before.mxcsr) : : "memory");
+  __asm__ volatile("fnstcw %0" : "=m"(before.x87_control) : : "memory");
+  pbf_set_mxcsr(PBF_DEFAULT_MXCSR);
+  if (before.x87_control != PBF_DEFAULT_X87_CONTROL) pbf_set_x87_control(PBF_DEFAULT_X87_CONTROL);
+  return before;
+}
+
+/* Puts back what pbf_fp_begin has found, flags of exceptions included. */
+static inline void pbf_fp_end(pbf_fp_environment before) {
+  pbf_set_mxcsr(before.mxcsr);
+  if (before.x87_control != PBF_DEFAULT_X87_CONTROL) pbf_set_x87_control(before.x87_control);
+}
+
+#else
+
+#include <fenv.h>
+
+typedef struct pbf_fp_environment {
+  fenv_t environment;
+} pbf_fp_environment;
+
+static inline pbf_fp_environment pbf_fp_begin(void) {
+  pbf_fp_environment before;
+  fegetenv(&before.environment);
+  fesetenv(FE_DFL_ENV);
+  return before;
+}
+
+static inline void pbf_fp_end(pbf_fp_environment before) { fesetenv(&before.environment); }
+
+#endif
+
+#endif

@@ -1,0 +1,317 @@
+/* Threads of the plugin's own: one pool for all of its solvers, as large as the solver that has
+ * asked for most wants beside its caller. It is made when a team first runs, and ends with the last
+ * solver.
+ *
+ * A caller opens a region and begins to work; a thread of the pool that is free comes in. The
+ * caller waits for those that have come in alone, at the end, and none can after that: where all
+ * cores are busy with other things it does the work itself.
+ *
+ * On a core that others use a thread may be stopped for milliseconds with a task in hand, which all
+ * the others then wait for. A run with much of that makes teams smaller for a while. */
+#define _GNU_SOURCE /* sched_getaffinity */
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include "common/fp_environment.h"
+#include "cpu/atomics.h"
+#include "cpu/team_loops.h"
+
+/* Looks at the pool by a thread with nothing to do before it sleeps: some tens of microseconds, as
+ * long as it takes a caller to come with its next step. */
+enum { LOOKS_BEFORE_SLEEP = 1000 };
+
+/* About a millisecond of one thread: teams can't become smaller in less. */
+const uint64_t team_run_length = 10000;
+
+const int team_resizes = 1;
+
+const int team_ignores_tasks = 0;
+
+/* What the loops and their buffers on the stack need, many times over. */
+enum { STACK_BYTES = 1 << 20 };
+
+/* A team that runs: on its caller's stack. */
+typedef struct region {
+  struct region *next;
+  team *all;
+  team_function function;
+  void *context;
+  uint32_t threads, come; /* members there may be, and have been */
+  atomic_uint inside;     /* threads of the pool that are */
+} region;
+
+/* How many threads a team may have, since cores were busy. */
+typedef struct limit {
+  uint32_t threads; /* 0: as many as it wants */
+  double pause;     /* until there may be more, in seconds: longer the sooner it was busy again */
+  double more_at;
+} limit;
+
+/* All but `opened` under the lock. */
+static struct pool {
+  pthread_mutex_t lock;
+  pthread_cond_t wake;  /* threads of the pool that sleep */
+  pthread_cond_t empty; /* callers who wait until none is inside */
+  atomic_uint opened;   /* changes with each region that is */
+  region *regions;      /* open */
+  uint32_t users;       /* solvers */
+  uint32_t size, sleeping;
+  uint32_t refused; /* 1: no more threads are to be had */
+  uint32_t era;     /* of the threads that there are: those of another one end */
+  uint32_t forks_are_watched;
+  limit limit;
+  pthread_t threads[TEAM_MOST_THREADS];
+} pool = {.lock = PTHREAD_MUTEX_INITIALIZER,
+          .wake = PTHREAD_COND_INITIALIZER,
+          .empty = PTHREAD_COND_INITIALIZER};
+
+uint32_t team_size(uint32_t wanted) {
+  cpu_set_t set;
+  long cpus = 0;
+  if (!wanted && sched_getaffinity(0, sizeof set, &set) == 0) cpus = CPU_COUNT(&set);
+  if (!wanted && cpus < 1) cpus = sysconf(_SC_NPROCESSORS_ONLN);
+  if (!wanted) wanted = cpus < 1 ? 1 : (uint32_t)cpus;
+  return wanted < TEAM_MOST_THREADS ? wanted : TEAM_MOST_THREADS;
+}
+
+uint32_t team_threads(uint32_t threads) {
+  pthread_mutex_lock(&pool.lock);
+  const uint32_t had = pool.refused && pool.size + 1 < threads ? pool.size + 1 : threads;
+  pthread_mutex_unlock(&pool.lock);
+  return had;
+}
+
+/* ---- A thread of the pool ------------------------------------------------------------------ */
+
+/* One that lacks members. */
+static region *region_to_join(void) {
+  region *r = pool.regions;
+  while (r && r->come == r->threads) r = r->next;
+  return r;
+}
+
+/* Opens the lock for the while. After the count has gone down its caller may be gone, and with it
+ * the region. */
+static void join(region *r) {
+  member me = {.team = r->all, .thread = r->come++, .threads = r->threads};
+  atomic_fetch_add(&r->inside, 1);
+  pthread_mutex_unlock(&pool.lock);
+  r->function(r->context, &me);
+  pthread_mutex_lock(&pool.lock);
+  if (atomic_fetch_add(&r->inside, -1u) == 1) pthread_cond_broadcast(&pool.empty);
+}
+
+/* Opens the lock for the while. */
+static void wait_for_region(void) {
+  unsigned seen = atomic_load_explicit(&pool.opened, memory_order_relaxed), looks = 0;
+  pthread_mutex_unlock(&pool.lock);
+  while (looks < LOOKS_BEFORE_SLEEP &&
+         atomic_load_explicit(&pool.opened, memory_order_relaxed) == seen)
+    wait_a_little(&looks);
+  pthread_mutex_lock(&pool.lock);
+  if (atomic_load_explicit(&pool.opened, memory_order_relaxed) != seen) return;
+  ++pool.sleeping;
+  pthread_cond_wait(&pool.wake, &pool.lock);
+  --pool.sleeping;
+}
+
+/* Its era may be over before it begins. */
+static void *work(void *era) {
+  pbf_fp_begin();
+  pthread_mutex_lock(&pool.lock);
+  while (pool.era == (uintptr_t)era) {
+    region *r = region_to_join();
+    if (r)
+      join(r);
+    else
+      wait_for_region();
+  }
+  pthread_mutex_unlock(&pool.lock);
+  return NULL;
+}
+
+/* ---- The pool ------------------------------------------------------------------------------ */
+
+/* A child has none of the threads, and nothing that they were in. */
+static void before_fork(void) { pthread_mutex_lock(&pool.lock); }
+static void in_parent(void) { pthread_mutex_unlock(&pool.lock); }
+static void in_child(void) {
+  pthread_mutex_init(&pool.lock, NULL);
+  pthread_cond_init(&pool.wake, NULL);
+  pthread_cond_init(&pool.empty, NULL);
+  pool.regions = NULL;
+  pool.size = pool.sleeping = pool.refused = 0;
+}
+
+/* With the lock held. A signal is for the program's threads. */
+static int add_thread(void) {
+  sigset_t all, before;
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return 0;
+  pthread_attr_setstacksize(&attributes, STACK_BYTES);
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  int failed =
+      pthread_create(&pool.threads[pool.size], &attributes, work, (void *)(uintptr_t)pool.era);
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  pthread_attr_destroy(&attributes);
+  pool.size += !failed;
+  return !failed;
+}
+
+/* With the lock held: up to so many threads, as far as the system gives them. */
+static void grow(uint32_t threads) {
+  while (pool.size < threads && !pool.refused && pool.forks_are_watched)
+    pool.refused = !add_thread();
+}
+
+void team_begin(void) {
+  pthread_mutex_lock(&pool.lock);
+  if (!pool.forks_are_watched)
+    pool.forks_are_watched = pthread_atfork(before_fork, in_parent, in_child) == 0;
+  if (pool.users++ == 0) pool.limit = (limit){0, 0, 0};
+  pool.refused = 0;
+  pthread_mutex_unlock(&pool.lock);
+}
+
+void team_end(void) {
+  pthread_t threads[TEAM_MOST_THREADS];
+  uint32_t count = 0;
+  pthread_mutex_lock(&pool.lock);
+  if (--pool.users == 0) {
+    for (; count < pool.size; ++count) threads[count] = pool.threads[count];
+    pool.size = 0;
+    ++pool.era;
+    atomic_fetch_add(&pool.opened, 1);
+    pthread_cond_broadcast(&pool.wake);
+  }
+  pthread_mutex_unlock(&pool.lock);
+  while (count) pthread_join(threads[--count], NULL);
+}
+
+/* ---- Busy cores ---------------------------------------------------------------------------- */
+
+static const double least_pause = 0.016, most_pause = 0.5; /* seconds */
+static const double much_waiting = 0.25;                   /* of a run's time */
+
+/* With the lock held. */
+static uint32_t limited(uint32_t threads, double now) {
+  limit *l = &pool.limit;
+  if (l->threads && now >= l->more_at) {
+    l->threads *= 2;
+    l->more_at = now + l->pause;
+  }
+  if (l->threads > pool.size) l->threads = 0;
+  return l->threads && l->threads < threads ? l->threads : threads;
+}
+
+/* With the lock held, after a run of several threads. */
+static void note_run(uint32_t threads, double seconds, double waited, double now) {
+  limit *l = &pool.limit;
+  if (waited > much_waiting * seconds) {
+    l->threads = threads / 2;
+    l->pause = l->pause > least_pause ? l->pause : least_pause;
+    l->more_at = now + l->pause;
+    l->pause = 2 * l->pause < most_pause ? 2 * l->pause : most_pause;
+  } else {
+    l->pause = l->pause - seconds > least_pause ? l->pause - seconds : least_pause;
+  }
+}
+
+/* ---- A caller ------------------------------------------------------------------------------ */
+
+/* Returns how many members the team can have. */
+static uint32_t open_region(region *r, double now) {
+  pthread_mutex_lock(&pool.lock);
+  if (pool.size < r->threads - 1) grow(r->threads - 1);
+  r->threads = limited(r->threads, now);
+  if (pool.size < r->threads - 1) r->threads = pool.size + 1;
+  if (r->threads > 1) {
+    team_reset(r->all, r->threads);
+    r->next = pool.regions;
+    pool.regions = r;
+    atomic_fetch_add(&pool.opened, 1);
+    uint32_t wanted = r->threads - 1;
+    for (uint32_t k = 0; k < wanted && k < pool.sleeping; ++k) pthread_cond_signal(&pool.wake);
+  }
+  pthread_mutex_unlock(&pool.lock);
+  return r->threads;
+}
+
+/* Those that are inside have come to the end, or do so with nothing to wait for. */
+static void wait_until_empty(region *r) {
+  for (unsigned looks = 0; looks < LOOKS_BEFORE_SLEEP; wait_a_little(&looks))
+    if (!atomic_load_explicit(&r->inside, memory_order_acquire)) return;
+  pthread_mutex_lock(&pool.lock);
+  while (atomic_load_explicit(&r->inside, memory_order_acquire))
+    pthread_cond_wait(&pool.empty, &pool.lock);
+  pthread_mutex_unlock(&pool.lock);
+}
+
+static void close_region(region *r) {
+  pthread_mutex_lock(&pool.lock);
+  region **link = &pool.regions;
+  while (*link != r) link = &(*link)->next;
+  *link = r->next;
+  pthread_mutex_unlock(&pool.lock);
+  wait_until_empty(r);
+}
+
+static void run_many(region *r, double begin) {
+  member me = {.team = r->all, .thread = 0, .threads = r->threads};
+  r->function(r->context, &me);
+  const double done = seconds_now();
+  close_region(r);
+  const double now = seconds_now();
+  pthread_mutex_lock(&pool.lock);
+  note_run(r->threads, now - begin, me.waited + now - done, now);
+  pthread_mutex_unlock(&pool.lock);
+}
+
+/* ---- A caller's task system ---------------------------------------------------------------- */
+
+/* An item: a member if there is a place left. Which item it is does not matter, nor how many of
+ * them the task system runs at once. */
+static void run_item(void *task, uint32_t first, uint32_t last) {
+  region *r = task;
+  (void)first, (void)last;
+  pbf_fp_environment before = pbf_fp_begin();
+  pthread_mutex_lock(&pool.lock);
+  if (r->come < r->threads) join(r);
+  pthread_mutex_unlock(&pool.lock);
+  pbf_fp_end(before);
+}
+
+/* What is late finds no place: there is nothing left to do. */
+static void close_task(region *r) {
+  pthread_mutex_lock(&pool.lock);
+  r->come = r->threads;
+  pthread_mutex_unlock(&pool.lock);
+}
+
+static void run_as_task(const team_tasks *tasks, region *r) {
+  team_reset(r->all, r->threads);
+  void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
+  member me = {.team = r->all, .thread = 0, .threads = r->threads};
+  r->function(r->context, &me);
+  close_task(r);
+  if (handle) tasks->finish(tasks->user, handle);
+}
+
+/* ---- A run --------------------------------------------------------------------------------- */
+
+void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+              void *context) {
+  region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
+  const double begin = seconds_now();
+  if (threads > 1 && tasks->enqueue) {
+    run_as_task(tasks, &r);
+  } else if (threads > 1 && open_region(&r, begin) > 1) {
+    run_many(&r, begin);
+  } else {
+    member me = {.team = all, .thread = 0, .threads = 1};
+    function(context, &me);
+  }
+}

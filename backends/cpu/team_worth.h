@@ -1,0 +1,23 @@
+/* How many threads are worth having for so many particles. */
+#ifndef PBF_CPU_TEAM_WORTH_H
+#define PBF_CPU_TEAM_WORTH_H
+
+#include <math.h>
+#include <stdint.h>
+
+/* What a step costs with so many threads, in particles that one thread does alone: a team's loops
+ * cost as much as a few hundred beside their work. */
+static inline double team_cost(double particles, uint32_t threads) {
+  return threads > 1 ? particles / threads + 300 + 100 * (double)threads : particles;
+}
+
+/* The number, up to `most`, with which a step costs least. */
+static inline uint32_t team_worth(double particles, uint32_t most) {
+  const double least_at = sqrt(particles / 100);
+  uint32_t threads = least_at < most ? (uint32_t)least_at : most;
+  if (threads < most && team_cost(particles, threads + 1) < team_cost(particles, threads))
+    ++threads;
+  return team_cost(particles, threads) < particles ? threads : 1;
+}
+
+#endif

@@ -1,0 +1,272 @@
+/* The pool of `threads`: how many threads there are, and what they come to when the system gives
+ * none, when the process forks, and when its solvers are gone. */
+#include <dirent.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cpu_support.h"
+
+enum { COUNT = 2000, STEPS = 6 };
+
+static pbf_solver *make(const char *backend, uint32_t threads) {
+  pbf_desc desc = cpu_desc(backend, 3, PBF_FLOAT32, COUNT, threads);
+  pbf_params params = test_params();
+  pbf_solver *solver = test_create(&desc, &params);
+  double(*x)[3] = calloc(COUNT, sizeof *x);
+  for (uint32_t i = 0; i < COUNT; ++i) {
+    const uint32_t place[3] = {i % 10, i / 10 % 10, i / 100};
+    for (int k = 0; k < 3; ++k) x[i][k] = 0.03 + 0.047 * place[k];
+  }
+  cpu_add(solver, PBF_FLOAT32, 3, COUNT, &x[0][0], NULL);
+  free(x);
+  return solver;
+}
+
+static uint64_t hash_after(pbf_solver *solver, uint32_t steps) {
+  for (uint32_t k = 0; k < steps; ++k) assert_ok(pbf_step(solver, 1));
+  return test_hash(solver);
+}
+
+static uint64_t expected_hash(void) {
+  pbf_solver *solver = make("serial", 1);
+  uint64_t hash = hash_after(solver, STEPS);
+  pbf_destroy(solver);
+  return hash;
+}
+
+/* Of the process. A thread that has been joined may be listed for a moment more. */
+static int threads_now(void) {
+  int count = 0;
+  DIR *tasks = opendir("/proc/self/task");
+  assert_non_null(tasks);
+  for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
+  closedir(tasks);
+  return count;
+}
+
+/* The program's own. */
+static int at_rest;
+
+static void assert_threads(int expected) {
+  for (int k = 0; k < 2000 && threads_now() != expected; ++k) usleep(1000);
+  assert_int_equal(threads_now(), expected);
+}
+
+static void no_more_than_asked_for_and_gone_at_the_end(void **state) {
+  (void)state;
+  const uint64_t expected = expected_hash();
+  const int before = at_rest;
+  pbf_solver *alone = make("threads", 1);
+  assert_ok(pbf_step(alone, 2));
+  assert_threads(before);
+  pbf_solver *two = make("threads", 2), *four = make("threads", 4), *three = make("threads", 3);
+  assert_ok(pbf_step(four, 2));
+  assert_threads(before + 3);
+  assert_true(hash_after(two, STEPS) == expected); /* beside more threads than it wants */
+  assert_true(hash_after(three, STEPS) == expected);
+  assert_threads(before + 3);
+  pbf_destroy(four);
+  assert_ok(pbf_step(two, 2));
+  assert_ok(pbf_step(three, 2));
+  assert_threads(before + 3);
+  pbf_destroy(two);
+  pbf_destroy(three);
+  pbf_destroy(alone);
+  assert_threads(before);
+}
+
+/* ---- Callers in many threads --------------------------------------------------------------- */
+
+typedef struct caller {
+  pbf_solver *solver;
+  uint64_t hash;
+  int threads;
+} caller;
+
+static void *call(void *user) {
+  caller *c = user;
+  c->hash = hash_after(c->solver, STEPS);
+  c->threads = threads_now();
+  return NULL;
+}
+
+static void solvers_at_once_share_the_pool(void **state) {
+  (void)state;
+  enum { CALLERS = 5 };
+  const uint64_t expected = expected_hash();
+  const int before = at_rest;
+  pthread_t threads[CALLERS];
+  caller callers[CALLERS];
+  for (uint32_t k = 0; k < CALLERS; ++k) callers[k].solver = make("threads", 1 + k % 4);
+  for (uint32_t k = 0; k < CALLERS; ++k)
+    assert_int_equal(pthread_create(&threads[k], NULL, call, &callers[k]), 0);
+  for (uint32_t k = 0; k < CALLERS; ++k) assert_int_equal(pthread_join(threads[k], NULL), 0);
+  for (uint32_t k = 0; k < CALLERS; ++k) {
+    assert_true(callers[k].hash == expected);
+    assert_true(callers[k].threads <= before + CALLERS + 3);
+    pbf_destroy(callers[k].solver);
+  }
+  assert_threads(before);
+}
+
+/* Each caller has the same threads beside it, not some of its own. */
+static void callers_by_turns_have_one_pool(void **state) {
+  (void)state;
+  const int before = at_rest;
+  pbf_solver *solver = make("threads", 3);
+  for (int k = 0; k < 6; ++k) {
+    caller c = {.solver = solver};
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, call, &c), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+  }
+  assert_threads(before + 2);
+  pbf_destroy(solver);
+  assert_threads(before);
+}
+
+static void *create_and_destroy(void *user) {
+  caller *c = user;
+  for (int k = 0; k < 8; ++k) {
+    pbf_solver *solver = make("threads", 3);
+    c->hash = hash_after(solver, STEPS);
+    pbf_destroy(solver);
+  }
+  return NULL;
+}
+
+/* A pool that ends while another begins. */
+static void pools_come_and_go(void **state) {
+  (void)state;
+  enum { CALLERS = 3 };
+  const uint64_t expected = expected_hash();
+  const int before = at_rest;
+  pthread_t threads[CALLERS];
+  caller callers[CALLERS];
+  for (uint32_t k = 0; k < CALLERS; ++k)
+    assert_int_equal(pthread_create(&threads[k], NULL, create_and_destroy, &callers[k]), 0);
+  for (uint32_t k = 0; k < CALLERS; ++k) {
+    assert_int_equal(pthread_join(threads[k], NULL), 0);
+    assert_true(callers[k].hash == expected);
+  }
+  assert_threads(before);
+}
+
+static int threads_that_block(int signal) {
+  int count = 0;
+  DIR *tasks = opendir("/proc/self/task");
+  assert_non_null(tasks);
+  for (const struct dirent *entry; (entry = readdir(tasks));) {
+    char path[300], line[200];
+    snprintf(path, sizeof path, "/proc/self/task/%s/status", entry->d_name);
+    FILE *status = entry->d_name[0] == '.' ? NULL : fopen(path, "r");
+    unsigned long long blocked;
+    while (status && fgets(line, sizeof line, status))
+      if (sscanf(line, "SigBlk: %llx", &blocked) == 1) count += blocked >> (signal - 1) & 1;
+    if (status) fclose(status);
+  }
+  closedir(tasks);
+  return count;
+}
+
+/* A program's signals are handled in its own threads. */
+static void signals_are_blocked(void **state) {
+  (void)state;
+  assert_threads(at_rest);
+  const int before = threads_that_block(SIGTERM);
+  pbf_solver *solver = make("threads", 3);
+  assert_ok(pbf_step(solver, 1));
+  assert_int_equal(threads_that_block(SIGTERM), before + 2);
+  pbf_destroy(solver);
+}
+
+/* ---- In a process of its own --------------------------------------------------------------- */
+
+/* Runs `work` in a child, which must return 0 in a minute. */
+static void assert_in_child(int (*work)(void *), void *user) {
+  enum { LIMIT = 60 };
+  int status = 0;
+  pid_t child = fork();
+  assert_true(child >= 0);
+  if (child == 0) {
+    alarm(LIMIT);
+    _exit(work(user));
+  }
+  assert_true(waitpid(child, &status, 0) == child);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail_msg("the child ended with %x", status);
+}
+
+static int step_without_threads(void *user) {
+  const uint64_t *expected = user;
+  const struct rlimit one = {1, 1};
+  enum { NOBODY = 65534 };
+  pthread_t thread;
+  caller unused = {NULL, 0, 0};
+  const int before = threads_now();
+  setrlimit(RLIMIT_NPROC, &one);
+  if (geteuid() == 0 && setuid(NOBODY) != 0) return 2;
+  pbf_solver *solver = make("threads", 4);
+  uint64_t hash = hash_after(solver, STEPS);
+  int threads = threads_now();
+  pbf_destroy(solver);
+  if (pthread_create(&thread, NULL, call, &unused) == 0) return 3; /* there was no limit */
+  return hash != *expected || threads != before;
+}
+
+static void without_threads_the_caller_does_it(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("a sanitizer's runtime has threads of its own");
+  uint64_t expected = expected_hash();
+  assert_in_child(step_without_threads, &expected);
+}
+
+static int step_in_child(void *user) {
+  const caller *c = user;
+  const int before = threads_now();
+  if (before != 1 || hash_after(c->solver, STEPS) != c->hash) return 1;
+  pbf_solver *solver = make("threads", 3);
+  if (hash_after(solver, STEPS) != c->hash) return 2;
+  if (threads_now() != before + 2) return 3;
+  pbf_destroy(solver);
+  pbf_destroy(c->solver);
+  for (int k = 0; k < 2000 && threads_now() != before; ++k) usleep(1000);
+  return threads_now() == before ? 0 : 4;
+}
+
+/* A child has copies of the solvers, and threads of its own. */
+static void a_child_has_a_new_pool(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("ThreadSanitizer has no threads in a child of threads");
+  caller c = {.solver = make("threads", 3), .hash = expected_hash()};
+  pbf_solver *other = make("threads", 3);
+  assert_ok(pbf_step(other, 1)); /* the pool is there */
+  pbf_destroy(other);
+  assert_in_child(step_in_child, &c);
+  assert_true(hash_after(c.solver, STEPS) == c.hash);
+  assert_threads(at_rest + 2);
+  pbf_destroy(c.solver);
+}
+
+static void *begin(void *unused) { return unused; }
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(no_more_than_asked_for_and_gone_at_the_end),
+      cmocka_unit_test(solvers_at_once_share_the_pool),
+      cmocka_unit_test(callers_by_turns_have_one_pool),
+      cmocka_unit_test(pools_come_and_go),
+      cmocka_unit_test(signals_are_blocked),
+      cmocka_unit_test(without_threads_the_caller_does_it),
+      cmocka_unit_test(a_child_has_a_new_pool),
+  };
+  /* A sanitizer's own thread comes with the first one. */
+  pthread_t first;
+  if (pthread_create(&first, NULL, begin, NULL) != 0 || pthread_join(first, NULL) != 0) return 1;
+  usleep(10000);
+  at_rest = threads_now();
+  return TEST_RUN(tests);
+}
