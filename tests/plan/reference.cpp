@@ -57,7 +57,6 @@ static const watched *watched_at(unsigned k) {
   return &list[k];
 }
 
-const pbf_backend_host *reference_host;
 
 void reference_probe(const pbf_workload *workload, pbf_probe_result *result) {
   (void)workload, (void)result;
