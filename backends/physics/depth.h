@@ -12,8 +12,8 @@
  * larger one of LEFT and SHARE (error - FROM). What they press on keeps its order: fluid whose
  * whole weight is carried comes loose, by 3 % of its volume, and trembles.
  *
- * LEFT: with 0.5 % 100 layers come loose in one run of a few; with 0.7 % water of 20 layers is lower
- * than n iterations should leave it, with 1 % by half again as much.
+ * LEFT: with 0.5 % 100 layers come loose in one run of a few; with 0.7 % water of 20 layers is
+ * lower than n iterations should leave it, with 1 % by half again as much.
  *
  * SHARE: what the grid carries wakes its neighbours, too, and grows with the weight: so the
  * iterations get a share of what is beyond 60 layers (4 iterations, 1/120 s), which is more than

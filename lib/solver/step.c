@@ -148,11 +148,6 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
 static pbf_status step(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || steps == 0) return status;
-  if (!isfinite(time_after(solver, steps))) {
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "steps is %u, after which the time would not be finite; it is %.9g now", steps,
-                    pbf_solver_time(solver));
-  }
   pbf_check_step_length(solver);
   uint32_t with_room = steps_before_walls_meet(solver, steps);
   uint32_t possible = steps_before_overflow(solver, with_room);

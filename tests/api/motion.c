@@ -98,17 +98,6 @@ static void walls_that_meet(void **state) {
   pbf_destroy(s);
 }
 
-static void time_without_end(void **state) {
-  (void)state;
-  pbf_solver *s = test_solver(2, PBF_FLOAT64, 4);
-  pbf_params params = test_params();
-  params.time_step = 1e300;
-  assert_ok(pbf_set_params(s, &params));
-  assert_fails(pbf_step(s, UINT32_MAX), PBF_ERROR_INVALID_ARGUMENT, "would not be finite");
-  assert_int_equal(info_of(s).step, 0);
-  pbf_destroy(s);
-}
-
 /* Free fall of one particle against the scheme's own closed form, n(n+1)/2 g dt². */
 static void one_particle_falls(uint32_t dimension, uint32_t precision) {
   pbf_desc desc = test_desc(dimension, precision, 4);
@@ -311,7 +300,6 @@ int main(void) {
       cmocka_unit_test(colliders_move),
       cmocka_unit_test(positions_are_held_against_walls_now),
       cmocka_unit_test(walls_that_meet),
-      cmocka_unit_test(time_without_end),
       cmocka_unit_test(free_fall),
       cmocka_unit_test(loaded_densities),
       cmocka_unit_test(densities_without_steps),

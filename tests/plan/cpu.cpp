@@ -69,7 +69,6 @@ static const watched *watched_at(unsigned k) {
   return &list[k];
 }
 
-
 void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
   (void)workload, (void)result;
 }
