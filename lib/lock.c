@@ -29,7 +29,7 @@ pbf_status pbf_lock_check(void) {
   return PBF_OK;
 }
 
-/* Most who hold one do so for nanoseconds, and one who searches for backends for milliseconds. */
+/* Most calls hold one for nanoseconds, and a search for backends for milliseconds. */
 static void wait_a_little(unsigned looks) {
   enum { PATIENCE = 100 };
   const struct timespec nap = {0, 50000};
@@ -56,7 +56,7 @@ void pbf_lock_release(pbf_lock lock) {
 /* ---- A process that forks ------------------------------------------------------------------ */
 
 /* The child has the thread alone that forks. What others hold at this moment would be held there
- * for ever, and be half done. Each is written by who holds the lock. */
+ * for ever, and be half done. Each is written with that lock held. */
 static int taken_to_fork[PBF_LOCK_COUNT];
 
 static void before_fork(void) {

@@ -36,7 +36,7 @@ typedef struct member {
   uint32_t loops; /* that this thread has come to */
   uint64_t tasks; /* in these loops */
   uint64_t done;  /* of them, by this thread */
-  double waited;  /* seconds, in loops whose end was long in coming */
+  double waited;  /* seconds, in loops that took long to end */
 } member;
 
 static inline double seconds_now(void) {

@@ -53,7 +53,7 @@ typedef struct limit {
 static struct pool {
   pthread_mutex_t lock;
   pthread_cond_t wake;  /* threads of the pool that sleep */
-  pthread_cond_t empty; /* callers who wait until none is inside */
+  pthread_cond_t empty; /* callers that wait until no thread is inside */
   atomic_uint opened;   /* changes with each region that is */
   region *regions;      /* open */
   uint32_t users;       /* solvers */

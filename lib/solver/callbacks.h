@@ -17,8 +17,8 @@ int pbf_callbacks_were_left(const pbf_solver *solver);
 /* A block that the caller's allocator will get back by another way. */
 void pbf_callbacks_forget(pbf_solver *solver, const void *memory);
 
-/* Releases what a call that was left has taken and nobody knows of: after the backend has released
- * what it has, and the host. */
+/* Releases what a call that was left has taken and nothing points to: after the backend has
+ * released what it has, and the host. */
 void pbf_callbacks_release_rest(pbf_solver *solver);
 
 #endif

@@ -211,18 +211,22 @@ static void *allocate_and_ask(void *user, uint64_t size, uint64_t alignment) {
   return test_allocator.allocate(user, size, alignment);
 }
 
+static void make_in_callback(const pbf_allocator *allocator) {
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  desc.allocator = allocator;
+  in_callback = test_create(&desc, NULL);
+  float *x = test_lattice(3, PBF_FLOAT32, 8);
+  assert_ok(pbf_add_particles(in_callback, 8, x, NULL, NULL));
+  free(x);
+}
+
 /* A callback that asks its own solver is inside a call, at any depth of the stack. */
 static void a_callback_asks(void **state) {
   (void)state;
   const uint32_t ids[2] = {1, 3};
   pbf_allocator allocator = test_allocator;
   allocator.allocate = allocate_and_ask;
-  pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
-  desc.allocator = &allocator;
-  in_callback = test_create(&desc, NULL);
-  float *x = test_lattice(3, PBF_FLOAT32, 8);
-  assert_ok(pbf_add_particles(in_callback, 8, x, NULL, NULL));
-  free(x);
+  make_in_callback(&allocator);
   asks_itself = 1;
   inner = PBF_OK;
   assert_ok(pbf_remove_particles(in_callback, 2, ids));
@@ -251,8 +255,6 @@ static void a_handler_asks_from_its_stack(void **state) {
   char near[1 << 16];
   pbf_allocator allocator = test_allocator;
   allocator.allocate = allocate_and_raise;
-  pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
-  desc.allocator = &allocator;
   struct sigaction action = {.sa_handler = ask_from_handler, .sa_flags = SA_ONSTACK};
   assert_int_equal(sigaction(SIGUSR1, &action, NULL), 0);
   for (int place = 0; place < 2; ++place) {
@@ -260,10 +262,7 @@ static void a_handler_asks_from_its_stack(void **state) {
     const stack_t none = {.ss_flags = SS_DISABLE};
     const uint32_t id = 1;
     assert_int_equal(sigaltstack(&own, NULL), 0);
-    in_callback = test_create(&desc, NULL);
-    float *x = test_lattice(3, PBF_FLOAT32, 8);
-    assert_ok(pbf_add_particles(in_callback, 8, x, NULL, NULL));
-    free(x);
+    make_in_callback(&allocator);
     asks_itself = 1;
     inner = PBF_OK;
     assert_ok(pbf_remove_particles(in_callback, 1, &id));

@@ -1,5 +1,7 @@
 #include "cpu_support.h"
 
+#include <dirent.h>
+
 pbf_desc cpu_desc(const char *backend, uint32_t dimension, uint32_t precision, uint32_t capacity,
                   uint32_t threads) {
   pbf_desc desc = test_desc(dimension, precision, capacity);
@@ -96,4 +98,13 @@ pbf_params cpu_block_params(void) {
   params.iterations = 3;
   params.over_relaxation = 0.003;
   return params;
+}
+
+int cpu_threads_now(void) {
+  int count = 0;
+  DIR *tasks = opendir("/proc/self/task");
+  assert_non_null(tasks);
+  for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
+  closedir(tasks);
+  return count;
 }

@@ -18,6 +18,9 @@ double *cpu_get(pbf_solver *solver, uint32_t field);
 /* Largest difference of two solvers' fields. */
 double cpu_difference(pbf_solver *a, pbf_solver *b, uint32_t field);
 
+/* Threads of the process. One that has been joined may be listed for a moment more. */
+int cpu_threads_now(void);
+
 /* Pseudo-random, in [0, 1); the same everywhere. */
 double cpu_random(uint64_t *state);
 

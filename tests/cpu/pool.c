@@ -38,22 +38,12 @@ static uint64_t expected_hash(void) {
   return hash;
 }
 
-/* Of the process. A thread that has been joined may be listed for a moment more. */
-static int threads_now(void) {
-  int count = 0;
-  DIR *tasks = opendir("/proc/self/task");
-  assert_non_null(tasks);
-  for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
-  closedir(tasks);
-  return count;
-}
-
 /* The program's own. */
 static int at_rest;
 
 static void assert_threads(int expected) {
-  for (int k = 0; k < 2000 && threads_now() != expected; ++k) usleep(1000);
-  assert_int_equal(threads_now(), expected);
+  for (int k = 0; k < 2000 && cpu_threads_now() != expected; ++k) usleep(1000);
+  assert_int_equal(cpu_threads_now(), expected);
 }
 
 static void no_more_than_asked_for_and_gone_at_the_end(void **state) {
@@ -90,7 +80,7 @@ typedef struct caller {
 static void *call(void *user) {
   caller *c = user;
   c->hash = hash_after(c->solver, STEPS);
-  c->threads = threads_now();
+  c->threads = cpu_threads_now();
   return NULL;
 }
 
@@ -206,12 +196,12 @@ static int step_without_threads(void *user) {
   enum { NOBODY = 65534 };
   pthread_t thread;
   caller unused = {NULL, 0, 0};
-  const int before = threads_now();
+  const int before = cpu_threads_now();
   setrlimit(RLIMIT_NPROC, &one);
   if (geteuid() == 0 && setuid(NOBODY) != 0) return 2;
   pbf_solver *solver = make("threads", 4);
   uint64_t hash = hash_after(solver, STEPS);
-  int threads = threads_now();
+  int threads = cpu_threads_now();
   pbf_destroy(solver);
   if (pthread_create(&thread, NULL, call, &unused) == 0) return 3; /* there was no limit */
   return hash != *expected || threads != before;
@@ -226,15 +216,15 @@ static void without_threads_the_caller_does_it(void **state) {
 
 static int step_in_child(void *user) {
   const caller *c = user;
-  const int before = threads_now();
+  const int before = cpu_threads_now();
   if (before != 1 || hash_after(c->solver, STEPS) != c->hash) return 1;
   pbf_solver *solver = make("threads", 3);
   if (hash_after(solver, STEPS) != c->hash) return 2;
-  if (threads_now() != before + 2) return 3;
+  if (cpu_threads_now() != before + 2) return 3;
   pbf_destroy(solver);
   pbf_destroy(c->solver);
-  for (int k = 0; k < 2000 && threads_now() != before; ++k) usleep(1000);
-  return threads_now() == before ? 0 : 4;
+  for (int k = 0; k < 2000 && cpu_threads_now() != before; ++k) usleep(1000);
+  return cpu_threads_now() == before ? 0 : 4;
 }
 
 /* A child has copies of the solvers, and threads of its own. */
@@ -267,6 +257,6 @@ int main(void) {
   pthread_t first;
   if (pthread_create(&first, NULL, begin, NULL) != 0 || pthread_join(first, NULL) != 0) return 1;
   usleep(10000);
-  at_rest = threads_now();
+  at_rest = cpu_threads_now();
   return TEST_RUN(tests);
 }

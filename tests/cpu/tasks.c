@@ -1,6 +1,5 @@
 /* `threads` on a caller's task system: the same bits, no thread of its own, and no way to hang,
  * however the system runs its items. */
-#include <dirent.h>
 #include <fenv.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -167,20 +166,11 @@ static uint64_t expected_hash(void) {
   return hash;
 }
 
-static int threads_now(void) {
-  int count = 0;
-  DIR *tasks = opendir("/proc/self/task");
-  assert_non_null(tasks);
-  for (const struct dirent *entry; (entry = readdir(tasks));) count += entry->d_name[0] != '.';
-  closedir(tasks);
-  return count;
-}
-
 static void assert_works(task_system *s) {
-  const int before = threads_now();
+  const int before = cpu_threads_now();
   pbf_solver *solver = make("threads", MEMBERS, s);
   assert_true(hash_after(solver) == expected_hash());
-  assert_true(threads_now() <= before);
+  assert_true(cpu_threads_now() <= before);
   pbf_destroy(solver);
   assert_true(s->enqueued > STEPS);
   assert_int_equal(s->finished, s->handles);

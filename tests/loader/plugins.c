@@ -177,6 +177,16 @@ static void check_builtin_found(void) {
   pbf_destroy(solver);
 }
 
+/* In a process of its own, where the search finds one backend. */
+static void beside_a_serial(void (*call)(void)) {
+  make_folder(folder, sizeof folder);
+  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
+  setenv("PBF_BACKEND_PATH", folder, 1);
+  in_child(call);
+  unsetenv("PBF_BACKEND_PATH");
+  drop_folder(folder);
+}
+
 /* More failures than the list has room for lose nothing but their place in it. */
 static void overfill(void) {
   char path[1024];
@@ -190,12 +200,7 @@ static void overfill(void) {
 
 static void a_list_full_of_failures(void **state) {
   (void)state;
-  make_folder(folder, sizeof folder);
-  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
-  setenv("PBF_BACKEND_PATH", folder, 1);
-  in_child(overfill);
-  unsetenv("PBF_BACKEND_PATH");
-  drop_folder(folder);
+  beside_a_serial(overfill);
 }
 
 /* Nor do plugins that the caller loads keep out those that come with the library. */
@@ -217,12 +222,7 @@ static void fill_with_plugins(void) {
 
 static void a_list_full_of_plugins(void **state) {
   (void)state;
-  make_folder(folder, sizeof folder);
-  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
-  setenv("PBF_BACKEND_PATH", folder, 1);
-  in_child(fill_with_plugins);
-  unsetenv("PBF_BACKEND_PATH");
-  drop_folder(folder);
+  beside_a_serial(fill_with_plugins);
 }
 
 /* Broken files of one name in many folders before a whole one of the next name. */
