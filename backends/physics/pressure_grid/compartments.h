@@ -73,9 +73,11 @@ enum { PBF_TOPOLOGY_FOUND = PBF_TOPOLOGY_COUNTS };
 /* Grids with thin solids in them have two thirds of the indices, what else they need the rest. */
 static inline uint64_t pbf_pressure_grid_first_further(uint64_t limit) { return limit - limit / 3; }
 
+/* Whole cache lines: colliders may lie behind it. */
 static inline uint64_t pbf_pressure_grid_topology_bytes(uint64_t limit) {
-  return 64 + limit * (2 * sizeof(uint64_t) + PBF_PARTS * (sizeof(uint64_t) + sizeof(double)) +
-                       4 * sizeof(double) + (7 + PBF_CORNERS + PBF_MEMBERS) * sizeof(uint32_t));
+  const uint64_t one = 2 * sizeof(uint64_t) + PBF_PARTS * (sizeof(uint64_t) + sizeof(double)) +
+                       4 * sizeof(double) + (7 + PBF_CORNERS + PBF_MEMBERS) * sizeof(uint32_t);
+  return (64 + limit * one + 63) / 64 * 64;
 }
 
 /* In memory for the largest limit, of a grid with this one. */
@@ -164,7 +166,8 @@ PBF_FN int pbf_cell_is_inside(const pbf_pressure_grid *c, const int i[PBF_DIM]) 
 }
 
 PBF_FN uint32_t pbf_compartment_cell(const pbf_pressure_grid_topology *t, uint32_t compartment) {
-  return compartment < t->first ? compartment : t->home[compartment - t->first];
+  return !t->surface_count || compartment < t->first ? compartment
+                                                     : t->home[compartment - t->first];
 }
 
 /* Its node at corner `a`. */
