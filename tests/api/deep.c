@@ -536,7 +536,6 @@ static pbf_stats in_a_ball(uint32_t dimension, uint32_t precision, double grid) 
   assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
   ball.radius = 3;
   pbf_solver *s = block(&desc, &params, 6, 6, 0, 0, 0.01);
-  pbf_set_timing(s, 1); /* a device then takes the same way with a grid and without */
   assert_ok(pbf_set_colliders(s, 1, &ball));
   assert_ok(pbf_step(s, 3));
   pbf_stats stats = stats_of(s);
@@ -547,7 +546,10 @@ static pbf_stats in_a_ball(uint32_t dimension, uint32_t precision, double grid) 
 static void check_no_room(uint32_t dimension, uint32_t precision) {
   pbf_stats with = in_a_ball(dimension, precision, 2.5);
   pbf_stats without = in_a_ball(dimension, precision, 0);
-  assert_memory_equal(with.center_of_mass, without.center_of_mass, sizeof with.center_of_mass);
+  /* A device may run a step with a grid in other kernels than one without, which sum elsewhere. */
+  const double rounding = strcmp(test_backend(), "cuda") != 0 ? 0 : precision == PBF_FLOAT32 ? 1e-5 : 1e-13;
+  for (uint32_t k = 0; k < dimension; ++k)
+    assert_true(fabs(with.center_of_mass[k] - without.center_of_mass[k]) <= rounding);
   assert_true(with.speed_max <= 2 * without.speed_max);
 }
 

@@ -148,9 +148,9 @@ static void particles_far_apart_keep_their_bits(void **state) {
 }
 
 static void frees_what_parameters_no_longer_want(void **state) {
-  enum { CAPACITY = 100000 }; /* no small scene: those have arrays of their own */
+  enum { CAPACITY = 100000 }; /* and so many particles: a small scene has arrays of its own */
   (void)state;
-  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 1000, CAPACITY);
+  pbf_solver *solver = test_filled(3, PBF_FLOAT32, CAPACITY, CAPACITY);
   pbf_params params = {.struct_size = sizeof params};
   assert_ok(pbf_get_params(solver, &params));
   uint64_t before = plan_bytes(solver);
