@@ -1,7 +1,7 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
 #include "common/host_only.h"
 #include "common/number.h"
-#include "common/without.h"
+#include "common/scene.h"
 #include "common/views.h"
 #include "cpu/arrays.h"
 #include "cpu/particles.h"
@@ -25,14 +25,6 @@ static const kernels *kernels_for(cpu_isa which) {
   return NULL;
 }
 
-static pbf_status out_of_memory(const solver *s, const char *what) {
-  char text[160];
-  snprintf(text, sizeof text, "no memory for %s of %u particles; a smaller capacity would do", what,
-           s->capacity);
-  s->host->set_error(text);
-  return PBF_ERROR_OUT_OF_MEMORY;
-}
-
 static pbf_status no_memory_for_neighbors(const solver *s) {
   char text[160], radius[PBF_NUMBER_SIZE];
   snprintf(text, sizeof text,
@@ -45,50 +37,18 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 
 /* ---- Life ---------------------------------------------------------------------------------- */
 
-static pbf_schedule schedule_of(const solver *s, const pbf_params *params, uint32_t colliders,
-                                const pbf_collider *list, int overlaps) {
-  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
-}
+static void settle_pressures(solver *s) { add_weight(s); }
+static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
 
-/* Sleep is in the parameters, which may have changed, and may have been in those before. */
-static void allow_sleep(solver *s, int changes, int before) {
-  s->sleep = pbf_sleep_of(&s->params);
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
-  if (!before) init_new(s, 0);
-  if (changes) wake_all(s);
-}
-
-/* Takes what a schedule needs before anything else changes: it may fail. */
-static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const pbf_params *params) {
-  add_weight(s);
-  if (!keep_arrays(s, *schedule, *params)) {
-    keep_arrays(s, s->schedule, s->params);
-    return out_of_memory(s, "the arrays of an optional stage");
-  }
-  return PBF_OK;
-}
-
-static pbf_status set_params(solver *s, const pbf_params *params) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
-  status = take_schedule(s, &schedule, params);
-  if (status != PBF_OK) return status;
-  int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
-  int changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
-  s->params = *params;
-  s->schedule = schedule;
-  if (!schedule.accelerated) s->pressure_scale = 0;
-  if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
-  return PBF_OK;
+static bool step_of_no_time(solver *s, double time) {
+  step_job job = {.s = s, .times = {time, 0, 0}, .steps = 1};
+  run_job(&job);
+  return job.done == 1;
 }
 
 static void destroy(solver *s) {
-  pbf_allocator allocator = s->memory.allocator;
   team_end();
-  pbf_memory_free_all(&s->memory);
-  allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
+  release(s);
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
@@ -132,26 +92,6 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   return PBF_OK;
 }
 
-static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
-                                double time) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
-  status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) return status;
-  pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
-  changed.surfaces |= s->moving_obstacles.surfaces;
-  wake_near_moving(s, changed, s->now);
-  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
-  s->collider_count = count;
-  s->collider_time = s->now = time;
-  s->schedule = schedule;
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
-  wake_near_moving(s, changed, time);
-  return PBF_OK;
-}
-
 static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, uint32_t *done) {
   const pbf_step_times times = {time, before, s->params.time_step};
   step_job job = {.s = s, .times = times, .steps = steps, .done = s->count ? 0 : steps};
@@ -164,51 +104,8 @@ static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, 
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
 }
 
-/* A step of no time, without what only steps need. */
 static pbf_status project(solver *s, double time, uint32_t iterations) {
-  const pbf_params params = s->params;
-  const pbf_schedule schedule = s->schedule;
-  const pbf_constants constants = s->constants;
-  const uint32_t ended_after = s->iterations;
-  pbf_real *residual_density = s->residual_density;
-  step_job job = {.s = s, .times = {time, 0, 0}, .steps = 1};
-  add_weight(s);
-  wake_all(s);
-  s->params = pbf_projection_of(&params, iterations);
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
-  s->constants = pbf_constants_of(&s->params);
-  s->residual_density = NULL;
-  run_job(&job);
-  s->params = params;
-  s->schedule = schedule;
-  s->constants = constants;
-  s->iterations = ended_after;
-  s->residual_density = residual_density;
-  s->pressure_scale = 0;
-  return job.done == 1 ? PBF_OK : no_memory_for_neighbors(s);
-}
-
-static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
-  pbf_schedule schedule =
-      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
-  pbf_status status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) return status;
-  s->schedule = schedule;
-  s->overlaps = overlap != NULL;
-  if (overlap) s->found = *overlap;
-  return PBF_OK;
-}
-
-/* The arrays are there. */
-static pbf_status plan_for(solver *s, uint32_t count) {
-  s->planned = count;
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
-  return PBF_OK;
-}
-
-static pbf_status synchronize(solver *s) {
-  (void)s;
-  return PBF_OK;
+  return project_at(s, time, iterations) ? PBF_OK : no_memory_for_neighbors(s);
 }
 
 /* ---- Particles ----------------------------------------------------------------------------- */
@@ -310,18 +207,6 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
   stats->asleep = s->asleep;
   sum_stats(s, stats);
-  return PBF_OK;
-}
-
-static pbf_status max_speed(solver *s, double *speed) {
-  double most2 = 0;
-  for (uint32_t i = 0; i < s->count; ++i) {
-    const pbf_vec v = field_at(&s->buffers.v, i);
-    double v2 = 0;
-    for (int k = 0; k < PBF_DIM; ++k) v2 += (double)v.c[k] * (double)v.c[k];
-    most2 = v2 > most2 ? v2 : most2;
-  }
-  *speed = sqrt(most2);
   return PBF_OK;
 }
 

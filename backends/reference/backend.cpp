@@ -2,63 +2,27 @@
 #include "common/host_only.h"
 #include "common/report.h"
 #include "common/rows.h"
-#include "common/without.h"
+#include "common/scene.h"
 #include "common/views.h"
 #include "physics/overfull.h"
 #include "reference/arrays.h"
 #include "reference/plugin.h"
 #include "reference/step.h"
 
-static pbf_status out_of_memory(const solver *s, const char *what) {
-  char text[160];
-  snprintf(text, sizeof text, "no memory for %s of %u particles; a smaller capacity would do", what,
-           s->capacity);
-  s->host->set_error(text);
-  return PBF_ERROR_OUT_OF_MEMORY;
+static void settle_pressures(solver *) {} /* a step's end adds the grid's */
+static pbf_vec velocity_of(const solver *s, uint32_t i) { return s->v[i]; }
+
+static void bounded_step(solver *s, double begin, double end) {
+  const pbf_constants usual = s->constants;
+  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
+  solver_step(s, begin, end);
+  s->constants = usual;
 }
 
-static pbf_schedule schedule_of(const solver *s, const pbf_params *params, uint32_t colliders,
-                                const pbf_collider *list, int overlaps) {
-  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
-}
-
-/* Sleep is in the parameters, which may have changed, and may have been in those before. */
-static void allow_sleep(solver *s, int changes, int before) {
-  s->sleep = pbf_sleep_of(&s->params);
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
-  if (!before) init_new(s, 0);
-  if (changes) wake_all(s);
-}
-
-/* Takes what a schedule needs before anything else changes: it may fail. */
-static pbf_status take_schedule(solver *s, const pbf_schedule *schedule, const pbf_params *params) {
-  if (!keep_arrays(s, *schedule, *params)) {
-    keep_arrays(s, s->schedule, s->params);
-    return out_of_memory(s, "the arrays of an optional stage");
-  }
-  return PBF_OK;
-}
-
-static pbf_status set_params(solver *s, const pbf_params *params) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
-  status = take_schedule(s, &schedule, params);
-  if (status != PBF_OK) return status;
-  int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
-  int changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
-  s->params = *params;
-  s->schedule = schedule;
-  if (!schedule.accelerated) s->pressure_scale = 0;
-  if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
-  return PBF_OK;
-}
-
-static void destroy(solver *s) {
-  pbf_allocator allocator = s->memory.allocator;
-  pbf_memory_free_all(&s->memory);
-  allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
+static bool step_of_no_time(solver *s, double time) {
+  bounded_step(s, time, time);
+  s->now = time;
+  return true;
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
@@ -75,39 +39,12 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->capacity = desc->capacity;
   pbf_status status = take_arrays(s) ? set_params(s, params) : out_of_memory(s, "the arrays");
   if (status != PBF_OK) {
-    destroy(s);
+    release(s);
     return status;
   }
   *out = s;
   *api = &PBF_VARIANT_API;
   return PBF_OK;
-}
-
-static pbf_status set_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
-                                double time) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
-  if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
-  status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) return status;
-  pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
-  changed.surfaces |= s->moving_obstacles.surfaces;
-  wake_near_moving(s, changed, s->now);
-  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
-  s->collider_count = count;
-  s->collider_time = s->now = time;
-  s->schedule = schedule;
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
-  wake_near_moving(s, changed, time);
-  return PBF_OK;
-}
-
-static void bounded_step(solver *s, double begin, double end) {
-  const pbf_constants usual = s->constants;
-  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
-  solver_step(s, begin, end);
-  s->constants = usual;
 }
 
 static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, uint32_t *done) {
@@ -123,45 +60,8 @@ static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, 
   return PBF_OK;
 }
 
-/* A step of no time, without what only steps need. */
 static pbf_status project(solver *s, double time, uint32_t iterations) {
-  const solver now = *s;
-  wake_all(s);
-  s->params = pbf_projection_of(&now.params, iterations);
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
-  s->constants = pbf_constants_of(&s->params);
-  s->residual_density = NULL;
-  bounded_step(s, time, time);
-  s->params = now.params;
-  s->schedule = now.schedule;
-  s->constants = now.constants;
-  s->residual_density = now.residual_density;
-  s->iterations = now.iterations;
-  s->pressure_scale = 0;
-  s->now = time;
-  return PBF_OK;
-}
-
-static pbf_status set_overlap(solver *s, const pbf_overlap *overlap) {
-  pbf_schedule schedule =
-      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
-  pbf_status status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) return status;
-  s->schedule = schedule;
-  s->overlaps = overlap != NULL;
-  if (overlap) s->found = *overlap;
-  return PBF_OK;
-}
-
-/* The arrays are there. */
-static pbf_status plan_for(solver *s, uint32_t count) {
-  s->planned = count;
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
-  return PBF_OK;
-}
-
-static pbf_status synchronize(solver *s) {
-  (void)s;
+  project_at(s, time, iterations);
   return PBF_OK;
 }
 
@@ -296,18 +196,6 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   return PBF_OK;
 }
 
-static pbf_status max_speed(solver *s, double *speed) {
-  double most2 = 0;
-  for (uint32_t i = 0; i < s->count; ++i) {
-    const pbf_vec v = s->v[i];
-    double v2 = 0;
-    for (int k = 0; k < PBF_DIM; ++k) v2 += (double)v.c[k] * (double)v.c[k];
-    most2 = v2 > most2 ? v2 : most2;
-  }
-  *speed = sqrt(most2);
-  return PBF_OK;
-}
-
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
   pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
@@ -331,7 +219,7 @@ const pbf_backend_api PBF_VARIANT_API = {
     .struct_size = sizeof(pbf_backend_api),
     .probe = reference_probe,
     .create = create,
-    .destroy = destroy,
+    .destroy = release,
     .set_params = set_params,
     .set_colliders = set_colliders,
     .step = step,

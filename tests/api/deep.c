@@ -547,7 +547,9 @@ static void check_no_room(uint32_t dimension, uint32_t precision) {
   pbf_stats with = in_a_ball(dimension, precision, 2.5);
   pbf_stats without = in_a_ball(dimension, precision, 0);
   /* A device may run a step with a grid in other kernels than one without, which sum elsewhere. */
-  const double rounding = strcmp(test_backend(), "cuda") != 0 ? 0 : precision == PBF_FLOAT32 ? 1e-5 : 1e-13;
+  const double rounding = strcmp(test_backend(), "cuda") != 0 ? 0
+                          : precision == PBF_FLOAT32          ? 1e-5
+                                                              : 1e-13;
   for (uint32_t k = 0; k < dimension; ++k)
     assert_true(fabs(with.center_of_mass[k] - without.center_of_mass[k]) <= rounding);
   assert_true(with.speed_max <= 2 * without.speed_max);

@@ -1,0 +1,161 @@
+/* What the solvers that run on a CPU do alike with parameters, colliders, overlaps and the time:
+ * all that changes the schedule. Part of reference/backend.cpp and cpu/backend.cpp. Their solvers
+ * have the same members for it, and these functions:
+ *
+ *   keep_arrays, wake_all, wake_near_moving, init_new   as they declare them
+ *   void settle_pressures(Solver *)                 before what pressures come from changes
+ *   bool step_of_no_time(Solver *, double time)     whether there was memory for it
+ *   pbf_vec velocity_of(const Solver *, uint32_t i) */
+#ifndef PBF_COMMON_SCENE_H
+#define PBF_COMMON_SCENE_H
+
+#include "common/host_only.h"
+#include "common/without.h"
+#include "physics/constants.h"
+#include "physics/schedule.h"
+#include "physics/sleep.h"
+
+template <class Solver>
+static pbf_status out_of_memory(const Solver *s, const char *what) {
+  char text[160];
+  snprintf(text, sizeof text, "no memory for %s of %u particles; a smaller capacity would do", what,
+           s->capacity);
+  s->host->set_error(text);
+  return PBF_ERROR_OUT_OF_MEMORY;
+}
+
+template <class Solver>
+static pbf_schedule schedule_of(const Solver *s, const pbf_params *params, uint32_t colliders,
+                                const pbf_collider *list, int overlaps) {
+  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
+}
+
+/* Takes what a schedule needs before anything else changes: it may fail. */
+template <class Solver>
+static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const pbf_params *params) {
+  settle_pressures(s);
+  if (!keep_arrays(s, *schedule, *params)) {
+    keep_arrays(s, s->schedule, s->params);
+    return out_of_memory(s, "the arrays of an optional stage");
+  }
+  return PBF_OK;
+}
+
+/* Sleep is in the parameters, which may have changed, and may have been in those before. */
+template <class Solver>
+static void allow_sleep(Solver *s, int changes, int before) {
+  s->sleep = pbf_sleep_of(&s->params);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  if (!before) init_new(s, 0);
+  if (changes) wake_all(s);
+}
+
+template <class Solver>
+static pbf_status set_params(Solver *s, const pbf_params *params) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  if (status != PBF_OK) return status;
+  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
+  status = take_schedule(s, &schedule, params);
+  if (status != PBF_OK) return status;
+  int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
+  int changes = !pbf_only_time_step_differs(&s->params, params);
+  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
+  s->params = *params;
+  s->schedule = schedule;
+  if (!schedule.accelerated) s->pressure_scale = 0;
+  if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
+  return PBF_OK;
+}
+
+template <class Solver>
+static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *colliders,
+                                double time) {
+  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
+  if (status != PBF_OK) return status;
+  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
+  status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) return status;
+  pbf_moving_obstacles changed =
+      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
+  changed.surfaces |= s->moving_obstacles.surfaces;
+  wake_near_moving(s, changed, s->now);
+  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
+  s->collider_count = count;
+  s->collider_time = s->now = time;
+  s->schedule = schedule;
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
+  wake_near_moving(s, changed, time);
+  return PBF_OK;
+}
+
+template <class Solver>
+static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
+  pbf_schedule schedule =
+      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) return status;
+  s->schedule = schedule;
+  s->overlaps = overlap != NULL;
+  if (overlap) s->found = *overlap;
+  return PBF_OK;
+}
+
+/* The arrays are there. */
+template <class Solver>
+static pbf_status plan_for(Solver *s, uint32_t count) {
+  s->planned = count;
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
+  return PBF_OK;
+}
+
+/* A step of no time, without what only steps need. */
+template <class Solver>
+static bool project_at(Solver *s, double time, uint32_t iterations) {
+  const pbf_params params = s->params;
+  const pbf_schedule schedule = s->schedule;
+  const pbf_constants constants = s->constants;
+  const uint32_t ended_after = s->iterations;
+  pbf_real *residual_density = s->residual_density;
+  settle_pressures(s);
+  wake_all(s);
+  s->params = pbf_projection_of(&params, iterations);
+  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
+  s->constants = pbf_constants_of(&s->params);
+  s->residual_density = NULL;
+  const bool done = step_of_no_time(s, time);
+  s->params = params;
+  s->schedule = schedule;
+  s->constants = constants;
+  s->iterations = ended_after;
+  s->residual_density = residual_density;
+  s->pressure_scale = 0;
+  return done;
+}
+
+template <class Solver>
+static pbf_status max_speed(Solver *s, double *speed) {
+  double max2 = 0;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const pbf_vec v = velocity_of(s, i);
+    double v2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) v2 += (double)v.c[k] * (double)v.c[k];
+    max2 = v2 > max2 ? v2 : max2;
+  }
+  *speed = sqrt(max2);
+  return PBF_OK;
+}
+
+/* Steps end before their call does. */
+template <class Solver>
+static pbf_status synchronize(Solver *) {
+  return PBF_OK;
+}
+
+template <class Solver>
+static void release(Solver *s) {
+  pbf_allocator allocator = s->memory.allocator;
+  pbf_memory_free_all(&s->memory);
+  allocator.release(allocator.user, s, sizeof *s, PBF_ALIGNMENT);
+}
+
+#endif
