@@ -10,8 +10,10 @@
 #define PBF_COMMON_SCENE_H
 
 #include "common/host_only.h"
+#include "common/memory.h"
 #include "common/without.h"
 #include "physics/constants.h"
+#include "physics/project.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
 

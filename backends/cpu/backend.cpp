@@ -273,7 +273,7 @@ const pbf_backend_api PBF_VARIANT_API = {
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
-    .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap : NULL,
+    .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap<solver> : NULL,
     .plan_for = plan_for,
     .max_speed = max_speed,
 };
