@@ -75,6 +75,8 @@ typedef struct pair_pass {
 /* What an iteration moves particles by, and to. */
 typedef struct move_pass {
   const pbf_real *lambda;
+  const uint32_t *ids;
+  const pbf_real *overlap; /* null: none */
   const pbf_obstacles *obstacles;
   int collide; /* with these */
   pbf_real inv_time_step;

@@ -172,6 +172,28 @@ PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed
   }
 }
 
+/* Whether symmetry may hold particles of a group: pressed, and not moved along an axis. */
+PBF_FN int any_may_be_held(lane lambda, const lane_vector<lane> &change) {
+  const lane tiny =
+      ops<lane>::set(sizeof(pbf_real) == sizeof(float) ? (pbf_real)1e-37 : (pbf_real)1e-300);
+  lane moving = ops<lane>::max(change.c[0], -change.c[0]); /* the least of its axes, negative */
+  moving = -moving;
+  for (int k = 1; k < PBF_DIM; ++k)
+    moving = ops<lane>::max(moving, -ops<lane>::max(change.c[k], -change.c[k]));
+  return lane_any_below(ops<lane>::max(lambda, -moving - tiny), ops<lane>::set(0));
+}
+
+static __attribute__((noinline)) void break_symmetry(const pbf_constants *c, const move_pass *m,
+                                                     uint32_t first, uint32_t lanes,
+                                                     const lane_values *change, lane_values *x) {
+  for (uint32_t l = 0, i = first; l < lanes; ++l, ++i) {
+    const bool overlaps = m->overlap && m->overlap[i] > 0;
+    set_lane(x, l,
+             pbf_break_symmetry(c, m->lambda[i], overlaps, lane_value(change, l), m->ids[i],
+                                lane_value(x, l)));
+  }
+}
+
 template <class Pass>
 PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m, uint32_t first,
                         uint32_t last) {
@@ -190,10 +212,13 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
     }
     pass.finish(sums, m->inv_time_step, &x, &v);
-    lane_values moved;
-    for (int k = 0; k < PBF_DIM; ++k) lane_store(moved.c[k], x.c[k]);
-    lane_values after = moved;
+    lane_values moved = values_of(x);
     uint32_t lanes = lanes_in_group(&p->lists, g);
+    if (m->overlap || any_may_be_held(lane_load(m->lambda + g * WIDTH), sums.change)) {
+      const lane_values change = values_of(sums.change);
+      break_symmetry(pass.c, m, g * WIDTH, lanes, &change, &moved);
+    }
+    lane_values after = moved;
     if (m->collide && pbf_surface_count(*m->obstacles)) {
       const lane_values starts = values_of(load_vector(m->predicted, g * WIDTH));
       resolve_group(m->obstacles, &starts, &after, lanes);

@@ -171,6 +171,8 @@ static void move_task(void *context, uint32_t task) {
   range r = task_groups(w, task), all = task_sorted(w, task);
   pair_pass pairs = pairs_at_x_star(w, packed_lambda(s));
   const move_pass m = {pushes_of(s),
+                       w->b.sorted_ids,
+                       w->b.sorted_overlap,
                        &w->obstacles,
                        s->schedule.collide_in_iteration,
                        w->forces.inv_time_step,

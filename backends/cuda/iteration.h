@@ -64,12 +64,10 @@ struct move_finish {
 /* Where a move takes a particle from x, and its velocity with it; `predicted` counts where there
  * are colliders. `ghosts` push, too, unless null. */
 template <surfaces_met SURFACES, class Pass>
-static __device__ __forceinline__ pbf_vec finish_move(const Pass &pass, const step_obstacles &o,
-                                                      const move_finish &end, pbf_real lambda,
-                                                      pbf_vec predicted, pbf_vec x,
-                                                      move_sums<pbf_real> sums,
-                                                      const move_sums<pbf_real> *ghosts,
-                                                      pbf_vec *velocity) {
+static __device__ __forceinline__ pbf_vec
+finish_move(const Pass &pass, const step_obstacles &o, const move_finish &end, pbf_real lambda,
+            bool overlaps, const uint32_t &id, pbf_vec predicted, pbf_vec x,
+            move_sums<pbf_real> sums, const move_sums<pbf_real> *ghosts, pbf_vec *velocity) {
   if (ghosts) add_sums(&sums, *ghosts);
   if (end.wall_density) {
     pbf_boundary boundary = boundary_at<SURFACES>(pass.c, o, x);
@@ -77,7 +75,7 @@ static __device__ __forceinline__ pbf_vec finish_move(const Pass &pass, const st
   }
   lane_vector<pbf_real> y = lanes_of(x), v = lanes_of(*velocity);
   pass.finish(sums, end.inv_time_step, &y, &v);
-  x = vec_of(y);
+  x = pbf_break_symmetry(pass.c, lambda, overlaps, vec_of(sums.change), id, vec_of(y));
   *velocity = vec_of(v);
   int collisions = end.collisions;
   if (SURFACES == NO_SURFACES) collisions = collisions > 0; /* walls push once */

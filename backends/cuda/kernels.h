@@ -172,7 +172,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   x = finish_move<SURFACES>(
       pass, extras.obstacles,
       {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step},
-      own.lambda, predicted, x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
+      own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], predicted,
+      x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;

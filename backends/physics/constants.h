@@ -14,7 +14,8 @@ enum { PBF_WALL_NODES = 33 };
 
 typedef struct pbf_constants {
   pbf_real h, h2, inv_h, inv_h2;
-  pbf_real tiny2; /* r² below which a pair has no direction */
+  pbf_real tiny2;           /* r² below which a pair has no direction */
+  pbf_real symmetry_offset; /* which breaks a symmetry, see pbf_break_symmetry */
   pbf_real value_scale, gradient_scale, gradient_over_h;
   pbf_real cfm;
   pbf_real target;       /* density that the solve aims at: 1, or what overfull.h says */
@@ -283,6 +284,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.inv_h = (pbf_real)(1 / d.h);
   c.inv_h2 = (pbf_real)(1 / (d.h * d.h));
   c.tiny2 = (pbf_real)(1e-14 * d.h * d.h);
+  c.symmetry_offset = (pbf_real)(1e-4 * d.spacing);
   c.value_scale = (pbf_real)d.value_scale;
   c.gradient_scale = (pbf_real)d.gradient_scale;
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);

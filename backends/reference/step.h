@@ -195,7 +195,8 @@ static inline void move(solver *s, const pbf_obstacles *o) {
     if (asleep(s, i)) continue;
     auto x = lanes_of(s->moved[i]), v = lanes_of(s->v[i]);
     pass.finish<pbf_real>({lanes_of(s->change[i])}, inv_time_step, &x, &v);
-    s->moved[i] = vec_of(x);
+    s->moved[i] = pbf_break_symmetry(c, of.number[i], s->overlap && s->overlap[i] > 0, s->change[i],
+                                     s->ids[i], vec_of(x));
     s->v[i] = vec_of(v);
   }
 }

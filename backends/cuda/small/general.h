@@ -108,7 +108,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
           of_move, obstacles,
           {scene.wall_density != 0,
            scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step},
-          own.lambda, predicted, x, sums, nullptr, &v);
+          own.lambda, false, p.ids[i], predicted, x, sums, nullptr, &v);
       p.velocities[i] = v;
       point to = point_at(x);
       to.lambda = own.lambda;

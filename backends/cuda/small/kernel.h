@@ -287,7 +287,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
             of_move, obstacles,
             {wall_density, scene.collide_in_iteration + (last && scene.collide_after_solve),
              scene.inv_time_step},
-            lambda, x, y, pairs.change, nullptr, &v);
+            lambda, false, i, x, y, pairs.change, nullptr, &v);
       }
       if (last) continue;
       if (me.leads) publish_position(room.exchange, i, y, pass + 1);
