@@ -21,7 +21,7 @@ PBF_FN pbf_vec pbf_push(const pbf_constants *c, pbf_real inv_time_step, pbf_vec 
 
 /* A particle that is pressed and yet not moved along an axis, to the last bit, is held by symmetry
  * alone: no pair in a line or plane of particles, or at one point, pushes across it, so that they
- * would stay there however dense. It goes a little way of its own, by its `id`, of which pressure
+ * would stay there however dense. It goes the least way of its own, by its `id`, of which pressure
  * makes more; its velocity does not change. So does along all axes what has been placed in others,
  * `overlaps`: particles at one point are pushed alike by those around them. */
 PBF_FN pbf_vec pbf_break_symmetry(const pbf_constants *c, pbf_real lambda, bool overlaps,
@@ -30,7 +30,7 @@ PBF_FN pbf_vec pbf_break_symmetry(const pbf_constants *c, pbf_real lambda, bool 
   if (!(lambda < 0)) return x;
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real part = ((pbf_real)(hash >> 8 * k & 255) - (pbf_real)127.5) / (pbf_real)127.5;
-    const pbf_real offset = c->symmetry_offset + 8 * pbf_last_bit(x.c[k]);
+    const pbf_real offset = c->symmetry_offset + 2 * pbf_last_bit(x.c[k]);
     const bool is_moved = change.c[k] < 0 || change.c[k] > 0;
     if (overlaps || !is_moved) x.c[k] += part * offset;
   }
