@@ -284,7 +284,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.inv_h = (pbf_real)(1 / d.h);
   c.inv_h2 = (pbf_real)(1 / (d.h * d.h));
   c.tiny2 = (pbf_real)(1e-14 * d.h * d.h);
-  c.symmetry_offset = (pbf_real)(1e-9 * d.spacing);
+  c.symmetry_offset = (pbf_real)(1e-12 * d.spacing);
   c.value_scale = (pbf_real)d.value_scale;
   c.gradient_scale = (pbf_real)d.gradient_scale;
   c.gradient_over_h = (pbf_real)(d.gradient_scale / d.h);
