@@ -111,11 +111,14 @@ static double *state_after(uint32_t dimension, uint32_t precision, kind set, sca
   return state;
 }
 
-/* h from 1.2e-8 to 5e10; a step from 8e-15 to 9e12. */
+/* h from 1.2e-8 to 5e10; a step from 8e-15 to 9e12, on a GPU in float32 to 9e9: its kernels flush
+ * subnormal numbers, as the squares of differences of such velocities are, to 0. */
 static void in_other_units(uint32_t dimension, uint32_t precision) {
+  const int flushes = precision == PBF_FLOAT32 && strcmp(test_backend(), "cuda") == 0;
   static const kind kinds[] = {defaults, every_stage, paper, short_steps, attracted};
-  static const scale scales[] = {{0x1p-23, 1}, {0x1p-10, 1}, {0x1p39, 1},
-                                 {1, 0x1p-40}, {1, 0x1p50},  {0x1p-20, 0x1p-10}};
+  const scale scales[] = {
+      {0x1p-23, 1},      {0x1p-10, 1}, {0x1p39, 1}, {1, 0x1p-40}, {1, flushes ? 0x1p40 : 0x1p50},
+      {0x1p-20, 0x1p-10}};
   uint32_t wrong = 0;
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
     uint32_t values, others;
