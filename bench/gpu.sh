@@ -85,7 +85,7 @@ for support in 2.25 3; do
   timed shallow-dam-break 1000000 $support
 done
 timed shallow-dam-break 30000 3 # walls mirror the fluid
-for extra in damping_compensation angular_momentum_correction viscosity vorticity; do
+for extra in damping_compensation angular_momentum_correction shear_stress_correction viscosity vorticity; do
   timed shallow-dam-break 30000 2 $extra
   timed shallow-dam-break 1000000 2 $extra
 done

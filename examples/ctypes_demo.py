@@ -38,7 +38,7 @@ class Params(c.Structure):
         ("damping_compensation", c.c_double), ("angular_momentum_correction", c.c_double),
         ("drag", c.c_double), ("drag_velocity", c.c_double * 3),
         ("max_depenetration_speed", c.c_double), ("max_substeps", c.c_uint32),
-        ("reserved", c.c_uint32),
+        ("reserved", c.c_uint32), ("shear_stress_correction", c.c_double),
     ]
 
 

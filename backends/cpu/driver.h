@@ -12,6 +12,7 @@ namespace {
 struct lookups {
   const pbf_real *number;
   const field *vector;
+  const pbf_real *second = NULL; /* number */
 };
 
 /* How many neighbours a list has for each lane. */
@@ -32,17 +33,17 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (walk w = walk_group(&p->lists, g); w.left;) {
     const block *b = walk_block(&w);
-    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
+    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER > 0 ? of.number : NULL);
     vector_table vectors;
-    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector);
+    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL);
     const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
     if (neighbors) *neighbors = *neighbors + neighbors_listed(list, end);
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
       neighbor_of<lane> j;
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = now.x_ij.c[k];
       j.r2 = now.r2;
-      if (Pass::NUMBER) j.number = number_of(&around, &now);
-      if (Pass::VECTOR) j.vector = vector_of(&vectors, now.j);
+      if (Pass::NUMBER > 0) j.number = number_of(&around, &now);
+      if (Pass::VECTOR) j.vector = vector_of(&vectors, now.j, Pass::NUMBER > 1 ? &j.second : NULL);
       pass.pair(sums, own, j);
     };
     if (BUILT_FOR_SIZE) {

@@ -52,7 +52,7 @@ PBF_FN void add_ghosts(const Pass &pass, const lane_ghost_walls &m,
     neighbor_of<lane> ghost = j;
     ghost.r2 = ghost_in(walls, m.doubled, j.x_ij, &ghost.x_ij);
     if (lane_any_below(ghost.r2, ops<lane>::set(pass.c->h2)))
-      pass.pair(sums, own, ghost);
+      pass.pair(sums, own, ghost, weighted_later{});
     else
       out |= walls & (walls - 1) ? 0 : walls;
   }

@@ -45,6 +45,8 @@ struct executor {
   void exchange(int fields) {
     if (fields & FIELD_VELOCITY) pack_vectors(w, velocities_task);
     if (fields & FIELD_MEAN_VELOCITY) pack_vectors(w, flows_and_lambda_task);
+    if (fields & FIELD_DEVIATOR) pack_vectors(w, deviators_task);
+    if (fields & FIELD_SHEAR_PUSH) pack_vectors(w, shear_pushes_task);
     if (fields & FIELD_CORRECTION_RATE) pack_vectors(w, rates_task);
     if (fields & FIELD_CURL_SIZE) pack_positions(w, sizes_task);
   }
@@ -92,6 +94,9 @@ struct executor {
     w->iteration = k + 1;
   }
   void velocity() { update_velocity(w); }
+  void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
+  void shear_push() { over_pairs(shear_push_task, PBF_STAGE_SHEAR_PUSH); }
+  void correct_shear_stress() { over_pairs(shear_stress_task, PBF_STAGE_SHEAR_STRESS); }
   void mean_velocity() { over_pairs(flow_task, PBF_STAGE_MEAN_VELOCITY); }
   void compensate_damping() { over_pairs(compensate_damping_task, PBF_STAGE_DAMPING_COMPENSATION); }
   void correction_rate() { over_pairs(turn_rate_task, PBF_STAGE_CORRECTION_RATE); }

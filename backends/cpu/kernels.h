@@ -6,6 +6,7 @@
 #include "common/pressure_grid.h"
 #include "cpu/grid.h"
 #include "physics/passes/predict.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/sleep.h"
 
 /* Where the neighbours of a group, as many consecutive sorted particles as the vectors have lanes,
@@ -104,6 +105,18 @@ typedef struct turn_pass {
   field torque, rate, velocity;
 } turn_pass;
 
+/* What shear_stress.h works on. */
+typedef struct shear_pass shear_pass;
+struct shear_pass {
+  const pbf_real *lambda;
+  field deviator;    /* times lambda, … */
+  pbf_real *rest[2]; /* … and of its components those that no vector has room for */
+  field push;        /* and before that what walls push with */
+  field velocity;
+  /* add_walls for particle i: the same for all instruction sets. */
+  int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
+};
+
 /* Sorted particles of which one byte says whether any of them can be awakened. */
 enum { ACTIVITY_CHUNK = 32 };
 
@@ -148,6 +161,10 @@ typedef struct kernels {
   /* … and at the end finds rates, and turns with them. */
   void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
   void (*turn)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
+  /* Deviators and what walls push with, what pushes make up for, and velocities by these. */
+  void (*deviator)(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last);
+  void (*shear_push)(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last);
+  void (*shear_stress)(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last);
   /* Particles with a source within h, `is_source` above 0, are AWAKENED. */
   void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
                          uint32_t *awakened, uint32_t first, uint32_t last);

@@ -1,12 +1,74 @@
-/* Part of kernels.cpp: the corrections of the fluid's own motion: damping compensation and angular
- * momentum. One loop for both kernels, for they run on request. */
+/* Part of kernels.cpp: the corrections of the fluid's own motion: shear stress, damping
+ * compensation and angular momentum. One loop for both kernels, for they run on request. */
 #ifndef PBF_CPU_KERNELS_CORRECTIONS_H
 #define PBF_CPU_KERNELS_CORRECTIONS_H
 
 #include "cpu/kernels_pairs.h"
 #include "physics/passes/angular_momentum.h"
 #include "physics/passes/damping_compensation.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/passes/torque.h"
+
+/* The sums of a group, with those of ghosts. */
+PBF_FN fabric_sums<lane> fabric_of_group(const fabric_pass<int> &pass, const pair_pass *p,
+                                         uint32_t g) {
+  fabric_sums<lane> with_ghosts;
+  if (has_ghosts(p) && sum_with_ghosts<fabric_pass>(p, pass.features, {}, g, &with_ghosts))
+    return with_ghosts;
+  return sums_of_group(pass, p, {}, {}, g);
+}
+
+static void set_deviator(const shear_pass *s, uint32_t i, pbf_deviator d) {
+  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
+    (k < PBF_DIM ? s->deviator.c[k % PBF_DIM] : s->rest[k - PBF_DIM])[i] = d.c[k];
+}
+
+static void deviator(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const fabric_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const int near = contributing_obstacles(p) && group_near_obstacles(p, g);
+    const lane_sums<fabric_sums> sums(fabric_of_group(pass, p, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      pbf_fabric one = fabric_of(sums[l]);
+      const pbf_deviator none = {{0}};
+      set_deviator(s, i, !near || s->add_walls(p, i, &one) ? pass.finish(one, s->lambda[i]) : none);
+      field_set(&s->push, i, one.wall);
+    }
+  }
+}
+
+PBF_FN lane_deviator<lane> load_deviator(const shear_pass *s, uint32_t i) {
+  lane_deviator<lane> d;
+  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
+    d.c[k] = lane_load((k < PBF_DIM ? s->deviator.c[k % PBF_DIM] : s->rest[k - PBF_DIM]) + i);
+  return d;
+}
+
+static void shear_push(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const shear_push_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  const lookups of = {s->rest[0], &s->deviator, s->rest[1]};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_deviator<lane> own = load_deviator(s, g * WIDTH);
+    const lane_sums<shear_push_pass<int>::sums> sums(sums_of_group(pass, p, of, {own}, g));
+    const lane_sums<lane_deviator> each(own);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&s->push, i, pass.finish(sums[l], each[l], field_at(&s->push, i)));
+  }
+}
+
+static void shear_stress(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const shear_stress_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<shear_stress_pass<int>::sums> sums(
+        sums_of_group(pass, p, {NULL, &s->push}, {load_vector(s->push, g * WIDTH)}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&s->velocity, i,
+                pass.finish(sums[l], field_at(&s->push, i), field_at(&s->velocity, i)));
+  }
+}
 
 static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;

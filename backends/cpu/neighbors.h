@@ -52,20 +52,24 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   return p->number;
 }
 
-/* Of another vector: what pack has made of it. */
+/* Of another vector, and a second number with it: what pack has made of them. */
 typedef const pbf_real *vector_table;
 
-PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v) {
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
+                               const pbf_real *second) {
   (void)b;
   (void)v;
+  (void)second;
   return p->vectors;
 }
 
-PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j) {
+/* `second` null: without. */
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j, lane *second) {
   lane quad[4];
   lane_vector<lane> v;
   quads_at(*t, j, quad);
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = quad[k];
+  if (second) *second = quad[3];
   return v;
 }
 
@@ -87,9 +91,10 @@ static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t firs
 
 #else
 
-/* Tables of a vector's components; `sentinel` is the first of what is no neighbour. */
+/* Tables of a vector's components, and of a number with it; `sentinel` is the first of what is no
+ * neighbour. */
 struct vector_table {
-  table c[PBF_DIM];
+  table c[PBF_DIM], second;
 };
 
 PBF_FN vector_table vector_table_of(const field *f, const block *b, pbf_real sentinel) {
@@ -122,14 +127,19 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
   return table_at(&around->number, p->j);
 }
 
-PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v) {
+PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
+                               const pbf_real *second) {
   (void)p;
-  return vector_table_of(v, b, 0);
+  vector_table t = vector_table_of(v, b, 0);
+  if (second) t.second = table_of(second, b->first, 0);
+  return t;
 }
 
-PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j) {
+/* `second` null: without. */
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j, lane *second) {
   lane_vector<lane> v;
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = table_at(&t->c[k], j);
+  if (second) *second = table_at(&t->second, j);
   return v;
 }
 

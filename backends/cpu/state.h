@@ -61,6 +61,9 @@ struct buffers {
 
   /* After that, each from its stage to the next that has one of these. */
   PBF_IN const field &mean_velocity() const { return scratch[0]; }
+  PBF_IN const field &deviator() const { return scratch[0]; }
+  PBF_IN pbf_real *rest_of_deviator(int k) const { return sorted_velocity.c[k]; }
+  PBF_IN const field &shear_push() const { return scratch[1]; }
   PBF_IN const field &rotation_rate() const { return scratch[0]; }
   PBF_IN const field &curl() const { return scratch[0]; }
   PBF_IN pbf_real *wakes() const { return scratch[0].c[0]; }

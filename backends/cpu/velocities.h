@@ -6,7 +6,61 @@
 #include "cpu/solve.h"
 #include "physics/passes/damping_compensation.h"
 #include "physics/passes/drag.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/passes/viscosity.h"
+
+static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
+  return add_walls(p->constants, *p->contributing, field_at(&p->x, i), fabric);
+}
+
+/* Runs a pass of shear_stress.h for a task's particles that are awake. */
+static void shear_awake(const worker *w, uint32_t task,
+                        void (*pass)(const pair_pass *p, const shear_pass *s, uint32_t first,
+                                     uint32_t last)) {
+  const range r = task_groups(w, task);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
+  const shear_pass shear = {
+      w->s->lambda,      w->b.deviator(), {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
+      w->b.shear_push(), w->b.v,          add_walls_at};
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    pass(&pairs, &shear, g.first, g.last);
+}
+
+static void deviator_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  pbf_real *const rest[2] = {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)};
+  shear_awake(w, task, w->s->kernels->deviator);
+  zero_sleeping(w, task_sorted(w, task), w->b.deviator().c, PBF_DIM);
+  zero_sleeping(w, task_sorted(w, task), rest, PBF_DEVIATOR_DIM - PBF_DIM);
+}
+
+/* In two dimensions a vector has room for it. */
+static void deviators_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const pbf_real *const rest[2] = {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)};
+  const range r = task_sorted(w, task);
+  if (PBF_DEVIATOR_DIM > PBF_DIM) fill_packed(w->s, packed_positions(w->s), &w->b.x, rest[0], r);
+  fill_packed(w->s, packed_vectors(w->s), &w->b.deviator(),
+              PBF_DEVIATOR_DIM > PBF_DIM ? rest[1] : NULL, r);
+}
+
+static void shear_push_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  shear_awake(w, task, w->s->kernels->shear_push);
+  zero_sleeping(w, task_sorted(w, task), w->b.shear_push().c, PBF_DIM);
+}
+
+static void shear_pushes_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  fill_packed(w->s, packed_vectors(w->s), &w->b.shear_push(), NULL, task_sorted(w, task));
+}
+
+static void shear_stress_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  shear_awake(w, task, w->s->kernels->shear_stress);
+  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
+}
 
 static void flow_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);

@@ -5,19 +5,33 @@
 
 #include "cuda/lists.h"
 #include "physics/passes/pass.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/passes/start.h"
 
 /* Vectors of what passes look up, as they lie in an array. */
 static __device__ __forceinline__ pbf_vec vector_in(const point &p) { return position_of(p); }
 static __device__ __forceinline__ pbf_vec vector_in(pbf_vec v) { return v; }
+static __device__ __forceinline__ pbf_vec vector_in(const pbf_deviator &d) {
+  pbf_vec v;
+  for (int k = 0; k < PBF_DIM; ++k) v.c[k] = d.c[k];
+  return v;
+}
 
 /* Numbers: those of an array of numbers, or else the lambda beside the place. */
 static __device__ __forceinline__ pbf_real number_in(const point &, pbf_real number) {
   return number;
 }
+static __device__ __forceinline__ pbf_real number_in(const point &, const pbf_deviator &d) {
+  return d.c[PBF_DEVIATOR_DIM - 2];
+}
 template <class Value>
 static __device__ __forceinline__ pbf_real number_in(const point &other, const Value &) {
   return other.lambda;
+}
+
+/* And second numbers. */
+static __device__ __forceinline__ pbf_real second_in(const pbf_deviator &d) {
+  return d.c[PBF_DEVIATOR_DIM - 1];
 }
 
 /* Where particles are for a pass: at their points, … */
@@ -64,8 +78,9 @@ static __device__ __forceinline__ void add_neighbors(
     typename Pass::template sums<pbf_real> *sums, const Places &places = {}) {
   for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
     neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-    if constexpr (Pass::NUMBER) j.number = number_in(other, v);
+    if constexpr (Pass::NUMBER > 0) j.number = number_in(other, v);
     if constexpr (Pass::VECTOR) j.vector = lanes_of(vector_in(v));
+    if constexpr (Pass::NUMBER > 1) j.second = second_in(v);
     pass.pair(sums, own, j);
   });
 }

@@ -246,7 +246,40 @@ struct executor {
     s->time = time;
   }
 
-  /* Mean velocities take the points that the solve has left behind, … */
+  /* A solve that has ended by its tolerance needs the sums of ghosts here, too. */
+  void deviator() {
+    const bool with_ghosts = s->fabric_ghosts && domain().ghost_reach > 0;
+    iteration_extras unwatched = extras;
+    unwatched.watch = {};
+    run(PBF_STAGE_DEVIATOR, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        constexpr int F = decltype(features)::value;
+        if (with_ghosts)
+          sum_ghosts<fabric_pass<fixed<F>>>(s, n, unwatched, domain(), s->fabric_ghosts);
+        launch(deviator_kernel<F>, n, extras.obstacles, s->schedule.wall_density, s->activity,
+               with_ghosts ? s->fabric_ghosts : nullptr, s->deviators, s->other);
+      });
+    });
+  }
+
+  /* Pushes take the points that the solve has left behind, … */
+  void shear_push() {
+    run(PBF_STAGE_SHEAR_PUSH, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(shear_push_kernel<decltype(features)::value>, n, s->deviators, s->other);
+      });
+    });
+  }
+
+  void correct_shear_stress() {
+    run(PBF_STAGE_SHEAR_STRESS, [&] {
+      with_kernel(s->schedule.features, [&](auto features) {
+        launch(shear_stress_kernel<decltype(features)::value>, n, s->other, s->velocities);
+      });
+    });
+  }
+
+  /* … as do mean velocities, … */
   void mean_velocity() {
     run(PBF_STAGE_MEAN_VELOCITY, [&] {
       with_kernel(s->schedule.features, [&](auto features) {

@@ -107,7 +107,7 @@ static __global__ void __launch_bounds__(32 * PBF_GHOST_SHARES)
   const bool inactive = PBF_SLEEP && activity && pbf_is_inactive(activity[own]);
   const wall_ghosts ghosts = inactive ? wall_ghosts{} : ghosts_at(domain, x);
   typename Pass::template own<pbf_real> of_own;
-  if constexpr (Pass::NUMBER) of_own = {here.lambda};
+  if constexpr (Pass::NUMBER > 0) of_own = {here.lambda};
   pass_sums sums = {};
   if (warp_has(ghosts)) {
     if (share == 0) add_ghosts(pass, ghosts, of_own, {{0}}, here.lambda, &sums);

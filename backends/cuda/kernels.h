@@ -13,6 +13,7 @@
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 #include "physics/passes/viscous_stress.h"
@@ -364,6 +365,52 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     change = change_near_obstacles(c, obstacles, x, mean, here.lambda, vec_of(sums.end),
                                    vec_of(sums.start));
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
+}
+
+/* lambda D of shear_stress.h, of particles awake, and what walls push with.
+ * `activity` is null where nothing sleeps, `ghosts` where there are none. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    deviator_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+                    const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
+                    pbf_deviator *deviators, point *walls) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const point here = load(n.particles.points, own);
+  const pbf_vec x = position_of(here);
+  const fabric_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
+  if (i >= n.particles.count) return;
+  if (PBF_GHOSTS && ghosts) add_sums(&sums, ghosts[i]);
+  pbf_fabric fabric = fabric_of(sums);
+  const bool counts = !wall_density || add_walls(&n.constants, obstacles, x, &fabric);
+  const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
+  const pbf_deviator none = {{0}};
+  deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;
+  store(walls, i, point_at(fabric.wall));
+}
+
+/* From what walls push with to the pushes. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    shear_push_kernel(neighborhood n, const pbf_deviator *deviators, point *pushes) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  const auto d = lanes_of(deviators[own]);
+  const shear_push_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const auto sums = sums_around(pass, n, i, x, {d}, deviators);
+  if (i < n.particles.count)
+    store(pushes, i, point_at(pass.finish(sums, d, position_of(load(pushes, i)))));
+}
+
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    shear_stress_kernel(neighborhood n, const point *pushes, pbf_vec *velocities) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  const pbf_vec push = position_of(load(pushes, own));
+  const shear_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const auto sums = sums_around(pass, n, i, x, {lanes_of(push)}, pushes);
+  if (i < n.particles.count) velocities[i] = pass.finish(sums, push, velocities[i]);
 }
 
 /* From `velocities` to `smoothed`. */

@@ -32,6 +32,8 @@ typedef struct pbf_constants {
   pbf_real
       max_mean_flow2;   /* … and beyond which way of the flow in a step, squared, less of it is */
   pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
+  pbf_real shear_stress_part; /* shear_stress.h: what is taken back, over dt; … */
+  pbf_real wall_fabric_across, wall_fabric_along; /* … what a wall hides of a first layer's M */
   int scorr_n;
   int accelerated;              /* lambda adds up over the iterations, */
   pbf_real max_tension;         /* … up to this above a density of, and to 0 elsewhere, … */
@@ -257,6 +259,8 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   memset(c->wall_slope, 0, sizeof c->wall_slope);
   c->wall_offset = (pbf_real)derived->wall_offset;
   c->boundary_weight = (pbf_real)params->wall_density;
+  c->wall_fabric_across = (pbf_real)(derived->wall_fabric_across * params->wall_density);
+  c->wall_fabric_along = (pbf_real)(derived->wall_fabric_along * params->wall_density);
   c->boundary_rest_density = c->inv_boundary_rest_density = 0;
   pbf_set_wall_gradient(c, derived);
   if (!(params->wall_density > 0)) return;
@@ -304,6 +308,8 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.torque_part = (pbf_real)(params->time_step > 0
                                  ? 0.5 * params->angular_momentum_correction / params->time_step
                                  : 0);
+  c.shear_stress_part =
+      (pbf_real)(params->time_step > 0 ? params->shear_stress_correction / params->time_step : 0);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_tension(&c, params, &d);

@@ -34,6 +34,8 @@ typedef struct pbf_derived {
       wall_first_density; /* t of a lattice's first layer, and the half-space's density there */
   double wall_steepness, wall_fade, wall_gradient_scale,
       wall_gradient_scale_far; /* see pbf_derive_wall */
+  double wall_fabric_across,
+      wall_fabric_along; /* what a first layer lacks of shear_stress.h's M, across and along */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -215,12 +217,13 @@ static inline double pbf_wall_offset(uint32_t kernel, uint32_t dimension, double
  * constraint gives: the rest is from the neighbours' constraints. */
 typedef struct pbf_missing {
   double density, rate, force;
+  double across, along; /* of shear_stress.h's M */
 } pbf_missing;
 
 static inline pbf_missing pbf_wall_lattice(uint32_t kernel, uint32_t dimension, double h, double d,
                                            double volume, int layer) {
   const double e = 1e-3;
-  pbf_missing missing = {0, 0, 0};
+  pbf_missing missing = {0, 0, 0, 0, 0};
   int n = (int)ceil(h / d), nz = dimension == 3 ? n : 0;
   for (int k = -nz; k <= nz; ++k)
     for (int j = layer; j <= n; ++j)
@@ -234,6 +237,9 @@ static inline pbf_missing pbf_wall_lattice(uint32_t kernel, uint32_t dimension, 
                         (2 * e * h);
         missing.force +=
             2 * along * pbf_norm_slope(kernel, dimension, h) * pbf_shape_slope(kernel, q);
+        double fabric = volume * pbf_norm_slope(kernel, dimension, h) * pbf_shape_slope(kernel, q);
+        missing.across += fabric * (j * d) * (j * d) / r;
+        missing.along += fabric * (i * d) * (i * d) / r;
       }
   return missing;
 }
@@ -313,6 +319,8 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
   pbf_missing first = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1);
   d.surface_lacks = first.density;
+  d.wall_fabric_across = first.across;
+  d.wall_fabric_along = first.along;
   if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, first, &d);
   d.cfm = params->cfm / (h * h);
   d.omega = params->over_relaxation > 0

@@ -20,7 +20,9 @@ enum exchanged_fields {
   FIELD_VELOCITY = 1 << 3,
   FIELD_MEAN_VELOCITY = 1 << 4,
   FIELD_CORRECTION_RATE = 1 << 5,
-  FIELD_CURL_SIZE = 1 << 6
+  FIELD_CURL_SIZE = 1 << 6,
+  FIELD_DEVIATOR = 1 << 7,
+  FIELD_SHEAR_PUSH = 1 << 8
 };
 
 namespace {
@@ -75,6 +77,13 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   }
   e.velocity();
   e.exchange(FIELD_POSITION);
+  if (runs<PBF_STAGE_SHEAR_STRESS>(has)) {
+    e.deviator();
+    e.exchange(FIELD_DEVIATOR);
+    e.shear_push();
+    e.exchange(FIELD_SHEAR_PUSH);
+    e.correct_shear_stress();
+  }
   if (runs<PBF_STAGE_DAMPING_COMPENSATION>(has)) {
     e.exchange(FIELD_VELOCITY);
     e.mean_velocity();

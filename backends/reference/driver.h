@@ -4,6 +4,7 @@
 #define PBF_REFERENCE_DRIVER_H
 
 #include "physics/passes/curl.h"
+#include "physics/passes/shear_stress.h"
 #include "reference/ghosts.h"
 
 namespace {
@@ -13,6 +14,16 @@ struct lookups {
   const pbf_real *number;
   const pbf_vec *vector;
 };
+
+PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const pbf_deviator *of) {
+  neighbor_of<pbf_real> j = {lanes_of(n.x_ij), n.r2, 0, {}};
+  for (int k = 0; k < PBF_DIM; ++k) j.vector.c[k] = of[n.j].c[k];
+  if (PBF_DIM == 3) {
+    j.number = of[n.j].c[PBF_DEVIATOR_DIM - 2];
+    j.second = of[n.j].c[PBF_DEVIATOR_DIM - 1];
+  }
+  return j;
+}
 
 PBF_FN neighbor_of<pbf_real> looked_up(const neighbor &n, const lookups &of) {
   neighbor_of<pbf_real> j = {lanes_of(n.x_ij), n.r2, 0, {}};

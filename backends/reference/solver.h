@@ -5,6 +5,7 @@
 
 #include "common/pressure_grid.h"
 #include "physics/constants.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
 #include "reference/grid.h"
@@ -22,8 +23,8 @@ struct pbf_backend_solver {
   pbf_vec *x, *v;      /* state */
   pbf_vec *predicted;  /* where x* starts */
   pbf_vec *moved;      /* x* */
-  pbf_vec *change;     /* position change of an iteration; rates of rotation; the second velocity of
-                          viscosity */
+  pbf_vec *change;     /* position change of an iteration; what shear_stress.h pushes; rates of
+                          rotation; the     second velocity of viscosity */
   pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated */
 
 #define PBF_ARRAY(name, wanted, holders) holders

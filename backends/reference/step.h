@@ -14,6 +14,7 @@
 #include "physics/passes/overlap.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/predict.h"
+#include "physics/passes/shear_stress.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
 #include "physics/passes/viscous_stress.h"
@@ -212,6 +213,42 @@ static inline void end_solve(solver *s, const pbf_obstacles *o) {
     if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
 }
 
+/* And what walls push with. */
+static inline void find_deviators(solver *s, const pbf_obstacles *o) {
+  const fabric_pass<int> pass = {&s->constants, s->schedule.features};
+  for (uint32_t i = 0; i < s->count; ++i) {
+    s->deviator[i] = (pbf_deviator){{0}};
+    if (asleep(s, i)) continue;
+    auto sums = sums_around(s, pass, s->moved, {}, {}, i);
+    add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
+    pbf_fabric fabric = fabric_of(sums);
+    if (!s->schedule.wall_density || add_walls(&s->constants, *o, s->moved[i], &fabric))
+      s->deviator[i] = pass.finish(fabric, s->lambda[i]);
+    s->change[i] = fabric.wall;
+  }
+}
+
+static inline void find_shear_pushes(solver *s) {
+  const shear_push_pass<int> pass = {&s->constants, s->schedule.features};
+  const pbf_deviator *of = s->deviator;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const auto own = lanes_of(of[i]);
+    s->change[i] =
+        asleep(s, i) ? (pbf_vec){{0}}
+                     : pass.finish(sums_around(s, pass, s->moved, of, {own}, i), own, s->change[i]);
+  }
+}
+
+static inline void correct_shear_stress(solver *s) {
+  const shear_stress_pass<int> pass = {&s->constants, s->schedule.features};
+  const lookups of = {NULL, s->change};
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    const auto sums = sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i);
+    s->v[i] = pass.finish(sums, s->change[i], s->v[i]);
+  }
+}
+
 static inline void find_flow(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i)
     s->flow[i] = asleep(s, i) ? s->v[i] : smoothed_velocity(s, PBF_TO_MEAN, i);
@@ -353,6 +390,9 @@ struct executor {
     s->iterations = k + 1;
   }
   void velocity() { end_solve(s, &obstacles); }
+  void deviator() { find_deviators(s, &obstacles); }
+  void shear_push() { find_shear_pushes(s); }
+  void correct_shear_stress() { ::correct_shear_stress(s); }
   void mean_velocity() { find_flow(s); }
   void compensate_damping() { ::compensate_damping(s, &obstacles); }
   void correction_rate() { find_turn_rates(s); }

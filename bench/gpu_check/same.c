@@ -51,6 +51,7 @@ int same_all(void) {
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
       s.params.damping_compensation = s.params.angular_momentum_correction = s.params.wall_density =
           1;
+      s.params.shear_stress_correction = 0.7;
       failures += !same_bits("small-damping_compensation", &s, precision, 60);
       add_mirrors(&s);
       failures += !same_bits("small-mirrors", &s, precision, 60);

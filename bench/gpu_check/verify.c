@@ -217,6 +217,20 @@ static void verify_torque(kind *k) {
   verify(k, "torque-correction-damping_compensation", &s, 10);
 }
 
+/* Pressed together by its weight. */
+static void verify_shear_stress(kind *k) {
+  scene s = accelerated_scene(k->dim, 0);
+  s.params.shear_stress_correction = 0.7;
+  verify(k, "shear-stress", &s, 10);
+  s.params.angular_momentum_correction = s.params.damping_compensation = 1;
+  add_turning_floor(&s);
+  verify(k, "shear-stress-over-a-turning-floor", &s, 10);
+  s = accelerated_scene(k->dim, 0);
+  add_mirrors(&s);
+  s.params.shear_stress_correction = 0.7;
+  verify(k, "shear-stress-mirrors", &s, 10);
+}
+
 /* In a box that is full at first and then too small: its lid comes down. */
 static void verify_overfull(kind *k) {
   static const char *const names[3] = {"overfull", "overfull-short-steps", "overfull-deep"};
@@ -320,6 +334,7 @@ int verify_all(const char *name) {
       verify_iterations(&k);
       verify_pull(&k);
       verify_torque(&k);
+      verify_shear_stress(&k);
       verify_overfull(&k);
       verify_mirrors(&k);
       verify_places(&k);

@@ -35,6 +35,11 @@ struct watcher {
     stage_of("move", FIELD_POSITION | FIELD_LAMBDA, FIELD_POSITION | FIELD_VELOCITY);
   }
   void velocity() { stage_of("velocity", 0, FIELD_POSITION | FIELD_VELOCITY); }
+  void deviator() { stage_of("deviator", FIELD_POSITION, FIELD_DEVIATOR); }
+  void shear_push() { stage_of("shear_push", FIELD_POSITION | FIELD_DEVIATOR, FIELD_SHEAR_PUSH); }
+  void correct_shear_stress() {
+    stage_of("correct_shear_stress", FIELD_POSITION | FIELD_SHEAR_PUSH, FIELD_VELOCITY);
+  }
   void mean_velocity() {
     stage_of("mean_velocity", FIELD_POSITION | FIELD_VELOCITY, FIELD_MEAN_VELOCITY);
   }

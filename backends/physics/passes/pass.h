@@ -2,7 +2,8 @@
  * loop over neighbours calls (reference/driver.h, cpu/driver.h, cuda/driver.h). A lane type L is
  * pbf_real or a vector of them. A pass P has
  *
- *   NUMBER, VECTOR             what it looks up of a neighbour beside its place
+ *   NUMBER, VECTOR             what it looks up of a neighbour beside its place: how many numbers,
+ *                              0 … 2, the second with a vector alone; how many vectors, 0 or 1
  *   template own<L>            what it knows of its particle
  *   template sums<L>           what it sums up
  *   begin<L>()                 sums of no neighbour
@@ -30,6 +31,7 @@ struct neighbor_of {
   lane_vector<L> x_ij;
   L r2, number;
   lane_vector<L> vector;
+  L second = {}; /* number */
 };
 
 /* The weight of what counts in full. */
@@ -38,6 +40,21 @@ template <class L>
 PBF_FN L operator*(unweighted, L a) {
   return a;
 }
+
+/* Whether a weight is of ghosts, also where it is multiplied with later, in their sums. */
+struct weighted_later {};
+template <class L>
+PBF_FN L operator*(weighted_later, L a) {
+  return a;
+}
+template <class Weight>
+struct is_of_ghosts {
+  static constexpr bool value = true;
+};
+template <>
+struct is_of_ghosts<unweighted> {
+  static constexpr bool value = false;
+};
 
 }  // namespace
 
