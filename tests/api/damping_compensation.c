@@ -141,8 +141,22 @@ static void check_torque(uint32_t dimension, uint32_t precision) {
     }
 }
 
-/* In a round basin it is the wall that pushes, by rate² r inwards, and takes rate² dt. The lattice
- * that it starts from does not fit the wall, and what settles there changes it, too. */
+/* The lattice does not fit a wall, and what settles there changes the angular momentum, too: it has
+ * settled before the body turns. */
+static void settle(body *b) {
+  memset(b->v, 0, (size_t)b->count * b->dimension * b->precision);
+  assert_ok(pbf_set_velocities(b->solver, 0, b->count, b->v));
+  assert_ok(pbf_step(b->solver, STEPS));
+  assert_ok(pbf_get_positions(b->solver, 0, b->count, b->x));
+  for (uint32_t i = 0; i < b->count; ++i) {
+    const uint64_t first = (uint64_t)i * b->dimension;
+    test_put(b->v, first, b->precision, -rate * test_value(b->x, first + 1, b->precision));
+    test_put(b->v, first + 1, b->precision, rate * test_value(b->x, first, b->precision));
+  }
+  assert_ok(pbf_set_velocities(b->solver, 0, b->count, b->v));
+}
+
+/* In a round basin it is the wall that pushes, by rate² r inwards, and takes rate² dt. */
 static void check_basin(uint32_t dimension, uint32_t precision) {
   const double loss = rate * rate * time_step * time_step * STEPS;
   double left[2], drift;
@@ -154,10 +168,12 @@ static void check_basin(uint32_t dimension, uint32_t precision) {
     basin.inverted = 1;
     basin.radius = 1;
     assert_ok(pbf_set_colliders(b.solver, 1, &basin));
+    settle(&b);
     left[on] = kept(&b, &drift) - 1;
     destroy(&b);
   }
-  if (!(left[0] < -0.5 * loss && left[1] > left[0] + 0.6 * loss && fabs(left[1]) < 0.6 * loss))
+  if (!(fabs(left[0] + loss) < 0.4 * loss && left[1] > left[0] + 0.6 * loss &&
+        fabs(left[1]) < 0.4 * loss))
     fail_msg("%uD: angular momentum changes by %g (%g in theory), with damping_compensation by %g",
              dimension, left[0], -loss, left[1]);
 }
