@@ -317,14 +317,14 @@ static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *stor
 
 /* The lambda over particles that has the grid's pressure at x. */
 static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid_storage *storage,
-                                                         const pbf_constants *c,
-                                                         pbf_real inv_time_step, pbf_vec x) {
+                                                         pbf_real pressure, pbf_real inv_time_step,
+                                                         pbf_vec x) {
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_find(storage, x, at);
   if (cell == PBF_NO_INDEX) return 0;
   double lambda =
       pbf_pressure_grid_lambda(&storage->grid, &storage->topology, storage->lambda, cell, at);
-  return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)c->pressure);
+  return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)pressure);
 }
 
 #endif

@@ -27,15 +27,18 @@ static pbf_status out_of_memory(const Solver *s, const char *what) {
 }
 
 template <class Solver>
-static pbf_schedule schedule_of(const Solver *s, const pbf_params *params, uint32_t colliders,
-                                const pbf_collider *list, int overlaps) {
-  return pbf_schedule_of(params, colliders, list, s->planned, s->capacity, overlaps);
+static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_derived *derived,
+                                uint32_t colliders, const pbf_collider *list, int overlaps) {
+  return pbf_schedule_of(params, derived, &s->basins, colliders, list, s->planned, s->capacity,
+                         overlaps);
 }
 
-/* Takes what a schedule needs before anything else changes: it may fail. */
+/* Takes what a schedule needs before anything else changes: it may fail. Pressures are settled
+ * where what they come from is not needed any more: they would be wanted for each particle. */
 template <class Solver>
 static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const pbf_params *params) {
-  settle_pressures(s);
+  const bool drops_topology = s->schedule.solids && !schedule->solids;
+  if (!schedule->may_have_grid || drops_topology || !schedule->accelerated) settle_pressures(s);
   if (!keep_arrays(s, *schedule, *params)) {
     keep_arrays(s, s->schedule, s->params);
     return out_of_memory(s, "the arrays of an optional stage");
@@ -56,12 +59,16 @@ template <class Solver>
 static pbf_status set_params(Solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, params, s->collider_count, s->colliders, s->overlaps);
+  pbf_derived derived = s->derived;
+  const int others = pbf_derive_again(&derived, params, PBF_DIM);
+  pbf_schedule schedule =
+      schedule_of(s, params, &derived, s->collider_count, s->colliders, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
+  pbf_update_constants(&s->constants, params, &derived, others);
+  s->derived = derived;
   s->params = *params;
   s->schedule = schedule;
   if (!schedule.accelerated) s->pressure_scale = 0;
@@ -74,7 +81,7 @@ static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *c
                                 double time) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, &s->params, count, colliders, s->overlaps);
+  pbf_schedule schedule = schedule_of(s, &s->params, &s->derived, count, colliders, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   pbf_moving_obstacles changed =
@@ -93,7 +100,7 @@ static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *c
 template <class Solver>
 static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
   pbf_schedule schedule =
-      schedule_of(s, &s->params, s->collider_count, s->colliders, overlap != NULL);
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, overlap != NULL);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   s->schedule = schedule;
@@ -106,7 +113,8 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
 template <class Solver>
 static pbf_status plan_for(Solver *s, uint32_t count) {
   s->planned = count;
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, s->overlaps);
+  s->schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps);
   return PBF_OK;
 }
 
@@ -121,8 +129,9 @@ static bool project_at(Solver *s, double time, uint32_t iterations) {
   settle_pressures(s);
   wake_all(s);
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule = schedule_of(s, &s->params, s->collider_count, s->colliders, 0);
-  s->constants = pbf_constants_of(&s->params);
+  const pbf_derived derived = pbf_derive(&s->params, PBF_DIM);
+  s->schedule = schedule_of(s, &s->params, &derived, s->collider_count, s->colliders, 0);
+  s->constants = pbf_constants_from(&s->params, &derived, NULL);
   s->residual_density = NULL;
   const bool done = step_of_no_time(s, time);
   s->params = params;

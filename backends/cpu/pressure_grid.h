@@ -63,13 +63,12 @@ static void solve_pressure_grid(worker *w) {
 }
 
 /* Between steps: lambda of all particles, and with it the pressure, gets what the last step's grid
- * added. No step asks for it. */
+ * added, by the parameters of that step. No step asks for it. */
 static void add_weight(solver *s) {
-  pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->grid_pressure_pending) return;
-  for (uint32_t i = 0; i < s->count; ++i)
-    s->lambda[i] += pbf_pressure_grid_particle_lambda(&s->pressure_grid, &s->constants,
-                                                      inv_time_step, field_at(&s->buffers.x, i));
+  for (uint32_t i = 0; i < s->count && s->pressure_scale > 0; ++i)
+    s->lambda[i] += pbf_pressure_grid_particle_lambda(
+        &s->pressure_grid, s->pressure_scale, s->grid_inv_time_step, field_at(&s->buffers.x, i));
   s->grid_pressure_pending = 0;
 }
 

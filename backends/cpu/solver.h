@@ -50,6 +50,7 @@ struct pbf_backend_solver {
   pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
+  pbf_basins basins; /* that the schedule has asked about last */
 
   uint32_t capacity, count;
   uint32_t planned;    /* particles that the schedule is for */
@@ -61,11 +62,12 @@ struct pbf_backend_solver {
 #include "physics/arrays.def"
 
   struct pressure_grid_solve pressure_grid_solve;
-  pbf_real *lambda;          /* of this iteration, or of all of a step: accelerated */
-  pbf_real *packed[2];       /* of what: see packed_positions and those after it */
-  int grid_pressure_pending; /* 1: lambda is without what its grid added in the last step */
-  pbf_real *pressure;        /* once it has been looked at */
-  pbf_real pressure_scale;   /* of the last step */
+  pbf_real *lambda;            /* of this iteration, or of all of a step: accelerated */
+  pbf_real *packed[2];         /* of what: see packed_positions and those after it */
+  int grid_pressure_pending;   /* 1: lambda is without what its grid added in the last step */
+  pbf_real grid_inv_time_step; /* of that step */
+  pbf_real *pressure;          /* once it has been looked at */
+  pbf_real pressure_scale;     /* of the last step */
 
   pbf_overlap found; /* for the next step; struct_size 0: none */
   int overlaps;      /* some may be left */

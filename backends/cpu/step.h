@@ -57,6 +57,11 @@ static uint32_t steps_at_once(const solver *s, uint32_t left) {
   return most < left ? (uint32_t)most : left;
 }
 
+static void note_grid_pressure(solver *s) {
+  s->grid_pressure_pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+  s->grid_inv_time_step = (pbf_real)(1 / s->params.time_step);
+}
+
 /* Steps until all are done, or memory is lacking that is not to be had. */
 static void run_job(step_job *job) {
   solver *s = job->s;
@@ -71,8 +76,7 @@ static void run_job(step_job *job) {
     job->stop = job->done + steps_at_once(s, job->steps - job->done);
     team_run(&s->tasks, s->team, threads_now(s), run_steps, job);
     s->buffers = job->after;
-    if (job->reached > job->done)
-      s->grid_pressure_pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+    if (job->reached > job->done) note_grid_pressure(s);
     job->done = job->reached;
     job->sorted = job->last == STEP_SHORT_OF_MEMORY;
   } while (job->done < job->steps && (!job->sorted || grow_lists(s)));

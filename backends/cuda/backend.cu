@@ -79,8 +79,10 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
                                const pbf_collider *colliders) {
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
     return status;
-  pbf_schedule schedule =
-      pbf_schedule_of(params, count, colliders, s->planned, s->capacity, s->overlaps);
+  pbf_derived derived = s->derived;
+  const int others = pbf_derive_again(&derived, params, PBF_DIM);
+  pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
+                                          s->planned, s->capacity, s->overlaps);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
@@ -95,7 +97,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
     take_lists(s, chunks, false); /* if that fails, it has more than it needs */
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, &s->derived, &s->params, params);
+  pbf_update_constants(&s->constants, params, &derived, others);
+  s->derived = derived;
   s->params = *params;
   s->schedule = schedule;
   if (!schedule.accelerated) s->pressure_scale = 0;
@@ -289,9 +292,10 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
   s->params = pbf_projection_of(&params, iterations);
-  s->schedule =
-      pbf_schedule_of(&s->params, s->collider_count, s->colliders, s->planned, s->capacity);
-  s->constants = pbf_constants_of(&s->params);
+  const pbf_derived derived = pbf_derive(&s->params, PBF_DIM);
+  s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
+                                s->planned, s->capacity);
+  s->constants = pbf_constants_from(&s->params, &derived, NULL);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, s->surfaces);
   s->params = params;
@@ -318,7 +322,8 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
-      pbf_schedule_of(&s->params, s->collider_count, s->colliders, count, s->capacity, s->overlaps);
+      pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
+                      s->capacity, s->overlaps);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;

@@ -37,7 +37,8 @@ struct solver {
   pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
-  double time; /* of the last step's end: where walls and colliders stand for statistics */
+  pbf_basins basins; /* that the schedule has asked about last */
+  double time;       /* of the last step's end: where walls and colliders stand for statistics */
 
   uint32_t capacity, count;
   uint32_t planned; /* particles that the schedule is for */

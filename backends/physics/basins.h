@@ -48,18 +48,69 @@ static inline pbf_vec pbf_basin_point(const pbf_basin_region *r, const int at[PB
   return x;
 }
 
-static inline int pbf_basin_is_free(uint32_t count, const pbf_surface *surfaces, pbf_vec x) {
-  for (uint32_t k = 0; k < count; ++k) {
+/* Which surfaces are so near to a point of a level that they may be at it, or on a way from it to
+ * the next: a bit each. */
+typedef struct pbf_basin_near {
+  uint64_t surfaces[PBF_BASIN_LEVEL];
+} pbf_basin_near;
+
+/* Coordinates first … last - 1 of the points along an axis within `reach` of a place, and one more
+ * on each side, for what is rounded. */
+static inline void pbf_basin_span(const pbf_basin_region *r, int axis, double place, double reach,
+                                  int span[2]) {
+  const double at = (place - r->lower[axis]) / r->spacing[axis] - 0.5;
+  const double wide = reach / r->spacing[axis] + 1, end = PBF_BASIN_POINTS;
+  span[0] = (int)fmin(fmax(floor(at - wide), 0), end);
+  span[1] = (int)fmin(fmax(ceil(at + wide) + 1, 0), end);
+}
+
+static inline double pbf_basin_longest_way(const pbf_basin_region *r) {
+  double longest = 0;
+  for (int k = 0; k < PBF_DIM; ++k) longest = fmax(longest, r->spacing[k]);
+  return longest;
+}
+
+static inline void pbf_basin_mark_near(const pbf_basin_region *r, const pbf_surface *s,
+                                       uint64_t bit, int level, pbf_basin_near *near) {
+  const double way = pbf_basin_longest_way(r), reach = (double)s->bound + way;
+  const int high = r->down ? level : PBF_BASIN_POINTS - 1 - level; /* along the axis */
+  int span[2][2] = {{0, 1}, {0, 1}}, at[PBF_DIM], across = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    int all[2] = {0, PBF_BASIN_POINTS};
+    int *of = k == r->axis ? all : span[across++];
+    of[0] = 0, of[1] = PBF_BASIN_POINTS;
+    if (reach < INFINITY) pbf_basin_span(r, k, (double)s->center.c[k], reach, of);
+    if (k == r->axis && (high < of[0] || high >= of[1])) return;
+  }
+  for (int j = span[1][0]; j < span[1][1]; ++j)
+    for (int i = span[0][0]; i < span[0][1]; ++i) {
+      const int index = j * PBF_BASIN_POINTS + i;
+      pbf_basin_place(r, level, index, at);
+      if (!pbf_surface_is_beyond(s, pbf_basin_point(r, at), (pbf_real)(1.0001 * way)))
+        near->surfaces[index] |= bit;
+    }
+}
+
+static inline void pbf_basin_find_near(const pbf_basin_region *r, uint32_t count,
+                                       const pbf_surface *surfaces, int level,
+                                       pbf_basin_near *near) {
+  memset(near, 0, sizeof *near);
+  for (uint32_t k = 0; k < count; ++k)
+    pbf_basin_mark_near(r, &surfaces[k], UINT64_C(1) << k, level, near);
+}
+
+static inline int pbf_basin_is_free(uint64_t near, const pbf_surface *surfaces, pbf_vec x) {
+  for (; near; near &= near - 1) {
     pbf_vec normal;
-    if (!(pbf_surface_distance(&surfaces[k], x, &normal) > 0)) return 0;
+    if (!(pbf_surface_distance(&surfaces[__builtin_ctzll(near)], x, &normal) > 0)) return 0;
   }
   return 1;
 }
 
-static inline int pbf_basin_way_is_open(uint32_t count, const pbf_surface *surfaces, pbf_vec from,
+static inline int pbf_basin_way_is_open(uint64_t near, const pbf_surface *surfaces, pbf_vec from,
                                         pbf_vec to) {
-  for (uint32_t k = 0; k < count; ++k)
-    if (pbf_surface_blocks(&surfaces[k], from, to)) return 0;
+  for (; near; near &= near - 1)
+    if (pbf_surface_blocks(&surfaces[__builtin_ctzll(near)], from, to)) return 0;
   return 1;
 }
 
@@ -80,7 +131,7 @@ static inline void pbf_basin_unite(pbf_basin_points *points, int p, int q) {
 
 /* Connects a point with those before it along each axis, and sees whether water leaves the region
  * there. Upwards it does not: it would have to be higher. */
-static inline void pbf_basin_connect(const pbf_basin_region *r, uint32_t count,
+static inline void pbf_basin_connect(const pbf_basin_region *r, uint64_t near,
                                      const pbf_surface *surfaces, pbf_basin_points *points,
                                      int level, int index) {
   int at[PBF_DIM], stride = 1;
@@ -97,7 +148,7 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, uint32_t count,
       if (!ends && !points->free[q]) continue;
       int to[PBF_DIM];
       for (int a = 0; a < PBF_DIM; ++a) to[a] = at[a] + (a == k ? 2 * side - 1 : 0);
-      if (!pbf_basin_way_is_open(count, surfaces, x, pbf_basin_point(r, to))) continue;
+      if (near && !pbf_basin_way_is_open(near, surfaces, x, pbf_basin_point(r, to))) continue;
       if (ends)
         points->open[pbf_basin_root(points, p)] = 1;
       else
@@ -107,21 +158,37 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, uint32_t count,
   }
 }
 
-/* The largest depth of so much fluid in a basin of the region that is not all of the domain. */
-static inline double pbf_region_depth(const pbf_basin_region *r, uint32_t count,
-                                      const pbf_surface *surfaces, double fluid) {
+/* The basins of a region, without one that is all of the domain: of those with so many levels the
+ * fewest points, 0 where there are none. For any amount of fluid one of these is the deepest. */
+typedef struct pbf_region_basins {
+  uint32_t fewest[PBF_BASIN_POINTS + 1];
+  double height, volume; /* that a point stands for */
+} pbf_region_basins;
+
+static inline void pbf_basin_note(pbf_region_basins *basins, int levels, uint32_t points) {
+  uint32_t *fewest = &basins->fewest[levels];
+  if (!*fewest || points < *fewest) *fewest = points;
+}
+
+static inline void pbf_region_basins_of(const pbf_basin_region *r, uint32_t count,
+                                        const pbf_surface *surfaces, pbf_region_basins *basins) {
   pbf_basin_points points;
-  double depth = 0, each = 1;
+  pbf_basin_near near;
   int all = 0, whole = 1, at[PBF_DIM];
+  memset(basins, 0, sizeof *basins);
+  basins->height = r->spacing[r->axis];
+  basins->volume = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
-    each *= r->spacing[k];
+    basins->volume *= r->spacing[k];
     whole = whole && r->walled[2 * k] && r->walled[2 * k + 1];
   }
   for (int level = 0; level < PBF_BASIN_POINTS; ++level) {
     const int first = level * PBF_BASIN_LEVEL, last = first + PBF_BASIN_LEVEL;
+    pbf_basin_find_near(r, count, surfaces, level, &near);
     for (int p = first; p < last; ++p) {
       pbf_basin_place(r, level, p - first, at);
-      points.free[p] = (uint8_t)pbf_basin_is_free(count, surfaces, pbf_basin_point(r, at));
+      points.free[p] =
+          (uint8_t)pbf_basin_is_free(near.surfaces[p - first], surfaces, pbf_basin_point(r, at));
       points.root[p] = (uint16_t)p;
       points.count[p] = 1;
       points.open[p] = 0;
@@ -129,14 +196,23 @@ static inline double pbf_region_depth(const pbf_basin_region *r, uint32_t count,
       all += points.free[p];
     }
     for (int p = first; p < last; ++p)
-      if (points.free[p]) pbf_basin_connect(r, count, surfaces, &points, level, p - first);
+      if (points.free[p])
+        pbf_basin_connect(r, near.surfaces[p - first], surfaces, &points, level, p - first);
     for (int p = first; p < last; ++p) {
       const int root = pbf_basin_root(&points, p);
       if (!points.free[p] || points.open[root] || (whole && points.count[root] == all)) continue;
-      const double levels = level + 1 - points.lowest[root];
-      const double part = fmin(fluid / (points.count[root] * each), 1);
-      depth = fmax(depth, levels * part * r->spacing[r->axis]);
+      pbf_basin_note(basins, level + 1 - points.lowest[root], points.count[root]);
     }
+  }
+}
+
+/* The largest depth of so much fluid in one of them. */
+static inline double pbf_region_depth(const pbf_region_basins *basins, double fluid) {
+  double depth = 0;
+  for (int levels = 1; levels <= PBF_BASIN_POINTS; ++levels) {
+    if (!basins->fewest[levels]) continue;
+    const double part = fmin(fluid / (basins->fewest[levels] * basins->volume), 1);
+    depth = fmax(depth, levels * part * basins->height);
   }
   return depth;
 }
@@ -168,21 +244,58 @@ static inline int pbf_basin_region_of(const pbf_params *params, int axis, uint32
   return 1;
 }
 
-/* The largest depth along an axis of so much fluid at rest in a basin. */
-static inline double pbf_basins_depth(const pbf_params *params, uint32_t count,
-                                      const pbf_collider *colliders, int axis, double fluid) {
+/* All basins that there are, and between what. */
+typedef struct pbf_basins {
+  double domain[2 * PBF_DIM];
+  uint32_t count; /* of colliders */
+  int axis, down; /* of gravity */
+  int solids;
+  int known; /* 0: none have been looked for */
+  pbf_collider colliders[PBF_MAX_COLLIDERS];
+  pbf_region_basins regions[2];
+} pbf_basins;
+
+/* Notes between what basins are to be; 1 where that has been so before. */
+static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uint32_t count,
+                                    const pbf_collider *colliders, int axis) {
+  const int down = params->gravity[axis] < 0;
+  double domain[2 * PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    domain[2 * k] = params->domain_min[k];
+    domain[2 * k + 1] = params->domain_max[k];
+  }
+  if (b->known && b->count == count && b->axis == axis && b->down == down &&
+      memcmp(b->domain, domain, sizeof domain) == 0 &&
+      (!count || memcmp(b->colliders, colliders, count * sizeof *colliders) == 0))
+    return 1;
+  memcpy(b->domain, domain, sizeof domain);
+  if (count) memcpy(b->colliders, colliders, count * sizeof *colliders);
+  b->count = count;
+  b->axis = axis;
+  b->down = down;
+  b->known = 1;
+  return 0;
+}
+
+/* Looks for the basins along an axis, unless those of the same have been looked for last. */
+static inline void pbf_basins_find(pbf_basins *b, const pbf_params *params, uint32_t count,
+                                   const pbf_collider *colliders, int axis) {
   pbf_surface surfaces[PBF_MAX_COLLIDERS];
   pbf_basin_region region;
-  double depth = 0;
-  int solids = 0;
-  for (uint32_t k = 0; k < count; ++k) {
+  if (pbf_basins_are_of(b, params, count, colliders, axis)) return;
+  memset(b->regions, 0, sizeof b->regions);
+  b->solids = 0;
+  for (uint32_t k = 0; k < count; ++k) b->solids += pbf_is_solid(&colliders[k]);
+  for (uint32_t k = 0; k < count && b->solids; ++k)
     surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
-    solids += pbf_is_solid(&colliders[k]);
-  }
-  for (int of_solids = 0; of_solids < 2 && solids; ++of_solids)
+  for (int of_solids = 0; of_solids < 2 && b->solids; ++of_solids)
     if (pbf_basin_region_of(params, axis, count, surfaces, of_solids, &region))
-      depth = fmax(depth, pbf_region_depth(&region, count, surfaces, fluid));
-  return depth;
+      pbf_region_basins_of(&region, count, surfaces, &b->regions[of_solids]);
+}
+
+/* The largest depth of so much fluid at rest in one of them. */
+static inline double pbf_basins_depth(const pbf_basins *b, double fluid) {
+  return fmax(pbf_region_depth(&b->regions[0], fluid), pbf_region_depth(&b->regions[1], fluid));
 }
 
 #endif

@@ -211,14 +211,14 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
 }
 
 /* Of viscosity as a stress. */
-static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params) {
+static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params,
+                                     const pbf_viscosity_lattice *l) {
   c->viscosity_step = c->viscosity_max_spread = 0;
   if (!(params->viscosity > 0) || params->solver != PBF_SOLVER_CHEBYSHEV) return;
-  const pbf_viscosity_lattice l = pbf_viscosity_lattice_of(params, PBF_DIM);
-  const double stages = pbf_viscosity_stages(params, PBF_DIM);
-  const double acts = pbf_viscosity_acting(params, PBF_DIM) * params->time_step;
-  c->viscosity_step = (pbf_real)(acts * l.to_laplacian * 2 / (stages * (stages + 1)));
-  c->viscosity_max_spread = (pbf_real)(2 * l.spread);
+  const double stages = pbf_viscosity_stages(params, l, PBF_DIM);
+  const double acts = pbf_viscosity_acting(params, l, PBF_DIM) * params->time_step;
+  c->viscosity_step = (pbf_real)(acts * l->to_laplacian * 2 / (stages * (stages + 1)));
+  c->viscosity_max_spread = (pbf_real)(2 * l->spread);
 }
 
 /* The weights of a stage: of the velocity after the last one, of that after the one before, and of
@@ -276,11 +276,11 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   }
 }
 
-/* `same`: those of parameters that have another time_step alone, or null: what does not depend on
- * that is known from them, which takes a thousandth of the time. */
+/* `same`: those of other parameters with the same derived ones, or null: the tables of walls are
+ * known from them, which takes a thousandth of the time. */
 static inline pbf_constants pbf_constants_from(const pbf_params *params, const pbf_derived *derived,
                                                const pbf_constants *same) {
-  const pbf_derived d = *derived;
+  const pbf_derived &d = *derived;
   pbf_constants c;
   if (same) c = *same;
   c.h = (pbf_real)d.h;
@@ -302,7 +302,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_max_confinement(params));
   c.viscosity = (pbf_real)fmin(params->viscosity, 1);
-  pbf_set_viscosity(&c, params);
+  pbf_set_viscosity(&c, params, &d.viscosity);
   c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
   c.max_mean_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part = (pbf_real)(params->time_step > 0
@@ -332,13 +332,11 @@ static inline int pbf_only_time_step_differs(const pbf_params *before, const pbf
   return memcmp(&other, after, sizeof other) == 0;
 }
 
-/* Of new parameters, those before having been these, or all 0. */
-static inline void pbf_update_constants(pbf_constants *c, pbf_derived *derived,
-                                        const pbf_params *before, const pbf_params *after) {
+/* Of new parameters, with what pbf_derive_again has said of them: 1 where others are derived. */
+static inline void pbf_update_constants(pbf_constants *c, const pbf_params *params,
+                                        const pbf_derived *derived, int others) {
   const pbf_constants same = *c;
-  int known = pbf_only_time_step_differs(before, after);
-  if (!known) *derived = pbf_derive(after, PBF_DIM);
-  *c = pbf_constants_from(after, derived, known ? &same : NULL);
+  *c = pbf_constants_from(params, derived, others ? NULL : &same);
 }
 
 #endif

@@ -63,8 +63,9 @@ static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double d
 /* Whether it is, once so many particles have settled in the domain, in a
  * container within it, or between other colliders, along the axis of the gravity's largest
  * component. */
-static inline int pbf_depth_could_be_deep(const pbf_params *params, uint32_t colliders,
-                                          const pbf_collider *list, uint32_t count) {
+static inline int pbf_depth_could_be_deep(const pbf_params *params, pbf_basins *basins,
+                                          uint32_t colliders, const pbf_collider *list,
+                                          uint32_t count) {
   double part = count, fluid = count, height = 0, most = 0;
   int axis = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -77,17 +78,19 @@ static inline int pbf_depth_could_be_deep(const pbf_params *params, uint32_t col
     axis = k;
   }
   double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
-  return pbf_depth_is_deep(params, axis, depth) ||
-         pbf_depth_is_deep(params, axis, pbf_basins_depth(params, colliders, list, axis, fluid));
+  if (pbf_depth_is_deep(params, axis, depth)) return 1;
+  if (!pbf_depth_is_deep(params, axis, height * (1 + 1e-9))) return 0; /* no basin is deeper */
+  pbf_basins_find(basins, params, colliders, list, axis);
+  return pbf_depth_is_deep(params, axis, pbf_basins_depth(basins, fluid));
 }
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
  * have one where fewer have. */
-static inline double pbf_depth_grid(const pbf_params *params, uint32_t colliders,
-                                    const pbf_collider *list, uint32_t count) {
+static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
+                                    uint32_t colliders, const pbf_collider *list, uint32_t count) {
   if (params->pressure_grid >= 0) return params->pressure_grid;
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
-             pbf_depth_could_be_deep(params, colliders, list, count);
+             pbf_depth_could_be_deep(params, basins, colliders, list, count);
   return deep ? PBF_DEPTH_WIDTH : 0;
 }
 

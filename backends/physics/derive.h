@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <pbf/pbf.h>
 
@@ -12,8 +13,15 @@
 
 #define PBF_PI 3.14159265358979323846
 
+/* On the rest lattice sum V W r², and the factor on sum V W (v_ji · x_ij) x_ij that makes it the
+ * laplacian of v: averaged over directions x² y² is r⁴ / (d (d + 2)). */
+typedef struct pbf_viscosity_lattice {
+  double spread, to_laplacian;
+} pbf_viscosity_lattice;
+
 /* Everything the pair terms need, in units of 1/h: V W = value_scale * shape(r/h). */
 typedef struct pbf_derived {
+  pbf_params from; /* see pbf_params_to_derive_from */
   double h;
   double spacing;
   double volume;         /* V */
@@ -36,6 +44,7 @@ typedef struct pbf_derived {
       wall_gradient_scale_far; /* see pbf_derive_wall */
   double wall_fabric_across,
       wall_fabric_along; /* what a first layer lacks of shear_stress.h's M, across and along */
+  pbf_viscosity_lattice viscosity;
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -303,8 +312,42 @@ static inline void pbf_derive_wall(uint32_t kernel, uint32_t dimension, pbf_miss
   d->wall_gradient_scale_far += counts * fmin(fmax(balance - d->wall_gradient_scale, 0), 4);
 }
 
-static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
-  pbf_derived d = {0};
+static inline pbf_viscosity_lattice pbf_viscosity_lattice_of(const pbf_derived *d, uint32_t kernel,
+                                                             uint32_t dimension) {
+  const int n = (int)ceil(d->h / d->spacing), nz = dimension == 3 ? n : 0;
+  double spread = 0, fourth = 0;
+  for (int k = -nz; k <= nz; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        double r2 = d->spacing * d->spacing * (i * i + j * j + k * k);
+        double value = d->value_scale * pbf_shape_value(kernel, sqrt(r2) / d->h);
+        spread += value * r2;
+        fourth += value * r2 * r2;
+      }
+  return (pbf_viscosity_lattice){spread, 2.0 * dimension * (dimension + 2) / fourth};
+}
+
+/* The parameters that all derived ones follow from, and the tables of walls; all others 0. */
+static inline pbf_params pbf_params_to_derive_from(const pbf_params *params) {
+  pbf_params from;
+  memset(&from, 0, sizeof from);
+  from.kernel = params->kernel;
+  from.solver = params->solver;
+  from.smoothing_radius = params->smoothing_radius;
+  from.spacing = params->spacing;
+  from.particle_volume = params->particle_volume;
+  from.wall_density = params->wall_density;
+  from.cfm = params->cfm;
+  from.over_relaxation = params->over_relaxation;
+  from.scorr_k = params->scorr_k;
+  from.scorr_dq = params->scorr_dq;
+  return from;
+}
+
+static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dimension) {
+  pbf_derived d;
+  memset(&d, 0, sizeof d);
+  d.from = *params;
   uint32_t kernel = params->kernel;
   double h = params->smoothing_radius, no_wave[3] = {0, 0, 0};
   d.h = h;
@@ -330,7 +373,23 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   d.scorr_dq2 = params->scorr_dq * params->scorr_dq;
   if (params->scorr_k > 0)
     d.scorr_inv_w = 1 / (d.value_scale * pbf_shape_value(kernel, params->scorr_dq));
+  d.viscosity = pbf_viscosity_lattice_of(&d, kernel, dimension);
   return d;
+}
+
+static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimension) {
+  const pbf_params from = pbf_params_to_derive_from(params);
+  return pbf_derive_from(&from, dimension);
+}
+
+/* Sums over lattices take a hundred times as long as all else in a change of the parameters: 0
+ * where what has been derived from others before still holds. */
+static inline int pbf_derive_again(pbf_derived *derived, const pbf_params *params,
+                                   uint32_t dimension) {
+  const pbf_params from = pbf_params_to_derive_from(params);
+  if (memcmp(&derived->from, &from, sizeof from) == 0) return 0;
+  *derived = pbf_derive_from(&from, dimension);
+  return 1;
 }
 
 #endif

@@ -31,8 +31,10 @@ typedef struct pbf_schedule {
 
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
+ * `derived` is of the same parameters; `basins` are looked for where they are others than before.
  */
-static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t colliders,
+static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_derived *derived,
+                                           pbf_basins *basins, uint32_t colliders,
                                            const pbf_collider *list, uint32_t count,
                                            uint32_t capacity, int overlaps = 0) {
   pbf_schedule s;
@@ -52,7 +54,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, uint32_t co
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                    pbf_depth_grid(params, colliders, list, pbf_most_planned(capacity)) > 0;
+                    pbf_depth_grid(params, basins, colliders, list, pbf_most_planned(capacity)) > 0;
   return s;
 }
 

@@ -17,6 +17,7 @@ struct pbf_backend_solver {
   pbf_derived derived; /* from the parameters, as these: */
   pbf_constants constants;
   pbf_schedule schedule;
+  pbf_basins basins; /* that the schedule has asked about last */
   uint32_t capacity, count;
   uint32_t planned;    /* particles that the schedule is for */
   uint32_t iterations; /* of the last step */

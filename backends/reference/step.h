@@ -132,7 +132,7 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
 static inline void add_weight(solver *s) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   for (uint32_t i = 0; i < s->count; ++i)
-    s->lambda[i] += pbf_pressure_grid_particle_lambda(&s->pressure_grid, &s->constants,
+    s->lambda[i] += pbf_pressure_grid_particle_lambda(&s->pressure_grid, s->constants.pressure,
                                                       inv_time_step, s->moved[i]);
 }
 

@@ -63,6 +63,10 @@ static const watched *watched_at(unsigned k) {
       WATCH(diagnose_densities, STATS),
       WATCH(pbf_stats_add, STATS),
       WATCH(seconds_now, TIMING),
+      WATCH(pbf_derive_from, NOTHING),
+      WATCH(pbf_set_walls, NOTHING),
+      WATCH(pbf_region_basins_of, NOTHING),
+      WATCH(field_at, NOTHING),
       {NULL, NULL, 0, NULL},
   };
   static_assert(sizeof list / sizeof *list <= MAX_WATCHED + 1, "counters for all");

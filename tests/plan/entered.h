@@ -263,6 +263,71 @@ static void requests(void **state) {
   drop(&f);
 }
 
+static uint64_t entries_of(const char *name) {
+  for (unsigned k = 0; watched_at(k)->name; ++k)
+    if (strcmp(watched_at(k)->name, name) == 0) return entered[k];
+  fail_msg("%s is not watched", name);
+  return 0;
+}
+
+/* A change from frame to frame looks at no particle, sums up no lattice, and looks for the basins
+ * between colliders where these or the domain have changed alone. */
+static void check_frame(const char *what, int searches) {
+  if (entries_of("pbf_derive_from")) fail_msg("%s: sums up lattices", what);
+  if (entries_of("pbf_set_walls")) fail_msg("%s: makes tables of walls", what);
+  if (entries_of("pbf_region_basins_of") != (uint64_t)searches)
+    fail_msg("%s: looks for basins %u times", what, (unsigned)entries_of("pbf_region_basins_of"));
+  if (entries_of("field_at")) fail_msg("%s: looks at particles", what);
+}
+
+static void set_for_a_frame(fluid *f, const char *what, const pbf_params *params, int searches) {
+  advance(f, 1);
+  memset(entered, 0, sizeof entered);
+  assert_int_equal(f->api->set_params(f->solver, params), PBF_OK);
+  check_frame(what, searches);
+}
+
+static void move_for_a_frame(fluid *f, double x, int searches) {
+  pbf_collider collider = sphere();
+  collider.position[0] = x;
+  advance(f, 1);
+  memset(entered, 0, sizeof entered);
+  assert_int_equal(f->api->set_colliders(f->solver, 1, &collider, f->time), PBF_OK);
+  check_frame("a collider", searches);
+}
+
+static void check_frames(double pressure_grid) {
+  const int asks = pressure_grid < 0, two = asks ? 2 : 0; /* the domain, and what is near solids */
+  fluid f = fluid_with(COLLIDERS | WALL_DENSITY | CHEBYSHEV | VISCOSITY | SCORR | PRESSURE_GRID);
+  pbf_params params = params_with(WALL_DENSITY | CHEBYSHEV | VISCOSITY | SCORR | PRESSURE_GRID);
+  params.viscosity = 1;
+  params.pressure_grid = pressure_grid;
+  assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);
+  params.gravity[0] = 0.1;
+  set_for_a_frame(&f, "gravity", &params, 0);
+  params.time_step *= 0.9;
+  set_for_a_frame(&f, "time_step", &params, 0);
+  params.attraction = 1;
+  set_for_a_frame(&f, "attraction", &params, 0);
+  params.wall_velocity[0] = 0.01;
+  set_for_a_frame(&f, "wall_velocity", &params, 0);
+  params.domain_max[0] = 1.1;
+  set_for_a_frame(&f, "domain_max", &params, two);
+  move_for_a_frame(&f, 0.3, two);
+  move_for_a_frame(&f, 0.3, 0);
+  memset(entered, 0, sizeof entered);
+  params.smoothing_radius *= 1.01;
+  assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);
+  assert_int_equal(entries_of("pbf_derive_from"), 1);
+  drop(&f);
+}
+
+static void a_frame_costs_what_changed(void **state) {
+  (void)state;
+  check_frames(-1);
+  check_frames(2);
+}
+
 /* ---- What is allocated ----------------------------------------------------------------------- */
 
 /* Of an array of so many bytes. */
@@ -273,8 +338,10 @@ static uint64_t allocated(uint64_t bytes) {
 static uint64_t bytes_of(const fluid *f, int features) {
   const pbf_params params = params_with(features);
   const pbf_collider collider = sphere();
-  const pbf_schedule has =
-      pbf_schedule_of(&params, features & COLLIDERS ? 1 : 0, &collider, COUNT, COUNT);
+  const pbf_derived derived = pbf_derive(&params, PBF_DIM);
+  static pbf_basins basins;
+  const pbf_schedule has = pbf_schedule_of(&params, &derived, &basins, features & COLLIDERS ? 1 : 0,
+                                           &collider, COUNT, COUNT);
   return wanted_bytes(f->solver, has, params);
 }
 
@@ -308,6 +375,7 @@ static int test_the_plan(void) {
       cmocka_unit_test(only_what_is_asked_for_runs),
       cmocka_unit_test(sleepers_cost_nothing),
       cmocka_unit_test(requests),
+      cmocka_unit_test(a_frame_costs_what_changed),
       cmocka_unit_test(only_what_is_asked_for_is_held),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,6 +51,10 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_error_units, TOLERANCE),
       WATCH(solver_density, STATS),
       WATCH(add_to_stats, STATS),
+      WATCH(pbf_derive_from, NOTHING),
+      WATCH(pbf_set_walls, NOTHING),
+      WATCH(pbf_region_basins_of, NOTHING),
+      {"field_at", NULL, NOTHING, NULL}, /* it has none: particles are read at once */
       {NULL, NULL, 0, NULL},
   };
   static_assert(sizeof list / sizeof *list <= MAX_WATCHED + 1, "counters for all");
