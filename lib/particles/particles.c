@@ -7,9 +7,10 @@
 #include "solver/ids.h"
 #include "shift.h"
 #include "solver/prestabilize.h"
+#include "solver/previous.h"
 #include "values.h"
 
-static pbf_status check_rows(const pbf_solver *solver, uint32_t first, uint32_t count) {
+pbf_status pbf_check_rows(const pbf_solver *solver, uint32_t first, uint32_t count) {
   if (first <= solver->count && count <= solver->count - first) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "first is %u and count %u; the solver holds %u particles", first, count,
@@ -27,7 +28,7 @@ static pbf_status read_backend(pbf_solver *solver, uint32_t field, const pbf_row
 
 static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
                             uint32_t count, void *out) {
-  pbf_status status = check_rows(solver, first, count);
+  pbf_status status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
   status = pbf_values_check_pointer(name, out, pbf_element_size(solver));
   if (status != PBF_OK) return status;
@@ -38,7 +39,7 @@ static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name
 static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
                              uint32_t count, const void *in) {
   pbf_status status = pbf_check_unmapped(solver);
-  if (status == PBF_OK) status = check_rows(solver, first, count);
+  if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
   status = pbf_values_check_pointer(name, in, pbf_element_size(solver));
   if (status != PBF_OK) return status;
@@ -48,6 +49,7 @@ static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *nam
   pbf_rows rows = pbf_ids_rows(solver, first, count);
   status = solver->api.write(solver->backend, field, &rows, in);
   if (status == PBF_OK) ++solver->generation;
+  if (status == PBF_OK && field == PBF_FIELD_POSITION) pbf_previous_set(solver, first, count, in);
   return pbf_backend_result(solver, status, "write");
 }
 
@@ -79,9 +81,14 @@ pbf_status pbf_check_pressures(const pbf_solver *solver) {
                   solver->params.solver);
 }
 
-pbf_status pbf_read_all(pbf_solver *solver, uint32_t field, void *out) {
-  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+pbf_status pbf_read_rows(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
+                         void *out) {
+  const pbf_rows rows = pbf_ids_rows(solver, first, count);
   return read_backend(solver, field, &rows, out);
+}
+
+pbf_status pbf_read_all(pbf_solver *solver, uint32_t field, void *out) {
+  return pbf_read_rows(solver, field, 0, solver->count, out);
 }
 
 static pbf_status get_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
@@ -126,7 +133,7 @@ pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count
 }
 
 static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {
-  pbf_status status = check_rows(solver, first, count);
+  pbf_status status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
   status = pbf_values_check_pointer("ids", ids, sizeof *ids);
   if (status != PBF_OK) return status;

@@ -9,6 +9,7 @@
 #include "solver/handles.h"
 #include "solver/ids.h"
 #include "solver/overlap.h"
+#include "solver/previous.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;
@@ -155,8 +156,16 @@ static pbf_status mark(const pbf_solver *solver, uint32_t count, const uint32_t 
   return PBF_OK;
 }
 
+static void compact_previous(pbf_solver *solver, const removal *removed) {
+  uint32_t kept = 0;
+  for (uint32_t row = 0; row < solver->previous_count; ++row)
+    if (!is_removed(removed, row)) pbf_previous_move(solver, row, kept++);
+  solver->previous_count = kept;
+}
+
 static void compact_ids(pbf_solver *solver, const removal *removed) {
   uint32_t kept = 0;
+  compact_previous(solver, removed);
   for (uint32_t row = 0; row < solver->count; ++row) {
     if (!is_removed(removed, row)) solver->ids[kept++] = solver->ids[row];
   }

@@ -9,6 +9,7 @@
 #include "handles.h"
 #include "ids.h"
 #include "plan.h"
+#include "previous.h"
 #include "solver_time.h"
 #include "step_limit.h"
 #include "structs.h"
@@ -96,14 +97,21 @@ pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings) {
 }
 
 /* The backend does not count what the host holds. */
+static void add_array(pbf_plan *plan, const char *name, double bytes_per_particle, uint64_t bytes) {
+  plan->bytes += bytes;
+  plan->bytes_per_particle += bytes_per_particle;
+  if (plan->array_count == PBF_MAX_ARRAYS) return;
+  pbf_plan_array *array = &plan->arrays[plan->array_count++];
+  *array = (pbf_plan_array){.bytes_per_particle = bytes_per_particle, .bytes = bytes};
+  snprintf(array->name, sizeof array->name, "%s", name);
+}
+
 static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
   plan->bytes += sizeof *solver + pbf_colliders_bytes(solver->collider_count);
-  if (!solver->ids) return;
-  plan->bytes += pbf_ids_bytes(solver);
-  plan->bytes_per_particle += sizeof *solver->ids;
-  if (plan->array_count == PBF_MAX_ARRAYS) return;
-  plan->arrays[plan->array_count++] =
-      (pbf_plan_array){"ids (host)", sizeof *solver->ids, pbf_ids_bytes(solver)};
+  if (solver->ids) add_array(plan, "ids (host)", sizeof *solver->ids, pbf_ids_bytes(solver));
+  if (solver->previous)
+    add_array(plan, "previous position (host)", (double)pbf_point_bytes(solver),
+              pbf_previous_bytes(solver));
 }
 
 static void end_plan_texts(pbf_plan *plan) {

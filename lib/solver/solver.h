@@ -103,6 +103,9 @@ struct pbf_solver {
 
   pbf_overlap_state overlap;
 
+  void *previous;          /* positions by row before the last step; null: they are not kept */
+  uint32_t previous_count; /* rows that had one; those after them have been where they are */
+
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];
 };

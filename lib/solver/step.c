@@ -10,6 +10,7 @@
 #include "physics/motion.h"
 #include "plan.h"
 #include "prestabilize.h"
+#include "previous.h"
 #include "solver_time.h"
 #include "step_limit.h"
 #include "substeps.h"
@@ -145,13 +146,24 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   return status;
 }
 
+/* The last step alone, where what is before it is kept. */
+static pbf_status advance_and_keep(pbf_solver *solver, uint32_t steps) {
+  if (!solver->previous) return advance(solver, steps);
+  pbf_previous_forget(solver);
+  pbf_status status = advance(solver, steps - 1);
+  if (status == PBF_OK) status = pbf_previous_note(solver);
+  if (status == PBF_OK) status = advance(solver, 1);
+  if (status != PBF_OK) pbf_previous_forget(solver);
+  return status;
+}
+
 static pbf_status step(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || steps == 0) return status;
   pbf_check_step_length(solver);
   uint32_t with_room = steps_before_walls_meet(solver, steps);
   uint32_t possible = steps_before_overflow(solver, with_room);
-  if (possible > 0) status = advance(solver, possible);
+  if (possible > 0) status = advance_and_keep(solver, possible);
   if (status != PBF_OK || possible == steps) return status;
   if (possible < with_room) return fail_to_place(solver, possible + 1, steps);
   return pbf_fail(PBF_ERROR_STATE,

@@ -9,6 +9,7 @@
 #include "solver/handles.h"
 #include "solver/ids.h"
 #include "solver/overlap.h"
+#include "solver/previous.h"
 #include "solver/set_params.h"
 #include "solver/solver_time.h"
 #include "solver/step.h"
@@ -120,6 +121,7 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->placement = in->header.placement;
   solver->planned = in->header.planned;
   solver->step_length_checked = 0;
+  pbf_previous_forget(solver);
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

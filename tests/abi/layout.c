@@ -98,6 +98,20 @@ AT(pbf_view, generation, 48);
 AT(pbf_view, data, 56);
 AT(pbf_view, ids, 64);
 
+SIZE(pbf_read_desc, 64);
+AT(pbf_read_desc, struct_size, 0);
+AT(pbf_read_desc, field, 4);
+AT(pbf_read_desc, first, 8);
+AT(pbf_read_desc, count, 12);
+AT(pbf_read_desc, element_type, 16);
+AT(pbf_read_desc, components, 20);
+AT(pbf_read_desc, w, 24);
+AT(pbf_read_desc, order, 28);
+AT(pbf_read_desc, stride, 32);
+AT(pbf_read_desc, data, 40);
+AT(pbf_read_desc, behind, 48);
+AT(pbf_read_desc, w_value, 56);
+
 SIZE(pbf_stats, 184);
 AT(pbf_stats, struct_size, 0);
 AT(pbf_stats, count, 4);

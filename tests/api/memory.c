@@ -42,6 +42,17 @@ static pbf_status get_densities(scene *s) {
   float rho[20];
   return pbf_get_densities(s->solver, 0, 20, rho);
 }
+static pbf_status read_quads(scene *s) {
+  float quads[80];
+  const pbf_read_desc read = {.struct_size = sizeof read,
+                              .field = PBF_FIELD_POSITION,
+                              .count = 20,
+                              .components = 4,
+                              .w = PBF_W_DENSITY,
+                              .data = quads};
+  return pbf_read(s->solver, &read);
+}
+static pbf_status keep_previous(scene *s) { return pbf_keep_previous(s->solver, 1); }
 static pbf_status set_velocities(scene *s) {
   float v[60] = {0};
   return pbf_set_velocities(s->solver, 0, 20, v);
@@ -118,9 +129,10 @@ static void fail_in_turn(action act) {
 
 static void each_call(void **state) {
   (void)state;
-  const action actions[] = {add,           drop,           step,   set_params, set_colliders,
-                            load,          save,           hash,   stats,      get_positions,
-                            get_densities, set_velocities, export, timing};
+  const action actions[] = {add,           drop,          step,          set_params,
+                            set_colliders, load,          save,          hash,
+                            stats,         get_positions, get_densities, set_velocities,
+                            export,        timing,        read_quads,    keep_previous};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
 }
 
