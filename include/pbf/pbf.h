@@ -394,6 +394,17 @@ PBF_API pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const v
  * id is unknown or stands twice. */
 PBF_API pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids);
 
+/* Removes the particles in a box along the axes, with its faces: lower[k] <= x[k] <= upper[k]. In
+ * 2D the third is not looked at; -INFINITY and INFINITY are no bound. *count (may be null) gets how
+ * many they were; none is no error. The others keep ids and order. */
+PBF_API pbf_status pbf_remove_in_box(pbf_solver *solver, const double lower[3],
+                                     const double upper[3], uint32_t *count);
+
+/* The ids of the particles in such a box, ascending: the first `room` of them go to `ids`, which
+ * may be null where room is 0, and *count gets how many there are, be it more than room. */
+PBF_API pbf_status pbf_find_in_box(pbf_solver *solver, const double lower[3], const double upper[3],
+                                   uint32_t room, uint32_t *ids, uint32_t *count);
+
 /* Particles first … first + count - 1 in the order of adding, those removed left out. Positions and
  * velocities: shape (count, dimension). Ids: increasing. Densities: rho/rho0 at the present
  * positions, the particle itself included, shape (count). */

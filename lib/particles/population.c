@@ -1,15 +1,12 @@
-/* Adding and removing particles. */
+/* Adding particles. */
 #include <inttypes.h>
-#include <string.h>
 
 #include "coincident.h"
 #include "error.h"
 #include "memory.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
-#include "solver/ids.h"
 #include "solver/overlap.h"
-#include "solver/previous.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;
@@ -103,105 +100,4 @@ pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *pos
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
   return pbf_leave(solver, add(solver, count, positions, velocities, first_id));
-}
-
-/* The rows to remove, a bit each, and their ids in the order of the rows. */
-typedef struct removal {
-  uint64_t *bits;
-  uint64_t bytes;
-  uint32_t *ids;
-  uint64_t id_bytes;
-} removal;
-
-static void free_removal(const pbf_solver *solver, removal *removed) {
-  pbf_memory_free(&solver->allocator, removed->bits, removed->bytes);
-  pbf_memory_free(&solver->allocator, removed->ids, removed->id_bytes);
-}
-
-static pbf_status allocate_removal(const pbf_solver *solver, uint32_t count, removal *removed) {
-  void *bits = NULL, *ids = NULL;
-  *removed = (removal){.bytes = ((uint64_t)solver->count + 63) / 64 * 8,
-                       .id_bytes = (uint64_t)count * sizeof *removed->ids};
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, removed->bytes, "a set of rows", &bits);
-  if (status != PBF_OK) return status;
-  removed->bits = bits;
-  memset(bits, 0, removed->bytes);
-  status = pbf_memory_allocate(&solver->allocator, removed->id_bytes, "a list of ids", &ids);
-  removed->ids = ids;
-  if (status != PBF_OK) free_removal(solver, removed);
-  return status;
-}
-
-static int is_removed(const removal *removed, uint32_t row) {
-  return (int)(removed->bits[row / 64] >> row % 64 & 1);
-}
-
-static pbf_status mark(const pbf_solver *solver, uint32_t count, const uint32_t *ids,
-                       removal *removed) {
-  for (uint32_t i = 0; i < count; ++i) {
-    uint32_t row;
-    if (!pbf_ids_find(solver, ids[i], &row)) {
-      return pbf_fail(PBF_ERROR_NOT_FOUND, "ids[%u] is %u; no particle has this id", i, ids[i]);
-    }
-    if (is_removed(removed, row)) {
-      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ids[%u] is %u, which stands twice", i, ids[i]);
-    }
-    removed->bits[row / 64] |= UINT64_C(1) << row % 64;
-  }
-  uint32_t found = 0;
-  for (uint32_t row = 0; row < solver->count; ++row) {
-    if (is_removed(removed, row)) removed->ids[found++] = pbf_ids_of_row(solver, row);
-  }
-  return PBF_OK;
-}
-
-static void compact_previous(pbf_solver *solver, const removal *removed) {
-  uint32_t kept = 0;
-  for (uint32_t row = 0; row < solver->previous_count; ++row)
-    if (!is_removed(removed, row)) pbf_previous_move(solver, row, kept++);
-  solver->previous_count = kept;
-}
-
-static void compact_ids(pbf_solver *solver, const removal *removed) {
-  uint32_t kept = 0;
-  compact_previous(solver, removed);
-  for (uint32_t row = 0; row < solver->count; ++row) {
-    if (!is_removed(removed, row)) solver->ids[kept++] = solver->ids[row];
-  }
-  solver->count = kept;
-  if (kept == 0) solver->overlap.moved = 0;
-  ++solver->generation;
-}
-
-static pbf_status remove_marked(pbf_solver *solver, uint32_t count, const removal *removed) {
-  pbf_status status = pbf_ids_store(solver);
-  if (status != PBF_OK) return status;
-  status = solver->api.remove_particles(solver->backend, count, removed->ids);
-  if (status == PBF_OK) compact_ids(solver, removed);
-  return pbf_backend_result(solver, status, "remove_particles");
-}
-
-static pbf_status remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
-  removal removed;
-  pbf_status status = pbf_check_unmapped(solver);
-  if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("ids", ids, sizeof *ids);
-  if (status != PBF_OK) return status;
-  if (count > solver->count) {
-    return pbf_fail(PBF_ERROR_NOT_FOUND, "count is %u; the solver holds %u particles", count,
-                    solver->count);
-  }
-  status = allocate_removal(solver, count, &removed);
-  if (status != PBF_OK) return status;
-  status = mark(solver, count, ids, &removed);
-  if (status == PBF_OK) status = remove_marked(solver, count, &removed);
-  free_removal(solver, &removed);
-  return status;
-}
-
-pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
-  pbf_status status = pbf_enter(solver);
-  if (status != PBF_OK) return status;
-  return pbf_leave(solver, remove_particles(solver, count, ids));
 }

@@ -5,6 +5,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "numbers.h"
 #include "particles.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
@@ -125,14 +126,6 @@ static pbf_status check(const pbf_solver *solver, const pbf_read_desc *read) {
 
 /* ---- Where numbers come from ----------------------------------------------------------------- */
 
-/* Numbers of particles, as they lie in a backend's memory or in a copy by rows. */
-typedef struct numbers {
-  const char *data; /* null: none are wanted */
-  int64_t particle_stride, component_stride;
-  void *copy; /* or null */
-  uint64_t bytes;
-} numbers;
-
 /* What a reading is made from. Elements are particles in the order in which they lie: of a host's
  * memory all, by the backend's ids; else the rows that are asked for. */
 typedef struct reading {
@@ -143,35 +136,9 @@ typedef struct reading {
   const uint32_t *ids; /* of elements; null: they are rows first, first + 1, … */
   uint32_t *rows;      /* of ids from first_id on; null: to be looked up */
   uint32_t first_id, ids_end;
-  numbers field, velocity; /* by element */
-  numbers scalar;          /* for w, by row from first on */
+  pbf_numbers field, velocity; /* by element */
+  pbf_numbers scalar;          /* for w, by row from first on */
 } reading;
-
-static pbf_status copy_rows(const reading *r, uint32_t field, uint32_t components, numbers *n) {
-  const uint64_t size = pbf_element_size(r->solver);
-  n->component_stride = (int64_t)size;
-  n->particle_stride = (int64_t)(components * size);
-  n->bytes = r->desc->count * components * size;
-  pbf_status status =
-      pbf_memory_allocate(&r->solver->allocator, n->bytes, "a copy of what is read", &n->copy);
-  n->data = n->copy;
-  if (status != PBF_OK) return status;
-  return pbf_read_rows(r->solver, field, r->desc->first, r->desc->count, n->copy);
-}
-
-/* Position or velocity. */
-static pbf_status find_vectors(reading *r, uint32_t field, numbers *n) {
-  pbf_view view;
-  pbf_status status = pbf_view_of(r->solver, field, &view);
-  if (status != PBF_OK) return status;
-  if (view.device_type != PBF_DEVICE_CPU) return copy_rows(r, field, r->solver->kind.dimension, n);
-  r->ids = view.ids;
-  r->elements = view.count;
-  *n = (numbers){.data = view.data,
-                 .particle_stride = view.particle_stride,
-                 .component_stride = view.component_stride};
-  return PBF_OK;
-}
 
 /* A table of rows instead of a search for each, unless ids lie too far apart. */
 static pbf_status find_rows(reading *r) {
@@ -191,26 +158,34 @@ static pbf_status find_rows(reading *r) {
   return PBF_OK;
 }
 
+/* Position or velocity. */
+static pbf_status find_vectors(reading *r, uint32_t field, pbf_numbers *numbers) {
+  pbf_status status = pbf_numbers_find(r->solver, field, r->desc->first, r->desc->count, numbers);
+  r->ids = numbers->ids;
+  r->elements = numbers->elements;
+  return status;
+}
+
+static pbf_status copy_rows(const reading *r, uint32_t field, pbf_numbers *numbers) {
+  return pbf_numbers_copy(r->solver, field, r->desc->first, r->desc->count, numbers);
+}
+
 static pbf_status find_all(reading *r) {
   const pbf_read_desc *desc = r->desc;
-  pbf_status status = PBF_OK;
-  if (is_vector(desc->field))
-    status = find_vectors(r, desc->field, &r->field);
-  else
-    status = copy_rows(r, desc->field, 1, &r->field);
+  pbf_status status = is_vector(desc->field) ? find_vectors(r, desc->field, &r->field)
+                                             : copy_rows(r, desc->field, &r->field);
   if (status != PBF_OK || r->components != 4) return status;
   if (desc->w == PBF_W_SPEED) return find_vectors(r, PBF_FIELD_VELOCITY, &r->velocity);
   if (desc->w == PBF_W_CONSTANT) return PBF_OK;
-  const uint32_t field = desc->w == PBF_W_DENSITY ? PBF_FIELD_DENSITY : PBF_FIELD_PRESSURE;
-  return copy_rows(r, field, 1, &r->scalar);
+  return copy_rows(r, desc->w == PBF_W_DENSITY ? PBF_FIELD_DENSITY : PBF_FIELD_PRESSURE,
+                   &r->scalar);
 }
 
 static void free_all(const reading *r) {
-  const pbf_allocator *allocator = &r->solver->allocator;
-  pbf_memory_free(allocator, r->field.copy, r->field.bytes);
-  pbf_memory_free(allocator, r->velocity.copy, r->velocity.bytes);
-  pbf_memory_free(allocator, r->scalar.copy, r->scalar.bytes);
-  pbf_memory_free(allocator, r->rows, (uint64_t)r->ids_end * sizeof *r->rows);
+  pbf_numbers_free(r->solver, &r->field);
+  pbf_numbers_free(r->solver, &r->velocity);
+  pbf_numbers_free(r->solver, &r->scalar);
+  pbf_memory_free(&r->solver->allocator, r->rows, (uint64_t)r->ids_end * sizeof *r->rows);
 }
 
 /* ---- Writing --------------------------------------------------------------------------------- */
@@ -224,22 +199,10 @@ typedef struct writing {
   const uint32_t *ids, *rows; /* as in reading */
   uint32_t first_id;
   const pbf_solver *solver; /* for a search; null: ids are rows */
-  numbers field, velocity, scalar, previous;
+  pbf_numbers field, velocity, scalar, previous;
   uint32_t previous_count, dimension;
   double behind, w_value;
 } writing;
-
-static inline double get(const numbers *n, uint64_t index, uint32_t component, uint32_t precision) {
-  const char *at = n->data + (int64_t)index * n->particle_stride + component * n->component_stride;
-  float single;
-  double number;
-  if (precision == PBF_FLOAT32) {
-    memcpy(&single, at, sizeof single);
-    return (double)single;
-  }
-  memcpy(&number, at, sizeof number);
-  return number;
-}
 
 static inline void put(char *at, uint32_t type, uint32_t component, double number) {
   const float single = (float)number;
@@ -260,7 +223,7 @@ static inline uint32_t row_of(const writing *w, uint32_t element) {
 static inline double speed_of(const writing *w, uint32_t element, uint32_t precision) {
   double sum = 0;
   for (uint32_t k = 0; k < w->dimension; ++k) {
-    const double v = get(&w->velocity, element, k, precision);
+    const double v = pbf_numbers_get(&w->velocity, element, k, precision);
     sum += v * v;
   }
   return sqrt(sum);
@@ -268,7 +231,7 @@ static inline double speed_of(const writing *w, uint32_t element, uint32_t preci
 
 static inline double w_of(const writing *w, uint32_t element, uint32_t row, uint32_t precision) {
   if (w->velocity.data) return speed_of(w, element, precision);
-  if (w->scalar.data) return get(&w->scalar, row - w->first, 0, precision);
+  if (w->scalar.data) return pbf_numbers_get(&w->scalar, row - w->first, 0, precision);
   return w->w_value;
 }
 
@@ -282,9 +245,9 @@ static inline __attribute__((always_inline)) void write_one(const writing *w, ma
                                                             uint32_t element, uint32_t row,
                                                             char *at) {
   for (uint32_t k = 0; k < m.own; ++k) {
-    double x = get(&w->field, element, k, m.precision);
+    double x = pbf_numbers_get(&w->field, element, k, m.precision);
     if (m.blends && row < w->previous_count)
-      x += w->behind * (get(&w->previous, row, k, m.precision) - x);
+      x += w->behind * (pbf_numbers_get(&w->previous, row, k, m.precision) - x);
     put(at, m.type, k, x);
   }
   for (uint32_t k = m.own; k < m.components && k < 3; ++k) put(at, m.type, k, 0);
