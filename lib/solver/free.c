@@ -5,12 +5,14 @@
 #include "ids.h"
 #include "memory.h"
 #include "previous.h"
+#include "snapshots.h"
 
 void pbf_solver_free(pbf_solver *solver) {
   const pbf_allocator allocator = solver->callbacks.allocator;
   solver->api.destroy(solver->backend);
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
+  pbf_snapshots_free(solver, solver->snapshots);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);

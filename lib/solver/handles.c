@@ -51,14 +51,24 @@ static pbf_status fail_as_left(const pbf_solver *solver) {
                       : "another thread was halfway in a call when this process was forked off");
 }
 
-static pbf_status enter_locked(pbf_solver *solver) {
+static pbf_status find_locked(pbf_solver *solver) {
   if (!is_live(solver)) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "solver is %p, which pbf_create did not give or pbf_destroy has taken back",
                     (void *)solver);
   }
   see_whether_left(solver);
-  if (solver->left) return fail_as_left(solver);
+  return solver->left ? fail_as_left(solver) : PBF_OK;
+}
+
+static pbf_status check_handle(const pbf_solver *solver) {
+  if (!solver) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; pbf_create makes one");
+  return pbf_lock_check();
+}
+
+static pbf_status enter_locked(pbf_solver *solver) {
+  pbf_status status = find_locked(solver);
+  if (status != PBF_OK) return status;
   if (solver->in_call) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this solver; a solver belongs to one thread at a time");
@@ -71,8 +81,7 @@ static pbf_status enter_locked(pbf_solver *solver) {
 }
 
 pbf_status pbf_enter(pbf_solver *solver) {
-  if (!solver) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; pbf_create makes one");
-  pbf_status status = pbf_lock_check();
+  pbf_status status = check_handle(solver);
   if (status != PBF_OK) return status;
   pbf_lock_take(PBF_LOCK_SOLVERS);
   status = enter_locked(solver);
@@ -89,6 +98,21 @@ pbf_status pbf_leave(pbf_solver *solver, pbf_status status) {
   solver->in_call = 0;
   drop_reference(solver);
   return status;
+}
+
+pbf_status pbf_hold(pbf_solver *solver) {
+  pbf_status status = check_handle(solver);
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  status = find_locked(solver);
+  if (status == PBF_OK) ++solver->references;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return status;
+}
+
+void pbf_let_go(pbf_solver *solver) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  drop_reference(solver);
 }
 
 void pbf_solver_publish(pbf_solver *solver) {

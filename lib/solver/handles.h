@@ -10,6 +10,11 @@
 pbf_status pbf_enter(pbf_solver *solver);
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
 
+/* A reference to a solver that there is, whatever call is inside. Fails as pbf_enter, but for
+ * that. */
+pbf_status pbf_hold(pbf_solver *solver);
+void pbf_let_go(pbf_solver *solver);
+
 /* Makes the handle valid, with one reference: the handle itself. */
 void pbf_solver_publish(pbf_solver *solver);
 

@@ -10,6 +10,7 @@
 #include "ids.h"
 #include "plan.h"
 #include "previous.h"
+#include "snapshots.h"
 #include "solver_time.h"
 #include "step_limit.h"
 #include "structs.h"
@@ -112,6 +113,10 @@ static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
   if (solver->previous)
     add_array(plan, "previous position (host)", (double)pbf_point_bytes(solver),
               pbf_previous_bytes(solver));
+  if (solver->snapshots)
+    add_array(plan, "snapshots (host)",
+              (double)pbf_snapshots_bytes(solver, solver->snapshots) / solver->capacity,
+              pbf_snapshots_bytes(solver, solver->snapshots));
 }
 
 static void end_plan_texts(pbf_plan *plan) {

@@ -57,9 +57,10 @@ typedef enum pbf_left {
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
-  uint32_t references; /* the handle, a running call, every exported tensor */
-  uint32_t in_call;    /* 1: a call is running */
-  uint32_t exported;   /* tensors whose deleter has not run */
+  uint32_t references;             /* the handle, a running call, every exported tensor */
+  uint32_t in_call;                /* 1: a call is running */
+  uint32_t exported;               /* tensors whose deleter has not run */
+  struct pbf_snapshots *snapshots; /* for other threads; null: none are made */
   pbf_left left;
 
   /* Belongs to the running call. */

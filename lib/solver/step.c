@@ -11,6 +11,7 @@
 #include "plan.h"
 #include "prestabilize.h"
 #include "previous.h"
+#include "snapshots.h"
 #include "solver_time.h"
 #include "step_limit.h"
 #include "substeps.h"
@@ -164,6 +165,7 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
   uint32_t with_room = steps_before_walls_meet(solver, steps);
   uint32_t possible = steps_before_overflow(solver, with_room);
   if (possible > 0) status = advance_and_keep(solver, possible);
+  if (possible > 0 && status == PBF_OK) status = pbf_snapshots_make(solver);
   if (status != PBF_OK || possible == steps) return status;
   if (possible < with_room) return fail_to_place(solver, possible + 1, steps);
   return pbf_fail(PBF_ERROR_STATE,

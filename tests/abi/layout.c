@@ -112,6 +112,18 @@ AT(pbf_read_desc, data, 40);
 AT(pbf_read_desc, behind, 48);
 AT(pbf_read_desc, w_value, 56);
 
+SIZE(pbf_snapshot, 64);
+AT(pbf_snapshot, struct_size, 0);
+AT(pbf_snapshot, count, 4);
+AT(pbf_snapshot, dimension, 8);
+AT(pbf_snapshot, element_type, 12);
+AT(pbf_snapshot, step, 16);
+AT(pbf_snapshot, time, 24);
+AT(pbf_snapshot, positions, 32);
+AT(pbf_snapshot, velocities, 40);
+AT(pbf_snapshot, ids, 48);
+AT(pbf_snapshot, owner, 56);
+
 SIZE(pbf_stats, 184);
 AT(pbf_stats, struct_size, 0);
 AT(pbf_stats, count, 4);

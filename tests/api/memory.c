@@ -56,6 +56,7 @@ static pbf_status drop_box(scene *s) {
   const double lower[3] = {-1, -1, -1}, upper[3] = {0.3, 2, 2};
   return pbf_remove_in_box(s->solver, lower, upper, NULL);
 }
+static pbf_status set_snapshots(scene *s) { return pbf_set_snapshots(s->solver, 3); }
 static pbf_status keep_previous(scene *s) { return pbf_keep_previous(s->solver, 1); }
 static pbf_status set_velocities(scene *s) {
   float v[60] = {0};
@@ -133,10 +134,10 @@ static void fail_in_turn(action act) {
 
 static void each_call(void **state) {
   (void)state;
-  const action actions[] = {add,           drop,           step,   set_params, set_colliders,
-                            load,          save,           hash,   stats,      get_positions,
-                            get_densities, set_velocities, export, timing,     read_quads,
-                            keep_previous, drop_box};
+  const action actions[] = {add,           drop,           step,         set_params, set_colliders,
+                            load,          save,           hash,         stats,      get_positions,
+                            get_densities, set_velocities, export,       timing,     read_quads,
+                            keep_previous, drop_box,       set_snapshots};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
 }
 

@@ -1,0 +1,213 @@
+#include "snapshots.h"
+
+#include <string.h>
+
+#include "backend_call.h"
+#include "error.h"
+#include "handles.h"
+#include "ids.h"
+#include "lock.h"
+#include "memory.h"
+#include "solver_time.h"
+#include "structs.h"
+
+typedef struct snapshot {
+  pbf_solver *solver;
+  uint32_t readers; /* who hold it */
+  uint32_t count;
+  uint64_t step;
+  double time;
+  char *positions, *velocities;
+  uint32_t *ids;
+} snapshot;
+
+typedef struct pbf_snapshots {
+  uint32_t count;
+  snapshot *latest;
+  snapshot list[PBF_MAX_SNAPSHOTS];
+} pbf_snapshots;
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
+static uint64_t rounded(uint64_t bytes) { return (bytes + 63) / 64 * 64; }
+
+static uint64_t field_bytes(const pbf_solver *solver) {
+  return rounded(solver->capacity * pbf_point_bytes(solver));
+}
+
+static uint64_t id_bytes(const pbf_solver *solver) {
+  return rounded((uint64_t)solver->capacity * sizeof(uint32_t));
+}
+
+static uint64_t bytes_for(const pbf_solver *solver, uint32_t count) {
+  return rounded(sizeof(pbf_snapshots)) + count * (2 * field_bytes(solver) + id_bytes(solver));
+}
+
+uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snapshots) {
+  return bytes_for(solver, snapshots->count);
+}
+
+void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots) {
+  if (!snapshots) return;
+  pbf_memory_free(&solver->allocator, snapshots, pbf_snapshots_bytes(solver, snapshots));
+}
+
+static pbf_status allocate(pbf_solver *solver, uint32_t count, pbf_snapshots **snapshots) {
+  void *memory;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, bytes_for(solver, count), "the snapshots", &memory);
+  if (status != PBF_OK) return status;
+  pbf_snapshots *all = *snapshots = memory;
+  char *next = (char *)memory + rounded(sizeof *all);
+  memset(all, 0, sizeof *all);
+  all->count = count;
+  for (uint32_t k = 0; k < count; ++k) {
+    all->list[k].solver = solver;
+    all->list[k].positions = next;
+    all->list[k].velocities = next + field_bytes(solver);
+    all->list[k].ids = (uint32_t *)(void *)(next + 2 * field_bytes(solver));
+    next += 2 * field_bytes(solver) + id_bytes(solver);
+  }
+  return PBF_OK;
+}
+
+/* ---- Making one ------------------------------------------------------------------------------ */
+
+/* Null where all are held but for the latest. Of that one none begins to be held by this. */
+static snapshot *find_free(pbf_snapshots *all) {
+  snapshot *found = NULL;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  for (uint32_t k = 0; k < all->count && !found; ++k)
+    if (&all->list[k] != all->latest && all->list[k].readers == 0) found = &all->list[k];
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return found;
+}
+
+static pbf_status fill(pbf_solver *solver, snapshot *to) {
+  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  to->count = solver->count;
+  to->step = solver->step;
+  to->time = pbf_solver_time(solver);
+  for (uint32_t row = 0; row < solver->count; ++row) to->ids[row] = pbf_ids_of_row(solver, row);
+  if (solver->count == 0) return PBF_OK;
+  pbf_status status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, to->positions);
+  if (status == PBF_OK)
+    status = solver->api.read(solver->backend, PBF_FIELD_VELOCITY, &rows, to->velocities);
+  return pbf_backend_result(solver, status, "read");
+}
+
+static pbf_status make(pbf_solver *solver, pbf_snapshots *all) {
+  snapshot *next = find_free(all);
+  if (!next) return PBF_OK;
+  pbf_status status = fill(solver, next);
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  all->latest = next;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return PBF_OK;
+}
+
+pbf_status pbf_snapshots_make(pbf_solver *solver) {
+  return solver->snapshots ? make(solver, solver->snapshots) : PBF_OK;
+}
+
+/* ---- Asking for them ------------------------------------------------------------------------- */
+
+/* Puts others in the place of those that there are, unless one of these is held. Returns what is to
+ * be freed. */
+static pbf_status exchange(pbf_solver *solver, pbf_snapshots **snapshots) {
+  pbf_snapshots *before;
+  uint32_t held = 0;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  before = solver->snapshots;
+  for (uint32_t k = 0; before && k < before->count; ++k) held += before->list[k].readers;
+  if (held == 0) {
+    solver->snapshots = *snapshots;
+    *snapshots = before;
+  }
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  if (held == 0) return PBF_OK;
+  return pbf_fail(PBF_ERROR_STATE,
+                  "snapshots are held, %u times; pbf_release_snapshot must end that first", held);
+}
+
+static pbf_status set_snapshots(pbf_solver *solver, uint32_t count) {
+  pbf_snapshots *snapshots = NULL;
+  if (count == 1 || count > PBF_MAX_SNAPSHOTS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "snapshots is %u; it must be 2 … %u, or 0", count,
+                    PBF_MAX_SNAPSHOTS);
+  pbf_status status = count > 0 ? allocate(solver, count, &snapshots) : PBF_OK;
+  if (status == PBF_OK && count > 0) status = make(solver, snapshots);
+  if (status == PBF_OK) status = exchange(solver, &snapshots);
+  pbf_snapshots_free(solver, snapshots);
+  return status;
+}
+
+pbf_status pbf_set_snapshots(pbf_solver *solver, uint32_t snapshots) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_snapshots(solver, snapshots));
+}
+
+/* ---- Holding one ----------------------------------------------------------------------------- */
+
+static snapshot *hold_latest(pbf_solver *solver) {
+  snapshot *latest = NULL;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  if (solver->snapshots) {
+    latest = solver->snapshots->latest;
+    ++latest->readers;
+  }
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return latest;
+}
+
+static pbf_status check_holder(const pbf_snapshot *theirs) {
+  pbf_status status = pbf_struct_check_out(&pbf_kind_snapshot, theirs);
+  if (status != PBF_OK || !theirs->owner) return status;
+  return pbf_fail(
+      PBF_ERROR_STATE,
+      "snapshot.owner is %p; it must be null, and a snapshot that is held released first",
+      theirs->owner);
+}
+
+/* The reference to the solver stays as long as the snapshot is held. */
+pbf_status pbf_acquire_snapshot(pbf_solver *solver, pbf_snapshot *theirs) {
+  pbf_status status = check_holder(theirs);
+  if (status == PBF_OK) status = pbf_hold(solver);
+  if (status != PBF_OK) return status;
+  snapshot *latest = hold_latest(solver);
+  if (!latest) {
+    pbf_let_go(solver);
+    return pbf_fail(PBF_ERROR_STATE,
+                    "the solver makes no snapshots; pbf_set_snapshots has it do so");
+  }
+  const pbf_snapshot held = {.struct_size = sizeof held,
+                             .count = latest->count,
+                             .dimension = solver->kind.dimension,
+                             .element_type = solver->kind.precision,
+                             .step = latest->step,
+                             .time = latest->time,
+                             .positions = latest->positions,
+                             .velocities = latest->velocities,
+                             .ids = latest->ids,
+                             .owner = latest};
+  pbf_struct_out(&pbf_kind_snapshot, &held, theirs, theirs->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_release_snapshot(pbf_snapshot *theirs) {
+  static const pbf_snapshot none = {0};
+  pbf_status status = pbf_struct_check_out(&pbf_kind_snapshot, theirs);
+  if (status == PBF_OK) status = pbf_lock_check();
+  if (status != PBF_OK) return status;
+  snapshot *held = theirs->owner;
+  if (!held) return pbf_fail(PBF_ERROR_STATE, "snapshot.owner is null: nothing is held");
+  pbf_struct_out(&pbf_kind_snapshot, &none, theirs, theirs->struct_size);
+  pbf_solver *solver = held->solver; /* which may free what is held from here on */
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  --held->readers;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  pbf_let_go(solver);
+  return PBF_OK;
+}
