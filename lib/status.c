@@ -20,6 +20,7 @@ static const char *const names[] = {
     "PBF_ERROR_DEVICE",
     "PBF_ERROR_PLUGIN",
     "PBF_ERROR_DATA",
+    "PBF_ERROR_CANCELLED",
 };
 
 int pbf_status_is_known(pbf_status status) {

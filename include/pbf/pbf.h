@@ -81,7 +81,8 @@ enum {
   PBF_ERROR_STATE = -9,            /* not now: a view is mapped, for example */
   PBF_ERROR_DEVICE = -10,          /* a device call failed; the sentence names the call */
   PBF_ERROR_PLUGIN = -11,          /* a backend broke the plugin rules */
-  PBF_ERROR_DATA = -12             /* a saved state is truncated, damaged or of another kind */
+  PBF_ERROR_DATA = -12,            /* a saved state is truncated, damaged or of another kind */
+  PBF_ERROR_CANCELLED = -13        /* pbf_cancel has ended the call; what it has done stands */
 };
 
 /* The code's name, "PBF_ERROR_CAPACITY"; never null, static storage. */
@@ -375,6 +376,13 @@ PBF_API pbf_status pbf_get_params(pbf_solver *solver, pbf_params *params);
  * the steps before it stand (pbf_info.step tells). A device works on after the call returns:
  * whatever reads the state waits for it, and pbf_synchronize does just that. */
 PBF_API pbf_status pbf_step(pbf_solver *solver, uint32_t steps);
+
+/* Has the pbf_step that is inside the solver return PBF_ERROR_CANCELLED, unless it has done its
+ * last step by then. From any thread, at any time up to pbf_destroy; does not wait for it. The step
+ * that runs is completed, and so are those after it that take some 20 ms together on a CPU; all of
+ * them stand (pbf_info.step tells how many), and the solver goes on with the same bits as from as
+ * many steps. Where no pbf_step is inside, it does nothing. */
+PBF_API pbf_status pbf_cancel(pbf_solver *solver);
 
 /* Waits for the device; reports an error that a step met after pbf_step had returned. */
 PBF_API pbf_status pbf_synchronize(pbf_solver *solver);

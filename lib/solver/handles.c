@@ -74,6 +74,7 @@ static pbf_status enter_locked(pbf_solver *solver) {
                     "another call is inside this solver; a solver belongs to one thread at a time");
   }
   solver->in_call = 1;
+  atomic_store_explicit(&solver->cancelled, 0, memory_order_relaxed);
   solver->callbacks.thread = pthread_self();
   solver->callbacks.frame = NULL;
   ++solver->references;
@@ -113,6 +114,18 @@ pbf_status pbf_hold(pbf_solver *solver) {
 void pbf_let_go(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   drop_reference(solver);
+}
+
+/* With the lock held none begins or ends meanwhile: a call that begins later is not meant. */
+pbf_status pbf_cancel(pbf_solver *solver) {
+  pbf_status status = check_handle(solver);
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  status = find_locked(solver);
+  if (status == PBF_OK && solver->in_call)
+    atomic_store_explicit(&solver->cancelled, 1, memory_order_relaxed);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return status;
 }
 
 void pbf_solver_publish(pbf_solver *solver) {

@@ -3,6 +3,7 @@
 #define PBF_LIB_SOLVER_SOLVER_H
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 #include "check.h"
 #include "common/fp_environment.h"
@@ -62,6 +63,7 @@ struct pbf_solver {
   uint32_t exported;               /* tensors whose deleter has not run */
   struct pbf_snapshots *snapshots; /* for other threads; null: none are made */
   pbf_left left;
+  _Atomic uint32_t cancelled; /* 1: the running call is to end after its present step */
 
   /* Belongs to the running call. */
   pbf_fp_environment callers_fp; /* the environment of the thread that it came from */

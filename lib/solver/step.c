@@ -107,9 +107,18 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
   return status;
 }
 
+/* A backend runs so many of the steps at once, without a look at whether they are cancelled: in
+ * some 20 ms of one thread. */
+static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
+  const double enough = 4e5; /* particles by iterations */
+  const double one = ((double)solver->count + 1) * solver->params.iterations;
+  const double most = 1 + enough / one;
+  return most < steps ? (uint32_t)most : steps;
+}
+
 /* So many of the steps as go alike. */
 static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
-  uint32_t substeps, alike = solver->params.max_substeps > 1 ? 1 : steps;
+  uint32_t substeps, alike = solver->params.max_substeps > 1 ? 1 : steps_at_once(solver, steps);
   pbf_status status = pbf_substeps_of(solver, &substeps);
   if (status == PBF_OK) status = pbf_divide_step(solver, substeps);
   if (status != PBF_OK) return status;
@@ -140,22 +149,37 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   return status;
 }
 
+/* All of them, or those before a cancellation. */
 static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   pbf_status status = PBF_OK;
-  for (uint32_t done = 0; status == PBF_OK && steps > 0; steps -= done)
+  for (uint32_t done = 0; status == PBF_OK && steps > 0; steps -= done) {
+    if (atomic_load_explicit(&solver->cancelled, memory_order_relaxed)) break;
     status = advance_part(solver, steps, &done);
+  }
   return status;
 }
 
 /* The last step alone, where what is before it is kept. */
 static pbf_status advance_and_keep(pbf_solver *solver, uint32_t steps) {
+  const uint64_t last = solver->step + steps - 1;
   if (!solver->previous) return advance(solver, steps);
   pbf_previous_forget(solver);
   pbf_status status = advance(solver, steps - 1);
-  if (status == PBF_OK) status = pbf_previous_note(solver);
+  if (status != PBF_OK || solver->step < last) return status;
+  status = pbf_previous_note(solver);
   if (status == PBF_OK) status = advance(solver, 1);
-  if (status != PBF_OK) pbf_previous_forget(solver);
+  if (status != PBF_OK || solver->step == last) pbf_previous_forget(solver);
   return status;
+}
+
+/* With a snapshot of what is done. */
+static pbf_status advance_and_show(pbf_solver *solver, uint32_t steps, uint32_t of) {
+  const uint64_t before = solver->step;
+  pbf_status status = advance_and_keep(solver, steps);
+  if (status == PBF_OK) status = pbf_snapshots_make(solver);
+  if (status != PBF_OK || solver->step - before == steps) return status;
+  return pbf_fail(PBF_ERROR_CANCELLED, "pbf_cancel has ended the call after %u of %u steps",
+                  (uint32_t)(solver->step - before), of);
 }
 
 static pbf_status step(pbf_solver *solver, uint32_t steps) {
@@ -164,8 +188,7 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
   pbf_check_step_length(solver);
   uint32_t with_room = steps_before_walls_meet(solver, steps);
   uint32_t possible = steps_before_overflow(solver, with_room);
-  if (possible > 0) status = advance_and_keep(solver, possible);
-  if (possible > 0 && status == PBF_OK) status = pbf_snapshots_make(solver);
+  if (possible > 0) status = advance_and_show(solver, possible, steps);
   if (status != PBF_OK || possible == steps) return status;
   if (possible < with_room) return fail_to_place(solver, possible + 1, steps);
   return pbf_fail(PBF_ERROR_STATE,

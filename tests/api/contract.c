@@ -138,7 +138,8 @@ static void statuses_have_names(void **state) {
   assert_string_equal(pbf_status_string(PBF_ERROR_CAPACITY), "PBF_ERROR_CAPACITY");
   assert_string_equal(pbf_status_string(PBF_ERROR_BUSY), "PBF_ERROR_BUSY");
   assert_string_equal(pbf_status_string(PBF_ERROR_DATA), "PBF_ERROR_DATA");
-  assert_string_equal(pbf_status_string(-13), "unknown pbf_status");
+  assert_string_equal(pbf_status_string(PBF_ERROR_CANCELLED), "PBF_ERROR_CANCELLED");
+  assert_string_equal(pbf_status_string(-14), "unknown pbf_status");
   assert_string_equal(pbf_status_string(1), "unknown pbf_status");
   assert_string_equal(pbf_status_string(INT32_MIN), "unknown pbf_status");
   assert_int_equal(pbf_version(),
