@@ -13,7 +13,8 @@
  *             solver stays as it was. The library never prints, aborts, exits or throws.
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
- *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY.
+ *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY,
+ *             but for pbf_cancel, pbf_acquire_snapshot and pbf_release_snapshot.
  *   stack     a call takes up to 64 KiB of it, on `cuda` what its driver takes.
  *   signals   so does a call in a signal handler, where its thread has been interrupted at a point
  *             at which it would wait for itself; pbf_destroy then does nothing. What allocates
@@ -115,7 +116,8 @@ typedef struct pbf_allocator {
 } pbf_allocator;
 
 /* A task system of the caller's, as engines have one. A solver of `threads` that has it starts no
- * threads: each of its steps, or of some of them at once, is one task of `items` items.
+ * threads but that of pbf_begin_step: each of its steps, or of some of them at once, is one task of
+ * `items` items.
  *
  * `enqueue_task` has run(task, first, last) called such that each item 0 … items - 1 is in one of
  * the ranges first … last - 1: in any threads, at once or one after another, as late as it likes,
@@ -377,11 +379,22 @@ PBF_API pbf_status pbf_get_params(pbf_solver *solver, pbf_params *params);
  * whatever reads the state waits for it, and pbf_synchronize does just that. */
 PBF_API pbf_status pbf_step(pbf_solver *solver, uint32_t steps);
 
-/* Has the pbf_step that is inside the solver return PBF_ERROR_CANCELLED, unless it has done its
- * last step by then. From any thread, at any time up to pbf_destroy; does not wait for it. The step
- * that runs is completed, and so are those after it that take some 20 ms together on a CPU; all of
- * them stand (pbf_info.step tells how many), and the solver goes on with the same bits as from as
- * many steps. Where no pbf_step is inside, it does nothing. */
+/* The same in two calls, between which the calling thread does other work: pbf_begin_step returns
+ * at once, and a thread of the solver's own, which the first of these calls starts, runs the steps
+ * with the others of its backend. pbf_end_step, from any thread, waits for them and returns what
+ * pbf_step would. In between all other calls return PBF_ERROR_BUSY, but for pbf_cancel,
+ * pbf_acquire_snapshot and pbf_release_snapshot; pbf_destroy cancels and waits. Callbacks, and
+ * those of a task system, are called by that thread, and may not leave by an exception.
+ * PBF_ERROR_STATE: no steps have begun; PBF_ERROR_OUT_OF_MEMORY: the thread can't be started. The
+ * bits are those of pbf_step. */
+PBF_API pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps);
+PBF_API pbf_status pbf_end_step(pbf_solver *solver);
+
+/* Has the pbf_step, or the begun one, that is inside the solver return PBF_ERROR_CANCELLED, unless
+ * it has done its last step by then. From any thread, at any time up to pbf_destroy; does not wait
+ * for it. The step that runs is completed, and so are those after it that take some 20 ms together
+ * on a CPU; all of them stand (pbf_info.step tells how many), and the solver goes on with the same
+ * bits as from as many steps. Where no pbf_step is inside, it does nothing. */
 PBF_API pbf_status pbf_cancel(pbf_solver *solver);
 
 /* Waits for the device; reports an error that a step met after pbf_step had returned. */
@@ -498,7 +511,7 @@ PBF_API pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
  * velocities, which say less and more than where a particle came from: collisions, what overlaps
  * and artificial pressure move without, vorticity, viscosity and drag act on velocities alone.
  * A particle that is added, or whose position is set, has been where it is; so have all after a
- * load, or a step that fails. */
+ * load, or a step that fails or is cancelled. */
 PBF_API pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
 
 /* ---- Colliders ----------------------------------------------------------------------------- */

@@ -1,5 +1,6 @@
 #include "free.h"
 
+#include "begun.h"
 #include "callbacks.h"
 #include "colliders.h"
 #include "ids.h"
@@ -9,6 +10,7 @@
 
 void pbf_solver_free(pbf_solver *solver) {
   const pbf_allocator allocator = solver->callbacks.allocator;
+  pbf_worker_free(solver);
   solver->api.destroy(solver->backend);
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));

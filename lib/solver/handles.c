@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "begun.h"
 #include "callbacks.h"
 #include "error.h"
 #include "free.h"
@@ -34,6 +35,7 @@ static void drop_reference(pbf_solver *solver) {
 /* The call that is said to be inside will not come back. */
 static void leave_halfway(pbf_solver *solver, pbf_left why) {
   solver->in_call = 0;
+  solver->begun = PBF_BEGUN_NOT;
   solver->callbacks.frame = NULL;
   solver->left = why;
   --solver->references;
@@ -69,6 +71,11 @@ static pbf_status check_handle(const pbf_solver *solver) {
 static pbf_status enter_locked(pbf_solver *solver) {
   pbf_status status = find_locked(solver);
   if (status != PBF_OK) return status;
+  if (solver->begun) {
+    return pbf_fail(PBF_ERROR_BUSY,
+                    "steps that pbf_begin_step has begun run in this solver until pbf_end_step%s",
+                    solver->begun == PBF_BEGUN_ENDING ? ", in which a thread is" : "");
+  }
   if (solver->in_call) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this solver; a solver belongs to one thread at a time");
@@ -128,6 +135,61 @@ pbf_status pbf_cancel(pbf_solver *solver) {
   return status;
 }
 
+void pbf_stay(pbf_solver *solver, pthread_t runner) {
+  pbf_fp_end(solver->callers_fp);
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  solver->begun = PBF_BEGUN_STEPS;
+  solver->callbacks.thread = runner;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+}
+
+static pbf_status begin_end_locked(pbf_solver *solver) {
+  pbf_status status = find_locked(solver);
+  if (status != PBF_OK) return status;
+  if (solver->begun == PBF_BEGUN_NOT)
+    return pbf_fail(PBF_ERROR_STATE, "no steps have begun; pbf_begin_step begins them");
+  if (solver->begun == PBF_BEGUN_ENDING)
+    return pbf_fail(PBF_ERROR_BUSY, "another thread is in pbf_end_step of this solver");
+  if (pthread_equal(solver->callbacks.thread, pthread_self()))
+    return pbf_fail(PBF_ERROR_BUSY,
+                    "the call comes from a callback of the steps that it would end");
+  solver->begun = PBF_BEGUN_ENDING;
+  return PBF_OK;
+}
+
+pbf_status pbf_begin_end(pbf_solver *solver) {
+  pbf_status status = check_handle(solver);
+  if (status != PBF_OK) return status;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  status = begin_end_locked(solver);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return status;
+}
+
+pbf_status pbf_leave_begun(pbf_solver *solver, pbf_status status) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  solver->in_call = 0;
+  solver->begun = PBF_BEGUN_NOT;
+  drop_reference(solver);
+  return status;
+}
+
+/* Steps that have begun are ended first, unless another thread does that. */
+static void end_begun(pbf_solver *solver) {
+  int ends = 0;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  if (is_live(solver) && solver->begun == PBF_BEGUN_STEPS &&
+      !pthread_equal(solver->callbacks.thread, pthread_self())) {
+    atomic_store_explicit(&solver->cancelled, 1, memory_order_relaxed);
+    solver->begun = PBF_BEGUN_ENDING;
+    ends = 1;
+  }
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  if (!ends) return;
+  pbf_worker_wait(solver);
+  pbf_leave_begun(solver, PBF_OK);
+}
+
 void pbf_solver_publish(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->references = 1;
@@ -138,6 +200,7 @@ void pbf_solver_publish(pbf_solver *solver) {
 
 void pbf_destroy(pbf_solver *solver) {
   if (!solver || pbf_lock_check() != PBF_OK) return;
+  end_begun(solver);
   pbf_lock_take(PBF_LOCK_SOLVERS);
   pbf_solver **link = bucket_of(solver);
   while (*link && *link != solver) link = &(*link)->next_live;

@@ -10,6 +10,14 @@
 pbf_status pbf_enter(pbf_solver *solver);
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
 
+/* Of pbf_begin_step: the call stays inside, run by that thread, … */
+void pbf_stay(pbf_solver *solver, pthread_t runner);
+
+/* … until the one thread that this succeeds for leaves with its status. Fails with PBF_ERROR_STATE
+ * where nothing has begun. */
+pbf_status pbf_begin_end(pbf_solver *solver);
+pbf_status pbf_leave_begun(pbf_solver *solver, pbf_status status);
+
 /* A reference to a solver that there is, whatever call is inside. Fails as pbf_enter, but for
  * that. */
 pbf_status pbf_hold(pbf_solver *solver);

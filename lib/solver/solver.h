@@ -55,6 +55,13 @@ typedef enum pbf_left {
   PBF_LEFT_BY_FORK      /* another thread was inside when this process was forked off */
 } pbf_left;
 
+/* Of steps that pbf_begin_step has begun. */
+typedef enum pbf_begun {
+  PBF_BEGUN_NOT,
+  PBF_BEGUN_STEPS,
+  PBF_BEGUN_ENDING /* a thread waits for them */
+} pbf_begun;
+
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
@@ -63,9 +70,11 @@ struct pbf_solver {
   uint32_t exported;               /* tensors whose deleter has not run */
   struct pbf_snapshots *snapshots; /* for other threads; null: none are made */
   pbf_left left;
+  pbf_begun begun;
   _Atomic uint32_t cancelled; /* 1: the running call is to end after its present step */
 
   /* Belongs to the running call. */
+  struct pbf_worker *worker;     /* which runs what is begun: begun.h; null: none has begun */
   pbf_fp_environment callers_fp; /* the environment of the thread that it came from */
   pbf_allocator allocator;       /* these three lead to the caller's own: */
   pbf_log_fn log;

@@ -159,16 +159,15 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   return status;
 }
 
-/* The last step alone, where what is before it is kept. */
+/* The last step alone, where what is before it is kept. After a cancellation that is where the
+ * particles are. */
 static pbf_status advance_and_keep(pbf_solver *solver, uint32_t steps) {
-  const uint64_t last = solver->step + steps - 1;
   if (!solver->previous) return advance(solver, steps);
   pbf_previous_forget(solver);
   pbf_status status = advance(solver, steps - 1);
-  if (status != PBF_OK || solver->step < last) return status;
-  status = pbf_previous_note(solver);
+  if (status == PBF_OK) status = pbf_previous_note(solver);
   if (status == PBF_OK) status = advance(solver, 1);
-  if (status != PBF_OK || solver->step == last) pbf_previous_forget(solver);
+  if (status != PBF_OK) pbf_previous_forget(solver);
   return status;
 }
 
@@ -182,7 +181,7 @@ static pbf_status advance_and_show(pbf_solver *solver, uint32_t steps, uint32_t 
                   (uint32_t)(solver->step - before), of);
 }
 
-static pbf_status step(pbf_solver *solver, uint32_t steps) {
+pbf_status pbf_run_steps(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || steps == 0) return status;
   pbf_check_step_length(solver);
@@ -200,7 +199,7 @@ static pbf_status step(pbf_solver *solver, uint32_t steps) {
 pbf_status pbf_step(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, step(solver, steps));
+  return pbf_leave(solver, pbf_run_steps(solver, steps));
 }
 
 pbf_status pbf_synchronize(pbf_solver *solver) {

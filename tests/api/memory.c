@@ -23,6 +23,10 @@ static pbf_status drop(scene *s) {
   return pbf_remove_particles(s->solver, 2, (const uint32_t[]){5, 1});
 }
 static pbf_status step(scene *s) { return pbf_step(s->solver, 2); }
+static pbf_status step_apart(scene *s) {
+  pbf_status status = pbf_begin_step(s->solver, 2);
+  return status == PBF_OK ? pbf_end_step(s->solver) : status;
+}
 static pbf_status set_params(scene *s) { return pbf_set_params(s->solver, &s->params); }
 static pbf_status set_colliders(scene *s) { return pbf_set_colliders(s->solver, 1, &s->collider); }
 static pbf_status load(scene *s) { return pbf_load(s->solver, s->saved, s->saved_size); }
@@ -134,10 +138,10 @@ static void fail_in_turn(action act) {
 
 static void each_call(void **state) {
   (void)state;
-  const action actions[] = {add,           drop,           step,         set_params, set_colliders,
-                            load,          save,           hash,         stats,      get_positions,
-                            get_densities, set_velocities, export,       timing,     read_quads,
-                            keep_previous, drop_box,       set_snapshots};
+  const action actions[] = {add,           drop,           step,          set_params, set_colliders,
+                            load,          save,           hash,          stats,      get_positions,
+                            get_densities, set_velocities, export,        timing,     read_quads,
+                            keep_previous, drop_box,       set_snapshots, step_apart};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
 }
 
