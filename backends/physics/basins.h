@@ -107,10 +107,15 @@ static inline int pbf_basin_is_free(uint64_t near, const pbf_surface *surfaces, 
   return 1;
 }
 
-static inline int pbf_basin_way_is_open(uint64_t near, const pbf_surface *surfaces, pbf_vec from,
-                                        pbf_vec to) {
+/* From a point one on along an axis. */
+static inline int pbf_basin_way_is_open(const pbf_basin_region *r, uint64_t near,
+                                        const pbf_surface *surfaces, const int at[PBF_DIM],
+                                        int axis, int by) {
+  int to[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) to[k] = at[k] + (k == axis ? by : 0);
+  const pbf_vec from = pbf_basin_point(r, at), there = pbf_basin_point(r, to);
   for (; near; near &= near - 1)
-    if (pbf_surface_blocks(&surfaces[__builtin_ctzll(near)], from, to)) return 0;
+    if (pbf_surface_blocks(&surfaces[__builtin_ctzll(near)], from, there)) return 0;
   return 1;
 }
 
@@ -137,7 +142,6 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, uint64_t near,
   int at[PBF_DIM], stride = 1;
   const int p = level * PBF_BASIN_LEVEL + index;
   pbf_basin_place(r, level, index, at);
-  const pbf_vec x = pbf_basin_point(r, at);
   for (int k = 0; k < PBF_DIM; ++k) {
     const int upright = k == r->axis;
     for (int side = 0; side < 2; ++side) {
@@ -146,9 +150,7 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, uint64_t near,
       if (ends ? r->walled[2 * k + side] : side && !upright) continue;
       const int q = upright ? p - PBF_BASIN_LEVEL : p - stride;
       if (!ends && !points->free[q]) continue;
-      int to[PBF_DIM];
-      for (int a = 0; a < PBF_DIM; ++a) to[a] = at[a] + (a == k ? 2 * side - 1 : 0);
-      if (near && !pbf_basin_way_is_open(near, surfaces, x, pbf_basin_point(r, to))) continue;
+      if (near && !pbf_basin_way_is_open(r, near, surfaces, at, k, 2 * side - 1)) continue;
       if (ends)
         points->open[pbf_basin_root(points, p)] = 1;
       else
@@ -187,8 +189,8 @@ static inline void pbf_region_basins_of(const pbf_basin_region *r, uint32_t coun
     pbf_basin_find_near(r, count, surfaces, level, &near);
     for (int p = first; p < last; ++p) {
       pbf_basin_place(r, level, p - first, at);
-      points.free[p] =
-          (uint8_t)pbf_basin_is_free(near.surfaces[p - first], surfaces, pbf_basin_point(r, at));
+      const uint64_t close = near.surfaces[p - first];
+      points.free[p] = !close || pbf_basin_is_free(close, surfaces, pbf_basin_point(r, at));
       points.root[p] = (uint16_t)p;
       points.count[p] = 1;
       points.open[p] = 0;
