@@ -163,7 +163,7 @@ static inline double pbf_max_change_of(const pbf_params *params) {
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
                                         double stiffness, double pressure) {
-  const double rest = 0.3, min_angle = 0.25, room = 1.16;
+  const double rest = 0.3, min_angle = 0.25, room = 1.05;
   double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, min_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);

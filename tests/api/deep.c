@@ -445,6 +445,42 @@ static void check_ball(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+/* Lowered into water at rest, it stirs the water, which comes to rest again. */
+static void check_lowered_ball(uint32_t dimension, uint32_t precision) {
+  enum { SIDE = 20, LAYERS = 12 };
+  const uint32_t deep = dimension == 3 ? 3 : 1; /* as block() */
+  pbf_desc desc = test_desc(dimension, precision, SIDE * LAYERS * deep);
+  pbf_params params = test_params();
+  params.domain_max[0] = SIDE * spacing;
+  params.domain_max[1] = 2;
+  params.domain_max[2] = deep * spacing;
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  const double start = 1, end = 0.3, speed = 0.4;
+  ball.position[0] = 0.5;
+  ball.position[1] = start;
+  ball.position[2] = 0.5 * params.domain_max[2];
+  ball.velocity[1] = -speed;
+  ball.radius = 0.2;
+  pbf_solver *s = block(&desc, &params, SIDE, LAYERS, 0, 0, 1);
+  assert_ok(pbf_step(s, 240));
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, (uint32_t)((start - end) / speed / params.time_step)));
+  ball.position[1] = end;
+  ball.velocity[1] = 0;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_ok(pbf_step(s, 960));
+  const double left = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+  if (!(left < 0.04)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, left);
+  pbf_destroy(s);
+}
+
+static void water_rests_around_a_lowered_ball(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_lowered_ball);
+}
+
 static void water_rests_around_a_ball(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
@@ -647,6 +683,7 @@ int main(void) {
       cmocka_unit_test(threads_agree_on_a_large_grid),
       cmocka_unit_test(switched_on_and_off),
       cmocka_unit_test(water_rests_around_a_ball),
+      cmocka_unit_test(water_rests_around_a_lowered_ball),
       cmocka_unit_test(short_steps_hold_deep_water),
       cmocka_unit_test(pools_of_boxes_gain_no_energy),
       cmocka_unit_test(where_there_is_no_room),
