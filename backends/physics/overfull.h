@@ -33,8 +33,8 @@ static inline double pbf_density_in_volume(const pbf_params *params, uint32_t co
  * too deep for the iterations, of which no grid over the domain can relieve them: between four
  * boxes in a wide domain 60 layers gained energy with 3 / stiffness an iteration, trembled with
  * 1.9, and settle with 1.7. And disordered water around them has larger eigenvalues than its
- * lattice, beyond the room for disorder: where a ball had been lowered into it, 4 iterations kept it
- * moving for ever, by 0.12 sqrt(g d), and do not below 0.95 of the step size. */
+ * lattice, beyond the room for disorder: where a ball had been lowered into it, 4 iterations kept
+ * it moving for ever, by 0.12 sqrt(g d), and do not below 0.95 of the step size. */
 static inline void pbf_set_target_density(pbf_constants *c, const pbf_constants *usual,
                                           const pbf_params *params, uint32_t count,
                                           const pbf_schedule *has, double time) {
