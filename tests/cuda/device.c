@@ -150,7 +150,13 @@ static void particles_far_apart_keep_their_bits(void **state) {
 static void frees_what_parameters_no_longer_want(void **state) {
   enum { CAPACITY = 100000 }; /* and so many particles: a small scene has arrays of its own */
   (void)state;
-  pbf_solver *solver = test_filled(3, PBF_FLOAT32, CAPACITY, CAPACITY);
+  pbf_solver *solver = test_solver(3, PBF_FLOAT32, CAPACITY);
+  float *positions = malloc(sizeof *positions * CAPACITY * 3);
+  for (uint32_t i = 0; i < CAPACITY; ++i)
+    for (uint32_t k = 0; k < 3; ++k)
+      positions[3 * i + k] = (float)((k == 2 ? i / 2500 : k == 1 ? i / 50 % 50 : i % 50) / 50.0);
+  assert_ok(pbf_add_particles(solver, CAPACITY, positions, NULL, NULL));
+  free(positions);
   pbf_params params = {.struct_size = sizeof params};
   assert_ok(pbf_get_params(solver, &params));
   uint64_t before = plan_bytes(solver);
