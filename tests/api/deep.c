@@ -447,9 +447,9 @@ static void check_ball(uint32_t dimension, uint32_t precision) {
 
 /* Lowered into water at rest, it stirs the water, which comes to rest again. */
 static void check_lowered_ball(uint32_t dimension, uint32_t precision) {
-  enum { SIDE = 20, LAYERS = 12 };
+  enum { SIDE = 20, DEPTH = 12 };
   const uint32_t deep = dimension == 3 ? 3 : 1; /* as block() */
-  pbf_desc desc = test_desc(dimension, precision, SIDE * LAYERS * deep);
+  pbf_desc desc = test_desc(dimension, precision, SIDE * DEPTH * deep);
   pbf_params params = test_params();
   params.domain_max[0] = SIDE * spacing;
   params.domain_max[1] = 2;
@@ -462,7 +462,7 @@ static void check_lowered_ball(uint32_t dimension, uint32_t precision) {
   ball.position[2] = 0.5 * params.domain_max[2];
   ball.velocity[1] = -speed;
   ball.radius = 0.2;
-  pbf_solver *s = block(&desc, &params, SIDE, LAYERS, 0, 0, 1);
+  pbf_solver *s = block(&desc, &params, SIDE, DEPTH, 0, 0, 1);
   assert_ok(pbf_step(s, 240));
   assert_ok(pbf_set_colliders(s, 1, &ball));
   assert_ok(pbf_step(s, (uint32_t)((start - end) / speed / params.time_step)));
