@@ -173,14 +173,6 @@ static void frees_what_parameters_no_longer_want(void **state) {
   pbf_destroy(solver);
 }
 
-static uint64_t array_bytes(pbf_solver *solver, const char *name) {
-  pbf_plan plan = {.struct_size = sizeof plan};
-  assert_ok(pbf_get_plan(solver, &plan));
-  for (uint32_t k = 0; k < plan.array_count; ++k)
-    if (strcmp(plan.arrays[k].name, name) == 0) return plan.arrays[k].bytes;
-  return 0;
-}
-
 /* What small scenes need is there only while one of them may run. */
 static void small_scenes_have_arrays_of_their_own(void **state) {
   (void)state;
