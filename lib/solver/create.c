@@ -28,6 +28,15 @@ static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api 
   return status;
 }
 
+/* Of a thread, or of a GPU, which is some three hundred times as fast. */
+static double work_at_once(const pbf_solver *solver) {
+  const double one_thread = 4e5, gpu = 300;
+  pbf_backend_state state = {.struct_size = sizeof state};
+  if (solver->api.describe(solver->backend, &state) != PBF_OK) return one_thread;
+  if (state.device_type == PBF_DEVICE_CUDA) return one_thread * gpu;
+  return one_thread * (state.threads > 1 ? state.threads : 1);
+}
+
 static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
                               const pbf_checked_desc *checked, char *why, size_t size) {
   const pbf_desc *desc = &checked->desc;
@@ -55,7 +64,9 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
   pbf_plugin_message_clear();
   pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
   if (status != PBF_OK) return pbf_backend_check_status(plugin, status, "create", why, size);
-  return check_created(plugin, table, solver, why, size);
+  status = check_created(plugin, table, solver, why, size);
+  if (status == PBF_OK) solver->work_at_once = work_at_once(solver);
+  return status;
 }
 
 static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, const char *asked) {

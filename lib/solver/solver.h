@@ -86,6 +86,7 @@ struct pbf_solver {
   pbf_check_kind kind;
   uint32_t capacity;
   int32_t device;
+  double work_at_once; /* particles by iterations by steps that a backend does in some 20 ms */
   uint32_t fell_back;
   char fallback_reason[256];
 

@@ -108,11 +108,10 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
 }
 
 /* A backend runs so many of the steps at once, without a look at whether they are cancelled: in
- * some 20 ms of one thread. */
+ * some 20 ms. */
 static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
-  const double enough = 4e5; /* particles by iterations */
   const double one = ((double)solver->count + 1) * solver->params.iterations;
-  const double most = 1 + enough / one;
+  const double most = 1 + solver->work_at_once / one;
   return most < steps ? (uint32_t)most : steps;
 }
 
