@@ -1,127 +1,26 @@
-#include "begun.h"
-
-#include <string.h>
-#include <unistd.h>
-
+/* Steps that begin in one call and end in another. */
 #include "error.h"
 #include "handles.h"
-#include "memory.h"
 #include "step.h"
-
-typedef enum worker_state { IDLE, BEGUN, DONE, QUIT } worker_state;
-
-typedef struct pbf_worker {
-  pthread_mutex_t mutex;
-  pthread_cond_t changed;
-  pthread_t thread;
-  pid_t process; /* that the thread runs in: a child that was forked off has none; 0: none does */
-  worker_state state;
-  uint32_t steps;
-  pbf_status status;
-  char why[PBF_MESSAGE_SIZE]; /* of the status, if it is a failure */
-} pbf_worker;
-
-static void set_state(pbf_worker *worker, worker_state state) {
-  pthread_mutex_lock(&worker->mutex);
-  worker->state = state;
-  pthread_cond_broadcast(&worker->changed);
-  pthread_mutex_unlock(&worker->mutex);
-}
-
-/* Returns the state that it is in then. */
-static worker_state wait_while(pbf_worker *worker, worker_state a, worker_state b) {
-  pthread_mutex_lock(&worker->mutex);
-  while (worker->state == a || worker->state == b)
-    pthread_cond_wait(&worker->changed, &worker->mutex);
-  const worker_state state = worker->state;
-  pthread_mutex_unlock(&worker->mutex);
-  return state;
-}
-
-static void run(pbf_solver *solver) {
-  pbf_worker *worker = solver->worker;
-  solver->callers_fp = pbf_fp_begin();
-  pbf_plugin_message_clear();
-  worker->status = pbf_run_steps(solver, worker->steps);
-  if (worker->status != PBF_OK) memcpy(worker->why, pbf_last_error(), sizeof worker->why);
-  pbf_fp_end(solver->callers_fp);
-}
-
-static void *work(void *user) {
-  pbf_solver *solver = user;
-  while (wait_while(solver->worker, IDLE, DONE) == BEGUN) {
-    run(solver);
-    set_state(solver->worker, DONE);
-  }
-  return NULL;
-}
-
-/* ---- Its life -------------------------------------------------------------------------------- */
-
-static pbf_status take_worker(pbf_solver *solver) {
-  void *memory;
-  if (solver->worker) return PBF_OK;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, sizeof(pbf_worker),
-                                          "the thread of pbf_begin_step", &memory);
-  if (status != PBF_OK) return status;
-  memset(memory, 0, sizeof(pbf_worker));
-  solver->worker = memory;
-  return PBF_OK;
-}
-
-static pbf_status start(pbf_solver *solver) {
-  pbf_status status = take_worker(solver);
-  if (status != PBF_OK || solver->worker->process == getpid()) return status;
-  solver->worker->state = IDLE;
-  solver->worker->process = 0;
-  pthread_mutex_init(&solver->worker->mutex, NULL);
-  pthread_cond_init(&solver->worker->changed, NULL);
-  if (pthread_create(&solver->worker->thread, NULL, work, solver) != 0)
-    return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no thread for pbf_begin_step can be started");
-  solver->worker->process = getpid();
-  return PBF_OK;
-}
-
-uint64_t pbf_worker_bytes(const pbf_solver *solver) {
-  return solver->worker ? sizeof(pbf_worker) : 0;
-}
-
-void pbf_worker_free(pbf_solver *solver) {
-  pbf_worker *worker = solver->worker;
-  if (!worker) return;
-  if (worker->process == getpid()) {
-    set_state(worker, QUIT);
-    pthread_join(worker->thread, NULL);
-    pthread_cond_destroy(&worker->changed);
-    pthread_mutex_destroy(&worker->mutex);
-  }
-  pbf_memory_free(&solver->allocator, worker, sizeof *worker);
-}
-
-/* ---- The calls ------------------------------------------------------------------------------- */
+#include "worker.h"
 
 pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
   status = pbf_check_unmapped(solver);
-  if (status == PBF_OK) status = start(solver);
+  if (status == PBF_OK) status = pbf_worker_start(solver);
   if (status != PBF_OK) return pbf_leave(solver, status);
-  pbf_worker *worker = solver->worker;
-  worker->steps = steps;
-  pbf_stay(solver, worker->thread);
-  set_state(worker, BEGUN);
+  pbf_stay(solver, pbf_worker_thread(solver));
+  pbf_worker_run(solver, pbf_run_steps, steps);
   return PBF_OK;
 }
-
-void pbf_worker_wait(pbf_solver *solver) { wait_while(solver->worker, BEGUN, BEGUN); }
 
 pbf_status pbf_end_step(pbf_solver *solver) {
   char why[PBF_MESSAGE_SIZE];
   pbf_status status = pbf_begin_end(solver);
   if (status != PBF_OK) return status;
   pbf_worker_wait(solver);
-  status = solver->worker->status;
-  if (status != PBF_OK) memcpy(why, solver->worker->why, sizeof why);
+  status = pbf_worker_status(solver, why);
   pbf_leave_begun(solver, status);
   return status == PBF_OK ? PBF_OK : pbf_fail(status, "%s", why);
 }

@@ -1,12 +1,12 @@
 #include "free.h"
 
-#include "begun.h"
+#include "worker.h"
 #include "callbacks.h"
 #include "colliders.h"
 #include "ids.h"
 #include "memory.h"
 #include "previous.h"
-#include "snapshots.h"
+#include "snapshot_memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
   const pbf_allocator allocator = solver->callbacks.allocator;

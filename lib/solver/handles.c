@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "begun.h"
+#include "worker.h"
 #include "callbacks.h"
 #include "error.h"
 #include "free.h"

@@ -4,14 +4,14 @@
 #include <string.h>
 
 #include "backend_call.h"
-#include "begun.h"
+#include "worker.h"
 #include "colliders.h"
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
 #include "plan.h"
 #include "previous.h"
-#include "snapshots.h"
+#include "snapshot_memory.h"
 #include "solver_time.h"
 #include "step_limit.h"
 #include "structs.h"

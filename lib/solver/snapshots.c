@@ -1,75 +1,13 @@
 #include "snapshots.h"
 
-#include <string.h>
-
 #include "backend_call.h"
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
 #include "lock.h"
-#include "memory.h"
+#include "snapshot_memory.h"
 #include "solver_time.h"
 #include "structs.h"
-
-typedef struct snapshot {
-  pbf_solver *solver;
-  uint32_t readers; /* who hold it */
-  uint32_t count;
-  uint64_t step;
-  double time;
-  char *positions, *velocities;
-  uint32_t *ids;
-} snapshot;
-
-typedef struct pbf_snapshots {
-  uint32_t count;
-  snapshot *latest;
-  snapshot list[PBF_MAX_SNAPSHOTS];
-} pbf_snapshots;
-
-/* ---- Memory ---------------------------------------------------------------------------------- */
-
-static uint64_t rounded(uint64_t bytes) { return (bytes + 63) / 64 * 64; }
-
-static uint64_t field_bytes(const pbf_solver *solver) {
-  return rounded(solver->capacity * pbf_point_bytes(solver));
-}
-
-static uint64_t id_bytes(const pbf_solver *solver) {
-  return rounded((uint64_t)solver->capacity * sizeof(uint32_t));
-}
-
-static uint64_t bytes_for(const pbf_solver *solver, uint32_t count) {
-  return rounded(sizeof(pbf_snapshots)) + count * (2 * field_bytes(solver) + id_bytes(solver));
-}
-
-uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snapshots) {
-  return bytes_for(solver, snapshots->count);
-}
-
-void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots) {
-  if (!snapshots) return;
-  pbf_memory_free(&solver->allocator, snapshots, pbf_snapshots_bytes(solver, snapshots));
-}
-
-static pbf_status allocate(pbf_solver *solver, uint32_t count, pbf_snapshots **snapshots) {
-  void *memory;
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, bytes_for(solver, count), "the snapshots", &memory);
-  if (status != PBF_OK) return status;
-  pbf_snapshots *all = *snapshots = memory;
-  char *next = (char *)memory + rounded(sizeof *all);
-  memset(all, 0, sizeof *all);
-  all->count = count;
-  for (uint32_t k = 0; k < count; ++k) {
-    all->list[k].solver = solver;
-    all->list[k].positions = next;
-    all->list[k].velocities = next + field_bytes(solver);
-    all->list[k].ids = (uint32_t *)(void *)(next + 2 * field_bytes(solver));
-    next += 2 * field_bytes(solver) + id_bytes(solver);
-  }
-  return PBF_OK;
-}
 
 /* ---- Making one ------------------------------------------------------------------------------ */
 
@@ -136,7 +74,7 @@ static pbf_status set_snapshots(pbf_solver *solver, uint32_t count) {
   if (count == 1 || count > PBF_MAX_SNAPSHOTS)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "snapshots is %u; it must be 2 … %u, or 0", count,
                     PBF_MAX_SNAPSHOTS);
-  pbf_status status = count > 0 ? allocate(solver, count, &snapshots) : PBF_OK;
+  pbf_status status = count > 0 ? pbf_snapshots_allocate(solver, count, &snapshots) : PBF_OK;
   if (status == PBF_OK && count > 0) status = make(solver, snapshots);
   if (status == PBF_OK) status = exchange(solver, &snapshots);
   pbf_snapshots_free(solver, snapshots);

@@ -5,14 +5,7 @@
 
 #include "solver.h"
 
-struct pbf_snapshots;
-
 /* Of the present state, where they are wanted and there is room. */
 pbf_status pbf_snapshots_make(pbf_solver *solver);
-
-uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const struct pbf_snapshots *snapshots);
-
-/* Null is a no-op. */
-void pbf_snapshots_free(const pbf_solver *solver, struct pbf_snapshots *snapshots);
 
 #endif

@@ -74,7 +74,7 @@ struct pbf_solver {
   _Atomic uint32_t cancelled; /* 1: the running call is to end after its present step */
 
   /* Belongs to the running call. */
-  struct pbf_worker *worker;     /* which runs what is begun: begun.h; null: none has begun */
+  struct pbf_worker *worker;     /* which runs what is begun: worker.h; null: none has begun */
   pbf_fp_environment callers_fp; /* the environment of the thread that it came from */
   pbf_allocator allocator;       /* these three lead to the caller's own: */
   pbf_log_fn log;
