@@ -176,11 +176,10 @@ PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed
 PBF_FN int any_may_be_held(lane lambda, const lane_vector<lane> &change) {
   const lane tiny =
       ops<lane>::set(sizeof(pbf_real) == sizeof(float) ? (pbf_real)1e-37 : (pbf_real)1e-300);
-  lane moving = ops<lane>::max(change.c[0], -change.c[0]); /* the least of its axes, negative */
-  moving = -moving;
+  lane negative_min = -ops<lane>::max(change.c[0], -change.c[0]); /* of the axes' sizes */
   for (int k = 1; k < PBF_DIM; ++k)
-    moving = ops<lane>::max(moving, -ops<lane>::max(change.c[k], -change.c[k]));
-  return lane_any_below(ops<lane>::max(lambda, -moving - tiny), ops<lane>::set(0));
+    negative_min = ops<lane>::max(negative_min, -ops<lane>::max(change.c[k], -change.c[k]));
+  return lane_any_below(ops<lane>::max(lambda, -negative_min - tiny), ops<lane>::set(0));
 }
 
 static __attribute__((noinline)) void break_symmetry(const pbf_constants *c, const move_pass *m,

@@ -25,7 +25,7 @@ struct pbf_backend_solver {
   pbf_vec *predicted;  /* where x* starts */
   pbf_vec *moved;      /* x* */
   pbf_vec *change;     /* position change of an iteration; what shear_stress.h pushes; rates of
-                          rotation; the     second velocity of viscosity */
+                          rotation; the second velocity of viscosity */
   pbf_real *lambda;    /* of this iteration, or of all of a step: accelerated */
 
 #define PBF_ARRAY(name, wanted, holders) holders

@@ -1,4 +1,4 @@
-/* The positions from before the last step, by row, for a caller who wants to draw between two. */
+/* The positions from before the last step, by row, for drawing between two. */
 #ifndef PBF_LIB_SOLVER_PREVIOUS_H
 #define PBF_LIB_SOLVER_PREVIOUS_H
 

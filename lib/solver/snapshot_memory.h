@@ -6,7 +6,7 @@
 
 typedef struct snapshot {
   pbf_solver *solver;
-  uint32_t readers; /* who hold it */
+  uint32_t readers; /* that hold it */
   uint32_t count;
   uint64_t step;
   double time;

@@ -309,7 +309,7 @@ static void a_load_has_no_step_before(void **state) {
   pbf_destroy(s.solver);
 }
 
-/* Nothing is held nor read for who does not ask. */
+/* Without being asked for, nothing is held or read. */
 static void kept_on_request_only(void **state) {
   (void)state;
   scene s = scene_of(3, PBF_FLOAT32);

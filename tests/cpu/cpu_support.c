@@ -33,6 +33,16 @@ static pbf_info info_of(pbf_solver *solver) {
   return info;
 }
 
+void cpu_add_column(pbf_solver *solver, uint32_t count) {
+  double(*x)[3] = calloc(count, sizeof *x);
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t place[3] = {i % 10, i / 10 % 10, i / 100};
+    for (int k = 0; k < 3; ++k) x[i][k] = 0.03 + 0.047 * place[k];
+  }
+  cpu_add(solver, PBF_FLOAT32, 3, count, &x[0][0], NULL);
+  free(x);
+}
+
 double *cpu_get(pbf_solver *solver, uint32_t field) {
   pbf_info info = info_of(solver);
   uint32_t count;

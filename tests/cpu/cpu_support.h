@@ -12,6 +12,9 @@ pbf_desc cpu_desc(const char *backend, uint32_t dimension, uint32_t precision, u
 void cpu_add(pbf_solver *solver, uint32_t precision, uint32_t dimension, uint32_t count,
              const double *x, const double *v);
 
+/* A column of 10 x 10 particles a layer, a little too dense, in 3D and float32. */
+void cpu_add_column(pbf_solver *solver, uint32_t count);
+
 /* All positions or velocities (PBF_FIELD_…) or densities in double; freed by the caller. */
 double *cpu_get(pbf_solver *solver, uint32_t field);
 

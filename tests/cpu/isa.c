@@ -169,7 +169,7 @@ static void the_description_goes_before_the_environment(void **state) {
   assert_set("auto", "scalar", "mmx", "(scalar)");
 }
 
-/* What has no choice can't serve who wants one. */
+/* A backend without a choice can't serve a request for one. */
 static void the_reference_has_no_sets(void **state) {
   (void)state;
   pbf_desc desc = cpu_desc("reference", 3, PBF_FLOAT32, 10, 1);

@@ -16,13 +16,7 @@ static pbf_solver *make(const char *backend, uint32_t threads) {
   pbf_desc desc = cpu_desc(backend, 3, PBF_FLOAT32, COUNT, threads);
   pbf_params params = test_params();
   pbf_solver *solver = test_create(&desc, &params);
-  double(*x)[3] = calloc(COUNT, sizeof *x);
-  for (uint32_t i = 0; i < COUNT; ++i) {
-    const uint32_t place[3] = {i % 10, i / 10 % 10, i / 100};
-    for (int k = 0; k < 3; ++k) x[i][k] = 0.03 + 0.047 * place[k];
-  }
-  cpu_add(solver, PBF_FLOAT32, 3, COUNT, &x[0][0], NULL);
-  free(x);
+  cpu_add_column(solver, COUNT);
   return solver;
 }
 

@@ -20,9 +20,9 @@ typedef struct task {
 
 /* How it goes about its items. */
 typedef enum habit {
-  BY_WORKERS,        /* workers take them, and who waits does nothing */
-  BY_WORKERS_TOO,    /* who waits takes them, too */
-  WHILE_WAITING,     /* nobody takes them before somebody waits, who then does */
+  BY_WORKERS,        /* workers take them, and the thread that waits does nothing */
+  BY_WORKERS_TOO,    /* the thread that waits takes them, too */
+  WHILE_WAITING,     /* none is taken before a thread waits, which then takes them */
   INLINE,            /* all while they are enqueued, without a handle */
   INLINE_WITH_HANDLE /* the same, with one */
 } habit;
@@ -140,13 +140,7 @@ static pbf_solver *make(const char *backend, uint32_t threads, task_system *syst
     desc.task_user = system;
   }
   pbf_solver *solver = test_create(&desc, &params);
-  double(*x)[3] = calloc(COUNT, sizeof *x);
-  for (uint32_t i = 0; i < COUNT; ++i) {
-    const uint32_t place[3] = {i % 10, i / 10 % 10, i / 100};
-    for (int k = 0; k < 3; ++k) x[i][k] = 0.03 + 0.047 * place[k];
-  }
-  cpu_add(solver, PBF_FLOAT32, 3, COUNT, &x[0][0], NULL);
-  free(x);
+  cpu_add_column(solver, COUNT);
   return solver;
 }
 

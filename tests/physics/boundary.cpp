@@ -166,8 +166,8 @@ static void a_lattice_in_a_corner_is_at_rest(void **state) {
   assert_near(gradient.c[1], wall_gradient_scale(&c, x.c[0]) * (up - down) / (2 * e), 1e-4);
 }
 
-/* Fluid presses into edges and corners from all sides but theirs, and whom an impact has thrown
- * there must come out again: deep in a corner every wall pushes as hard as it does alone. */
+/* Fluid presses into edges and corners from all sides but theirs, and particles that an impact has
+ * thrown there must come out again: deep in a corner every wall pushes as hard as it does alone. */
 static void walls_of_a_corner_push_each_for_itself(void **state) {
   (void)state;
   for (double support = 2; support <= 3; support += 0.5) {
@@ -301,7 +301,8 @@ static double boundary_of_planes(const pbf_constants *c, int count, const double
   return lent;
 }
 
-/* What a box contributes within itself does not change with the depth, and so pushes nobody. */
+/* What a box contributes within itself does not change with the depth, and so pushes no particle.
+ */
 static void the_inside_of_a_box_does_not_push(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
