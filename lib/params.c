@@ -6,7 +6,7 @@
 #include "physics/motion.h"
 
 /* A support of more spacings has thousands of neighbours a particle: a unit gone wrong. */
-enum { MOST_SPACINGS = 10 };
+enum { MAX_SPACINGS = 10 };
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -86,11 +86,11 @@ static pbf_status check_lengths(const pbf_params *params, pbf_check_kind kind) {
   pbf_status status = check_unit(h, kind.precision);
   if (status == PBF_OK) status = check_volume(params, kind.dimension);
   if (status != PBF_OK) return status;
-  if (params->spacing >= h || rest_spacing(params) * MOST_SPACINGS < h) {
+  if (params->spacing >= h || rest_spacing(params) * MAX_SPACINGS < h) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "params.spacing is %.9g; it must be below smoothing_radius (%.9g) and at least "
                     "a %dth of it, or 0 for half of it",
-                    params->spacing, h, MOST_SPACINGS);
+                    params->spacing, h, MAX_SPACINGS);
   }
   if (params->search_cell_width > 0 && params->search_cell_width < h) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

@@ -25,18 +25,18 @@ typedef struct pbf_pressure_grid_storage {
 } pbf_pressure_grid_storage;
 
 /* What a grid with thin solids in it has beside. */
-typedef struct pbf_pressure_grid_room {
+typedef struct pbf_topology_memory {
   char *bytes;
-} pbf_pressure_grid_room;
+} pbf_topology_memory;
 
-static inline uint64_t pbf_pressure_grid_room_bytes(uint32_t capacity) {
-  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity));
+static inline uint64_t pbf_topology_memory_bytes(uint32_t capacity) {
+  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity));
 }
 
 /* Words of 8 bytes in all arrays. */
 static inline uint64_t pbf_pressure_grid_words(uint32_t capacity) {
   enum { ARRAYS = 9 };
-  return ARRAYS * pbf_pressure_grid_most(capacity);
+  return ARRAYS * pbf_pressure_grid_max_nodes(capacity);
 }
 
 /* Takes the memory or releases it; false when there is none. What lies behind the last node is
@@ -47,7 +47,7 @@ static inline bool pbf_pressure_grid_keep(pbf_memory *memory, pbf_pressure_grid_
   if (!pbf_memory_keep(memory, wanted, name, pbf_pressure_grid_words(capacity), 0, &storage->sums))
     return false;
   if (!taken) return true;
-  uint64_t limit = pbf_pressure_grid_most(capacity);
+  uint64_t limit = pbf_pressure_grid_max_nodes(capacity);
   storage->places = storage->sums + limit;
   double *next = (double *)storage->places;
   double **const arrays[] = {&storage->free_volumes, &storage->depths, &storage->right,
@@ -106,15 +106,15 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
 /* The grid between these walls; where there are thin solids, in fewer of the indices, and with what
  * they divide it into. */
 static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
-                                                const pbf_pressure_grid_room *room,
+                                                const pbf_topology_memory *memory,
                                                 const pbf_params *params, const pbf_domain *domain,
                                                 uint32_t capacity, uint32_t count,
                                                 const pbf_obstacles *o) {
   uint64_t limit = pbf_pressure_grid_limit(count);
   pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, limit);
-  *t = pbf_pressure_grid_topology_in(room->bytes, pbf_pressure_grid_most(capacity), limit);
-  if (!room->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
+  *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
+  if (!memory->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
     storage->grid = now;
     return;
   }
@@ -130,8 +130,8 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
     pbf_pressure_grid_tear_nodes(&storage->grid, t);
     t->counts[PBF_TOPOLOGY_FOUND] = 1;
   }
-  memset(storage->sums + t->first, 0, t->most * sizeof *storage->sums);
-  memset(storage->places + t->first, 0, t->most * sizeof *storage->places);
+  memset(storage->sums + t->first, 0, t->max_further * sizeof *storage->sums);
+  memset(storage->places + t->first, 0, t->max_further * sizeof *storage->places);
 }
 
 static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_topology *t) {
@@ -141,13 +141,13 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
 
 /* Before particles add to the sums, in a grid for `count` of them. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
-                                           const pbf_pressure_grid_room *room,
+                                           const pbf_topology_memory *memory,
                                            const pbf_params *params, uint32_t capacity,
                                            uint32_t count, const pbf_obstacles *o) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  pbf_pressure_grid_place_over(storage, room, params, &domain, capacity, count, o);
+  pbf_pressure_grid_place_over(storage, memory, params, &domain, capacity, count, o);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
 }

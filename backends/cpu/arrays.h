@@ -109,9 +109,9 @@ static void clear_part(void *context, uint32_t part) {
 }
 
 /* Each thread writes its part first, so that the pages lie near it. */
-static void clear_arrays(void *context, member *me) {
-  clearing c = {static_cast<solver *>(context), me->threads};
-  parallel_for(me, me->threads, clear_part, NULL, &c);
+static void clear_arrays(void *context, team_thread *self) {
+  clearing c = {static_cast<solver *>(context), self->threads};
+  parallel_for(self, self->threads, clear_part, NULL, &c);
 }
 
 /* How much of an optional array there is: elements, and how many of them lie before the first. */
@@ -134,7 +134,9 @@ static extent chunks(const solver *s) { return {padded(s->capacity) / ACTIVITY_C
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
-static extent room_bytes(const solver *s) { return {pbf_pressure_grid_room_bytes(s->capacity), 0}; }
+static extent topology_bytes(const solver *s) {
+  return {pbf_topology_memory_bytes(s->capacity), 0};
+}
 
 static extent grid_words(const solver *s) { return {pbf_pressure_grid_words(s->capacity), 0}; }
 
@@ -159,7 +161,7 @@ struct optional_array {
   bool keep(pbf_pressure_grid_storage *storage, extent) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
-  bool keep(pbf_pressure_grid_room *room, extent e) const { return keep(&room->bytes, e); }
+  bool keep(pbf_topology_memory *memory, extent e) const { return keep(&memory->bytes, e); }
   bool keep() const { return true; } /* other backends' */
 };
 
@@ -168,8 +170,8 @@ struct optional_array {
 static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
 #define PBF_ARRAY(name, wanted, holders) \
   if (!optional_array{s, name, (wanted) != 0}.keep(holders)) return false;
-#define PBF_CPU(type, member, extent) &s->member, extent(s)
-#define PBF_CPU_BUFFER(type, member, extent) &s->buffers.member, extent(s)
+#define PBF_CPU(type, team_thread, extent) &s->team_thread, extent(s)
+#define PBF_CPU_BUFFER(type, team_thread, extent) &s->buffers.team_thread, extent(s)
 #include "physics/arrays.def"
   return true;
 }

@@ -25,48 +25,50 @@ PBF_FN uint32_t block_units(uint32_t rounds) {
   return (uint32_t)(sizeof(block) + block_payload(rounds)) / LIST_UNIT;
 }
 
-PBF_FN void block_write(uint8_t *at, const block *b, const slots masks[PARTS]) {
+PBF_FN void block_write(uint8_t *at, const block *b, const u32_lanes masks[PARTS]) {
   memcpy(at, b, sizeof *b);
   at += sizeof *b;
   if (b->rounds <= DENSE_ROUNDS) {
-    list_slots(masks, b->rounds, at);
+    list_set_bits(masks, b->rounds, at);
     return;
   }
   for (int part = 0; part < PARTS; ++part)
-    slots_store((uint32_t *)(void *)at + part * WIDTH, masks[part]);
+    u32_store((uint32_t *)(void *)at + part * WIDTH, masks[part]);
 }
 
 /* A walk over the blocks of a group. */
-typedef struct walk {
+typedef struct block_cursor {
   const uint8_t *next;
   uint32_t left;
-} walk;
+} block_cursor;
 
-PBF_FN walk walk_group(const lists *n, uint32_t g) {
-  return (walk){n->data + (uint64_t)n->groups[g].begin * LIST_UNIT, n->groups[g].blocks};
+PBF_FN block_cursor group_blocks(const lists *n, uint32_t g) {
+  return (block_cursor){n->data + (uint64_t)n->groups[g].begin * LIST_UNIT, n->groups[g].blocks};
 }
 
 /* The block that the walk stands at. */
-PBF_FN const block *walk_block(const walk *w) { return (const block *)(const void *)w->next; }
+PBF_FN const block *current_block(const block_cursor *w) {
+  return (const block *)(const void *)w->next;
+}
 
 static __attribute__((noinline)) const uint8_t *list_dense(const block *b, uint8_t *list) {
-  slots masks[PARTS];
+  u32_lanes masks[PARTS];
   for (int part = 0; part < PARTS; ++part)
-    masks[part] = slots_load((const uint32_t *)(const void *)(b + 1) + part * WIDTH);
-  list_slots(masks, b->rounds, list);
+    masks[part] = u32_load((const uint32_t *)(const void *)(b + 1) + part * WIDTH);
+  list_set_bits(masks, b->rounds, list);
   return list;
 }
 
-PBF_FN void walk_past(walk *w) {
-  const block *b = walk_block(w);
+PBF_FN void skip_block(block_cursor *w) {
+  const block *b = current_block(w);
   w->next += sizeof *b + block_payload(b->rounds);
   --w->left;
 }
 
 /* The block's lists, unpacked into `space` where they are not stored; the walk goes on. */
-PBF_FN const uint8_t *walk_on(walk *w, uint8_t space[MAX_ROUNDS * WIDTH]) {
-  const block *b = walk_block(w);
-  walk_past(w);
+PBF_FN const uint8_t *next_list(block_cursor *w, uint8_t space[MAX_ROUNDS * WIDTH]) {
+  const block *b = current_block(w);
+  skip_block(w);
   return b->rounds <= DENSE_ROUNDS ? (const uint8_t *)(b + 1) : list_dense(b, space);
 }
 

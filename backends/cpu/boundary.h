@@ -11,12 +11,12 @@
  * all. */
 PBF_FN pbf_real domain_distances(const pbf_obstacles *o, const lane_values *x,
                                  pbf_real distances[WIDTH]) {
-  pbf_real least = 0;
+  pbf_real nearest = 0;
   for (uint32_t l = 0; l < WIDTH; ++l)
     distances[l] = pbf_domain_distance(&o->domain, lane_value(x, l));
   for (uint32_t l = 0; l < WIDTH; ++l)
-    least = l == 0 ? distances[0] : pbf_real_min(least, distances[l]);
-  return least;
+    nearest = l == 0 ? distances[0] : pbf_real_min(nearest, distances[l]);
+  return nearest;
 }
 
 /* Beyond this distance no surface contributes; with a margin for rounding. */

@@ -16,10 +16,10 @@ struct lookups {
 };
 
 /* How many neighbours a list has for each lane. */
-PBF_FN slots neighbors_listed(const uint8_t *list, const uint8_t *end) {
-  slots count = slots_set(0);
+PBF_FN u32_lanes neighbors_listed(const uint8_t *list, const uint8_t *end) {
+  u32_lanes count = u32_set(0);
   for (; list < end; list += WIDTH)
-    count = count + (slots_set(1) & ~slots_below(slots_of_bytes(list), 1));
+    count = count + (u32_set(1) & ~u32_below(u32_of_bytes(list), 1));
   return count;
 }
 
@@ -28,15 +28,15 @@ PBF_FN slots neighbors_listed(const uint8_t *list, const uint8_t *end) {
 template <class Pass>
 PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
                           const typename Pass::template own<lane> &own, uint32_t g,
-                          typename Pass::template sums<lane> *sums, slots *neighbors = NULL) {
+                          typename Pass::template sums<lane> *sums, u32_lanes *neighbors = NULL) {
   const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
   uint8_t space[MAX_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
+  for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
+    const block *b = current_block(&w);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER > 0 ? of.number : NULL);
     vector_table vectors;
     if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
     if (neighbors) *neighbors = *neighbors + neighbors_listed(list, end);
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
       neighbor_of<lane> j;
@@ -63,7 +63,7 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
 template <class Pass>
 PBF_FN typename Pass::template sums<lane> sums_of_group(
     const Pass &pass, const pair_pass *p, const lookups &of,
-    const typename Pass::template own<lane> &own, uint32_t g, slots *neighbors = NULL) {
+    const typename Pass::template own<lane> &own, uint32_t g, u32_lanes *neighbors = NULL) {
   auto sums = pass.template begin<lane>();
   add_neighbors(pass, p, of, own, g, &sums, neighbors);
   pass.end(&sums);

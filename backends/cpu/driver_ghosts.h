@@ -84,10 +84,10 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
   memset(&ghosts, 0, sizeof ghosts);
   add_ghosts(pass, m, own, itself, &ghosts);
   uint8_t space[MAX_ROUNDS * WIDTH];
-  for (walk w = walk_group(&p->lists, g); w.left;) {
-    const block *b = walk_block(&w);
+  for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
+    const block *b = current_block(&w);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
-    const uint8_t *list = walk_on(&w, space), *end = list + b->rounds * WIDTH;
+    const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
     for (; list < end; list += WIDTH) {
       const pair_lanes pair = pairs_listed(b, list, x, &around);
       neighbor_of<lane> j;

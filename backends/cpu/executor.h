@@ -33,7 +33,7 @@ struct executor {
   bool sorted; /* the step has come as far as that */
 
   void over_pairs(task_function task, completion_function last = NULL) {
-    parallel_for(w->me, pair_task_count(w), task, last, w);
+    parallel_for(w->self, pair_task_count(w), task, last, w);
   }
   void over_pairs(task_function task, pbf_stage stage) {
     over_pairs(task);
@@ -53,12 +53,12 @@ struct executor {
 
   bool wake() {
     if (!sorted && sleep_is_on(w) && pbf_any_obstacle_moves(w->moving_obstacles))
-      parallel_for(w->me, particle_task_count(w), wake_task, NULL, w);
+      parallel_for(w->self, particle_task_count(w), wake_task, NULL, w);
     return true; /* steps of none awake are not begun: steps_asleep */
   }
   void predict() {
     if (sorted) return;
-    parallel_for(w->me, particle_task_count(w), predict_task, make_grid, w);
+    parallel_for(w->self, particle_task_count(w), predict_task, make_grid, w);
     stage_end(w, PBF_STAGE_PREDICT);
   }
   bool find_neighbors() {

@@ -7,7 +7,7 @@
 #include <math.h>
 
 #include "cpu/field.h"
-#include "physics/fold.h"
+#include "physics/grid_wrap.h"
 
 /* Everything along axes is in the grid's own order of them: along rows first. */
 typedef struct grid {
@@ -63,20 +63,20 @@ PBF_FN field grid_field(const int axis[PBF_DIM], field a) {
   return b;
 }
 
-/* Rows one after the other along axis 1, then along axis 2; folded along axis 2, then along 1. */
-static inline void grid_number_rows(grid *g, const pbf_fold *stored) {
+/* Rows one after the other along axis 1, then along axis 2; wrapped along axis 2, then along 1. */
+static inline void grid_number_rows(grid *g, const pbf_grid_wrap *stored) {
   g->stride[0] = 0;
   g->stride[1] = 1;
   if (PBF_DIM == 3) g->stride[PBF_DIM - 1] = g->cells[1];
   g->row_mask = UINT32_MAX;
-  if (!stored->rows_fold) return;
+  if (!stored->wraps_rows) return;
   g->row_mask = (uint32_t)stored->rows - 1;
-  if (PBF_DIM == 3) g->stride[1] = pbf_fold_stride(stored->rows);
+  if (PBF_DIM == 3) g->stride[1] = pbf_grid_wrap_stride(stored->rows);
   g->stride[PBF_DIM - 1] = 1;
 }
 
 /* A grid of at most `limit` cells (100 or more) around the box low … high. Where that has more,
- * cells get longer along rows, up to h, or it is folded (physics/fold.h). */
+ * cells get longer along rows, up to h, or it is wrapped (physics/grid_wrap.h). */
 static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
                                uint64_t limit) {
   const pbf_vec lower = grid_vec(axis, low), upper = grid_vec(axis, high);
@@ -95,10 +95,10 @@ static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec hig
   }
   g.far = (pbf_real)((double)high.c[0] + 4 * ((double)high.c[0] - (double)low.c[0] + h));
   g.reach = GRID_CELLS_PER_H;
-  const pbf_fold stored = pbf_fold_of((double)limit, GRID_CELLS_PER_H, widths);
+  const pbf_grid_wrap stored = pbf_grid_wrap_of((double)limit, GRID_CELLS_PER_H, widths);
   if (stored.columns < cells[0]) {
     g.cells[0] = (uint32_t)stored.columns;
-    if (!stored.turns) {
+    if (!stored.wraps_columns) {
       g.inv_width[0] *= (pbf_real)(stored.columns / (cells[0] + 1));
       g.last[0] = (pbf_real)(stored.columns - 1);
     }
@@ -115,7 +115,7 @@ PBF_FN uint32_t grid_index(const grid *g, int axis, pbf_real x) {
   return (uint32_t)(int32_t)t;
 }
 
-PBF_FN int grid_is_folded(const grid *g) {
+PBF_FN int grid_is_wrapped(const grid *g) {
   return g->row_mask != UINT32_MAX || (pbf_real)g->cells[0] <= g->last[0];
 }
 
@@ -127,10 +127,10 @@ PBF_FN uint32_t grid_row(const grid *g, const uint32_t at[PBF_DIM]) {
 }
 
 /* Cell of a position in the grid's order. */
-PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int folded) {
+PBF_FN uint32_t grid_cell(const grid *g, pbf_vec x, const int wrapped) {
   uint32_t at[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) at[k] = grid_index(g, k, x.c[k]);
-  if (folded) {
+  if (wrapped) {
     at[0] %= 2 * g->cells[0];
     if (at[0] >= g->cells[0]) at[0] = 2 * g->cells[0] - 1 - at[0];
   }
@@ -145,13 +145,13 @@ enum { GRID_ROWS_AROUND = PBF_DIM == 3 ? 9 : 3 };
 
 static inline uint32_t grid_row_around(const grid *g, uint32_t row, int number) {
   const int step[3] = {0, number % 3 - 1, PBF_DIM == 3 ? number / 3 - 1 : 0};
-  uint32_t at[PBF_DIM], folded = g->row_mask != UINT32_MAX;
+  uint32_t at[PBF_DIM], wrapped = g->row_mask != UINT32_MAX;
   for (int k = 1; k < PBF_DIM; ++k) {
-    at[k] = (folded ? 0 : row % g->cells[k]) + (uint32_t)step[k];
-    row /= folded ? 1 : g->cells[k];
-    if (!folded && at[k] >= g->cells[k]) return GRID_NO_ROW;
+    at[k] = (wrapped ? 0 : row % g->cells[k]) + (uint32_t)step[k];
+    row /= wrapped ? 1 : g->cells[k];
+    if (!wrapped && at[k] >= g->cells[k]) return GRID_NO_ROW;
   }
-  if (folded) at[PBF_DIM - 1] += row; /* whose stride is 1 */
+  if (wrapped) at[PBF_DIM - 1] += row; /* whose stride is 1 */
   return grid_row(g, at);
 }
 

@@ -27,11 +27,11 @@ typedef struct lists {
 
 /* Memory for lists: the units next … end - 1, and who knows of more when these are used up (and
  * then sets both, or returns 0). */
-typedef struct room {
+typedef struct list_arena {
   uint64_t next, end;
-  int (*more)(void *context, struct room *space);
+  int (*more)(void *context, struct list_arena *space);
   void *context;
-} room;
+} list_arena;
 
 /* What the lists of some groups take, whether or not there was room. */
 typedef struct list_size {
@@ -86,24 +86,24 @@ typedef struct move_pass {
 } move_pass;
 
 /* What the compensation of damping works on. */
-typedef struct undamp_pass undamp_pass;
-struct undamp_pass {
+typedef struct damping_pass damping_pass;
+struct damping_pass {
   const pbf_real *lambda;
   pbf_real inv_time_step;
   field flow, velocity;
   const field *torque; /* that is made up for; null: none is */
   /* What a particle's sums make between obstacles: the same for all instruction sets. */
-  pbf_vec (*between)(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+  pbf_vec (*between)(const pair_pass *p, const damping_pass *u, uint32_t i, pbf_vec end,
                      pbf_vec start);
 };
 
 /* What torque.h and angular_momentum.h work on: a field's first PBF_CURL_DIM arrays are a torque,
  * or a rate. */
-typedef struct turn_pass {
+typedef struct momentum_pass {
   const pbf_real *lambda; /* what an iteration moves by */
   field start;            /* of the step: where particles were */
   field torque, rate, velocity;
-} turn_pass;
+} momentum_pass;
 
 /* What shear_stress.h works on. */
 typedef struct shear_pass shear_pass;
@@ -146,7 +146,7 @@ typedef struct kernels {
   void (*pack)(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last);
 
   /* Groups first … last - 1 of sorted particles. */
-  list_size (*search)(const search *s, uint32_t first, uint32_t last, room *space);
+  list_size (*search)(const search *s, uint32_t first, uint32_t last, list_arena *space);
   void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                  uint32_t last);
   void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
@@ -154,13 +154,13 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
-  void (*compensate_damping)(const pair_pass *p, const undamp_pass *u, uint32_t first,
+  void (*compensate_damping)(const pair_pass *p, const damping_pass *u, uint32_t first,
                              uint32_t last);
   /* Adds the torque of the move that is next, … */
-  void (*torque)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
+  void (*torque)(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last);
   /* … and at the end finds rates, and turns with them. */
-  void (*turn_rate)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
-  void (*turn)(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last);
+  void (*angular_rate)(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last);
+  void (*turn)(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last);
   /* Deviators and what walls push with, what pushes make up for, and velocities by these. */
   void (*deviator)(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last);
   void (*shear_push)(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last);

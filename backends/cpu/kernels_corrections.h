@@ -70,7 +70,7 @@ static void shear_stress(const pair_pass *p, const shear_pass *s, uint32_t first
   }
 }
 
-static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+static void torque(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const int features = hot_features(p) & (PBF_FEATURE_POLY6 | PBF_FEATURE_SCORR);
   const torque_pass<int> pass = {&c, features};
@@ -84,7 +84,7 @@ static void torque(const pair_pass *p, const turn_pass *t, uint32_t first, uint3
   }
 }
 
-static void compensate_damping(const pair_pass *p, const undamp_pass *u, uint32_t first,
+static void compensate_damping(const pair_pass *p, const damping_pass *u, uint32_t first,
                                uint32_t last) {
   typedef damping_compensation_pass<int> pass_type;
   const pbf_constants c = *p->constants;
@@ -109,7 +109,8 @@ static void compensate_damping(const pair_pass *p, const undamp_pass *u, uint32_
   }
 }
 
-static void turn_rate(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+static void angular_rate(const pair_pass *p, const momentum_pass *t, uint32_t first,
+                         uint32_t last) {
   const pbf_constants c = *p->constants;
   const rotation_rate_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
@@ -122,7 +123,7 @@ static void turn_rate(const pair_pass *p, const turn_pass *t, uint32_t first, ui
   }
 }
 
-static void turn(const pair_pass *p, const turn_pass *t, uint32_t first, uint32_t last) {
+static void turn(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const rotation_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {

@@ -338,14 +338,14 @@ static void wake_neighbors(const pair_pass *p, const pbf_real *is_source,
                            uint32_t last) {
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (uint32_t g = first; g < last; ++g)
-    for (walk w = walk_group(&p->lists, g); w.left;) {
-      const block *b = walk_block(&w);
+    for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
+      const block *b = current_block(&w);
       uint32_t windows = windows_with_sleepers(b, has_sleepers);
       if (!windows) {
-        walk_past(&w);
+        skip_block(&w);
         continue;
       }
-      const uint8_t *list = walk_on(&w, space);
+      const uint8_t *list = next_list(&w, space);
       for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
         if (is_source[g * WIDTH + l] > 0)
           wake_around(p, awakened, g * WIDTH + l, b, list + l, windows);
@@ -359,13 +359,13 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   const pbf_constants c = *p->constants;
   const density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g) {
-    slots count = slots_set(0);
+    u32_lanes count = u32_set(0);
     lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
     lambda_sums<lane> with_ghosts;
     if (has_ghosts(p) && sum_with_ghosts<lambda_pass>(p, pass.features, {}, g, &with_ghosts))
       density = with_ghosts.density;
     lane_store(densities + g * WIDTH, density);
-    if (neighbors) slots_store(neighbors + g * WIDTH, count);
+    if (neighbors) u32_store(neighbors + g * WIDTH, count);
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
       const lane_boundary boundary = group_boundary(p, g);
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];

@@ -120,16 +120,16 @@ static void bounds(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_v
 }
 
 static inline __attribute__((always_inline)) void cells_of(const grid *of, field x, uint32_t first,
-                                                           uint32_t last, const int folded,
+                                                           uint32_t last, const int wrapped,
                                                            uint32_t *restrict cell) {
   const grid g = *of;
-  for (uint32_t i = first; i < last; ++i) cell[i] = grid_cell(&g, field_at(&x, i), folded);
+  for (uint32_t i = first; i < last; ++i) cell[i] = grid_cell(&g, field_at(&x, i), wrapped);
 }
 
 static void cells(const grid *of, field x, uint32_t first, uint32_t last, uint32_t *cell,
                   uint32_t *lowest, uint32_t *highest) {
   uint32_t low = UINT32_MAX, high = 0;
-  if (grid_is_folded(of))
+  if (grid_is_wrapped(of))
     cells_of(of, x, first, last, 1, cell);
   else
     cells_of(of, x, first, last, 0, cell);

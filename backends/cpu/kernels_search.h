@@ -37,9 +37,9 @@ static run run_from(const search *s, uint32_t i, uint32_t end) {
 
 /* Which of the candidates in slots begin … end - 1 of a window are neighbours of each particle of
  * the run. */
-static inline slots near_mask(const search *s, const run *r, uint32_t first, uint32_t begin,
-                              uint32_t end) {
-  slots near = slots_set(0);
+static inline u32_lanes near_mask(const search *s, const run *r, uint32_t first, uint32_t begin,
+                                  uint32_t end) {
+  u32_lanes near = u32_set(0);
   const lane h2 = ops<lane>::set(s->h2);
   for (uint32_t slot = begin; slot < end; ++slot) {
     lane r2 = ops<lane>::set(0);
@@ -47,12 +47,12 @@ static inline slots near_mask(const search *s, const run *r, uint32_t first, uin
       lane d = r->x[k] - ops<lane>::set(s->x.c[k][first + slot - 1]);
       r2 = k ? ops<lane>::fma(d, d, r2) : d * d;
     }
-    near = slots_mark(near, r2, h2, 0x80000000u >> slot);
+    near = u32_mark(near, r2, h2, 0x80000000u >> slot);
   }
-  slots lane_number = slots_iota();
-  slots self = lane_number + slots_set(r->group * WIDTH - first + 1);
-  near = near & ~slots_bit(self) & slots_below(lane_number, r->end);
-  return r->begin ? near & ~slots_below(lane_number, r->begin) : near;
+  u32_lanes lane_number = u32_iota();
+  u32_lanes self = lane_number + u32_set(r->group * WIDTH - first + 1);
+  near = near & ~u32_bit(self) & u32_below(lane_number, r->end);
+  return r->begin ? near & ~u32_below(lane_number, r->begin) : near;
 }
 
 /* Candidates in one row that are still to be tested. */
@@ -62,20 +62,20 @@ typedef struct candidates {
 
 typedef struct neighbor_window {
   uint32_t first;
-  slots near;
+  u32_lanes near;
 } neighbor_window;
 
 /* The next window that has a neighbour, beginning with it; 0 at the end. */
 static int next_window(const search *s, const run *r, candidates *c, neighbor_window *w) {
   while (c->next < c->end) {
     uint32_t left = c->end - c->next, size = left < SLOTS - 1 ? left : SLOTS - 1;
-    slots near = near_mask(s, r, c->next, 1, 1 + size);
-    uint32_t any = slots_any(near);
+    u32_lanes near = near_mask(s, r, c->next, 1, 1 + size);
+    uint32_t any = u32_any(near);
     c->next += size;
     if (!any) continue;
     uint32_t lead = (uint32_t)__builtin_clz(any) - 1;
     w->first = c->next - size + lead;
-    w->near = slots_shift_left(near, (int)lead);
+    w->near = u32_shift_left(near, (int)lead);
     if (lead) {
       uint32_t more = c->end - c->next < lead ? c->end - c->next : lead;
       w->near = w->near | near_mask(s, r, w->first, 1 + size - lead, 1 + size - lead + more);
@@ -89,7 +89,7 @@ static int next_window(const search *s, const run *r, candidates *c, neighbor_wi
 /* Puts windows together to blocks, and writes these one behind the other. */
 typedef struct builder {
   uint8_t *data;
-  struct room *room;
+  struct list_arena *arena;
   uint64_t begin, next; /* of the group's list, in units */
   uint32_t lacking;     /* 1: no room; only counts */
   uint32_t blocks;
@@ -100,28 +100,28 @@ typedef struct builder {
 /* A group's list is in one task: what there is of it moves to where there is room for the next
  * block too. */
 static __attribute__((noinline)) void move_list(builder *b, uint32_t units) {
-  room *r = b->room;
+  list_arena *arena = b->arena;
   uint64_t size = b->next - b->begin;
-  if (!r->more(r->context, r) || size + units > r->end - r->next) {
+  if (!arena->more(arena->context, arena) || size + units > arena->end - arena->next) {
     b->lacking = 1;
     return;
   }
-  memcpy(b->data + r->next * LIST_UNIT, b->data + b->begin * LIST_UNIT, size * LIST_UNIT);
-  b->begin = r->next;
+  memcpy(b->data + arena->next * LIST_UNIT, b->data + b->begin * LIST_UNIT, size * LIST_UNIT);
+  b->begin = arena->next;
   b->next = b->begin + size;
 }
 
 static void put_block(builder *b, const neighbor_window *windows, uint32_t count) {
   block to;
-  slots masks[PARTS], neighbors = slots_set(0);
+  u32_lanes masks[PARTS], neighbors = u32_set(0);
   for (uint32_t part = 0; part < PARTS; ++part) {
     to.first[part] = windows[part < count ? part : 0].first;
-    masks[part] = part < count ? windows[part].near : slots_set(0);
-    neighbors = neighbors + slots_popcount(masks[part]);
+    masks[part] = part < count ? windows[part].near : u32_set(0);
+    neighbors = neighbors + u32_popcount(masks[part]);
   }
-  to.rounds = slots_max(neighbors);
+  to.rounds = u32_max(neighbors);
   uint32_t units = block_units(to.rounds);
-  if (b->next + units > b->room->end && !b->lacking) move_list(b, units);
+  if (b->next + units > b->arena->end && !b->lacking) move_list(b, units);
   if (!b->lacking) block_write(b->data + b->next * LIST_UNIT, &to, masks);
   b->next += units;
   ++b->blocks;
@@ -205,8 +205,8 @@ static void search_group(const search *s, uint32_t g, builder *b) {
   put_waiting(b);
 }
 
-static list_size search_groups(const search *s, uint32_t first, uint32_t last, room *space) {
-  builder b = {.data = s->data, .room = space};
+static list_size search_groups(const search *s, uint32_t first, uint32_t last, list_arena *space) {
+  builder b = {.data = s->data, .arena = space};
   list_size all = {0};
   for (uint32_t g = first; g < last; ++g) {
     b.begin = b.next = space->next;

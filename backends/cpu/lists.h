@@ -15,8 +15,8 @@ static void free_lists(solver *s) {
  * when there is no memory; then there is none at all. */
 static int grow_lists(solver *s) {
   uint64_t units = s->wanted.units + s->wanted.units / 4 + 4, parts = 16 * (uint64_t)s->threads;
-  uint64_t least = 8 * (uint64_t)s->wanted.largest, each = units / parts + 1;
-  s->slab_units = s->threads == 1 ? units : each < least ? least : each;
+  uint64_t min_units = 8 * (uint64_t)s->wanted.largest, each = units / parts + 1;
+  s->slab_units = s->threads == 1 ? units : each < min_units ? min_units : each;
   uint64_t slabs =
       s->threads == 1 ? 1 : units / (s->slab_units - s->wanted.largest) + 1 + s->threads;
   free_lists(s);
@@ -28,19 +28,19 @@ static int grow_lists(solver *s) {
 }
 
 /* The next slab, of those near the thread first; 0 when there is none. */
-static int next_slab(void *context, room *r) {
+static int next_slab(void *context, list_arena *arena) {
   const worker *w = static_cast<const worker *>(context);
   solver *s = w->s;
-  uint32_t threads = w->me->threads;
+  uint32_t threads = w->self->threads;
   for (uint32_t k = 0; k < threads; ++k) {
-    uint32_t t = (w->me->thread + k) % threads;
+    uint32_t t = (w->self->thread + k) % threads;
     range part = part_of(s->slabs, t, threads);
     atomic_uint *taken = &s->slab_counters[t].taken;
     if (atomic_load_explicit(taken, memory_order_relaxed) >= part.last - part.first) continue;
     uint32_t slab = part.first + atomic_fetch_add_explicit(taken, 1, memory_order_relaxed);
     if (slab >= part.last) continue;
-    r->next = slab * s->slab_units;
-    r->end = r->next + s->slab_units;
+    arena->next = slab * s->slab_units;
+    arena->end = arena->next + s->slab_units;
     return 1;
   }
   return 0;
@@ -82,7 +82,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
                       .count = s->count,
                       .groups = s->groups,
                       .data = s->list_data};
-  list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->room));
+  list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->arena));
 }
 
 /* The sleepers within h of a particle awake in these groups. */
@@ -148,7 +148,7 @@ static void end_search(void *context) {
   solver *s = w->s;
   s->wanted = (list_size){0};
   for (uint32_t k = 0; k < search_task_count(w); ++k) list_size_add(&s->wanted, s->list_sizes[k]);
-  for (uint32_t t = 0; t < w->me->threads; ++t)
+  for (uint32_t t = 0; t < w->self->threads; ++t)
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);
   if (!s->wanted.lacking) return;
@@ -160,9 +160,9 @@ static void end_search(void *context) {
  * stops at this step, and the caller's thread alone may take more (grow_lists). `last` is
  * end_search, with or without more. */
 static int find_neighbors(worker *w, completion_function last) {
-  w->room = (room){.more = next_slab, .context = w};
-  parallel_for(w->me, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
-  if (sleep_is_on(w)) parallel_for(w->me, search_task_count(w), sleeping_boundary_task, last, w);
+  w->arena = (list_arena){.more = next_slab, .context = w};
+  parallel_for(w->self, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
+  if (sleep_is_on(w)) parallel_for(w->self, search_task_count(w), sleeping_boundary_task, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);
 }
@@ -192,7 +192,7 @@ static void end_vectors(void *context) {
 
 /* Passes over pairs after the solve look up these vectors, where they read quads. */
 static void pack_vectors(worker *w, void (*pack_task)(void *context, uint32_t task)) {
-  if (w->s->kernels->pack) parallel_for(w->me, pair_task_count(w), pack_task, end_vectors, w);
+  if (w->s->kernels->pack) parallel_for(w->self, pair_task_count(w), pack_task, end_vectors, w);
 }
 
 /* What is no neighbour is far away. */
@@ -203,7 +203,7 @@ static void end_positions(void *context) {
 
 /* Or these positions, and a number of each. */
 static void pack_positions(worker *w, void (*pack_task)(void *context, uint32_t task)) {
-  if (w->s->kernels->pack) parallel_for(w->me, pair_task_count(w), pack_task, end_positions, w);
+  if (w->s->kernels->pack) parallel_for(w->self, pair_task_count(w), pack_task, end_positions, w);
 }
 
 /* The velocities of a task's particles, smoothed by so much. */

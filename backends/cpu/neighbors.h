@@ -11,7 +11,7 @@ namespace {
 
 /* A pair in each lane: particle i, and the one at a place in the block's windows. */
 struct pair_lanes {
-  place j;
+  lane_indices j;
   lane_vector<lane> x_ij;
   lane r2;
 #ifdef LANES_QUADS
@@ -39,8 +39,8 @@ PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf
 PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vector<lane> &x,
                                const neighbor_table *around) {
   lane quad[4];
-  pair_lanes p = {.j = place_of(b->first, slots_of_bytes(list))};
-  quads_at(*around, p.j, quad);
+  pair_lanes p = {.j = lane_indices_of(b->first, u32_of_bytes(list))};
+  load_packed(*around, p.j, quad);
   for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - quad[k];
   p.r2 = dot(p.x_ij, p.x_ij);
   p.number = quad[3];
@@ -64,10 +64,10 @@ PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *
 }
 
 /* `second` null: without. */
-PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j, lane *second) {
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, lane_indices j, lane *second) {
   lane quad[4];
   lane_vector<lane> v;
-  quads_at(*t, j, quad);
+  load_packed(*t, j, quad);
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = quad[k];
   if (second) *second = quad[3];
   return v;
@@ -80,7 +80,7 @@ static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t firs
                     ops<lane>::set(0)};
     if (PBF_DIM == 3) quad[2] = lane_load(x.c[PBF_DIM - 1] + i);
     if (number) quad[3] = lane_load(number + i);
-    quads_store(quads + 4 * (uint64_t)i, quad);
+    store_packed(quads + 4 * (uint64_t)i, quad);
   }
   for (; i < last; ++i) {
     pbf_real *quad = quads + 4 * (uint64_t)i;
@@ -94,52 +94,52 @@ static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t firs
 /* Tables of a vector's components, and of a number with it; `sentinel` is the first of what is no
  * neighbour. */
 struct vector_table {
-  table c[PBF_DIM], second;
+  window c[PBF_DIM], second;
 };
 
 PBF_FN vector_table vector_table_of(const field *f, const block *b, pbf_real sentinel) {
   vector_table t;
-  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = table_of(f->c[k], b->first, k ? 0 : sentinel);
+  for (int k = 0; k < PBF_DIM; ++k) t.c[k] = window_of(f->c[k], b->first, k ? 0 : sentinel);
   return t;
 }
 
 struct neighbor_table {
   vector_table x;
-  table number;
+  window number;
 };
 
 PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
   neighbor_table around = {.x = vector_table_of(&p->x, b, p->lists.far)};
-  if (number) around.number = table_of(number, b->first, 0);
+  if (number) around.number = window_of(number, b->first, 0);
   return around;
 }
 
 PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vector<lane> &x,
                                const neighbor_table *around) {
   pair_lanes p;
-  p.j = place_of(b->first, slots_of_bytes(list));
-  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - table_at(&around->x.c[k], p.j);
+  p.j = lane_indices_of(b->first, u32_of_bytes(list));
+  for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - window_at(&around->x.c[k], p.j);
   p.r2 = dot(p.x_ij, p.x_ij);
   return p;
 }
 
 PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
-  return table_at(&around->number, p->j);
+  return window_at(&around->number, p->j);
 }
 
 PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
                                const pbf_real *second) {
   (void)p;
   vector_table t = vector_table_of(v, b, 0);
-  if (second) t.second = table_of(second, b->first, 0);
+  if (second) t.second = window_of(second, b->first, 0);
   return t;
 }
 
 /* `second` null: without. */
-PBF_FN lane_vector<lane> vector_of(const vector_table *t, place j, lane *second) {
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, lane_indices j, lane *second) {
   lane_vector<lane> v;
-  for (int k = 0; k < PBF_DIM; ++k) v.c[k] = table_at(&t->c[k], j);
-  if (second) *second = table_at(&t->second, j);
+  for (int k = 0; k < PBF_DIM; ++k) v.c[k] = window_at(&t->c[k], j);
+  if (second) *second = window_at(&t->second, j);
   return v;
 }
 

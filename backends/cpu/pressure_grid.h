@@ -16,7 +16,7 @@ static void end_search_with_grid(void *context) {
   solver *s = w->s;
   end_search(w);
   if (!s->wanted.lacking)
-    pbf_pressure_grid_begin(&s->pressure_grid, &s->pressure_grid_room, &s->params, s->capacity,
+    pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params, s->capacity,
                             s->planned, &w->obstacles);
 }
 
@@ -37,7 +37,7 @@ static void deposit_task(void *context, uint32_t task) {
 static void end_deposit(void *context) {
   worker *w = static_cast<worker *>(context);
   find_solve(w->s, &w->obstacles);
-  begin_solve(w->s, w->me->threads);
+  begin_solve(w->s, w->self->threads);
 }
 
 static void apply_correction_task(void *context, uint32_t task) {
@@ -57,8 +57,8 @@ static void apply_correction_task(void *context, uint32_t task) {
 
 /* What the weight presses together is undone. */
 static void solve_pressure_grid(worker *w) {
-  parallel_for(w->me, pair_task_count(w), deposit_task, end_deposit, w);
-  parallel_for(w->me, pair_task_count(w), apply_correction_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), deposit_task, end_deposit, w);
+  parallel_for(w->self, pair_task_count(w), apply_correction_task, NULL, w);
   stage_end(w, PBF_STAGE_GRID);
 }
 

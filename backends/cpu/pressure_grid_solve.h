@@ -183,12 +183,12 @@ static int end_iteration(solver *s, int lacking) {
   pbf_pressure_grid_swap(&s->pressure_grid);
   if (pbf_pressure_grid_asks(k) && !lacking) return 1;
   pbf_pressure_grid_solve_go_on(&d->solve, k);
-  return d->iteration >= d->solve.most;
+  return d->iteration >= d->solve.max_iterations;
 }
 
 static void solve_alone(solver *s) {
   pressure_grid_solve *d = &s->pressure_grid_solve;
-  int over = d->solve.most <= 0;
+  int over = d->solve.max_iterations <= 0;
   if (over) return;
   while (!over) over = end_iteration(s, relax_nodes(s, 0, d->nodes));
   pbf_pressure_grid_extrapolate(&s->pressure_grid, &d->inside);
@@ -253,10 +253,10 @@ static void help_solving(solver *s) {
 /* Where there is too little to share it has been done on return. */
 static void begin_solve(solver *s, uint32_t threads) {
   pressure_grid_solve *d = &s->pressure_grid_solve;
-  uint32_t most = d->nodes / PRESSURE_GRID_PART;
-  int alone = threads == 1 || d->nodes < PRESSURE_GRID_SHARED || d->solve.most <= 0;
+  uint32_t max_parts = d->nodes / PRESSURE_GRID_PART;
+  int alone = threads == 1 || d->nodes < PRESSURE_GRID_SHARED || d->solve.max_iterations <= 0;
   if (alone) solve_alone(s);
-  d->parts = most < 2 * threads ? most : 2 * threads;
+  d->parts = max_parts < 2 * threads ? max_parts : 2 * threads;
   atomic_store_explicit(&d->next, part_word(0, d->parts), memory_order_relaxed);
   atomic_store_explicit(&d->led, 0, memory_order_relaxed);
   atomic_store_explicit(&d->done, 0, memory_order_relaxed);

@@ -70,9 +70,9 @@ static void end_settling(void *context) {
 
 /* 1 when now all sleep. */
 static int update_sleep(worker *w) {
-  parallel_for(w->me, pair_task_count(w), activity_task, NULL, w);
-  parallel_for(w->me, pair_task_count(w), wake_neighbors_task, NULL, w);
-  parallel_for(w->me, pair_task_count(w), update_sleep_task, end_settling, w);
+  parallel_for(w->self, pair_task_count(w), activity_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), wake_neighbors_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), update_sleep_task, end_settling, w);
   stage_end(w, PBF_STAGE_SLEEP);
   return atomic_load_explicit(&w->s->all_asleep, memory_order_acquire) &&
          w->s->all_asleep_at == w->step;

@@ -50,8 +50,8 @@ static void residual_density_task(void *context, uint32_t task) {
 }
 
 static void find_residual_density(worker *w) {
-  parallel_for(w->me, pair_task_count(w), backtrack_task, NULL, w);
-  parallel_for(w->me, pair_task_count(w), residual_density_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), backtrack_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), residual_density_task, NULL, w);
   stage_end(w, PBF_STAGE_RESIDUAL_DENSITY);
 }
 
@@ -93,8 +93,8 @@ static void overlap_task(void *context, uint32_t task) {
 
 static void find_overlap(worker *w) {
   if (!finds_overlap(w)) return;
-  parallel_for(w->me, pair_task_count(w), placed_task, NULL, w);
-  parallel_for(w->me, pair_task_count(w), overlap_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), placed_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), overlap_task, NULL, w);
   stage_end(w, PBF_STAGE_OVERLAP);
 }
 
@@ -130,9 +130,9 @@ static int is_converged(const worker *w) {
   return w->iteration > 0 && w->s->over && w->s->iterations <= w->iteration;
 }
 
-static turn_pass turns_of(const worker *w) {
+static momentum_pass turns_of(const worker *w) {
   const solver *s = w->s;
-  return (turn_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
+  return (momentum_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
 }
 
 static void start_task(void *context, uint32_t task) {
@@ -147,11 +147,11 @@ static void start_task(void *context, uint32_t task) {
 }
 
 /* A pass of the correction of angular momentum over the groups of a task. */
-static void turn_awake(const worker *w, uint32_t task, const pair_pass *pairs,
-                       void (*pass)(const pair_pass *p, const turn_pass *t, uint32_t first,
-                                    uint32_t last)) {
+static void correct_awake(const worker *w, uint32_t task, const pair_pass *pairs,
+                          void (*pass)(const pair_pass *p, const momentum_pass *t, uint32_t first,
+                                       uint32_t last)) {
   range r = task_groups(w, task);
-  const turn_pass turns = turns_of(w);
+  const momentum_pass turns = turns_of(w);
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     pass(pairs, &turns, g.first, g.last);
@@ -162,7 +162,7 @@ static void torque_task(void *context, uint32_t task) {
   pair_pass pairs = pairs_at_x_star(w, packed_lambda(w->s));
   if (is_converged(w)) return;
   pairs.vectors = w->s->packed_start;
-  turn_awake(w, task, &pairs, w->s->kernels->torque);
+  correct_awake(w, task, &pairs, w->s->kernels->torque);
 }
 
 static void move_task(void *context, uint32_t task) {
@@ -253,7 +253,7 @@ static void count_skipped(void *context) {
 
 /* From here nothing can fail. */
 static void update_velocity(worker *w) {
-  parallel_for(w->me, pair_task_count(w), velocity_task,
+  parallel_for(w->self, pair_task_count(w), velocity_task,
                has_convergence_check(w->s) ? count_skipped : NULL, w);
   w->b.accept_step();
   stage_end(w, PBF_STAGE_VELOCITY);

@@ -58,7 +58,7 @@ struct pbf_backend_solver {
   int over;            /* … and its solve has ended after them */
   struct buffers buffers;
 #define PBF_ARRAY(name, wanted, holders) holders
-#define PBF_CPU(type, member, extent) type member;
+#define PBF_CPU(type, team_thread, extent) type team_thread;
 #include "physics/arrays.def"
 
   struct pressure_grid_solve pressure_grid_solve;

@@ -184,9 +184,9 @@ static void sort_range(void *context, uint32_t task) {
 
 /* Sorts by the positions whose grid has been made. */
 static void sort_particles(worker *w) {
-  parallel_for(w->me, particle_task_count(w), find_cells, divide_cells, w);
-  parallel_for(w->me, range_tasks(w), count_cells, divide_places, w);
-  parallel_for(w->me, range_tasks(w), sort_range, NULL, w);
+  parallel_for(w->self, particle_task_count(w), find_cells, divide_cells, w);
+  parallel_for(w->self, range_tasks(w), count_cells, divide_places, w);
+  parallel_for(w->self, range_tasks(w), sort_range, NULL, w);
 }
 
 #endif

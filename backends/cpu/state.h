@@ -23,7 +23,7 @@ struct buffers {
   uint32_t *ids, *sorted_ids;
 
 #define PBF_ARRAY(name, wanted, holders) holders
-#define PBF_CPU_BUFFER(type, member, extent) type member;
+#define PBF_CPU_BUFFER(type, team_thread, extent) type team_thread;
 #include "physics/arrays.def"
 
   /* Until the sort, in the order of the state. */

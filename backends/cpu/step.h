@@ -37,24 +37,24 @@ static step_outcome step_once(worker *w, double begin, double end, int sorted) {
 }
 
 /* A thread may begin when the others are at the end: what it begins with is not written here. */
-static void run_steps(void *context, member *me) {
+static void run_steps(void *context, team_thread *self) {
   step_job *job = static_cast<step_job *>(context);
-  worker w = worker_of(job->s, me);
+  worker w = worker_of(job->s, self);
   step_outcome last = STEP_COMPLETE;
   for (w.step = job->done; w.step < job->stop && last == STEP_COMPLETE;) {
     last = step_once(&w, pbf_time_after(&job->times, w.step),
                      pbf_time_after(&job->times, w.step + 1), job->sorted && w.step == job->done);
     if (last != STEP_SHORT_OF_MEMORY) ++w.step;
   }
-  if (me->thread != 0) return;
+  if (self->thread != 0) return;
   job->reached = w.step;
   job->last = last;
   job->after = w.b;
 }
 
 static uint32_t steps_at_once(const solver *s, uint32_t left) {
-  const uint64_t most = team_run_length / (s->count + 1) + 1;
-  return most < left ? (uint32_t)most : left;
+  const uint64_t max_steps = team_run_length / (s->count + 1) + 1;
+  return max_steps < left ? (uint32_t)max_steps : left;
 }
 
 static void note_grid_pressure(solver *s) {

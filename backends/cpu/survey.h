@@ -30,26 +30,27 @@ static void fit_lambda_task(void *context, uint32_t task) {
   w->s->kernels->fit(&pairs, sorted_lambda(w->s), w->b.fitted_lambda(), r.first, r.last);
 }
 
-static worker begin_diagnostics(solver *s, member *me) {
-  worker w = worker_of(s, me);
+static worker begin_diagnostics(solver *s, team_thread *self) {
+  worker w = worker_of(s, self);
   w.sort_positions = &s->buffers.x;
   w.sorted_positions = &s->buffers.sorted_x();
   place_obstacles(s, s->now, &w.obstacles);
-  parallel_for(me, particle_task_count(&w), find_bounds, make_grid, &w);
+  parallel_for(self, particle_task_count(&w), find_bounds, make_grid, &w);
   sort_particles(&w);
   return w;
 }
 
-static void diagnose_densities(void *context, member *me) {
-  worker w = begin_diagnostics((solver *)context, me);
-  if (find_neighbors(&w, end_search)) parallel_for(me, pair_task_count(&w), density_task, NULL, &w);
+static void diagnose_densities(void *context, team_thread *self) {
+  worker w = begin_diagnostics((solver *)context, self);
+  if (find_neighbors(&w, end_search))
+    parallel_for(self, pair_task_count(&w), density_task, NULL, &w);
 }
 
-static void diagnose_pressures(void *context, member *me) {
-  worker w = begin_diagnostics((solver *)context, me);
-  parallel_for(me, particle_task_count(&w), sort_lambda_task, NULL, &w);
+static void diagnose_pressures(void *context, team_thread *self) {
+  worker w = begin_diagnostics((solver *)context, self);
+  parallel_for(self, particle_task_count(&w), sort_lambda_task, NULL, &w);
   if (find_neighbors(&w, end_search))
-    parallel_for(me, pair_task_count(&w), fit_lambda_task, NULL, &w);
+    parallel_for(self, pair_task_count(&w), fit_lambda_task, NULL, &w);
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density

@@ -30,14 +30,14 @@ static inline void wait_a_little(unsigned *looks) {
 }
 
 /* One thread's place in a running team. */
-typedef struct member {
+typedef struct team_thread {
   struct team *team;
   uint32_t thread, threads;
   uint32_t loops; /* that this thread has come to */
   uint64_t tasks; /* in these loops */
   uint64_t done;  /* of them, by this thread */
   double waited;  /* seconds, in loops that took long to end */
-} member;
+} team_thread;
 
 static inline double seconds_now(void) {
   struct timespec t;
@@ -45,10 +45,10 @@ static inline double seconds_now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-typedef void (*team_function)(void *context, member *me);
+typedef void (*team_function)(void *context, team_thread *self);
 
 /* Most tasks of a loop. */
-enum { TEAM_MOST_PIECES = 0xffff };
+enum { TEAM_MAX_TASKS = 0xffff };
 
 /* Threads that a solver gets when its description asks for `wanted` (0: all there are). */
 uint32_t team_size(uint32_t wanted);
@@ -94,7 +94,7 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
  * loops a thread knows only what it works out for itself. `context` is the calling thread's own. */
 typedef void (*task_function)(void *context, uint32_t task);
 typedef void (*completion_function)(void *context);
-void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+void parallel_for(team_thread *self, uint32_t tasks, task_function task, completion_function last,
                   void *context);
 
 #ifdef __cplusplus

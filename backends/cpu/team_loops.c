@@ -61,73 +61,73 @@ static left unpack(unsigned long long word) {
 
 /* Takes a task of the loop from a thread's part; 0 when none is left there. The first thread that
  * comes divides the part up. */
-static int take_task(const member *me, uint32_t thread, uint32_t tasks, uint32_t *task) {
-  atomic_ullong *word = &me->team->desks[thread].left;
+static int take_task(const team_thread *self, uint32_t thread, uint32_t tasks, uint32_t *task) {
+  atomic_ullong *word = &self->team->desks[thread].left;
   unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;
   do {
     left l = unpack(seen);
-    if (is_before(me->loops, l.loop)) return 0;
-    if (l.loop != me->loops)
-      l = (left){me->loops, (uint32_t)((uint64_t)tasks * thread / me->threads),
-                 (uint32_t)((uint64_t)tasks * (thread + 1) / me->threads)};
+    if (is_before(self->loops, l.loop)) return 0;
+    if (l.loop != self->loops)
+      l = (left){self->loops, (uint32_t)((uint64_t)tasks * thread / self->threads),
+                 (uint32_t)((uint64_t)tasks * (thread + 1) / self->threads)};
     if (l.first == l.last) return 0;
-    *task = thread == me->thread ? l.first++ : --l.last;
+    *task = thread == self->thread ? l.first++ : --l.last;
     next = pack(l);
   } while (!atomic_compare_exchange_weak_explicit(word, &seen, next, memory_order_relaxed,
                                                   memory_order_relaxed));
   return 1;
 }
 
-static void work_on(member *me, uint32_t thread, uint32_t tasks, task_function task,
+static void work_on(team_thread *self, uint32_t thread, uint32_t tasks, task_function task,
                     void *context) {
-  uint64_t done = me->done;
-  for (uint32_t k; take_task(me, thread, tasks, &k); ++me->done) task(context, k);
-  if (me->done > done)
-    atomic_store_explicit(&me->team->desks[me->thread].done, me->done, memory_order_release);
+  uint64_t done = self->done;
+  for (uint32_t k; take_task(self, thread, tasks, &k); ++self->done) task(context, k);
+  if (self->done > done)
+    atomic_store_explicit(&self->team->desks[self->thread].done, self->done, memory_order_release);
 }
 
-static int is_converged(const member *me) {
-  return !is_before(atomic_load_explicit(&me->team->over, memory_order_acquire), me->loops);
+static int is_converged(const team_thread *self) {
+  return !is_before(atomic_load_explicit(&self->team->over, memory_order_acquire), self->loops);
 }
 
 /* Counts only grow, and none of the next loop's tasks is done before this loop is over. */
-static int all_done(const member *me) {
+static int all_done(const team_thread *self) {
   uint64_t done = 0;
-  for (uint32_t t = 0; t < me->threads; ++t)
-    done += atomic_load_explicit(&me->team->desks[t].done, memory_order_acquire);
-  return done >= me->tasks;
+  for (uint32_t t = 0; t < self->threads; ++t)
+    done += atomic_load_explicit(&self->team->desks[t].done, memory_order_acquire);
+  return done >= self->tasks;
 }
 
 /* One thread alone ends a loop. */
-static void end_loop(const member *me, completion_function last, void *context) {
-  uint32_t ended = atomic_load_explicit(&me->team->ending, memory_order_relaxed);
-  if (!is_before(ended, me->loops)) return;
-  if (!atomic_compare_exchange_strong_explicit(&me->team->ending, &ended, me->loops,
+static void end_loop(const team_thread *self, completion_function last, void *context) {
+  uint32_t ended = atomic_load_explicit(&self->team->ending, memory_order_relaxed);
+  if (!is_before(ended, self->loops)) return;
+  if (!atomic_compare_exchange_strong_explicit(&self->team->ending, &ended, self->loops,
                                                memory_order_relaxed, memory_order_relaxed))
     return;
   if (last) last(context);
-  atomic_store_explicit(&me->team->over, me->loops, memory_order_release);
+  atomic_store_explicit(&self->team->over, self->loops, memory_order_release);
 }
 
-static void wait_for_end(member *me, completion_function last, void *context) {
+static void wait_for_end(team_thread *self, completion_function last, void *context) {
   double since = 0;
-  for (unsigned looks = 1; !is_converged(me); wait_a_little(&looks)) {
-    if ((me->thread == 0 || looks % TRUST == 0) && all_done(me)) end_loop(me, last, context);
+  for (unsigned looks = 1; !is_converged(self); wait_a_little(&looks)) {
+    if ((self->thread == 0 || looks % TRUST == 0) && all_done(self)) end_loop(self, last, context);
     if (looks == LONG) since = seconds_now();
   }
-  if (since > 0) me->waited += seconds_now() - since;
+  if (since > 0) self->waited += seconds_now() - since;
 }
 
-void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+void parallel_for(team_thread *self, uint32_t tasks, task_function task, completion_function last,
                   void *context) {
-  ++me->loops;
-  me->tasks += tasks;
-  if (me->threads == 1) {
+  ++self->loops;
+  self->tasks += tasks;
+  if (self->threads == 1) {
     for (uint32_t k = 0; k < tasks; ++k) task(context, k);
     if (last) last(context);
     return;
   }
-  for (uint32_t k = 0; k < me->threads && !is_converged(me); ++k)
-    work_on(me, (me->thread + me->threads - k) % me->threads, tasks, task, context);
-  wait_for_end(me, last, context);
+  for (uint32_t k = 0; k < self->threads && !is_converged(self); ++k)
+    work_on(self, (self->thread + self->threads - k) % self->threads, tasks, task, context);
+  wait_for_end(self, last, context);
 }

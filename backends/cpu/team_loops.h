@@ -5,7 +5,7 @@
 #include "cpu/team.h"
 
 /* More threads than that gain nothing. */
-enum { TEAM_MOST_THREADS = 256 };
+enum { TEAM_MAX_THREADS = 256 };
 
 /* Before so many threads begin to run: no loop has begun. */
 void team_reset(team *all, uint32_t threads);

@@ -4,13 +4,13 @@
 
 #include "common/fp_environment.h"
 #include "cpu/team_loops.h"
-#include "cpu/thread_room.h"
+#include "cpu/startable_threads.h"
 
 uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
   uint32_t limit = (uint32_t)omp_get_thread_limit();
   if (threads > limit) threads = limit;
-  return threads < TEAM_MOST_THREADS ? threads : TEAM_MOST_THREADS;
+  return threads < TEAM_MAX_THREADS ? threads : TEAM_MAX_THREADS;
 }
 
 const int team_resizes = 0;
@@ -33,24 +33,24 @@ __attribute__((constructor)) static void remember_home(void) { home = getpid(); 
 
 /* Threads of the last run that this thread began: the runtime keeps them for the next one. Most
  * that there could be when it wanted more; 0: it did not, or got them. */
-static _Thread_local uint32_t kept, most;
+static _Thread_local uint32_t kept, max_threads;
 
 uint32_t team_threads(uint32_t threads) {
   if (getpid() != home) return 1;
-  return most && most < threads ? most : threads;
+  return max_threads && max_threads < threads ? max_threads : threads;
 }
 
 /* OpenMP's runtime ends the process when it can't start a thread. */
 static uint32_t threads_to_be_had(uint32_t threads) {
   if (threads == 1 || getpid() != home) return 1;
   uint32_t there = kept ? kept : 1;
-  uint32_t had = threads > there ? there + thread_room(threads - there) : threads;
-  most = had < threads ? had : 0;
+  uint32_t had = threads > there ? there + startable_threads(threads - there) : threads;
+  max_threads = had < threads ? had : 0;
   return kept = had;
 }
 
 static void run_alone(team *all, team_function function, void *context) {
-  member alone = {.team = all, .thread = 0, .threads = 1};
+  team_thread alone = {.team = all, .thread = 0, .threads = 1};
   function(context, &alone);
 }
 
@@ -66,10 +66,10 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
 #pragma omp parallel num_threads((int)threads)
   {
     pbf_fp_environment before = pbf_fp_begin();
-    member me = {.team = all,
-                 .thread = (uint32_t)omp_get_thread_num(),
-                 .threads = (uint32_t)omp_get_num_threads()};
-    function(context, &me);
+    team_thread self = {.team = all,
+                        .thread = (uint32_t)omp_get_thread_num(),
+                        .threads = (uint32_t)omp_get_num_threads()};
+    function(context, &self);
     pbf_fp_end(before);
   }
 }

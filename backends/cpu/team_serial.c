@@ -25,13 +25,13 @@ void team_end(void) {}
 void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
               void *context) {
   (void)tasks;
-  member me = {.team = all, .thread = 0, .threads = threads};
-  function(context, &me);
+  team_thread self = {.team = all, .thread = 0, .threads = threads};
+  function(context, &self);
 }
 
-void parallel_for(member *me, uint32_t tasks, task_function task, completion_function last,
+void parallel_for(team_thread *self, uint32_t tasks, task_function task, completion_function last,
                   void *context) {
-  (void)me;
+  (void)self;
   for (uint32_t k = 0; k < tasks; ++k) task(context, k);
   if (last) last(context);
 }

@@ -62,7 +62,7 @@ static struct pool {
   uint32_t era;     /* of the threads that there are: those of another one end */
   uint32_t forks_are_watched;
   limit limit;
-  pthread_t threads[TEAM_MOST_THREADS];
+  pthread_t threads[TEAM_MAX_THREADS];
 } pool = {.lock = PTHREAD_MUTEX_INITIALIZER,
           .wake = PTHREAD_COND_INITIALIZER,
           .empty = PTHREAD_COND_INITIALIZER};
@@ -73,7 +73,7 @@ uint32_t team_size(uint32_t wanted) {
   if (!wanted && sched_getaffinity(0, sizeof set, &set) == 0) cpus = CPU_COUNT(&set);
   if (!wanted && cpus < 1) cpus = sysconf(_SC_NPROCESSORS_ONLN);
   if (!wanted) wanted = cpus < 1 ? 1 : (uint32_t)cpus;
-  return wanted < TEAM_MOST_THREADS ? wanted : TEAM_MOST_THREADS;
+  return wanted < TEAM_MAX_THREADS ? wanted : TEAM_MAX_THREADS;
 }
 
 uint32_t team_threads(uint32_t threads) {
@@ -95,10 +95,10 @@ static region *region_to_join(void) {
 /* Opens the lock for the while. After the count has gone down its caller may be gone, and with it
  * the region. */
 static void join(region *r) {
-  member me = {.team = r->all, .thread = r->come++, .threads = r->threads};
+  team_thread self = {.team = r->all, .thread = r->come++, .threads = r->threads};
   atomic_fetch_add(&r->inside, 1);
   pthread_mutex_unlock(&pool.lock);
-  r->function(r->context, &me);
+  r->function(r->context, &self);
   pthread_mutex_lock(&pool.lock);
   if (atomic_fetch_add(&r->inside, -1u) == 1) pthread_cond_broadcast(&pool.empty);
 }
@@ -177,7 +177,7 @@ void team_begin(void) {
 }
 
 void team_end(void) {
-  pthread_t threads[TEAM_MOST_THREADS];
+  pthread_t threads[TEAM_MAX_THREADS];
   uint32_t count = 0;
   pthread_mutex_lock(&pool.lock);
   if (--pool.users == 0) {
@@ -193,8 +193,8 @@ void team_end(void) {
 
 /* ---- Busy cores ---------------------------------------------------------------------------- */
 
-static const double least_pause = 0.016, most_pause = 0.5; /* seconds */
-static const double much_waiting = 0.25;                   /* of a run's time */
+static const double min_pause = 0.016, max_pause = 0.5; /* seconds */
+static const double much_waiting = 0.25;                /* of a run's time */
 
 /* With the lock held. */
 static uint32_t limited(uint32_t threads, double now) {
@@ -212,11 +212,11 @@ static void note_run(uint32_t threads, double seconds, double waited, double now
   limit *l = &pool.limit;
   if (waited > much_waiting * seconds) {
     l->threads = threads / 2;
-    l->pause = l->pause > least_pause ? l->pause : least_pause;
+    l->pause = l->pause > min_pause ? l->pause : min_pause;
     l->more_at = now + l->pause;
-    l->pause = 2 * l->pause < most_pause ? 2 * l->pause : most_pause;
+    l->pause = 2 * l->pause < max_pause ? 2 * l->pause : max_pause;
   } else {
-    l->pause = l->pause - seconds > least_pause ? l->pause - seconds : least_pause;
+    l->pause = l->pause - seconds > min_pause ? l->pause - seconds : min_pause;
   }
 }
 
@@ -260,13 +260,13 @@ static void close_region(region *r) {
 }
 
 static void run_many(region *r, double begin) {
-  member me = {.team = r->all, .thread = 0, .threads = r->threads};
-  r->function(r->context, &me);
+  team_thread self = {.team = r->all, .thread = 0, .threads = r->threads};
+  r->function(r->context, &self);
   const double done = seconds_now();
   close_region(r);
   const double now = seconds_now();
   pthread_mutex_lock(&pool.lock);
-  note_run(r->threads, now - begin, me.waited + now - done, now);
+  note_run(r->threads, now - begin, self.waited + now - done, now);
   pthread_mutex_unlock(&pool.lock);
 }
 
@@ -294,8 +294,8 @@ static void close_task(region *r) {
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
   void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
-  member me = {.team = r->all, .thread = 0, .threads = r->threads};
-  r->function(r->context, &me);
+  team_thread self = {.team = r->all, .thread = 0, .threads = r->threads};
+  r->function(r->context, &self);
   close_task(r);
   if (handle) tasks->finish(tasks->user, handle);
 }
@@ -311,7 +311,7 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
   } else if (threads > 1 && open_region(&r, begin) > 1) {
     run_many(&r, begin);
   } else {
-    member me = {.team = all, .thread = 0, .threads = 1};
-    function(context, &me);
+    team_thread self = {.team = all, .thread = 0, .threads = 1};
+    function(context, &self);
   }
 }

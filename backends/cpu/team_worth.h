@@ -12,10 +12,10 @@ static inline double team_cost(double particles, uint32_t threads) {
 }
 
 /* The number, up to `most`, with which a step costs least. */
-static inline uint32_t team_worth(double particles, uint32_t most) {
-  const double least_at = sqrt(particles / 100);
-  uint32_t threads = least_at < most ? (uint32_t)least_at : most;
-  if (threads < most && team_cost(particles, threads + 1) < team_cost(particles, threads))
+static inline uint32_t team_worth(double particles, uint32_t max_threads) {
+  const double cheapest = sqrt(particles / 100);
+  uint32_t threads = cheapest < max_threads ? (uint32_t)cheapest : max_threads;
+  if (threads < max_threads && team_cost(particles, threads + 1) < team_cost(particles, threads))
     ++threads;
   return team_cost(particles, threads) < particles ? threads : 1;
 }

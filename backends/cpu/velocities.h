@@ -67,7 +67,7 @@ static void flow_task(void *context, uint32_t task) {
   smooth_velocities(w, task, PBF_TO_MEAN, w->b.mean_velocity());
 }
 
-static pbf_vec change_between(const pair_pass *p, const undamp_pass *u, uint32_t i, pbf_vec end,
+static pbf_vec change_between(const pair_pass *p, const damping_pass *u, uint32_t i, pbf_vec end,
                               pbf_vec start) {
   return change_near_obstacles(p->constants, *p->contributing, field_at(&p->x, i),
                                field_at(&u->flow, i), u->lambda[i], end, start);
@@ -78,12 +78,12 @@ static void compensate_damping_task(void *context, uint32_t task) {
   solver *s = w->s;
   range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.x, packed_positions(s));
-  const undamp_pass u = {s->lambda,
-                         w->forces.inv_time_step,
-                         w->b.mean_velocity(),
-                         w->b.v,
-                         corrects_torque(w) ? &s->torque : NULL,
-                         change_between};
+  const damping_pass u = {s->lambda,
+                          w->forces.inv_time_step,
+                          w->b.mean_velocity(),
+                          w->b.v,
+                          corrects_torque(w) ? &s->torque : NULL,
+                          change_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->compensate_damping(&pairs, &u, g.first, g.last);
@@ -106,14 +106,14 @@ static void rates_task(void *context, uint32_t task) {
 static void turn_rate_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
-  turn_awake(w, task, &pairs, w->s->kernels->turn_rate);
+  correct_awake(w, task, &pairs, w->s->kernels->angular_rate);
   zero_sleeping(w, task_sorted(w, task), w->b.rotation_rate().c, PBF_DIM);
 }
 
 static void turn_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
-  turn_awake(w, task, &pairs, w->s->kernels->turn);
+  correct_awake(w, task, &pairs, w->s->kernels->turn);
   zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 

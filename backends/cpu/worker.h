@@ -11,9 +11,9 @@ typedef struct range {
 /* What is in here a thread works out for itself. */
 typedef struct worker {
   solver *s;
-  member *me;
-  buffers b;        /* every thread swaps its own copy */
-  struct room room; /* for lists of neighbours */
+  team_thread *self;
+  buffers b;               /* every thread swaps its own copy */
+  struct list_arena arena; /* for lists of neighbours */
   pbf_forces forces;
   pbf_obstacles obstacles;                        /* at the end of the step */
   pbf_obstacles before;                           /* at its start, for the residual density alone */
@@ -27,8 +27,8 @@ typedef struct worker {
   double stage_begin;
 } worker;
 
-static inline worker worker_of(solver *s, member *me) {
-  return (worker){.s = s, .me = me, .b = s->buffers, .constants = s->constants};
+static inline worker worker_of(solver *s, team_thread *self) {
+  return (worker){.s = s, .self = self, .b = s->buffers, .constants = s->constants};
 }
 
 static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {
@@ -42,10 +42,10 @@ static inline range part_of(uint64_t total, uint32_t part, uint32_t parts) {
 
 /* How many tasks a loop over `total` things has, at least `least` of them in each. One thread
  * needs no more than one task. */
-static inline uint32_t tasks_of(const worker *w, uint64_t total, uint32_t least, uint32_t each) {
-  uint64_t most = (total + least - 1) / least, tasks = (uint64_t)each * w->me->threads;
-  if (w->me->threads == 1) return 1;
-  return (uint32_t)(tasks < most ? tasks : most);
+static inline uint32_t tasks_of(const worker *w, uint64_t total, uint32_t min_size, uint32_t each) {
+  uint64_t max_tasks = (total + min_size - 1) / min_size, tasks = (uint64_t)each * w->self->threads;
+  if (w->self->threads == 1) return 1;
+  return (uint32_t)(tasks < max_tasks ? tasks : max_tasks);
 }
 
 static inline uint32_t particle_task_count(const worker *w) {
@@ -68,13 +68,13 @@ static inline uint64_t groups_of(const solver *s) {
 }
 
 static inline uint32_t search_task_count(const worker *w) {
-  enum { LEAST = 256 };
-  return tasks_of(w, groups_of(w->s), LEAST / w->s->kernels->width, SEARCH_TASKS);
+  enum { MIN_PARTICLES = 256 };
+  return tasks_of(w, groups_of(w->s), MIN_PARTICLES / w->s->kernels->width, SEARCH_TASKS);
 }
 
 static inline uint32_t pair_task_count(const worker *w) {
-  enum { LEAST = 128 };
-  return tasks_of(w, groups_of(w->s), LEAST / w->s->kernels->width, PAIR_TASKS);
+  enum { MIN_PARTICLES = 128 };
+  return tasks_of(w, groups_of(w->s), MIN_PARTICLES / w->s->kernels->width, PAIR_TASKS);
 }
 
 /* The groups of a task of a pass over pairs. */
@@ -91,7 +91,7 @@ static inline range task_sorted(const worker *w, uint32_t task) {
 }
 
 static inline void stage_end(worker *w, pbf_stage stage) {
-  if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->me->thread != 0) return;
+  if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->self->thread != 0) return;
   double now = seconds_now();
   w->s->seconds[stage] += now - w->stage_begin;
   ++w->s->runs[stage];

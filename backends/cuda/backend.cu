@@ -34,27 +34,28 @@ static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
 static uint32_t list_chunks(const pbf_params *params) {
   double q = params->smoothing_radius / pbf_derive_spacing(params);
   double expected = PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
-  double room = fmin(PBF_MOST_LISTED, 1.5 * expected + 4);
+  double room = fmin(PBF_MAX_LISTED, 1.5 * expected + 4);
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
 /* Room for lists, before them the sort's scratch, or for what a small scene has. */
-static uint64_t list_room_bytes(const solver *s, uint32_t chunks, bool small) {
-  uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32, most = padded * chunks * sizeof(uint4);
+static uint64_t list_storage_bytes(const solver *s, uint32_t chunks, bool small) {
+  uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
+           largest = padded * chunks * sizeof(uint4);
   for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
                          small ? (unsigned long long)small_parts_of(s).bytes : 0ull})
-    most = other > most ? other : most;
-  return most;
+    largest = other > largest ? other : largest;
+  return largest;
 }
 
 static pbf_status take_lists(solver *s, uint32_t chunks, bool small) {
-  uint64_t bytes = list_room_bytes(s, chunks, small);
-  void *room = s->list_room;
+  uint64_t bytes = list_storage_bytes(s, chunks, small);
+  void *room = s->list_storage;
   if (bytes != s->list_bytes) {
     if (pbf_status status = pbf_cuda_take(&s->memory, "neighbor list", bytes, &room)) return status;
-    pbf_cuda_free(&s->memory, s->list_room);
+    pbf_cuda_free(&s->memory, s->list_storage);
   }
-  s->list_room = room;
+  s->list_storage = room;
   s->list_bytes = bytes;
   s->lists.entries = static_cast<uint4 *>(room);
   s->lists.chunks = chunks;
@@ -86,7 +87,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
-  if (!schedule.runs[PBF_STAGE_GRID] || (s->pressure_grid_room && !schedule.solids))
+  if (!schedule.runs[PBF_STAGE_GRID] || (s->topology_memory && !schedule.solids))
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
   if (pbf_status status = take_for_scene(s, schedule, *params, small)) {
@@ -170,7 +171,7 @@ static pbf_status open_stream(solver *s, void *stream) {
 template <class Kernel>
 static pbf_status allow_lists(Kernel *kernel) {
   return pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                             (int)list_shared(PBF_MOST_LISTED / PBF_CHUNK)),
+                                             (int)list_shared(PBF_MAX_LISTED / PBF_CHUNK)),
                         "cudaFuncSetAttribute");
 }
 

@@ -11,7 +11,7 @@
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
-                 solids = s->pressure_grid_room != nullptr;
+                 solids = s->topology_memory != nullptr;
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"

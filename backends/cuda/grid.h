@@ -3,7 +3,8 @@
  * Cells are h wide across the rows (y, z) and finer along them (x), numbered along x first, so that
  * the cells of one row around a particle are one contiguous run of sorted particles. The grid
  * covers the domain; what lies outside counts to the border cells, which keeps every pair of
- * neighbours in neighbouring cells. A domain with too many cells is folded (physics/fold.h). */
+ * neighbours in neighbouring cells. A domain with too many cells is wrapped (physics/grid_wrap.h).
+ */
 #ifndef PBF_CUDA_GRID_H
 #define PBF_CUDA_GRID_H
 
@@ -11,7 +12,7 @@
 #include <stdint.h>
 
 #include "physics/collide.h"
-#include "physics/fold.h"
+#include "physics/grid_wrap.h"
 #include "physics/lane_vector.h"
 
 /* Rows around a particle's own, itself included. */
@@ -46,31 +47,32 @@ static inline cell_grid grid_over(const pbf_domain *domain, double h, uint32_t l
                                   double finest) {
   enum { MAX_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
-  double extent[PBF_DIM], full[PBF_DIM], most = 1;
+  double extent[PBF_DIM], full[PBF_DIM], longest = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     extent[k] = fmax(0, (double)domain->upper.c[k] - (double)domain->lower.c[k]);
-    most = fmax(most, extent[k] / h);
+    longest = fmax(longest, extent[k] / h);
   }
-  double reach = h * grid_margin(fmin(most, MAX_CELLS));
+  double reach = h * grid_margin(fmin(longest, MAX_CELLS));
   g.reach = (pbf_real)reach;
   g.reach2 = (pbf_real)(reach * reach);
-  double row_width = fmax(reach * grid_margin(0), most * h / MAX_CELLS);
+  double row_width = fmax(reach * grid_margin(0), longest * h / MAX_CELLS);
   g.row_width = (pbf_real)row_width;
   for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
-  const pbf_fold stored = pbf_fold_of(limit, finest, full);
-  double width = stored.turns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
+  const pbf_grid_wrap stored = pbf_grid_wrap_of(limit, finest, full);
+  double width =
+      stored.wraps_columns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
   for (int k = 0; k < PBF_DIM; ++k) {
     g.origin.c[k] = domain->lower.c[k];
     g.scale.c[k] = (pbf_real)(1 / (k ? row_width : width));
     g.cells[k] = (uint32_t)(k ? full[k] : stored.columns);
     g.last.c[k] = (pbf_real)(g.cells[k] - 1);
   }
-  g.turn = stored.turns ? (pbf_real)(stored.columns * width) : 0;
+  g.turn = stored.wraps_columns ? (pbf_real)(stored.columns * width) : 0;
   g.stride[0] = 0;
-  g.stride[1] = PBF_DIM == 3 && stored.rows_fold ? pbf_fold_stride(stored.rows) : 1;
-  if (PBF_DIM == 3) g.stride[PBF_DIM - 1] = stored.rows_fold ? 1 : g.cells[1];
-  g.row_mask = stored.rows_fold ? (uint32_t)stored.rows - 1 : ~0u;
-  g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(most));
+  g.stride[1] = PBF_DIM == 3 && stored.wraps_rows ? pbf_grid_wrap_stride(stored.rows) : 1;
+  if (PBF_DIM == 3) g.stride[PBF_DIM - 1] = stored.wraps_rows ? 1 : g.cells[1];
+  g.row_mask = stored.wraps_rows ? (uint32_t)stored.rows - 1 : ~0u;
+  g.columns_in_reach = (uint32_t)ceil(reach / width * grid_margin(longest));
   g.count = (uint32_t)(stored.columns * stored.rows);
   return g;
 }

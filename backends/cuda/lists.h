@@ -15,7 +15,7 @@ enum {
   PBF_PLACES = 1 << PBF_PLACE_BITS,
   PBF_CHUNK = 8,   /* neighbours */
   PBF_WALKS = 255, /* list size that says: walk the cells */
-  PBF_MOST_LISTED = 128,
+  PBF_MAX_LISTED = 128,
   PBF_NOWHERE = PBF_ROWS << PBF_PLACE_BITS, /* fills up a chunk: the particle far from everything */
   PBF_GATHERS = sizeof(pbf_real) == sizeof(float) ? 4 : 2 /* neighbours loaded at once */
 };

@@ -118,10 +118,10 @@ static __device__ __forceinline__ surface_set surfaces_that(const step_obstacles
                                                             pbf_real number, Near near) {
   uint32_t lanes = __activemask(), low = 0, high = 0, own = 1u << threadIdx.x % 32;
   lane_box box = box_around(lanes, x);
-  float most = max_of(lanes, above(number));
+  float radius = max_of(lanes, above(number));
   for (uint32_t k = (uint32_t)__popc(lanes & (own - 1)); k < (uint32_t)o.count;
        k += (uint32_t)__popc(lanes)) {
-    bool is_near = near(box, most, o.surfaces[k]);
+    bool is_near = near(box, radius, o.surfaces[k]);
     low |= is_near && k < 32 ? 1u << k % 32 : 0;
     high |= is_near && k >= 32 ? 1u << k % 32 : 0;
   }

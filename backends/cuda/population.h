@@ -106,7 +106,7 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
   if (!count) return PBF_OK;
   s->owned = 0;
   if (pbf_status status = wake_all(s)) return status;
-  uint32_t *removed = s->cells, *place = static_cast<uint32_t *>(s->list_room);
+  uint32_t *removed = s->cells, *place = static_cast<uint32_t *>(s->list_storage);
   uint32_t blocks = blocks_for(s->count + 1);
   if (pbf_status status = copy_in(s, removed, ids, count * sizeof(uint32_t))) return status;
   mark_kept_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->ids, s->count, removed, count, place);
@@ -153,7 +153,7 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   row_range range;
   uint32_t blocks = blocks_for(s->count);
   pbf_real *densities = reinterpret_cast<pbf_real *>(s->other_velocities);
-  pbf_real *staged = static_cast<pbf_real *>(s->list_room);
+  pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
   if (pbf_status status = sort_present(s, grid)) return status;
   with_kernel(s->schedule.features, [&](auto features) {
     density_kernel<decltype(features)::value>
@@ -235,7 +235,7 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
 /* In the order of the particles. */
 static inline pbf_status find_pressures(solver *s, pbf_real *out) {
   cell_grid grid = present_grid(s, pbf_domain_at(&s->params, s->time));
-  uint32_t blocks = blocks_for(s->count), *present = static_cast<uint32_t *>(s->list_room);
+  uint32_t blocks = blocks_for(s->count), *present = static_cast<uint32_t *>(s->list_storage);
   neighborhood n = neighborhood_of(s, grid);
   if (pbf_status status = sort_present(s, grid)) return status;
   sort_lambda_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), n, pressures_of(s), present);
@@ -247,7 +247,7 @@ static inline pbf_status population_read_pressures(solver *s, const pbf_rows *ro
   if (!rows->count) return PBF_OK;
   row_range range;
   pbf_real *pressures = reinterpret_cast<pbf_real *>(s->other_velocities);
-  pbf_real *staged = static_cast<pbf_real *>(s->list_room);
+  pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
   if (pbf_status status = find_pressures(s, pressures)) return status;
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(pressures, s->ids, s->count,

@@ -31,25 +31,25 @@ struct pressure_grid_arrays {
 
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
   return sizeof(pressure_grid_control) +
-         pbf_pressure_grid_most(capacity) * (8 * sizeof(double) + sizeof(uint32_t));
+         pbf_pressure_grid_max_nodes(capacity) * (8 * sizeof(double) + sizeof(uint32_t));
 }
 
 /* Behind the topology are the colliders that it is of. */
-static inline uint64_t pressure_grid_room_bytes(uint32_t capacity) {
-  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity)) +
+static inline uint64_t topology_memory_bytes(uint32_t capacity) {
+  return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)) +
          PBF_MAX_COLLIDERS * sizeof(pbf_surface);
 }
 
 static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity) {
   return reinterpret_cast<pbf_surface *>(
       static_cast<char *>(room) +
-      pbf_pressure_grid_topology_bytes(pbf_pressure_grid_most(capacity)));
+      pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)));
 }
 
 /* `nodes`: of the grid, or all indices where further ones are used. */
 static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_t capacity,
                                                            uint32_t nodes) {
-  uint64_t limit = pbf_pressure_grid_most(capacity);
+  uint64_t limit = pbf_pressure_grid_max_nodes(capacity);
   pressure_grid_arrays a;
   a.control = static_cast<pressure_grid_control *>(memory);
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
@@ -232,13 +232,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* Nodes one above the other that are not in the open, from `floor` on; a warp looks together. */
 static __device__ __forceinline__ uint32_t pressure_grid_stands(const double *inverse,
                                                                 uint32_t floor, int64_t up,
-                                                                uint32_t most) {
-  for (uint32_t base = 0; base < most; base += 32) {
+                                                                uint32_t max_layers) {
+  for (uint32_t base = 0; base < max_layers; base += 32) {
     uint32_t i = base + threadIdx.x % 32;
-    uint32_t open = __ballot_sync(~0u, !(i < most && inverse[floor + i * up] > 0));
+    uint32_t open = __ballot_sync(~0u, !(i < max_layers && inverse[floor + i * up] > 0));
     if (open) return base + (uint32_t)__ffs((int)open) - 1;
   }
-  return most;
+  return max_layers;
 }
 
 /* Where the solve starts, pbf_pressure_grid_guess: a warp a column. */

@@ -11,7 +11,7 @@ static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_
 }
 
 /* What a block can have, less what the kernel has of itself. */
-static inline size_t pressure_grid_most_shared(const solver *s) { return s->block_shared - 1024; }
+static inline size_t pressure_grid_max_shared(const solver *s) { return s->block_shared - 1024; }
 
 static inline cudaLaunchConfig_t pressure_grid_config(const solver *s, uint32_t blocks,
                                                       size_t shared, cudaLaunchAttribute *cluster) {
@@ -33,7 +33,7 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   int clusters = 0;
   if (pbf_status status =
           pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                              (int)pressure_grid_most_shared(s)),
+                                              (int)pressure_grid_max_shared(s)),
                          "cudaFuncSetAttribute"))
     return status;
   s->pressure_grid_cluster = 1;
@@ -49,7 +49,7 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   for (uint32_t blocks = 16; blocks > 1 && s->pressure_grid_cluster == 1; blocks /= 2) {
     cudaLaunchAttribute cluster;
     cudaLaunchConfig_t config =
-        pressure_grid_config(s, blocks, pressure_grid_most_shared(s), &cluster);
+        pressure_grid_config(s, blocks, pressure_grid_max_shared(s), &cluster);
     if (cudaOccupancyMaxActiveClusters(&clusters, kernel, &config) != cudaSuccess)
       cudaGetLastError(); /* not so many */
     else if (clusters > 0)
@@ -63,7 +63,7 @@ static inline pbf_status allow_pressure_grid(solver *s) {
 static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_grid &grid) {
   uint32_t blocks = s->pressure_grid_cluster;
   if (s->pressure_grid_solids) return 0;
-  return pressure_grid_shared(grid, blocks) <= pressure_grid_most_shared(s) ? blocks : 0;
+  return pressure_grid_shared(grid, blocks) <= pressure_grid_max_shared(s) ? blocks : 0;
 }
 
 static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressure_grid &grid,
@@ -85,7 +85,7 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
 
 /* Indices of cells and nodes that a kernel over all of them has threads for. */
 static inline uint32_t pressure_grid_indices(const solver *s) {
-  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_most(s->capacity)
+  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_max_nodes(s->capacity)
                                  : s->pressure_grid.nodes;
 }
 
@@ -122,7 +122,7 @@ static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &ar
   const uint32_t blocks = blocks_for(grid.nodes);
   if (pbf_status status = clear_topology(s, arrays)) return status;
   if (pbf_status status =
-          pbf_cuda_check(cudaMemcpyAsync(pressure_grid_surfaces(s->pressure_grid_room, s->capacity),
+          pbf_cuda_check(cudaMemcpyAsync(pressure_grid_surfaces(s->topology_memory, s->capacity),
                                          surfaces, s->pressure_grid_solids * sizeof *surfaces,
                                          cudaMemcpyDeviceToDevice, s->stream),
                          "cudaMemcpyAsync"))
@@ -180,7 +180,7 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     thin = thin || pbf_surface_is_thin(&s->pressure_grid, &surface);
   }
-  s->pressure_grid_solids = thin && s->pressure_grid_room ? (int)s->collider_count : 0;
+  s->pressure_grid_solids = thin && s->topology_memory ? (int)s->collider_count : 0;
   if (s->pressure_grid_solids)
     s->pressure_grid =
         pbf_pressure_grid_between(&s->params, &domain, pbf_pressure_grid_first_further(limit));

@@ -223,7 +223,7 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
   pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
       pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,
       __longlong_as_double((long long)control->largest));
-  if (solve.most == 0) return;
+  if (solve.max_iterations == 0) return;
   const pressure_grid_part part = pressure_grid_part_of(grid, control->extent);
   const uint32_t count = list_inside(a, part);
   Lambda lambda(a, part);
@@ -236,7 +236,7 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
     if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
   }
   bool over = false;
-  for (int k = 0; k < solve.most && !over; ++k) {
+  for (int k = 0; k < solve.max_iterations && !over; ++k) {
     bool misses = false;
     auto go_on = [&](const pressure_grid_equation &e) {
       uint32_t at = e.node - lambda.low();

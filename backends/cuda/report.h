@@ -52,7 +52,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
   uint32_t blocks =
       blocks_for(s->count) < PBF_SUM_BLOCKS ? blocks_for(s->count) : (uint32_t)PBF_SUM_BLOCKS;
-  partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_room);
+  partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_storage);
   with_kernel(s->schedule.features, [&](auto features) {
     stats_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
         state_of(s), neighborhood_of(s, grid), extras, on_device);
@@ -80,7 +80,7 @@ static __global__ void max_speed2_kernel(const pbf_vec *velocities, uint32_t cou
 
 /* Between steps the lists' room is free. */
 static inline pbf_status report_max_speed(solver *s, double *speed) {
-  unsigned long long *largest = static_cast<unsigned long long *>(s->list_room);
+  unsigned long long *largest = static_cast<unsigned long long *>(s->list_storage);
   double v2 = 0;
   *speed = 0;
   if (!s->count) return PBF_OK;

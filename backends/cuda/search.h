@@ -49,10 +49,10 @@ struct growing_list {
   uint32_t next, end;
   bool fits;
 
-  __device__ __forceinline__ growing_list(uint16_t *block_entries, uint32_t room)
+  __device__ __forceinline__ growing_list(uint16_t *block_entries, uint32_t chunks)
       : entries(block_entries),
         next(threadIdx.x),
-        end(threadIdx.x + room * SEARCH_BLOCK),
+        end(threadIdx.x + chunks * SEARCH_BLOCK),
         fits(true) {}
 
   __device__ __forceinline__ uint32_t size() const { return (next - threadIdx.x) / SEARCH_BLOCK; }

@@ -53,7 +53,7 @@ struct solver {
   size_t scan_bytes;
 
   neighbor_lists lists;
-  void *list_room; /* the lists, before them the sort's scratch; or what a small scene has */
+  void *list_storage; /* the lists, before them the sort's scratch; or what a small scene has */
   uint64_t list_bytes;
 
 #define PBF_ARRAY(name, wanted, holders) holders
@@ -122,7 +122,7 @@ static void with_kernel(int features, Launch launch) {
 }
 
 static inline sort_scratch scratch_of(const solver *s) {
-  uint32_t *room = static_cast<uint32_t *>(s->list_room);
+  uint32_t *room = static_cast<uint32_t *>(s->list_storage);
   return {room, room + s->count, room + 2 * (size_t)s->count};
 }
 
@@ -149,14 +149,14 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 /* Without arrays where the scene has no pressure grid. */
 static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory) return pressure_grid_arrays{};
-  const bool torn = s->pressure_grid_room && s->pressure_grid_solids;
-  const uint64_t limit = pbf_pressure_grid_most(s->capacity);
+  const bool torn = s->topology_memory && s->pressure_grid_solids;
+  const uint64_t limit = pbf_pressure_grid_max_nodes(s->capacity);
   pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->capacity,
                                                    torn ? (uint32_t)limit : s->pressure_grid.nodes);
   if (!torn) return a;
-  a.topology = pbf_pressure_grid_topology_in(s->pressure_grid_room, limit,
-                                             pbf_pressure_grid_limit(s->planned));
-  a.topology.surfaces = pressure_grid_surfaces(s->pressure_grid_room, s->capacity);
+  a.topology =
+      pbf_pressure_grid_topology_in(s->topology_memory, limit, pbf_pressure_grid_limit(s->planned));
+  a.topology.surfaces = pressure_grid_surfaces(s->topology_memory, s->capacity);
   a.topology.surface_count = s->pressure_grid_solids;
   a.topology.domain = s->pressure_grid_domain;
   return a;

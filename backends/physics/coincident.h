@@ -9,14 +9,14 @@
 /* Where particle `member` of the `count` at a point goes from there. Pairs go to opposite sides, so
  * that the centre stays: the first pair by a quarter of the spacing, later ones farther, so that
  * all of them fill a disc or ball. Directions turn by the golden angle. */
-static inline void pbf_coincident_offset(uint32_t dimension, double spacing, uint32_t member,
+static inline void pbf_coincident_offset(uint32_t dimension, double spacing, uint32_t index,
                                          uint32_t count, double offset[3]) {
   const double golden_angle = 2.399963229728653;
-  uint32_t pair = member / 2, pairs = count / 2;
+  uint32_t pair = index / 2, pairs = count / 2;
   offset[0] = offset[1] = offset[2] = 0;
   if (pair == pairs) return; /* the last of an odd number stays */
   double angle = golden_angle * pair, height = dimension == 3 ? 1 - (pair + 0.5) / pairs : 0;
-  double radius = 0.25 * spacing * pow(pair + 1, 1.0 / dimension) * (member % 2 ? -1 : 1);
+  double radius = 0.25 * spacing * pow(pair + 1, 1.0 / dimension) * (index % 2 ? -1 : 1);
   double across = radius * sqrt(1 - height * height);
   offset[0] = across * cos(angle);
   offset[1] = across * sin(angle);

@@ -61,7 +61,7 @@ PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_real push, pbf_vec 
 }
 
 /* How far behind a surface without another side a particle may be that has started there. */
-PBF_FN pbf_real pbf_least_distance(const pbf_surface *s, pbf_real push, pbf_vec from) {
+PBF_FN pbf_real pbf_min_distance(const pbf_surface *s, pbf_real push, pbf_vec from) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, from, &normal);
   return distance < -s->rounding ? distance + pbf_way_out(distance, push) : 0;
@@ -73,9 +73,9 @@ PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_real push, pbf_vec from
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < -s->rounding)) return 0;
-  const pbf_real least = pbf_least_distance(s, push, from);
-  *contact = pbf_contact_at(pbf_add_scaled(x, least - distance, normal), normal);
-  return distance < least - s->rounding ? PBF_IN_THE_WAY : 0;
+  const pbf_real min_distance = pbf_min_distance(s, push, from);
+  *contact = pbf_contact_at(pbf_add_scaled(x, min_distance - distance, normal), normal);
+  return distance < min_distance - s->rounding ? PBF_IN_THE_WAY : 0;
 }
 
 /* Where a particle's way begins: `with_obstacle_motion` the surface has moved since it was there,
@@ -114,10 +114,10 @@ PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const pbf_surface *s,
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < 0)) return x;
-  const pbf_real least = pbf_least_distance(s, pbf_push_of(s, with_obstacle_motion),
-                                            pbf_way_start(s, with_obstacle_motion, from));
-  const pbf_real bounce = least < 0 ? 0 : pbf_bounce(domain, -distance);
-  return distance < least ? pbf_add_scaled(x, least + bounce - distance, normal) : x;
+  const pbf_real min_distance = pbf_min_distance(s, pbf_push_of(s, with_obstacle_motion),
+                                                 pbf_way_start(s, with_obstacle_motion, from));
+  const pbf_real bounce = min_distance < 0 ? 0 : pbf_bounce(domain, -distance);
+  return distance < min_distance ? pbf_add_scaled(x, min_distance + bounce - distance, normal) : x;
 }
 
 /* ---- All of them --------------------------------------------------------------------------- */
@@ -205,9 +205,9 @@ PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, c
     if (pbf_surface_is_beyond(&s, x, s.skin)) return;
     pbf_vec normal;
     const pbf_real distance = pbf_surface_distance(&s, x, &normal);
-    const pbf_real least = pbf_surface_is_unbounded(&s) ? 0 : s.skin;
+    const pbf_real min_distance = pbf_surface_is_unbounded(&s) ? 0 : s.skin;
     skin = pbf_real_max(skin, s.skin);
-    inside += may_squeeze(s) && distance - least < -4 * s.rounding;
+    inside += may_squeeze(s) && distance - min_distance < -4 * s.rounding;
     at += distance - s.skin < skin;
   });
   return inside > 0 && (at > 1 || pbf_domain_distance(domain, x) < skin);

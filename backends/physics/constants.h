@@ -163,8 +163,8 @@ static inline double pbf_max_change_of(const pbf_params *params) {
  * below an angle of about 0.2, 16 iterations of a falling block gain energy. */
 static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *params,
                                         double stiffness, double pressure) {
-  const double rest = 0.3, min_angle = 0.25, room = 1.05;
-  double largest = room * PBF_SAFE_RELAXATION / (double)c->omega;
+  const double rest = 0.3, min_angle = 0.25, margin = 1.05;
+  double largest = margin * PBF_SAFE_RELAXATION / (double)c->omega;
   double angle = fmax(acosh(1 / rest) / params->iterations, min_angle);
   double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
   c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
@@ -253,7 +253,7 @@ static inline void pbf_set_wall_gradient(pbf_constants *c, const pbf_derived *d)
 static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
                                  const pbf_derived *derived) {
   enum { LAST = PBF_WALL_NODES - 1 };
-  const double most = 3;
+  const double largest = 3;
   double at = 1, value = 0, slope = 0; /* of the steepest node */
   memset(c->wall_value, 0, sizeof c->wall_value);
   memset(c->wall_slope, 0, sizeof c->wall_slope);
@@ -270,7 +270,7 @@ static inline void pbf_set_walls(pbf_constants *c, const pbf_params *params,
   for (int k = LAST - 1; k >= 0; --k) {
     double t = (double)k / LAST, steeper, more;
     more = pbf_wall_contribution(derived, params->kernel, PBF_DIM, t, &steeper);
-    if (more <= most) at = t, value = more, slope = steeper;
+    if (more <= largest) at = t, value = more, slope = steeper;
     c->wall_value[k] = (pbf_real)(scale * (value + (t - at) * slope));
     c->wall_slope[k] = (pbf_real)(scale * slope / LAST);
   }

@@ -31,11 +31,11 @@ static inline double pbf_reach_beyond_walls(const pbf_params *params) {
 static inline double pbf_containers_volume(const pbf_params *params, uint32_t count,
                                            const pbf_collider *colliders) {
   const double beyond = pbf_reach_beyond_walls(params);
-  double least = HUGE_VAL;
+  double smallest = HUGE_VAL;
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_is_container(&colliders[k]))
-      least = fmin(least, pbf_container_volume(&colliders[k], beyond));
-  return least;
+      smallest = fmin(smallest, pbf_container_volume(&colliders[k], beyond));
+  return smallest;
 }
 
 /* The walls, moved farther in to where a container ends, unless it has left the domain. */

@@ -38,7 +38,7 @@
 #define PBF_DEPTH_WIDTH 2
 
 /* The most particles that a solver with this capacity plans for (lib/solver/plan.c). */
-static inline uint32_t pbf_most_planned(uint32_t capacity) { return capacity + capacity / 3 + 3; }
+static inline uint32_t pbf_max_planned(uint32_t capacity) { return capacity + capacity / 3 + 3; }
 
 /* Of a head g H dt², in length². */
 static inline double pbf_depth_error(const pbf_params *params, double head) {
@@ -47,7 +47,7 @@ static inline double pbf_depth_error(const pbf_params *params, double head) {
 }
 
 /* What part of an error is left to the iterations at most. */
-static inline double pbf_depth_most_left(const pbf_params *params) {
+static inline double pbf_depth_max_left(const pbf_params *params) {
   return params->shear_stress_correction > 0 ? PBF_DEPTH_SHEARED_LEFT : 1;
 }
 
@@ -66,14 +66,14 @@ static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double d
 static inline int pbf_depth_could_be_deep(const pbf_params *params, pbf_basins *basins,
                                           uint32_t colliders, const pbf_collider *list,
                                           uint32_t count) {
-  double part = count, fluid = count, height = 0, most = 0;
+  double part = count, fluid = count, height = 0, largest = 0;
   int axis = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
     part *= pbf_derive_spacing(params) / length;
     fluid *= pbf_derive_spacing(params);
-    if (!(g > most)) continue;
-    most = g;
+    if (!(g > largest)) continue;
+    largest = g;
     height = length;
     axis = k;
   }

@@ -38,13 +38,13 @@ static inline double pbf_density_in_volume(const pbf_params *params, uint32_t co
 static inline void pbf_set_target_density(pbf_constants *c, const pbf_constants *usual,
                                           const pbf_params *params, uint32_t count,
                                           const pbf_schedule *has, double time) {
-  double all = pbf_max_change_of(params), most = all, target = 1;
+  double all = pbf_max_change_of(params), max_change = all, target = 1;
   if (has->colliders) {
-    most = fmin(most, 1.6);
+    max_change = fmin(max_change, 1.6);
     c->step_size = (pbf_real)0.9 * usual->step_size;
   }
   if (usual->accelerated) target = pbf_density_in_volume(params, count, has->min_volume, time);
-  c->max_change = usual->max_change * (pbf_real)(most / all);
+  c->max_change = usual->max_change * (pbf_real)(max_change / all);
   c->target = (pbf_real)target;
   c->tension_min_density = usual->tension_min_density + (pbf_real)(target - 1);
 }

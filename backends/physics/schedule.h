@@ -54,7 +54,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                    pbf_depth_grid(params, basins, colliders, list, pbf_most_planned(capacity)) > 0;
+                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity)) > 0;
   return s;
 }
 

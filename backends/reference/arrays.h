@@ -38,9 +38,9 @@ struct optional_array {
   bool keep(pbf_pressure_grid_storage *storage) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
-  bool keep(pbf_pressure_grid_room *room) const {
-    return pbf_memory_keep(&s->memory, wanted, name, pbf_pressure_grid_room_bytes(s->capacity), 0,
-                           &room->bytes);
+  bool keep(pbf_topology_memory *memory) const {
+    return pbf_memory_keep(&s->memory, wanted, name, pbf_topology_memory_bytes(s->capacity), 0,
+                           &memory->bytes);
   }
   bool keep() const { return true; } /* other backends' */
 };

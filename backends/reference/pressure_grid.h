@@ -71,7 +71,7 @@ static inline void pressure_grid_solve(pbf_pressure_grid_storage *storage, const
   pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
       source_scale.longest, pressure_grid_equations(storage, &source_scale));
   pbf_pressure_grid_guess_all(storage, &source_scale);
-  for (int k = 0; k < solve.most; ++k) {
+  for (int k = 0; k < solve.max_iterations; ++k) {
     double miss = pressure_grid_iterate(storage, &solve);
     if (pbf_pressure_grid_asks(k) && miss <= solve.enough) break;
     pbf_pressure_grid_solve_go_on(&solve, k);

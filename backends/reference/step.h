@@ -110,7 +110,7 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  pbf_pressure_grid_begin(&s->pressure_grid, &s->pressure_grid_room, &s->params, s->capacity,
+  pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params, s->capacity,
                           s->planned, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;

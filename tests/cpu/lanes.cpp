@@ -67,20 +67,20 @@ static void masks(void **state) {
       any |= in[l];
       most = (in[l] & 63) > most ? in[l] & 63 : most;
     }
-    slots m = slots_load(in);
-    slots_store(count, slots_popcount(m));
-    slots_store(marked, slots_mark(m, lane_load(x), ops<lane>::set(1), 0x10));
-    slots_store(bit, slots_bit(m & slots_set(63)));
-    slots_store(below, slots_below(m & slots_set(63), 20));
-    assert_int_equal(slots_any(m), any);
-    assert_int_equal(slots_max(m & slots_set(63)), most);
+    u32_lanes m = u32_load(in);
+    u32_store(count, u32_popcount(m));
+    u32_store(marked, u32_mark(m, lane_load(x), ops<lane>::set(1), 0x10));
+    u32_store(bit, u32_bit(m & u32_set(63)));
+    u32_store(below, u32_below(m & u32_set(63), 20));
+    assert_int_equal(u32_any(m), any);
+    assert_int_equal(u32_max(m & u32_set(63)), most);
     for (int l = 0; l < WIDTH; ++l) {
       assert_int_equal(count[l], __builtin_popcount(in[l]));
       assert_int_equal(marked[l], in[l] | (x[l] < 1 ? 0x10 : 0));
       assert_int_equal(bit[l], (in[l] & 63) < 32 ? 0x80000000u >> (in[l] & 63) : 0);
       assert_int_equal(below[l], (in[l] & 63) < 20 ? UINT32_MAX : 0);
     }
-    slots_store(in, slots_shift_left(m, 3) & slots_shift_right(m, 2));
+    u32_store(in, u32_shift_left(m, 3) & u32_shift_right(m, 2));
   }
 }
 
@@ -92,7 +92,7 @@ static void lists(void **state) {
   uint64_t seed = 3;
   for (int k = 0; k < 500; ++k) {
     uint32_t in[PARTS][WIDTH], rounds = 0;
-    slots m[PARTS];
+    u32_lanes m[PARTS];
     for (int l = 0; l < WIDTH; ++l) {
       uint32_t bits = 0;
       for (int part = 0; part < PARTS; ++part) {
@@ -102,8 +102,8 @@ static void lists(void **state) {
       }
       rounds = bits > rounds ? bits : rounds;
     }
-    for (int part = 0; part < PARTS; ++part) m[part] = slots_load(in[part]);
-    list_slots(m, rounds, list);
+    for (int part = 0; part < PARTS; ++part) m[part] = u32_load(in[part]);
+    list_set_bits(m, rounds, list);
     for (uint32_t l = 0; l < WIDTH; ++l) {
       uint32_t seen[PARTS] = {0}, listed = 0;
       for (uint32_t r = 0; r < rounds; ++r) {
@@ -128,7 +128,7 @@ static void look_ups(void **state) {
   uint32_t first[PARTS];
   for (int i = 0; i < 1024; ++i) array[i] = (pbf_real)(i + 1);
   for (uint32_t part = 0; part < PARTS; ++part) first[part] = 20 + 53 * part;
-  const table t = table_of(array, first, -7);
+  const window t = window_of(array, first, -7);
   for (uint32_t begin = 0; begin < PARTS * SLOTS; ++begin) {
     uint8_t bytes[64] = {0};
     pbf_real found[WIDTH];
@@ -136,7 +136,7 @@ static void look_ups(void **state) {
       bytes[l] = (uint8_t)((begin + 37 * l) % (PARTS * SLOTS));
       if (bytes[l] % SLOTS == 0) bytes[l] = 0;
     }
-    lane_store(found, table_at(&t, place_of(first, slots_of_bytes(bytes))));
+    lane_store(found, window_at(&t, lane_indices_of(first, u32_of_bytes(bytes))));
     for (uint32_t l = 0; l < WIDTH; ++l) {
       uint32_t index = first[bytes[l] / SLOTS] + bytes[l] % SLOTS - 1;
       assert_true(found[l] == (bytes[l] ? array[index] : -7));
@@ -158,7 +158,7 @@ static void quads(void **state) {
     for (int c = 0; c < 4; ++c)
       for (int l = 0; l < WIDTH; ++l) in[c][l] = (pbf_real)(4 * (i + l) + c);
     for (int c = 0; c < 4; ++c) quad[c] = lane_load(in[c]);
-    quads_store(of_first + 4 * i, quad);
+    store_packed(of_first + 4 * i, quad);
   }
   for (int k = 0; k < 4 * 1024; ++k) assert_true(of_first[k] == k);
   for (int c = 0; c < 4; ++c) of_first[c - 4] = (pbf_real)(-7 - c);
@@ -169,7 +169,7 @@ static void quads(void **state) {
       bytes[l] = (uint8_t)((begin + 37 * l) % (PARTS * SLOTS));
       if (bytes[l] % SLOTS == 0) bytes[l] = 0;
     }
-    quads_at(of_first, place_of(first, slots_of_bytes(bytes)), quad);
+    load_packed(of_first, lane_indices_of(first, u32_of_bytes(bytes)), quad);
     for (int c = 0; c < 4; ++c) {
       pbf_real found[WIDTH];
       lane_store(found, quad[c]);

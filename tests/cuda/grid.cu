@@ -1,5 +1,5 @@
 /* The cells of the neighbour search, on the host: neighbours are in the rows around a particle,
- * each in one of them, wherever the domain is folded; and fluid spreads over a folded domain. */
+ * each in one of them, wherever the domain is wrapped; and fluid spreads over a wrapped domain. */
 extern "C" {
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* The CPU solver's cells: neighbours are in the rows around a particle, each in one of them,
- * wherever the grid is folded; and fluid does not share its cells with itself because of a drop far
+ * wherever the grid is wrapped; and fluid does not share its cells with itself because of a drop far
  * away. */
 #include "support.h"
 
@@ -23,7 +23,7 @@ static grid grid_of(const test_domain *b, uint64_t limit) {
 }
 
 static uint32_t cell_of(const grid *g, pbf_vec x) {
-  return grid_cell(g, grid_vec(g->axis, x), grid_is_folded(g));
+  return grid_cell(g, grid_vec(g->axis, x), grid_is_wrapped(g));
 }
 
 /* In the box or, often, at an end of it or where the numbering of columns turns back. */

@@ -2,23 +2,23 @@
  * them. */
 typedef pbf_real lane __attribute__((vector_size(16)));
 enum { WIDTH = 16 / sizeof(pbf_real) };
-typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
-typedef struct table {
+typedef struct window {
   const pbf_real *array;
   pbf_real sentinel;
-} table;
-typedef struct place {
+} window;
+typedef struct lane_indices {
   uint32_t index[WIDTH];
   int known[WIDTH];
-} place;
+} lane_indices;
 
 #if PBF_BITS == 32
 typedef int32_t lane_mask __attribute__((vector_size(16)));
-PBF_FN slots slots_of_mask(lane_mask m) { return (slots)m; }
+PBF_FN u32_lanes u32_of_mask(lane_mask m) { return (u32_lanes)m; }
 #else
 typedef int64_t lane_mask __attribute__((vector_size(16)));
-PBF_FN slots slots_of_mask(lane_mask m) { return (slots){(uint32_t)m[0], (uint32_t)m[1]}; }
+PBF_FN u32_lanes u32_of_mask(lane_mask m) { return (u32_lanes){(uint32_t)m[0], (uint32_t)m[1]}; }
 #endif
 
 PBF_FN lane lane_load(const pbf_real *p) {
@@ -57,66 +57,66 @@ PBF_FN int lane_any_below(lane a, lane b) {
 }
 
 #if PBF_BITS == 32
-PBF_FN slots slots_set(uint32_t a) { return (slots){a, a, a, a}; }
-PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3}; }
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes){a, a, a, a}; }
+PBF_FN u32_lanes u32_iota(void) { return (u32_lanes){0, 1, 2, 3}; }
 #else
-PBF_FN slots slots_set(uint32_t a) { return (slots){a, a}; }
-PBF_FN slots slots_iota(void) { return (slots){0, 1}; }
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes){a, a}; }
+PBF_FN u32_lanes u32_iota(void) { return (u32_lanes){0, 1}; }
 #endif
 
-PBF_FN slots slots_load(const uint32_t *p) {
-  slots a;
+PBF_FN u32_lanes u32_load(const uint32_t *p) {
+  u32_lanes a;
   memcpy(&a, p, sizeof a);
   return a;
 }
-PBF_FN void slots_store(uint32_t *p, slots a) { memcpy(p, &a, sizeof a); }
-PBF_FN slots slots_shift_right(slots a, int count) { return a >> slots_set((uint32_t)count); }
-PBF_FN slots slots_bit(slots s) {
+PBF_FN void u32_store(uint32_t *p, u32_lanes a) { memcpy(p, &a, sizeof a); }
+PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) { return a >> u32_set((uint32_t)count); }
+PBF_FN u32_lanes u32_bit(u32_lanes s) {
   for (int k = 0; k < WIDTH; ++k) s[k] = s[k] < SLOTS ? 0x80000000u >> s[k] : 0;
   return s;
 }
-PBF_FN uint32_t slots_max(slots a) {
-  uint32_t most = a[0];
-  for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
-  return most;
+PBF_FN uint32_t u32_max(u32_lanes a) {
+  uint32_t largest = a[0];
+  for (int k = 1; k < WIDTH; ++k) largest = a[k] > largest ? a[k] : largest;
+  return largest;
 }
-PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
-  return m | (slots_of_mask(a < b) & slots_set(bit));
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
+  return m | (u32_of_mask(a < b) & u32_set(bit));
 }
-PBF_FN slots slots_below(slots a, uint32_t limit) { return (slots)(a < slots_set(limit)); }
+PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) { return (u32_lanes)(a < u32_set(limit)); }
 
-PBF_FN uint32_t slots_any(slots a) {
+PBF_FN uint32_t u32_any(u32_lanes a) {
   uint32_t any = a[0];
   for (int k = 1; k < WIDTH; ++k) any |= a[k];
   return any;
 }
-PBF_FN slots slots_shift_left(slots a, int count) { return a << slots_set((uint32_t)count); }
-PBF_FN slots slots_of_bytes(const uint8_t *p) {
-  slots s;
+PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) { return a << u32_set((uint32_t)count); }
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
+  u32_lanes s;
   for (int k = 0; k < WIDTH; ++k) s[k] = p[k];
   return s;
 }
 
-PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
-  place p;
+PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
+  lane_indices p;
   for (int k = 0; k < WIDTH; ++k) {
     p.index[k] = first[s[k] / SLOTS] + s[k] % SLOTS - 1;
     p.known[k] = s[k] != 0;
   }
   return p;
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
+PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, sentinel};
+  return (window){array, sentinel};
 }
-PBF_FN lane table_at(const table *t, place p) {
+PBF_FN lane window_at(const window *t, lane_indices p) {
   lane a;
   for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->sentinel;
   return a;
 }
 
 #define LANES_QUADS
-PBF_FN const pbf_real *quad_of(const pbf_real *quads, const place *p, int lane_number) {
+PBF_FN const pbf_real *quad_of(const pbf_real *quads, const lane_indices *p, int lane_number) {
   return quads + 4 * (p->known[lane_number] ? (int64_t)p->index[lane_number] : -1);
 }
 /* Lane k is number m[k] of a's and, from WIDTH on, of b's. */
@@ -139,18 +139,18 @@ PBF_FN void lanes_transpose(const lane a[4], lane b[4]) {
   b[2] = lanes_pick(high01, high23, (lane_mask){0, 1, 4, 5});
   b[3] = lanes_pick(high01, high23, (lane_mask){2, 3, 6, 7});
 }
-PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
   lane rows[4];
   for (int k = 0; k < 4; ++k) rows[k] = lane_load(quad_of(quads, &p, k));
   lanes_transpose(rows, quad);
 }
-PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   lane rows[4];
   lanes_transpose(quad, rows);
   for (int k = 0; k < 4; ++k) lane_store(quads + 4 * k, rows[k]);
 }
 #else
-PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
   for (int half = 0; half < 2; ++half) {
     const lane a = lane_load(quad_of(quads, &p, 0) + 2 * half);
     const lane b = lane_load(quad_of(quads, &p, 1) + 2 * half);
@@ -158,7 +158,7 @@ PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
     quad[2 * half + 1] = lanes_pick(a, b, (lane_mask){1, 3});
   }
 }
-PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   for (int half = 0; half < 2; ++half) {
     const lane a = quad[2 * half], b = quad[2 * half + 1];
     lane_store(quads + 2 * half, lanes_pick(a, b, (lane_mask){0, 2}));

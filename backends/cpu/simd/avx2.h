@@ -7,12 +7,12 @@
 
 typedef pbf_real lane __attribute__((vector_size(32)));
 enum { WIDTH = 32 / sizeof(pbf_real) };
-typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
-typedef struct table {
+typedef struct window {
   const pbf_real *array;
   lane sentinel;
-} table;
+} window;
 
 #if PBF_BITS == 32
 
@@ -39,57 +39,57 @@ PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
 }
 
-PBF_FN slots slots_set(uint32_t a) { return (slots)_mm256_set1_epi32((int)a); }
-PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3, 4, 5, 6, 7}; }
-PBF_FN slots slots_load(const uint32_t *p) {
-  return (slots)_mm256_loadu_si256((const __m256i *)(const void *)p);
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm256_set1_epi32((int)a); }
+PBF_FN u32_lanes u32_iota(void) { return (u32_lanes){0, 1, 2, 3, 4, 5, 6, 7}; }
+PBF_FN u32_lanes u32_load(const uint32_t *p) {
+  return (u32_lanes)_mm256_loadu_si256((const __m256i *)(const void *)p);
 }
-PBF_FN void slots_store(uint32_t *p, slots a) {
+PBF_FN void u32_store(uint32_t *p, u32_lanes a) {
   _mm256_storeu_si256((__m256i *)(void *)p, (__m256i)a);
 }
-PBF_FN slots slots_shift_right(slots a, int count) {
-  return (slots)_mm256_srli_epi32((__m256i)a, count);
+PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
+  return (u32_lanes)_mm256_srli_epi32((__m256i)a, count);
 }
-PBF_FN slots slots_bit(slots s) {
-  return (slots)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
+PBF_FN u32_lanes u32_bit(u32_lanes s) {
+  return (u32_lanes)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
 }
-PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
-  return m | ((slots)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ) & slots_set(bit));
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
+  return m | ((u32_lanes)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ) & u32_set(bit));
 }
-PBF_FN slots slots_below(slots a, uint32_t limit) {
-  return (slots)_mm256_cmpgt_epi32(_mm256_set1_epi32((int)limit), (__m256i)a);
-}
-
-PBF_FN slots slots_shift_left(slots a, int count) {
-  return (slots)_mm256_slli_epi32((__m256i)a, count);
-}
-PBF_FN slots slots_of_bytes(const uint8_t *p) {
-  return (slots)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
+PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
+  return (u32_lanes)_mm256_cmpgt_epi32(_mm256_set1_epi32((int)limit), (__m256i)a);
 }
 
-typedef struct place {
+PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) {
+  return (u32_lanes)_mm256_slli_epi32((__m256i)a, count);
+}
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
+  return (u32_lanes)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
+}
+
+typedef struct lane_indices {
   __m256i index; /* -1: the sentinel, and the sentinel is there */
   __m256 known;
-} place;
-PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+} lane_indices;
+PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
   __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
-  slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
+  u32_lanes begin = (u32_lanes)_mm256_permutevar8x32_epi32(firsts, (__m256i)u32_shift_right(s, 5));
   __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
   __m256i sentinel = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
-  slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
-  return (place){(__m256i)(index | (slots)sentinel), _mm256_castsi256_ps(known)};
+  u32_lanes index = begin + (s & u32_set(SLOTS - 1)) - u32_set(1);
+  return (lane_indices){(__m256i)(index | (u32_lanes)sentinel), _mm256_castsi256_ps(known)};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
+PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, ops<lane>::set(sentinel)};
+  return (window){array, ops<lane>::set(sentinel)};
 }
-PBF_FN lane table_at(const table *t, place p) {
+PBF_FN lane window_at(const window *t, lane_indices p) {
   return (lane)_mm256_mask_i32gather_ps((__m256)t->sentinel, t->array, p.index, p.known, 4);
 }
 
 /* Row k of four: the quad of lane k's, and behind it that of lane k + 4's. Offsets go through
  * memory: to take them out of a register one by one is slower. */
-PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
   _Alignas(32) int32_t halves[WIDTH];
   __m256 r[4];
   _mm256_store_si256((__m256i *)(void *)halves, _mm256_slli_epi32(p.index, 1));
@@ -105,7 +105,7 @@ PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
   quad[3] = (lane)_mm256_shuffle_ps(zw01, zw23, 0xee);
 }
 
-PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   const __m256 x = (__m256)quad[0], y = (__m256)quad[1], z = (__m256)quad[2], w = (__m256)quad[3];
   const __m256 xy02 = _mm256_unpacklo_ps(x, y), xy13 = _mm256_unpackhi_ps(x, y);
   const __m256 zw02 = _mm256_unpacklo_ps(z, w), zw13 = _mm256_unpackhi_ps(z, w);
@@ -138,57 +138,57 @@ PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ)) != 0;
 }
 
-PBF_FN slots slots_set(uint32_t a) { return (slots)_mm_set1_epi32((int)a); }
-PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3}; }
-PBF_FN slots slots_load(const uint32_t *p) {
-  return (slots)_mm_loadu_si128((const __m128i *)(const void *)p);
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm_set1_epi32((int)a); }
+PBF_FN u32_lanes u32_iota(void) { return (u32_lanes){0, 1, 2, 3}; }
+PBF_FN u32_lanes u32_load(const uint32_t *p) {
+  return (u32_lanes)_mm_loadu_si128((const __m128i *)(const void *)p);
 }
-PBF_FN void slots_store(uint32_t *p, slots a) {
+PBF_FN void u32_store(uint32_t *p, u32_lanes a) {
   _mm_storeu_si128((__m128i *)(void *)p, (__m128i)a);
 }
-PBF_FN slots slots_shift_right(slots a, int count) {
-  return (slots)_mm_srli_epi32((__m128i)a, count);
+PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
+  return (u32_lanes)_mm_srli_epi32((__m128i)a, count);
 }
-PBF_FN slots slots_bit(slots s) {
-  return (slots)_mm_srlv_epi32(_mm_set1_epi32(INT32_MIN), (__m128i)s);
+PBF_FN u32_lanes u32_bit(u32_lanes s) {
+  return (u32_lanes)_mm_srlv_epi32(_mm_set1_epi32(INT32_MIN), (__m128i)s);
 }
-PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
   __m256i less = _mm256_castpd_si256(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ));
   __m256i packed = _mm256_permutevar8x32_epi32(less, _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6));
-  return m | ((slots)_mm256_castsi256_si128(packed) & slots_set(bit));
+  return m | ((u32_lanes)_mm256_castsi256_si128(packed) & u32_set(bit));
 }
-PBF_FN slots slots_below(slots a, uint32_t limit) {
-  return (slots)_mm_cmpgt_epi32(_mm_set1_epi32((int)limit), (__m128i)a);
+PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
+  return (u32_lanes)_mm_cmpgt_epi32(_mm_set1_epi32((int)limit), (__m128i)a);
 }
 
-PBF_FN slots slots_shift_left(slots a, int count) {
-  return (slots)_mm_slli_epi32((__m128i)a, count);
+PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) {
+  return (u32_lanes)_mm_slli_epi32((__m128i)a, count);
 }
-PBF_FN slots slots_of_bytes(const uint8_t *p) {
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
   int32_t bytes;
   memcpy(&bytes, p, sizeof bytes);
-  return (slots)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes));
+  return (u32_lanes)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes));
 }
 
-typedef struct place {
+typedef struct lane_indices {
   __m128i index;
   __m256d known;
-} place;
-PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+} lane_indices;
+PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
   __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
-  __m256i part = _mm256_castsi128_si256((__m128i)slots_shift_right(s, 5));
-  slots begin = (slots)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
+  __m256i part = _mm256_castsi128_si256((__m128i)u32_shift_right(s, 5));
+  u32_lanes begin = (u32_lanes)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
   __m128i known = _mm_cmpgt_epi32((__m128i)s, _mm_setzero_si128());
   __m128i sentinel = _mm_cmpeq_epi32((__m128i)s, _mm_setzero_si128());
-  slots index = begin + (s & slots_set(SLOTS - 1)) - slots_set(1);
-  return (place){(__m128i)(index | (slots)sentinel),
-                 _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
+  u32_lanes index = begin + (s & u32_set(SLOTS - 1)) - u32_set(1);
+  return (lane_indices){(__m128i)(index | (u32_lanes)sentinel),
+                        _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
+PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, ops<lane>::set(sentinel)};
+  return (window){array, ops<lane>::set(sentinel)};
 }
-PBF_FN lane table_at(const table *t, place p) {
+PBF_FN lane window_at(const window *t, lane_indices p) {
   return (lane)_mm256_mask_i32gather_pd((__m256d)t->sentinel, t->array, p.index, p.known, 8);
 }
 
@@ -201,7 +201,7 @@ PBF_FN void lanes_transpose(const __m256d a[4], lane b[4]) {
   b[3] = (lane)_mm256_permute2f128_pd(yw01, yw23, 0x31);
 }
 
-PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
+PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
   _Alignas(16) int32_t halves[WIDTH];
   __m256d rows[4];
   _mm_store_si128((__m128i *)(void *)halves, _mm_slli_epi32(p.index, 1));
@@ -210,7 +210,7 @@ PBF_FN void quads_at(const pbf_real *quads, place p, lane quad[4]) {
   lanes_transpose(rows, quad);
 }
 
-PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
+PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   lane rows[4];
   const __m256d columns[4] = {(__m256d)quad[0], (__m256d)quad[1], (__m256d)quad[2],
                               (__m256d)quad[3]};
@@ -220,13 +220,13 @@ PBF_FN void quads_store(pbf_real *quads, const lane quad[4]) {
 
 #endif
 
-PBF_FN uint32_t slots_max(slots a) {
-  uint32_t most = a[0];
-  for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
-  return most;
+PBF_FN uint32_t u32_max(u32_lanes a) {
+  uint32_t largest = a[0];
+  for (int k = 1; k < WIDTH; ++k) largest = a[k] > largest ? a[k] : largest;
+  return largest;
 }
 
-PBF_FN uint32_t slots_any(slots a) {
+PBF_FN uint32_t u32_any(u32_lanes a) {
   uint32_t any = a[0];
   for (int k = 1; k < WIDTH; ++k) any |= a[k];
   return any;

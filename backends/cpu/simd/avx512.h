@@ -4,18 +4,18 @@
 
 typedef pbf_real lane __attribute__((vector_size(64)));
 enum { WIDTH = 64 / sizeof(pbf_real) };
-typedef uint32_t slots __attribute__((vector_size(4 * WIDTH)));
+typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
 
 #if PBF_BITS == 32
 
 enum { PARTS = 2 };
-typedef struct table {
+typedef struct window {
   __m512 low[PARTS], high[PARTS];
-} table;
-typedef struct place {
+} window;
+typedef struct lane_indices {
   __m512i slot;
   __mmask16 second;
-} place;
+} lane_indices;
 
 namespace {
 template <>
@@ -40,42 +40,42 @@ PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
 }
 
-PBF_FN slots slots_set(uint32_t a) { return (slots)_mm512_set1_epi32((int)a); }
-PBF_FN slots slots_iota(void) {
-  return (slots){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm512_set1_epi32((int)a); }
+PBF_FN u32_lanes u32_iota(void) {
+  return (u32_lanes){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 }
-PBF_FN slots slots_load(const uint32_t *p) { return (slots)_mm512_loadu_si512(p); }
-PBF_FN void slots_store(uint32_t *p, slots a) { _mm512_storeu_si512(p, (__m512i)a); }
-PBF_FN slots slots_shift_right(slots a, int count) {
-  return (slots)_mm512_srli_epi32((__m512i)a, (unsigned int)count);
+PBF_FN u32_lanes u32_load(const uint32_t *p) { return (u32_lanes)_mm512_loadu_si512(p); }
+PBF_FN void u32_store(uint32_t *p, u32_lanes a) { _mm512_storeu_si512(p, (__m512i)a); }
+PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
+  return (u32_lanes)_mm512_srli_epi32((__m512i)a, (unsigned int)count);
 }
-PBF_FN slots slots_bit(slots s) {
-  return (slots)_mm512_srlv_epi32(_mm512_set1_epi32(INT32_MIN), (__m512i)s);
+PBF_FN u32_lanes u32_bit(u32_lanes s) {
+  return (u32_lanes)_mm512_srlv_epi32(_mm512_set1_epi32(INT32_MIN), (__m512i)s);
 }
-PBF_FN uint32_t slots_max(slots a) { return _mm512_reduce_max_epu32((__m512i)a); }
-PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
+PBF_FN uint32_t u32_max(u32_lanes a) { return _mm512_reduce_max_epu32((__m512i)a); }
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
   __mmask16 less = _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
-  return (slots)_mm512_mask_or_epi32((__m512i)m, less, (__m512i)m, _mm512_set1_epi32((int)bit));
+  return (u32_lanes)_mm512_mask_or_epi32((__m512i)m, less, (__m512i)m, _mm512_set1_epi32((int)bit));
 }
-PBF_FN slots slots_below(slots a, uint32_t limit) {
+PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   __mmask16 below = _mm512_cmplt_epu32_mask((__m512i)a, _mm512_set1_epi32((int)limit));
-  return (slots)_mm512_maskz_set1_epi32(below, -1);
+  return (u32_lanes)_mm512_maskz_set1_epi32(below, -1);
 }
 
-PBF_FN uint32_t slots_any(slots a) { return (uint32_t)_mm512_reduce_or_epi32((__m512i)a); }
-PBF_FN slots slots_shift_left(slots a, int count) {
-  return (slots)_mm512_slli_epi32((__m512i)a, (unsigned int)count);
+PBF_FN uint32_t u32_any(u32_lanes a) { return (uint32_t)_mm512_reduce_or_epi32((__m512i)a); }
+PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) {
+  return (u32_lanes)_mm512_slli_epi32((__m512i)a, (unsigned int)count);
 }
-PBF_FN slots slots_of_bytes(const uint8_t *p) {
-  return (slots)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p));
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
+  return (u32_lanes)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p));
 }
 
-PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
   (void)first;
-  return (place){(__m512i)s, _mm512_test_epi32_mask((__m512i)s, _mm512_set1_epi32(SLOTS))};
+  return (lane_indices){(__m512i)s, _mm512_test_epi32_mask((__m512i)s, _mm512_set1_epi32(SLOTS))};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
-  table t;
+PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
+  window t;
   for (int part = 0; part < PARTS; ++part) {
     t.low[part] = _mm512_loadu_ps(array + first[part] - 1);
     t.high[part] = _mm512_loadu_ps(array + first[part] - 1 + WIDTH);
@@ -84,7 +84,7 @@ PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_re
   return t;
 }
 /* The permutation looks at the slot's low five bits. */
-PBF_FN lane table_at(const table *t, place p) {
+PBF_FN lane window_at(const window *t, lane_indices p) {
   __m512 first = _mm512_permutex2var_ps(t->low[0], p.slot, t->high[0]);
   __m512 second = _mm512_permutex2var_ps(t->low[1], p.slot, t->high[1]);
   return (lane)_mm512_mask_mov_ps(first, p.second, second);
@@ -99,7 +99,7 @@ PBF_FN lane lanes_look_up(const pbf_real *array, const int places[WIDTH]) {
 
 /* The leading bit of the first mask, and once that is empty of the second; then 64, that is 0. */
 #define LANES_LIST_BY_MASKS
-PBF_FN void slots_list(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
+PBF_FN void u32_list(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
   const __m512i top = _mm512_set1_epi32(INT32_MIN);
   __m512i a = (__m512i)masks[0], b = (__m512i)masks[1];
   for (uint32_t r = 0; r < rounds; ++r, list += WIDTH) {
@@ -116,14 +116,14 @@ PBF_FN void slots_list(const slots masks[PARTS], uint32_t rounds, uint8_t *list)
 #else
 
 enum { PARTS = 8 };
-typedef struct table {
+typedef struct window {
   const pbf_real *array;
   lane sentinel;
-} table;
-typedef struct place {
+} window;
+typedef struct lane_indices {
   __m256i index;
   __mmask8 known;
-} place;
+} lane_indices;
 
 namespace {
 template <>
@@ -144,57 +144,57 @@ PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ) != 0;
 }
 
-PBF_FN slots slots_set(uint32_t a) { return (slots)_mm256_set1_epi32((int)a); }
-PBF_FN slots slots_iota(void) { return (slots){0, 1, 2, 3, 4, 5, 6, 7}; }
-PBF_FN slots slots_load(const uint32_t *p) {
-  return (slots)_mm256_loadu_si256((const __m256i *)(const void *)p);
+PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm256_set1_epi32((int)a); }
+PBF_FN u32_lanes u32_iota(void) { return (u32_lanes){0, 1, 2, 3, 4, 5, 6, 7}; }
+PBF_FN u32_lanes u32_load(const uint32_t *p) {
+  return (u32_lanes)_mm256_loadu_si256((const __m256i *)(const void *)p);
 }
-PBF_FN void slots_store(uint32_t *p, slots a) {
+PBF_FN void u32_store(uint32_t *p, u32_lanes a) {
   _mm256_storeu_si256((__m256i *)(void *)p, (__m256i)a);
 }
-PBF_FN slots slots_shift_right(slots a, int count) {
-  return (slots)_mm256_srli_epi32((__m256i)a, count);
+PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
+  return (u32_lanes)_mm256_srli_epi32((__m256i)a, count);
 }
-PBF_FN slots slots_bit(slots s) {
-  return (slots)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
+PBF_FN u32_lanes u32_bit(u32_lanes s) {
+  return (u32_lanes)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
 }
-PBF_FN uint32_t slots_max(slots a) {
-  uint32_t most = a[0];
-  for (int k = 1; k < WIDTH; ++k) most = a[k] > most ? a[k] : most;
-  return most;
+PBF_FN uint32_t u32_max(u32_lanes a) {
+  uint32_t largest = a[0];
+  for (int k = 1; k < WIDTH; ++k) largest = a[k] > largest ? a[k] : largest;
+  return largest;
 }
-PBF_FN slots slots_mark(slots m, lane a, lane b, uint32_t bit) {
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
   __mmask8 less = _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
-  return (slots)_mm256_mask_or_epi32((__m256i)m, less, (__m256i)m, _mm256_set1_epi32((int)bit));
+  return (u32_lanes)_mm256_mask_or_epi32((__m256i)m, less, (__m256i)m, _mm256_set1_epi32((int)bit));
 }
-PBF_FN slots slots_below(slots a, uint32_t limit) {
+PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   __mmask8 below = _mm256_cmplt_epu32_mask((__m256i)a, _mm256_set1_epi32((int)limit));
-  return (slots)_mm256_maskz_set1_epi32(below, -1);
+  return (u32_lanes)_mm256_maskz_set1_epi32(below, -1);
 }
 
-PBF_FN uint32_t slots_any(slots a) {
+PBF_FN uint32_t u32_any(u32_lanes a) {
   uint32_t any = a[0];
   for (int k = 1; k < WIDTH; ++k) any |= a[k];
   return any;
 }
-PBF_FN slots slots_shift_left(slots a, int count) {
-  return (slots)_mm256_slli_epi32((__m256i)a, count);
+PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) {
+  return (u32_lanes)_mm256_slli_epi32((__m256i)a, count);
 }
-PBF_FN slots slots_of_bytes(const uint8_t *p) {
-  return (slots)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
+  return (u32_lanes)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
 }
 
-PBF_FN place place_of(const uint32_t first[PARTS], slots s) {
+PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
   __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
-  slots begin = (slots)_mm256_permutevar8x32_epi32(firsts, (__m256i)slots_shift_right(s, 5));
-  return (place){(__m256i)(begin + (s & slots_set(SLOTS - 1)) - slots_set(1)),
-                 _mm256_test_epi32_mask((__m256i)s, (__m256i)s)};
+  u32_lanes begin = (u32_lanes)_mm256_permutevar8x32_epi32(firsts, (__m256i)u32_shift_right(s, 5));
+  return (lane_indices){(__m256i)(begin + (s & u32_set(SLOTS - 1)) - u32_set(1)),
+                        _mm256_test_epi32_mask((__m256i)s, (__m256i)s)};
 }
-PBF_FN table table_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
+PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
-  return (table){array, ops<lane>::set(sentinel)};
+  return (window){array, ops<lane>::set(sentinel)};
 }
-PBF_FN lane table_at(const table *t, place p) {
+PBF_FN lane window_at(const window *t, lane_indices p) {
   return (lane)_mm512_mask_i32gather_pd((__m512d)t->sentinel, p.known, p.index, t->array, 8);
 }
 

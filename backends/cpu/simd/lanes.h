@@ -41,18 +41,18 @@ enum { BUILT_FOR_SIZE = 0 };
 #endif
 
 /* Set bits of each lane. */
-PBF_FN slots slots_popcount(slots m) {
-  m = m - (slots_shift_right(m, 1) & slots_set(0x55555555u));
-  m = (m & slots_set(0x33333333u)) + (slots_shift_right(m, 2) & slots_set(0x33333333u));
-  m = (m + slots_shift_right(m, 4)) & slots_set(0x0f0f0f0fu);
-  m = m + slots_shift_right(m, 8);
-  return (m + slots_shift_right(m, 16)) & slots_set(63);
+PBF_FN u32_lanes u32_popcount(u32_lanes m) {
+  m = m - (u32_shift_right(m, 1) & u32_set(0x55555555u));
+  m = (m & u32_set(0x33333333u)) + (u32_shift_right(m, 2) & u32_set(0x33333333u));
+  m = (m + u32_shift_right(m, 4)) & u32_set(0x0f0f0f0fu);
+  m = m + u32_shift_right(m, 8);
+  return (m + u32_shift_right(m, 16)) & u32_set(63);
 }
 
 /* Lists the slots in the masks of PARTS windows: byte r * WIDTH + l is lane l's r-th one, or 0. */
 #ifdef LANES_LIST_BY_MASKS
-PBF_FN void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
-  slots_list(masks, rounds, list);
+PBF_FN void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
+  u32_list(masks, rounds, list);
 }
 #else
 /* Unpacks the bits of two windows, the last one first, into every WIDTH-th byte; returns where the
@@ -79,10 +79,10 @@ PBF_FN uint8_t *list_each_bit(uint64_t m, uint32_t part, uint8_t *next) {
   return next;
 }
 
-static inline void list_slots(const slots masks[PARTS], uint32_t rounds, uint8_t *list) {
+static inline void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
   uint32_t bits[PARTS][WIDTH];
   uint8_t space[(PARTS * (SLOTS - 1) + BITS_AT_ONCE) * WIDTH];
-  for (int part = 0; part < PARTS; ++part) slots_store(bits[part], masks[part]);
+  for (int part = 0; part < PARTS; ++part) u32_store(bits[part], masks[part]);
   memset(space, 0, (size_t)rounds * WIDTH);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     uint8_t *next = space + l;

@@ -6,7 +6,7 @@
 #include "cuda/small/scene.h"
 
 /* Sorted particles carry their number in the order of ids in place of the id. */
-struct general_room {
+struct general_buffers {
   sorted_particles sorted;
   point *moved[2]; /* to and fro */
   uint32_t *numbers;
@@ -51,34 +51,34 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> general
  * particles and a barrier, and no lists. Returns the number of the last barrier. */
 template <int FEATURES, surfaces_met SURFACES>
 static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
-                                                     const small_room &small,
-                                                     const general_room &room, uint32_t step,
+                                                     const small_buffers &small,
+                                                     const general_buffers &buffers, uint32_t step,
                                                      uint32_t turn) {
   const pbf_constants *c = &scene.constants;
   const cell_grid grid = scene.table[step].grid;
   uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
-  const sorted_particles &p = room.sorted;
+  const sorted_particles &p = buffers.sorted;
   step_obstacles obstacles = {scene.table[step].domain, SURFACES ? scene.surface_count : 0,
                               scene.surfaces + step * scene.surface_count};
   prediction predict = {forces_at(scene, scene.table[step]), obstacles,
                         scene.collide_after_prediction};
-  unsorted_particles from = {scene.points, scene.velocities, room.numbers, n};
+  unsorted_particles from = {scene.points, scene.velocities, buffers.numbers, n};
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t k = first; k <= grid.count; k += stride) p.cell_start[k] = 0;
-  for (uint32_t i = first; i < n; i += stride) room.numbers[i] = i;
+  for (uint32_t i = first; i < n; i += stride) buffers.numbers[i] = i;
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    count_particle<SURFACES, false>(from, predict, grid, p.cell_start, room.scratch, i);
+    count_particle<SURFACES, false>(from, predict, grid, p.cell_start, buffers.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   scan_by_first_block(p.cell_start, grid.count + 1);
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    scatter_particle(from, p.cell_start, room.scratch, i);
+    scatter_particle(from, p.cell_start, buffers.scratch, i);
   grid_barrier(&small.control->general, ++turn);
   for (uint32_t i = first; i < n; i += stride)
-    place_particle<SURFACES, false>(from, predict, room.scratch, p, i);
+    place_particle<SURFACES, false>(from, predict, buffers.scratch, p, i);
   grid_barrier(&small.control->general, ++turn);
-  point *points = p.points, *moved = room.moved[0]; /* p.points keeps the prediction */
+  point *points = p.points, *moved = buffers.moved[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
     bool last = k + 1 == scene.iterations;
     const pbf_constants now = constants_at(scene, k);
@@ -90,9 +90,9 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       pbf_real lambda =
           finish_lambda<SURFACES>(of_lambda, obstacles, scene.wall_density, 0, x, &sums, nullptr);
       if (PBF_CHEBYSHEV && scene.accelerated) {
-        pbf_real change = points[i].lambda, total = k == 0 ? 0 : room.total[i];
+        pbf_real change = points[i].lambda, total = k == 0 ? 0 : buffers.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
-        room.total[i] = total;
+        buffers.total[i] = total;
         lambda = change;
       }
       points[i].lambda = lambda;
@@ -114,13 +114,13 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       to.lambda = own.lambda;
       store(moved, i, to);
       if (!last) continue;
-      if (PBF_CHEBYSHEV && scene.accelerated) to.lambda = room.total[i];
+      if (PBF_CHEBYSHEV && scene.accelerated) to.lambda = buffers.total[i];
       store(scene.points, p.ids[i], to);
       scene.velocities[p.ids[i]] = v;
     }
     grid_barrier(&small.control->general, ++turn);
-    points = room.moved[k % 2];
-    moved = room.moved[(k + 1) % 2];
+    points = buffers.moved[k % 2];
+    moved = buffers.moved[(k + 1) % 2];
   }
   return turn;
 }

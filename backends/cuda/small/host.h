@@ -13,10 +13,10 @@
 static inline uint32_t small_cells(uint32_t count) { return (PBF_DIM == 3 ? 1 : 2) * count + 1024; }
 
 /* The most particles that it serves on this device, so far as there is room for them. */
-static inline uint32_t small_most(const solver *s) {
+static inline uint32_t small_max_particles(const solver *s) {
   uint32_t threads = s->multiprocessors * SMALL_THREADS;
-  uint32_t most = threads < SMALL_MAX_PARTICLES ? threads : (uint32_t)SMALL_MAX_PARTICLES;
-  return s->capacity < most ? s->capacity : most;
+  uint32_t maximum = threads < SMALL_MAX_PARTICLES ? threads : (uint32_t)SMALL_MAX_PARTICLES;
+  return s->capacity < maximum ? s->capacity : maximum;
 }
 
 /* Whether the solver has the memory for it: where few particles, or some day fewer than now, have
@@ -67,28 +67,29 @@ static inline double small_slots_expected(const solver *s) {
 
 /* Cells of a tile whose particles are on their own, unless they are many. */
 static inline uint32_t small_cells_wanted(const solver *s) {
-  uint32_t cells = PBF_DIM == 3 ? 27 : 9, most = 6400;
-  return cells * small_own(s) < most ? cells * small_own(s) / 2 * 2 : most;
+  uint32_t cells = PBF_DIM == 3 ? 27 : 9, maximum = 6400;
+  return cells * small_own(s) < maximum ? cells * small_own(s) / 2 * 2 : maximum;
 }
 
 /* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
 static inline small_layout small_layout_of(const solver *s) {
-  double list_room = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
+  double list_capacity = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
   small_layout layout = {(small_cells(s->count) + 31) / 32, small_cells_wanted(s), 0,
-                         ((uint32_t)list_room + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
+                         ((uint32_t)list_capacity + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
   size_t none = layout.bytes();
-  layout.slot_room = 2;
+  layout.slot_capacity = 2;
   double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s) + 512);
-  double room = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
-  layout.slot_room = (uint32_t)fmin(wanted, 2 * room / (double)(layout.bytes() - none)) / 2 * 2;
+  double buffers = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
+  layout.slot_capacity =
+      (uint32_t)fmin(wanted, 2 * buffers / (double)(layout.bytes() - none)) / 2 * 2;
   return layout;
 }
 
 /* Of what determines the state's bits, only parameters and the particle count enter. */
 static inline bool small_serves(const solver *s) {
   return s->small_upload && !s->schedule.runs[PBF_STAGE_GRID] && s->count > 0 &&
-         s->count <= small_most(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
-         small_layout_of(s).slot_room >= 1.75 * small_slots_expected(s);
+         s->count <= small_max_particles(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
+         small_layout_of(s).slot_capacity >= 1.75 * small_slots_expected(s);
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -98,18 +99,18 @@ struct small_parts {
   uint64_t lambdas, cell_count, cell_list, bytes;
 };
 static inline small_parts small_parts_of(const solver *s) {
-  uint64_t n = ((uint64_t)small_most(s) + 31) / 32 * 32,
-           cells = ((uint64_t)small_cells(small_most(s)) + 3) / 4 * 4;
+  uint64_t n = ((uint64_t)small_max_particles(s) + 31) / 32 * 32,
+           cells = ((uint64_t)small_cells(small_max_particles(s)) + 3) / 4 * 4;
   small_parts at;
   at.lambdas = n * sizeof(ulonglong2);
   at.cell_count = at.lambdas + n * sizeof(unsigned long long);
   at.cell_list = at.cell_count + cells * sizeof(uint32_t);
-  at.bytes = at.cell_list + cells * SMALL_CELL_ROOM * sizeof(uint16_t);
+  at.bytes = at.cell_list + cells * SMALL_CELL_CAPACITY * sizeof(uint16_t);
   return at;
 }
 
 static inline char *small_part(const solver *s, uint64_t offset) {
-  return static_cast<char *>(s->list_room) + offset;
+  return static_cast<char *>(s->list_storage) + offset;
 }
 
 static inline pbf_status take_for_small(solver *s, bool wanted) {
@@ -120,34 +121,34 @@ static inline pbf_status take_for_small(solver *s, bool wanted) {
           take_if(s, wanted, "small: control", sizeof(small_control), &s->small_control))
     return status;
   if (!wanted) s->owned = 0;
-  return take_if(s, wanted, "small: owners", small_most(s) * sizeof(uint16_t), &s->owners);
+  return take_if(s, wanted, "small: owners", small_max_particles(s) * sizeof(uint16_t), &s->owners);
 }
 
-static inline small_room small_room_of(const solver *s) {
+static inline small_buffers small_buffers_of(const solver *s) {
   small_parts at = small_parts_of(s);
-  small_room room;
-  room.exchange.positions[0] = reinterpret_cast<ulonglong2 *>(s->list_room);
-  room.exchange.positions[1] = reinterpret_cast<ulonglong2 *>(s->other);
-  room.exchange.lambdas = reinterpret_cast<unsigned long long *>(small_part(s, at.lambdas));
-  room.cell_count = reinterpret_cast<uint32_t *>(small_part(s, at.cell_count));
-  room.cell_list = reinterpret_cast<uint16_t *>(small_part(s, at.cell_list));
-  room.control = s->small_control;
-  return room;
+  small_buffers buffers;
+  buffers.exchange.positions[0] = reinterpret_cast<ulonglong2 *>(s->list_storage);
+  buffers.exchange.positions[1] = reinterpret_cast<ulonglong2 *>(s->other);
+  buffers.exchange.lambdas = reinterpret_cast<unsigned long long *>(small_part(s, at.lambdas));
+  buffers.cell_count = reinterpret_cast<uint32_t *>(small_part(s, at.cell_count));
+  buffers.cell_list = reinterpret_cast<uint16_t *>(small_part(s, at.cell_list));
+  buffers.control = s->small_control;
+  return buffers;
 }
 
 /* A step that is done over needs neither exchange nor cells. */
-static inline general_room general_room_of(const solver *s) {
+static inline general_buffers general_buffers_of(const solver *s) {
   small_parts at = small_parts_of(s);
   uint32_t *spare = reinterpret_cast<uint32_t *>(small_part(s, at.lambdas));
-  general_room room = {};
-  room.sorted = {s->other,         s->other_velocities, s->other_ids,
-                 spare + s->count, s->cell_start,       s->count};
-  room.moved[0] = reinterpret_cast<point *>(s->list_room);
-  room.moved[1] = reinterpret_cast<point *>(small_part(s, at.cell_list));
-  room.numbers = spare;
-  room.scratch = scratch_of(s);
-  room.total = s->total;
-  return room;
+  general_buffers buffers = {};
+  buffers.sorted = {s->other,         s->other_velocities, s->other_ids,
+                    spare + s->count, s->cell_start,       s->count};
+  buffers.moved[0] = reinterpret_cast<point *>(s->list_storage);
+  buffers.moved[1] = reinterpret_cast<point *>(small_part(s, at.cell_list));
+  buffers.numbers = spare;
+  buffers.scratch = scratch_of(s);
+  buffers.total = s->total;
+  return buffers;
 }
 
 /* ---- Launches -------------------------------------------------------------------------------- */
@@ -245,8 +246,8 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
   pbf_status status = PBF_OK;
   if constexpr (sizeof(Real) == sizeof(float)) {
     uint32_t blocks = (s->count + scene.own - 1) / scene.own;
-    small_room room = small_room_of(s);
-    general_room general = general_room_of(s);
+    small_buffers buffers = small_buffers_of(s);
+    general_buffers general = general_buffers_of(s);
     with_features(s->schedule.features, [&](auto features) {
       constexpr int FEATURES = decltype(features)::value;
       auto kernel = scene.surface_count ? small_kernel<FEATURES, true, FEW_SURFACES>
@@ -254,7 +255,7 @@ static pbf_status small_launch(const solver *s, const small_scene &scene) {
                         ? small_kernel<FEATURES, true, NO_SURFACES>
                         : small_kernel<FEATURES, false, NO_SURFACES>;
       status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
-                               "small_kernel", scene, room, general);
+                               "small_kernel", scene, buffers, general);
     });
   }
   return status;

@@ -93,81 +93,80 @@ struct small_thread {
 
 static __device__ __forceinline__ small_thread thread_of(const small_scene &scene) {
   uint32_t mine = threadIdx.x / scene.lanes, place = blockIdx.x * scene.own + mine;
-  small_thread me;
-  me.lane = threadIdx.x % scene.lanes;
-  me.lanes = scene.lanes;
-  me.real = mine < scene.own && place < scene.count;
-  me.leads = me.real && me.lane == 0;
-  me.works = threadIdx.x / 32 * 32 < scene.own * scene.lanes;
-  me.i = me.real ? scene.owners[place] : 0;
-  return me;
+  small_thread thread;
+  thread.lane = threadIdx.x % scene.lanes;
+  thread.lanes = scene.lanes;
+  thread.real = mine < scene.own && place < scene.count;
+  thread.leads = thread.real && thread.lane == 0;
+  thread.works = threadIdx.x / 32 * 32 < scene.own * scene.lanes;
+  thread.i = thread.real ? scene.owners[place] : 0;
+  return thread;
 }
 
 /* Enters the particles into their cells, and numbers the cells of the tile; returns how many. The
  * barrier in between is number `turn`. */
-static __device__ __forceinline__ uint32_t fill_cells(const small_tile &tile,
-                                                      const small_room &room, const cell_grid &grid,
-                                                      const small_thread &me,
-                                                      const small_search &look, uint32_t cell,
-                                                      uint32_t shift, uint32_t pass, uint32_t turn,
-                                                      small_board *board) {
+static __device__ __forceinline__ uint32_t
+fill_cells(const small_tile &tile, const small_buffers &buffers, const cell_grid &grid,
+           const small_thread &thread, const small_search &look, uint32_t cell, uint32_t shift,
+           uint32_t pass, uint32_t turn, small_board *board) {
   bool crowded = false;
   uint32_t place = 0;
   if (threadIdx.x == 0) {
     board->ghosts = 0;
     board->marked = {~0u, 0};
   }
-  if (me.leads) {
-    publish_position(room.exchange, me.i, look.x, pass);
-    place = atomicAdd(room.cell_count + cell, 1u << shift) >> shift & 0xffff;
+  if (thread.leads) {
+    publish_position(buffers.exchange, thread.i, look.x, pass);
+    place = atomicAdd(buffers.cell_count + cell, 1u << shift) >> shift & 0xffff;
   }
   __syncthreads();
   /* While the atomic is under way. */
-  if (me.works) {
+  if (thread.works) {
     marked_words words = {~0u, 0};
-    if (me.real) words = mark_around(tile, grid, look.place, me.lane, me.lanes);
+    if (thread.real) words = mark_around(tile, grid, look.place, thread.lane, thread.lanes);
     add_words(&board->marked, words);
   }
-  if (me.leads) {
-    crowded = place >= SMALL_CELL_ROOM;
-    if (!crowded) room.cell_list[(size_t)cell * SMALL_CELL_ROOM + place] = (uint16_t)me.i;
+  if (thread.leads) {
+    crowded = place >= SMALL_CELL_CAPACITY;
+    if (!crowded)
+      buffers.cell_list[(size_t)cell * SMALL_CELL_CAPACITY + place] = (uint16_t)thread.i;
   }
   crowded = __syncthreads_or(crowded);
-  if (threadIdx.x == 0) arrive(&room.control->filled, crowded);
+  if (threadIdx.x == 0) arrive(&buffers.control->filled, crowded);
   /* While the others arrive. */
   uint32_t cells = number_cells(tile, board->marked);
-  if (threadIdx.x == 0) board->outcome = await_all(&room.control->filled, turn);
+  if (threadIdx.x == 0) board->outcome = await_all(&buffers.control->filled, turn);
   __syncthreads();
   return cells;
 }
 
 /* Lists the neighbours, and the block's ghosts. */
-static __device__ __forceinline__ void find_neighbors(const small_tile &tile,
-                                                      const small_room &room, const cell_grid &grid,
-                                                      const small_thread &me,
-                                                      const small_search &look, uint32_t shift,
-                                                      const ulonglong2 *predicted, uint32_t cells,
-                                                      small_board *board, small_neighbors *near) {
-  uint32_t slots = cells <= tile.layout.cell_room ? fill_slots(tile, room, shift, cells) : ~0u;
-  near->in_memory = slots > tile.layout.slot_room;
+static __device__ __forceinline__ void find_neighbors(
+    const small_tile &tile, const small_buffers &buffers, const cell_grid &grid,
+    const small_thread &thread, const small_search &look, uint32_t shift,
+    const ulonglong2 *predicted, uint32_t cells, small_board *board, small_neighbors *near) {
+  uint32_t slots =
+      cells <= tile.layout.cell_capacity ? fill_slots(tile, buffers, shift, cells) : ~0u;
+  near->in_memory = slots > tile.layout.slot_capacity;
   __syncthreads();
   if (near->in_memory) {
-    if (me.real) near->list.size = search_memory(room, shift, predicted, grid, look, near->list);
+    if (thread.real)
+      near->list.size = search_memory(buffers, shift, predicted, grid, look, near->list);
   } else {
     load_slots(tile, predicted, slots);
     __syncthreads();
-    if (me.real) {
+    if (thread.real) {
       near->slot = own_slot(tile, grid, look);
       search_tile(tile, grid, look, near->slot, &near->list);
     }
   }
-  bool all_fit = !__syncthreads_or(near->list.size > near->list.most);
-  if (threadIdx.x == 0) arrive_relaxed(&room.control->searched, !all_fit);
+  bool all_fit = !__syncthreads_or(near->list.size > near->list.max_size);
+  if (threadIdx.x == 0) arrive_relaxed(&buffers.control->searched, !all_fit);
   if (!all_fit) near->list.size = 0;
-  if (me.works) near->list.balance(me.lane, me.lanes);
+  if (thread.works) near->list.balance(thread.lane, thread.lanes);
   near->keep();
   if (near->in_memory) return;
-  if (me.leads) tile.used[near->slot] = 0;
+  if (thread.leads) tile.used[near->slot] = 0;
   __syncthreads();
   list_ghosts(tile, all_fit ? slots : 0, &board->ghosts);
   __syncthreads();
@@ -182,8 +181,9 @@ static const pbf_stage SMALL_STAGES[] = {PBF_STAGE_PREDICT, PBF_STAGE_NEIGHBORS,
  * The numbers of passes begin at 1: 0 is that of no pass. */
 template <int FEATURES, bool EXTRAS, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(SMALL_THREADS, 1)
-    small_kernel(const __grid_constant__ small_scene scene, const __grid_constant__ small_room room,
-                 const __grid_constant__ general_room general) {
+    small_kernel(const __grid_constant__ small_scene scene,
+                 const __grid_constant__ small_buffers buffers,
+                 const __grid_constant__ general_buffers general) {
   extern __shared__ uint4 dynamic[];
   __shared__ small_step table[SMALL_STEPS];
   __shared__ small_board board;
@@ -191,26 +191,26 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   const bool accelerated = PBF_CHEBYSHEV && EXTRAS && scene.accelerated;
   const bool wall_density = EXTRAS && scene.wall_density;
   const small_tile tile = tile_in(dynamic, scene.layout);
-  const small_thread me = thread_of(scene);
-  const uint32_t i = me.i;
+  const small_thread thread = thread_of(scene);
+  const uint32_t i = thread.i;
   uint32_t general_turn = 0, searches = 0, fill_failures = 0, search_failures = 0;
   for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
     reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
   pbf_vec x = {{0}}, v = {{0}}; /* the state, and once a step can't fail its prediction */
-  if (me.real) {
+  if (thread.real) {
     x = position_of(load(scene.points, i));
     v = scene.velocities[i];
   }
-  if (me.leads) forget(room.exchange, i);
+  if (thread.leads) forget(buffers.exchange, i);
   if (threadIdx.x == 0) {
     pbf_vec sentinel_position;
     for (int k = 0; k < PBF_DIM; ++k) sentinel_position.c[k] = (pbf_real)1e18;
     set_position(tile, tile.sentinel_index(), sentinel_position);
     tile.lambdas[tile.sentinel_index()] = 0;
   }
-  clear_counts(room, scene.cells);
+  clear_counts(buffers, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});
-  grid_barrier(&room.control->general, ++general_turn);
+  grid_barrier(&buffers.control->general, ++general_turn);
   pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves */
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
@@ -220,18 +220,21 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     const pbf_forces forces = forces_at(scene, table[step]);
     pbf_vec y = pbf_predict(&forces, x, v);
     if (scene.collide_after_prediction) y = resolve_collisions<SURFACES>(obstacles, 1, x, y);
-    const small_search look = {place_in(grid, y), y, i, me.lane, me.lanes, c->h2};
+    const small_search look = {place_in(grid, y), y, i, thread.lane, thread.lanes, c->h2};
     const uint32_t cell = cell_number(grid, look.place.at);
     uint32_t cells =
-        fill_cells(tile, room, grid, me, look, cell, shift, first_pass, step + 1, &board);
+        fill_cells(tile, buffers, grid, thread, look, cell, shift, first_pass, step + 1, &board);
     bool failed = board.outcome != fill_failures;
     fill_failures = board.outcome;
-    small_neighbors near = {
-        tile, room.exchange, {tile.lists + threadIdx.x, 0, scene.layout.list_room - SMALL_CHUNK},
-        0,    false,         {0}};
+    small_neighbors near = {tile,
+                            buffers.exchange,
+                            {tile.lists + threadIdx.x, 0, scene.layout.list_capacity - SMALL_CHUNK},
+                            0,
+                            false,
+                            {0}};
     if (!failed) {
-      find_neighbors(tile, room, grid, me, look, shift, room.exchange.positions[first_pass % 2],
-                     cells, &board, &near);
+      find_neighbors(tile, buffers, grid, thread, look, shift,
+                     buffers.exchange.positions[first_pass % 2], cells, &board, &near);
       ++searches;
     }
     clear_marks(tile, board.marked);
@@ -247,11 +250,11 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       small_pairs<FEATURES> pairs;
       pairs.change = of_pairs.template begin<pbf_real>();
       pbf_real lambda = 0;
-      if (me.works) {
+      if (thread.works) {
         lambda_sums<pbf_real> sums = {};
         pairs.meet(of_lambda, of_pairs, near, y, pass, &sums);
         __syncwarp();
-        sum_lanes(&sums, me.lanes);
+        sum_lanes(&sums, thread.lanes);
         add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
         of_lambda.end(&sums);
         lambda = finish_lambda<SURFACES>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
@@ -260,28 +263,28 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
           lambda = change;
         }
       }
-      if (me.leads) {
-        publish_lambda(room.exchange, i, lambda, pass);
+      if (thread.leads) {
+        publish_lambda(buffers.exchange, i, lambda, pass);
         if (!near.in_memory) tile.lambdas[near.slot] = (float)lambda;
       }
       /* While the others' lambdas are under way. */
       if (k == 0 && threadIdx.x + 1 == SMALL_THREADS)
-        board.outcome = await_all(&room.control->searched, searches);
-      fetch_lambdas(tile, room.exchange, ghosts, pass);
+        board.outcome = await_all(&buffers.control->searched, searches);
+      fetch_lambdas(tile, buffers.exchange, ghosts, pass);
       __syncthreads();
       if (k == 0) {
         failed = board.outcome != search_failures;
         search_failures = board.outcome;
         if (failed) break;
         /* From here the step can't fail: what it started from gives way. */
-        if (me.leads) clear_count(room, cell, shift);
+        if (thread.leads) clear_count(buffers, cell, shift);
         v = pbf_predicted_velocity(&forces, x, v, pbf_predict(&forces, x, v), y);
         x = y;
       }
-      if (me.works) {
+      if (thread.works) {
         pairs.move(of_pairs, near, y, lambda, pass);
         __syncwarp();
-        sum_lanes(&pairs.change, me.lanes);
+        sum_lanes(&pairs.change, thread.lanes);
         of_pairs.end(&pairs.change);
         y = finish_move<SURFACES>(
             of_move, obstacles,
@@ -290,21 +293,21 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
             lambda, false, i, x, y, pairs.change, nullptr, &v);
       }
       if (last) continue;
-      if (me.leads) publish_position(room.exchange, i, y, pass + 1);
+      if (thread.leads) publish_position(buffers.exchange, i, y, pass + 1);
       __syncthreads();
-      if (me.leads && !near.in_memory) set_position(tile, near.slot, y);
-      fetch_positions(tile, room.exchange, ghosts, pass + 1);
+      if (thread.leads && !near.in_memory) set_position(tile, near.slot, y);
+      fetch_positions(tile, buffers.exchange, ghosts, pass + 1);
       __syncthreads();
     }
     if (failed) {
-      if (me.leads) {
-        clear_count(room, cell, shift);
+      if (thread.leads) {
+        clear_count(buffers, cell, shift);
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
       }
-      general_turn = general_step<FEATURES, SURFACES>(scene, room, general, step, general_turn);
-      if (me.leads) forget(room.exchange, i);
-      if (me.real) {
+      general_turn = general_step<FEATURES, SURFACES>(scene, buffers, general, step, general_turn);
+      if (thread.leads) forget(buffers.exchange, i);
+      if (thread.real) {
         point own = load(scene.points, i);
         x = position_of(own);
         v = scene.velocities[i];
@@ -314,7 +317,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       x = y;
     }
   }
-  if (!me.leads) return;
+  if (!thread.leads) return;
   point own = point_at(x);
   own.lambda = total;
   store(scene.points, i, own);

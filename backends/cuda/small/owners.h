@@ -22,10 +22,10 @@ static inline uint32_t owner_bits(uint32_t count) {
 
 /* Cells that cover the domain if that leaves them of about the size that suits a block. */
 static inline owner_grid owner_grid_over(const pbf_domain *domain, double h, uint32_t bits) {
-  double width = 0, least = PBF_DIM == 3 ? 0.75 : 1.5;
+  double width = 0, min_width = PBF_DIM == 3 ? 0.75 : 1.5;
   for (int k = 0; k < PBF_DIM; ++k)
     width = fmax(width, ((double)domain->upper.c[k] - (double)domain->lower.c[k]) / (1 << bits));
-  width = fmin(fmax(width, least * h), 3 * least * h);
+  width = fmin(fmax(width, min_width * h), 3 * min_width * h);
   return {domain->lower, (pbf_real)(1 / width), bits};
 }
 

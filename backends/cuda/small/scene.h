@@ -22,7 +22,7 @@ enum {
   SMALL_STEPS = PBF_DIM == 3 ? 16 : 64, /* a launch, and the most that owners last */
   SMALL_THREADS = 512,                  /* of a block */
   SMALL_MIN_OWN = 16,                   /* particles of a block */
-  SMALL_CELL_ROOM = PBF_DIM == 3 ? 32 : 16,
+  SMALL_CELL_CAPACITY = PBF_DIM == 3 ? 32 : 16,
   SMALL_ITERATIONS = 256,
   SMALL_CHUNK = 4,        /* entries of a list that lie side by side */
   SMALL_MAX_LISTED = 128, /* by a thread */
@@ -56,17 +56,17 @@ namespace {
 
 /* How a block divides up its dynamic shared memory. */
 struct small_layout {
-  uint32_t words;     /* of a bit each cell of the grid */
-  uint32_t cell_room; /* cells of a tile, … */
-  uint32_t slot_room; /* … its particles, both even; SMALL_NOBODY is none of their numbers */
-  uint32_t list_room; /* entries of a thread's list, SMALL_CHUNK more than it may have */
+  uint32_t words;         /* of a bit each cell of the grid */
+  uint32_t cell_capacity; /* cells of a tile, … */
+  uint32_t slot_capacity; /* … its particles, both even; SMALL_NOBODY is none of their numbers */
+  uint32_t list_capacity; /* entries of a thread's list, SMALL_CHUNK more than it may have */
 
   __host__ __device__ size_t bytes() const {
-    size_t slots = (size_t)slot_room + 2, words_even = ((size_t)words + 1) / 2 * 2;
-    return (size_t)SMALL_THREADS * list_room * sizeof(uint16_t) +
+    size_t slots = (size_t)slot_capacity + 2, words_even = ((size_t)words + 1) / 2 * 2;
+    return (size_t)SMALL_THREADS * list_capacity * sizeof(uint16_t) +
            slots * (sizeof(small_position) + sizeof(float) + 2 * sizeof(uint16_t)) +
-           words_even * (sizeof(uint32_t) + sizeof(uint16_t)) + cell_room * sizeof(uint32_t) +
-           (cell_room + 2) * sizeof(uint16_t) + slots;
+           words_even * (sizeof(uint32_t) + sizeof(uint16_t)) + cell_capacity * sizeof(uint32_t) +
+           (cell_capacity + 2) * sizeof(uint16_t) + slots;
   }
 };
 
@@ -97,10 +97,10 @@ struct small_control {
   grid_counter general;  /* other barriers: before the first step, in general_step */
 };
 
-struct small_room {
+struct small_buffers {
   particle_exchange exchange;
   uint32_t *cell_count; /* lower half of even steps, upper half of odd ones */
-  uint16_t *cell_list;  /* SMALL_CELL_ROOM each */
+  uint16_t *cell_list;  /* SMALL_CELL_CAPACITY each */
   small_control *control;
 };
 
@@ -125,20 +125,21 @@ static __device__ __forceinline__ pbf_forces forces_at(const small_scene &scene,
 static __device__ __forceinline__ uint32_t count_shift(uint32_t step) { return step % 2 * 16; }
 
 /* How many of a cell's particles are listed. */
-static __device__ __forceinline__ uint32_t listed_in(const small_room &room, uint32_t cell,
+static __device__ __forceinline__ uint32_t listed_in(const small_buffers &buffers, uint32_t cell,
                                                      uint32_t shift) {
-  return min(room.cell_count[cell] >> shift & 0xffff, (uint32_t)SMALL_CELL_ROOM);
+  return min(buffers.cell_count[cell] >> shift & 0xffff, (uint32_t)SMALL_CELL_CAPACITY);
 }
 
 /* Clears the counts of all cells, with all threads of the grid. */
-static __device__ __forceinline__ void clear_counts(const small_room &room, uint32_t cells) {
-  for (uint32_t k = thread_index(); k < cells; k += gridDim.x * blockDim.x) room.cell_count[k] = 0;
+static __device__ __forceinline__ void clear_counts(const small_buffers &buffers, uint32_t cells) {
+  for (uint32_t k = thread_index(); k < cells; k += gridDim.x * blockDim.x)
+    buffers.cell_count[k] = 0;
 }
 
 /* Clears a cell's count of this step; the same again does no harm. */
-static __device__ __forceinline__ void clear_count(const small_room &room, uint32_t cell,
+static __device__ __forceinline__ void clear_count(const small_buffers &buffers, uint32_t cell,
                                                    uint32_t shift) {
-  atomicAnd(room.cell_count + cell, 0xffff0000u >> shift);
+  atomicAnd(buffers.cell_count + cell, 0xffff0000u >> shift);
 }
 
 #endif

@@ -10,7 +10,7 @@
 struct small_list {
   uint16_t *entries; /* SMALL_THREADS apart */
   uint32_t size;     /* more than `most` if there was no room */
-  uint32_t most;     /* that it may have; four more have room */
+  uint32_t max_size; /* that it may have; four more have room */
 
   __device__ __forceinline__ uint16_t &at(uint32_t k) const { return entries[k * SMALL_THREADS]; }
 
@@ -20,7 +20,7 @@ struct small_list {
     for (uint32_t q = 0; q < SMALL_CHUNK; ++q) some[q] = at(k + q);
   }
   __device__ __forceinline__ void fill_up(uint32_t entry) const {
-    if (size > most) return;
+    if (size > max_size) return;
 #pragma unroll
     for (uint32_t q = 0; q < SMALL_CHUNK; ++q) at(size + q) = (uint16_t)entry;
   }
@@ -67,7 +67,7 @@ static __device__ __forceinline__ void search_tile(const small_tile &t, const ce
                                                    const small_search &s, uint32_t own,
                                                    small_list *list) {
   uint32_t seen = 0;
-  uint16_t *next = list->entries, *full = &list->at(list->most);
+  uint16_t *next = list->entries, *full = &list->at(list->max_size);
 #pragma unroll 1
   for (uint32_t run = 0, runs = runs_around(grid, s.place); run < runs; ++run) {
     uint32_t cell, cells;
@@ -89,27 +89,27 @@ static __device__ __forceinline__ void search_tile(const small_tile &t, const ce
     seen += end - start;
   }
   list->size = (uint32_t)(next - list->entries) / SMALL_THREADS;
-  if (list->size > list->most) return;
+  if (list->size > list->max_size) return;
   for (uint32_t k = 0; k < list->size; ++k) t.used[list->at(k)] = 1;
 }
 
 /* The same neighbours in the same order, as particles; returns the list's size. */
-static __device__ __noinline__ uint32_t search_memory(const small_room &room, uint32_t shift,
+static __device__ __noinline__ uint32_t search_memory(const small_buffers &buffers, uint32_t shift,
                                                       const ulonglong2 *predicted,
                                                       const cell_grid &grid, const small_search s,
                                                       small_list list) {
-  uint16_t sorted[SMALL_CELL_ROOM];
+  uint16_t sorted[SMALL_CELL_CAPACITY];
   uint32_t seen = 0;
   for (uint32_t run = 0, runs = runs_around(grid, s.place); run < runs; ++run) {
     uint32_t cell, cells;
     if (!run_around(grid, s.place, run, &cell, &cells)) continue;
     for (uint32_t end = cell + cells; cell < end; ++cell) {
-      const uint16_t *particles = room.cell_list + (size_t)cell * SMALL_CELL_ROOM;
-      uint32_t count = listed_in(room, cell, shift);
+      const uint16_t *particles = buffers.cell_list + (size_t)cell * SMALL_CELL_CAPACITY;
+      uint32_t count = listed_in(buffers, cell, shift);
       for (uint32_t k = 0; k < count; ++k) insert(sorted, k, particles[k]);
       for (uint32_t k = 0; k < count; ++k, ++seen) {
         uint32_t particle = sorted[k];
-        if ((seen & (s.lanes - 1)) != s.lane || particle == s.own || list.size > list.most)
+        if ((seen & (s.lanes - 1)) != s.lane || particle == s.own || list.size > list.max_size)
           continue;
         if (s.is_near(ready_position(predicted, particle)))
           list.at(list.size++) = (uint16_t)particle;

@@ -20,7 +20,7 @@ struct small_tile {
   uint8_t *used;             /* a slot each: it is in a list */
   small_layout layout;
 
-  __device__ __forceinline__ uint32_t sentinel_index() const { return layout.slot_room; }
+  __device__ __forceinline__ uint32_t sentinel_index() const { return layout.slot_capacity; }
   __device__ __forceinline__ uint32_t index_of(uint32_t cell) const {
     uint32_t below = (1u << cell % 32) - 1;
     return before[cell / 32] + (uint32_t)__popc(marks[cell / 32] & below);
@@ -29,16 +29,16 @@ struct small_tile {
 
 static __device__ __forceinline__ small_tile tile_in(void *shared, const small_layout &layout) {
   small_tile t;
-  size_t slots = (size_t)layout.slot_room + 2, words = ((size_t)layout.words + 1) / 2 * 2;
+  size_t slots = (size_t)layout.slot_capacity + 2, words = ((size_t)layout.words + 1) / 2 * 2;
   t.layout = layout;
   t.positions = static_cast<small_position *>(shared);
   t.lambdas = reinterpret_cast<float *>(t.positions + slots);
   t.marks = reinterpret_cast<uint32_t *>(t.lambdas + slots);
   t.cells = t.marks + words;
-  t.lists = reinterpret_cast<uint16_t *>(t.cells + layout.cell_room);
-  t.before = t.lists + SMALL_THREADS * layout.list_room;
+  t.lists = reinterpret_cast<uint16_t *>(t.cells + layout.cell_capacity);
+  t.before = t.lists + SMALL_THREADS * layout.list_capacity;
   t.starts = t.before + words;
-  t.ids = t.starts + layout.cell_room + 2;
+  t.ids = t.starts + layout.cell_capacity + 2;
   t.ghosts = t.ids + slots;
   t.used = reinterpret_cast<uint8_t *>(t.ghosts + slots);
   return t;
@@ -174,7 +174,7 @@ static __device__ __forceinline__ uint32_t number_cells(const small_tile &t, mar
   uint32_t sum = 0, count;
   for (uint32_t k = first; k < end; ++k) sum += (uint32_t)__popc(t.marks[k]);
   uint32_t next = scan_block(sum, &count);
-  if (count > t.layout.cell_room) return count;
+  if (count > t.layout.cell_capacity) return count;
   for (uint32_t k = first; sum && k < end; ++k) {
     t.before[k] = (uint16_t)next;
     for (uint32_t bits = t.marks[k]; bits; bits &= bits - 1)
@@ -221,21 +221,22 @@ static __device__ __forceinline__ void put_sorted(const uint16_t *list, uint32_t
 
 /* Gives slots to the particles in the tile's cells; returns how many, more than there is room for
  * or not. */
-static __device__ __forceinline__ uint32_t fill_slots(const small_tile &t, const small_room &room,
-                                                      uint32_t shift, uint32_t cell_count) {
+static __device__ __forceinline__ uint32_t fill_slots(const small_tile &t,
+                                                      const small_buffers &buffers, uint32_t shift,
+                                                      uint32_t cell_count) {
   uint32_t slots = 0;
   for (uint32_t first = 0; first < cell_count; first += SMALL_THREADS) {
     uint32_t k = first + threadIdx.x, count = 0, total;
     uint4 head = {0, 0, 0, 0};
-    const uint16_t *list = room.cell_list;
+    const uint16_t *list = buffers.cell_list;
     if (k < cell_count) {
-      list += (size_t)t.cells[k] * SMALL_CELL_ROOM;
+      list += (size_t)t.cells[k] * SMALL_CELL_CAPACITY;
       head = *reinterpret_cast<const uint4 *>(list); /* in flight together with the count */
-      count = listed_in(room, t.cells[k], shift);
+      count = listed_in(buffers, t.cells[k], shift);
     }
     uint32_t start = slots + scan_block(count, &total);
     slots += total;
-    if (slots > t.layout.slot_room) return slots;
+    if (slots > t.layout.slot_capacity) return slots;
     if (k >= cell_count) continue;
     t.starts[k] = (uint16_t)start;
     put_sorted(list, count, head, t.ids + start);

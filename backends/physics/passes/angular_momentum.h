@@ -31,8 +31,8 @@ PBF_FN_APART pbf_curl rotation_rate(const pbf_real moments[PBF_MOMENTS], pbf_cur
 #else
   pbf_real trace = moments[0] + moments[2] + moments[5];
   if (!(trace > 0)) return rate;
-  const pbf_real least = (pbf_real)(sizeof(pbf_real) == sizeof(float) ? 1e-6 : 1e-13);
-  pbf_real per = 1 / trace, own = 1 + least;
+  const pbf_real regularization = (pbf_real)(sizeof(pbf_real) == sizeof(float) ? 1e-6 : 1e-13);
+  pbf_real per = 1 / trace, own = 1 + regularization;
   pbf_real xx = own - per * moments[0], yy = own - per * moments[2], zz = own - per * moments[5];
   pbf_real xy = -per * moments[1], xz = -per * moments[3], yz = -per * moments[4];
   pbf_real ax = yy * zz - yz * yz, ay = xz * yz - xy * zz, az = xy * yz - xz * yy;

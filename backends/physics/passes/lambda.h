@@ -25,8 +25,8 @@ PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real residual_density, pb
  * is the same in any order. Above 64, and what is no number, it counts as 64, and as nothing. */
 PBF_FN int32_t pbf_error_units(const pbf_constants *c, pbf_real residual_density,
                                pbf_real density) {
-  const pbf_real most = 64, unit = (pbf_real)(1 << 24);
-  return (int32_t)(pbf_real_min(pbf_real_max(density - c->target - residual_density, 0), most) *
+  const pbf_real maximum = 64, unit = (pbf_real)(1 << 24);
+  return (int32_t)(pbf_real_min(pbf_real_max(density - c->target - residual_density, 0), maximum) *
                    unit);
 }
 
@@ -50,9 +50,9 @@ static inline int64_t pbf_error_units_limit(const pbf_params *params, uint32_t c
 PBF_FN void pbf_accelerate(const pbf_constants *c, pbf_real density, pbf_real lambda,
                            pbf_real *total, pbf_real *change) {
   const pbf_real crowd = (pbf_real)1.5;
-  pbf_real most = c->max_change / pbf_real_max(density / crowd, 1);
+  pbf_real maximum = c->max_change / pbf_real_max(density / crowd, 1);
   pbf_real add = (c->weight - 1) * *change + c->weight * c->step_size * lambda;
-  add = pbf_real_max(pbf_real_min(add, most), -most);
+  add = pbf_real_max(pbf_real_min(add, maximum), -maximum);
   pbf_real next = *total + add;
   next = pbf_real_min(next, density > c->tension_min_density ? c->max_tension : 0);
   *change = next - *total;

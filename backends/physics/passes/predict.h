@@ -32,10 +32,10 @@ static inline pbf_real pbf_rounding_of(double time, double time_step) {
 /* What crosses the domain in less than a step is as fast as what crosses it in one: walls stop
  * both, and squares of what is faster overflow. So may those of more than 1e15 h a time unit. */
 static inline pbf_real pbf_max_speed_of(const pbf_params *params) {
-  double way = 0, most = 1e15 * params->smoothing_radius;
+  double way = 0, maximum = 1e15 * params->smoothing_radius;
   for (int k = 0; k < PBF_DIM; ++k) way += params->domain_max[k] - params->domain_min[k];
   way *= pbf_per_time_step(params);
-  return (pbf_real)(way > 0 && way < most ? way : most);
+  return (pbf_real)(way > 0 && way < maximum ? way : maximum);
 }
 
 static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {

@@ -125,7 +125,7 @@ struct fabric_pass {
   /* lambda D: inside the fluid, where the density is right; of D at most a half, for crowds are no
    * arrangement. */
   PBF_IN pbf_deviator finish(const pbf_fabric &s, pbf_real lambda) const {
-    const pbf_real none = (pbf_real)0.94, full = (pbf_real)0.97, most = (pbf_real)0.5;
+    const pbf_real none = (pbf_real)0.94, full = (pbf_real)0.97, maximum = (pbf_real)0.5;
     pbf_deviator d = {{0}};
     pbf_real mean = 0, size2 = 0;
     for (int k = 0; k < PBF_DIM; ++k) mean += s.moments[pbf_diagonal_entry(k)] / PBF_DIM;
@@ -137,7 +137,7 @@ struct fabric_pass {
         if (entry < PBF_DEVIATOR_DIM) d.c[entry] = part;
         size2 += (k == m ? 1 : 2) * part * part;
       }
-    if (size2 > most * most) inside *= most / pbf_real_sqrt(size2);
+    if (size2 > maximum * maximum) inside *= maximum / pbf_real_sqrt(size2);
     for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] *= inside * lambda;
     return d;
   }

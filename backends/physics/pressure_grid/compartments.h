@@ -23,9 +23,9 @@
 enum {
   PBF_SAMPLES = PBF_DIM == 3 ? 4 : 8, /* points along an axis of a cell, 64 in all */
   PBF_SAMPLES_OF_FACE = PBF_DIM == 3 ? 16 : 8,
-  PBF_COMPARTMENTS = 4,         /* of a cell, at most */
-  PBF_PARTS = 1 + PBF_DIM,      /* of a volume: itself, and times its middle */
-  PBF_MEMBERS = 2 * PBF_CORNERS /* compartments that a node is corner of, at most */
+  PBF_COMPARTMENTS = 4,                   /* of a cell, at most */
+  PBF_PARTS = 1 + PBF_DIM,                /* of a volume: itself, and times its middle */
+  PBF_NODE_COMPARTMENTS = 2 * PBF_CORNERS /* compartments that a node is corner of, at most */
 };
 
 /* In units of what is between points: nearer to a solid one counts as in it. Of one on a surface
@@ -44,10 +44,10 @@ typedef struct pbf_pressure_grid_topology {
   const pbf_surface *surfaces;
   int surface_count; /* 0: none is thin, and all of this is idle */
   pbf_domain domain;
-  uint32_t first, limit, most; /* there may be so many further ones */
-  uint32_t *counts;            /* of further compartments, further copies, torn nodes so far */
-  uint64_t *samples;           /* of compartments: their points */
-  uint64_t *links;             /* of cells: pbf_cell_link's, and how many compartments there are */
+  uint32_t first, limit, max_further; /* there may be so many further ones */
+  uint32_t *counts;  /* of further compartments, further copies, torn nodes so far */
+  uint64_t *samples; /* of compartments: their points */
+  uint64_t *links;   /* of cells: pbf_cell_link's, and how many compartments there are */
   uint64_t *merged;  /* of compartments: what they have of others, pbf_compartment_part's */
   uint32_t *further; /* of cells: the index of the second compartment */
   uint32_t *home;    /* of further compartments: the cell, by index - first */
@@ -57,9 +57,10 @@ typedef struct pbf_pressure_grid_topology {
   uint32_t *torn;    /* of nodes: 1 + their number among the torn ones; 0: they are none */
   uint32_t *torn_at; /* of torn nodes: the node, … */
   uint32_t *base;    /* … the first copy of it, … */
-  uint32_t *members; /* … and PBF_MEMBERS compartments, with the corner in the lowest bits */
-  double *volumes;   /* of compartments: their own free volume, and its middle along each axis
-                        times the volume */
+  uint32_t *node_compartments; /* … and PBF_NODE_COMPARTMENTS compartments, with the corner in the
+                                  lowest bits */
+  double *volumes; /* of compartments: their own free volume, and its middle along each axis
+                      times the volume */
   double *right, *inverse, *next, *before; /* of torn nodes */
 } pbf_pressure_grid_topology;
 
@@ -76,7 +77,8 @@ static inline uint64_t pbf_pressure_grid_first_further(uint64_t limit) { return 
 /* Whole cache lines: colliders may lie behind it. */
 static inline uint64_t pbf_pressure_grid_topology_bytes(uint64_t limit) {
   const uint64_t one = 2 * sizeof(uint64_t) + PBF_PARTS * (sizeof(uint64_t) + sizeof(double)) +
-                       4 * sizeof(double) + (7 + PBF_CORNERS + PBF_MEMBERS) * sizeof(uint32_t);
+                       4 * sizeof(double) +
+                       (7 + PBF_CORNERS + PBF_NODE_COMPARTMENTS) * sizeof(uint32_t);
   return (64 + limit * one + 63) / 64 * 64;
 }
 
@@ -89,7 +91,7 @@ static inline pbf_pressure_grid_topology pbf_pressure_grid_topology_in(void *mem
   if (!memory) return t;
   t.first = (uint32_t)pbf_pressure_grid_first_further(largest);
   t.limit = (uint32_t)largest;
-  t.most = (uint32_t)(limit - pbf_pressure_grid_first_further(limit));
+  t.max_further = (uint32_t)(limit - pbf_pressure_grid_first_further(limit));
   t.counts = (uint32_t *)memory;
   t.samples = (uint64_t *)((char *)memory + 64);
   t.links = t.samples + largest;
@@ -107,23 +109,23 @@ static inline pbf_pressure_grid_topology pbf_pressure_grid_topology_in(void *mem
   t.torn_at = t.torn + largest;
   t.base = t.torn_at + largest;
   t.corners = t.base + largest;
-  t.members = t.corners + largest * PBF_CORNERS;
+  t.node_compartments = t.corners + largest * PBF_CORNERS;
   return t;
 }
 
 /* The first of some more of `most`; PBF_NO_INDEX when there are no so many left. */
-PBF_FN uint32_t pbf_pressure_grid_take(uint32_t *count, uint32_t more, uint32_t most) {
+PBF_FN uint32_t pbf_pressure_grid_take(uint32_t *count, uint32_t more, uint32_t max_further) {
 #ifdef __CUDA_ARCH__
   const uint32_t taken = atomicAdd(count, more);
 #else
   const uint32_t taken = *count;
   *count += more;
 #endif
-  return taken + more <= most ? taken : PBF_NO_INDEX;
+  return taken + more <= max_further ? taken : PBF_NO_INDEX;
 }
 
 PBF_FN uint32_t pbf_pressure_grid_further_count(const pbf_pressure_grid_topology *t, int of) {
-  return t->counts[of] < t->most ? t->counts[of] : t->most;
+  return t->counts[of] < t->max_further ? t->counts[of] : t->max_further;
 }
 
 PBF_FN uint32_t pbf_pressure_grid_torn_count(const pbf_pressure_grid_topology *t) {

@@ -23,8 +23,8 @@ PBF_FN void pbf_divide_cell(const pbf_pressure_grid *c, const pbf_pressure_grid_
   }
   uint32_t further = 0;
   if (count > 1)
-    further =
-        pbf_pressure_grid_take(&t->counts[PBF_FURTHER_COMPARTMENTS], (uint32_t)count - 1, t->most);
+    further = pbf_pressure_grid_take(&t->counts[PBF_FURTHER_COMPARTMENTS], (uint32_t)count - 1,
+                                     t->max_further);
   if (further == PBF_NO_INDEX) {
     further = 0;
     for (; count > 1; --count) found[0] |= found[count - 1];
@@ -97,7 +97,7 @@ PBF_FN_APART uint32_t pbf_larger_neighbor(const pbf_pressure_grid *c,
                                           const pbf_pressure_grid_topology *t, uint32_t cell, int k,
                                           double volume) {
   uint32_t largest = PBF_NO_INDEX;
-  double most = 1.25 * volume;
+  double largest_free = 1.25 * volume;
   int i[PBF_DIM];
   pbf_pressure_grid_place(c, cell, i);
   for (int side = 0; side < 2 * PBF_DIM; ++side) {
@@ -113,8 +113,8 @@ PBF_FN_APART uint32_t pbf_larger_neighbor(const pbf_pressure_grid *c,
                                                     : pbf_pressure_grid_inside(c, at);
       const int linked =
           up ? pbf_cell_link(c, t, cell, axis, k, l) : pbf_cell_link(c, t, other, axis, l, k);
-      if (!linked || !(free > most)) continue;
-      most = free;
+      if (!linked || !(free > largest_free)) continue;
+      largest_free = free;
       largest = compartment;
     }
   }

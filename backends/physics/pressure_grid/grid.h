@@ -52,7 +52,7 @@ typedef struct pbf_pressure_grid {
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
-  double most_left;             /* to the iterations, of an error */
+  double max_left;              /* to the iterations, of an error */
   int axis;                     /* along which the forces push most */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
@@ -66,8 +66,8 @@ static inline uint64_t pbf_pressure_grid_limit(uint32_t count) {
   return 4096 + (uint64_t)count / (PBF_DIM == 3 ? 8 : 2);
 }
 
-static inline uint64_t pbf_pressure_grid_most(uint32_t capacity) {
-  return pbf_pressure_grid_limit(pbf_most_planned(capacity));
+static inline uint64_t pbf_pressure_grid_max_nodes(uint32_t capacity) {
+  return pbf_pressure_grid_limit(pbf_max_planned(capacity));
 }
 
 static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, double width) {
@@ -98,7 +98,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
-  c.most_left = pbf_depth_most_left(params);
+  c.max_left = pbf_depth_max_left(params);
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
@@ -309,7 +309,7 @@ pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure
   }
   double error = c->error * head, cell = c->error * fastest;
   double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
-  left = pbf_lesser(left, c->most_left * error);
+  left = pbf_lesser(left, c->max_left * error);
   left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
   if (!(error > left && fastest < 0.5)) return source_scale;
   source_scale.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);

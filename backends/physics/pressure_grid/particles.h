@@ -33,7 +33,7 @@ PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c,
                                               const double before[PBF_DIM]) {
   const uint64_t beside = pbf_solids_beside(c, t, x);
   uint32_t nearest = PBF_NO_INDEX;
-  double least = 1e30;
+  double nearest2 = 1e30;
   for (int a = 0; a < PBF_CORNERS; ++a) {
     int i[PBF_DIM], at[PBF_DIM], outside = 0;
     uint32_t cell = 0;
@@ -47,10 +47,10 @@ PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c,
       cell = cell * c->size[k] + (uint32_t)i[k];
       away += (among - point) * (among - point);
     }
-    if (outside || !(away < least)) continue;
+    if (outside || !(away < nearest2)) continue;
     const int k = pbf_compartment_with(t, cell, pbf_sample_index(at));
     if (k < 0 || !pbf_is_seen(t, beside, x, pbf_sample_at(c, i, at))) continue;
-    least = away;
+    nearest2 = away;
     nearest = pbf_cell_compartment(t, cell, k);
   }
   return nearest;

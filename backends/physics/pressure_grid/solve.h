@@ -12,7 +12,7 @@
 
 typedef struct pbf_pressure_grid_solve {
   double ratio2, step; /* of the interval */
-  int most;            /* iterations */
+  int max_iterations;  /* iterations */
   double enough;       /* what may be missing at a node */
   double weight;       /* of the iteration */
 } pbf_pressure_grid_solve;
@@ -25,7 +25,7 @@ PBF_FN pbf_pressure_grid_solve pbf_pressure_grid_solve_begin(int longest, double
   double ratio = (PBF_PRESSURE_GRID_HIGHEST - low) / (PBF_PRESSURE_GRID_HIGHEST + low);
   s.ratio2 = ratio * ratio;
   s.step = 2 / (PBF_PRESSURE_GRID_HIGHEST + low);
-  s.most = largest > 0 ? 8 + 4 * longest : 0;
+  s.max_iterations = largest > 0 ? 8 + 4 * longest : 0;
   s.enough = 0.005 / longest * largest;
   s.weight = 1;
   return s;
@@ -146,12 +146,12 @@ PBF_FN int pbf_pressure_grid_is_solved(const pbf_pressure_grid_topology *t, cons
 
 /* Whether there is room between a node that is not torn and the next one to that side of the axis.
  */
-PBF_FN int pbf_pressure_grid_has_room(const pbf_pressure_grid *c, const double *free_volumes,
-                                      uint32_t node, int upwards) {
-  double room = 0;
+PBF_FN int pbf_pressure_grid_has_free_volume(const pbf_pressure_grid *c, const double *free_volumes,
+                                             uint32_t node, int upwards) {
+  double volume = 0;
   for (int a = 0; a < PBF_CORNERS; ++a)
-    if ((a >> c->axis & 1) != upwards) room += free_volumes[node - c->corner[a]];
-  return room >= 0.1;
+    if ((a >> c->axis & 1) != upwards) volume += free_volumes[node - c->corner[a]];
+  return volume >= 0.1;
 }
 
 /* The node next to one along the grid's axis; PBF_NO_INDEX where a solid or a wall is. */
@@ -160,7 +160,7 @@ PBF_FN uint32_t pbf_pressure_grid_beside(const pbf_pressure_grid *c,
                                          const double *free_volumes, uint32_t node, int upwards) {
   const uint32_t stride = c->corner[1u << c->axis];
   if (t->torn[node]) return pbf_node_beside_torn(c, t, t->torn[node] - 1, c->axis, upwards);
-  if (!pbf_pressure_grid_has_room(c, free_volumes, node, upwards)) return PBF_NO_INDEX;
+  if (!pbf_pressure_grid_has_free_volume(c, free_volumes, node, upwards)) return PBF_NO_INDEX;
   return upwards ? node + stride : node - stride;
 }
 
@@ -211,7 +211,7 @@ PBF_FN void pbf_pressure_grid_guess_between(const pbf_pressure_grid *c,
     const int64_t last = at.floor + (i - 1) * at.up;
     const int on_torn = first > 0 && t->torn[floor - at.up] && lambda[floor - at.up] < 0;
     if (first > 0 && !on_torn &&
-        pbf_pressure_grid_has_room(c, free_volumes, (uint32_t)floor, !upwards))
+        pbf_pressure_grid_has_free_volume(c, free_volumes, (uint32_t)floor, !upwards))
       continue;
     const double above = i < top && t->torn[last + at.up] && lambda[last + at.up] < 0
                              ? 1 + lambda[last + at.up] / pbf_pressure_grid_weight(c, part, 1)

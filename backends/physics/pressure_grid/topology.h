@@ -90,7 +90,7 @@ PBF_FN void pbf_tear_node(const pbf_pressure_grid *c, const pbf_pressure_grid_to
           copy = node;
           if (!first) {
             const uint32_t taken =
-                pbf_pressure_grid_take(&t->counts[PBF_FURTHER_COPIES], 1, t->most);
+                pbf_pressure_grid_take(&t->counts[PBF_FURTHER_COPIES], 1, t->max_further);
             if (taken != PBF_NO_INDEX) copy = t->first + taken;
           }
           first = 0;
@@ -104,10 +104,11 @@ PBF_FN void pbf_tear_node(const pbf_pressure_grid *c, const pbf_pressure_grid_to
 
 /* The corners of the compartments around a torn node are no longer those of their cells: a list for
  * each copy. */
-PBF_FN void pbf_list_members(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                             const pbf_node_cells *around, uint32_t node, uint32_t copy) {
+PBF_FN void pbf_list_node_compartments(const pbf_pressure_grid *c,
+                                       const pbf_pressure_grid_topology *t,
+                                       const pbf_node_cells *around, uint32_t node, uint32_t copy) {
   const uint32_t torn = pbf_pressure_grid_take(&t->counts[PBF_TORN_NODES], 1, t->limit);
-  uint32_t *members = t->members + (uint64_t)torn * PBF_MEMBERS;
+  uint32_t *node_compartments = t->node_compartments + (uint64_t)torn * PBF_NODE_COMPARTMENTS;
   int count = 0;
   t->torn[copy] = 1 + torn;
   t->torn_at[torn] = copy;
@@ -115,12 +116,12 @@ PBF_FN void pbf_list_members(const pbf_pressure_grid *c, const pbf_pressure_grid
   for (int a = 0; a < PBF_CORNERS; ++a)
     for (int k = 0; k < around->counts[a]; ++k) {
       const uint32_t compartment = pbf_cell_compartment(t, around->cells[a], k);
-      if (count == PBF_MEMBERS || !pbf_compartment_is_own(t, compartment) ||
+      if (count == PBF_NODE_COMPARTMENTS || !pbf_compartment_is_own(t, compartment) ||
           pbf_pressure_grid_corner(c, t, compartment, a) != copy)
         continue;
-      members[count++] = compartment * PBF_CORNERS + (uint32_t)a;
+      node_compartments[count++] = compartment * PBF_CORNERS + (uint32_t)a;
     }
-  for (; count < PBF_MEMBERS; ++count) members[count] = PBF_NO_INDEX;
+  for (; count < PBF_NODE_COMPARTMENTS; ++count) node_compartments[count] = PBF_NO_INDEX;
 }
 
 /* Once all nodes have been torn. */
@@ -128,28 +129,28 @@ PBF_FN void pbf_list_torn_node(const pbf_pressure_grid *c, const pbf_pressure_gr
                                uint32_t node) {
   const pbf_node_cells around = pbf_cells_around_node(c, t, node);
   if (!pbf_is_around(t->touched, &around)) return;
-  pbf_list_members(c, t, &around, node, node);
+  pbf_list_node_compartments(c, t, &around, node, node);
   for (int a = 0; a < PBF_CORNERS; ++a)
     for (int k = 0; k < around.counts[a]; ++k) {
       const uint32_t compartment = pbf_cell_compartment(t, around.cells[a], k);
       if (!pbf_compartment_is_own(t, compartment)) continue;
       const uint32_t copy = pbf_pressure_grid_corner(c, t, compartment, a);
-      if (copy != node && !t->torn[copy]) pbf_list_members(c, t, &around, node, copy);
+      if (copy != node && !t->torn[copy]) pbf_list_node_compartments(c, t, &around, node, copy);
     }
 }
 
 /* ---- A torn node's compartments ------------------------------------------------------------- */
 
-PBF_FN uint32_t pbf_member(const pbf_pressure_grid_topology *t, uint32_t torn, int k) {
-  return t->members[(uint64_t)torn * PBF_MEMBERS + (uint64_t)k];
+PBF_FN uint32_t pbf_node_compartment(const pbf_pressure_grid_topology *t, uint32_t torn, int k) {
+  return t->node_compartments[(uint64_t)torn * PBF_NODE_COMPARTMENTS + (uint64_t)k];
 }
 
 /* The node next to a torn one towards one side of an axis; PBF_NO_INDEX where there is none. */
 PBF_FN uint32_t pbf_node_beside_torn(const pbf_pressure_grid *c,
                                      const pbf_pressure_grid_topology *t, uint32_t torn, int axis,
                                      int upwards) {
-  for (int k = 0; k < PBF_MEMBERS; ++k) {
-    const uint32_t member = pbf_member(t, torn, k);
+  for (int k = 0; k < PBF_NODE_COMPARTMENTS; ++k) {
+    const uint32_t member = pbf_node_compartment(t, torn, k);
     if (member == PBF_NO_INDEX) break;
     const int a = (int)(member % PBF_CORNERS);
     if ((a >> axis & 1) == upwards) continue;

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* syscall */
-#include "cpu/thread_room.h"
+#include "cpu/startable_threads.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #endif
 
-enum { MOST = 256 };
+enum { MAX_GUESTS = 256 };
 
 typedef struct guest {
   pthread_t thread;
@@ -38,7 +38,7 @@ static void wait_until_forgotten(const guest *gone) {
 }
 
 static uint32_t start_and_end(uint32_t wanted) {
-  guest guests[MOST];
+  guest guests[MAX_GUESTS];
   pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
   uint32_t here = 0;
   pthread_mutex_lock(&door);
@@ -54,12 +54,12 @@ static uint32_t start_and_end(uint32_t wanted) {
 }
 
 /* The process's signals are not for these threads. */
-uint32_t thread_room(uint32_t wanted) {
+uint32_t startable_threads(uint32_t wanted) {
   sigset_t all, before;
   sigfillset(&all);
-  if (wanted > MOST) wanted = MOST;
+  if (wanted > MAX_GUESTS) wanted = MAX_GUESTS;
   if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0) return 0;
-  uint32_t room = start_and_end(wanted);
+  uint32_t startable = start_and_end(wanted);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
-  return room;
+  return startable;
 }

@@ -6,6 +6,6 @@
 
 /* 0 … wanted, that many at once: they have been started, and have ended. Limits of users, control
  * groups and of memory count alike. Others may take them at any time. */
-uint32_t thread_room(uint32_t wanted);
+uint32_t startable_threads(uint32_t wanted);
 
 #endif
