@@ -40,9 +40,9 @@ static inline double pbf_power_below(double limit) {
 }
 
 /* Of up to `limit` cells (100 or more), up to `finest` of them in a width along rows, given the
- * grid's number of widths. What is wrapped gets about a cube's sides, in 3D up to four times as many
- * columns: fluid falls, and then spreads. A side that the grid has less of leaves its room to the
- * other. */
+ * grid's number of widths. What is wrapped gets about a cube's sides, in 3D up to four times as
+ * many columns: fluid falls, and then spreads. A side that the grid has less of leaves its room to
+ * the other. */
 static inline pbf_grid_wrap pbf_grid_wrap_of(double limit, double finest,
                                              const double widths[PBF_DIM]) {
   const double max_columns = finest * widths[0];

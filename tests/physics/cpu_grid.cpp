@@ -1,6 +1,6 @@
 /* The CPU solver's cells: neighbours are in the rows around a particle, each in one of them,
- * wherever the grid is wrapped; and fluid does not share its cells with itself because of a drop far
- * away. */
+ * wherever the grid is wrapped; and fluid does not share its cells with itself because of a drop
+ * far away. */
 #include "support.h"
 
 #include "cpu/grid.h"
