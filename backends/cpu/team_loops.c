@@ -34,6 +34,8 @@ struct team {
   char apart[LINES - sizeof(atomic_uint)];
   atomic_uint ending; /* the loop whose `last` has been taken */
   char apart_too[LINES - sizeof(atomic_uint)];
+  atomic_ullong alone; /* nanoseconds in all `last`, when one thread works */
+  char apart_as_well[LINES - sizeof(atomic_ullong)];
   desk desks[];
 };
 
@@ -42,6 +44,7 @@ uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(d
 void team_reset(team *all, uint32_t threads) {
   atomic_init(&all->over, 0);
   atomic_init(&all->ending, 0);
+  atomic_init(&all->alone, 0);
   for (uint32_t t = 0; t < threads; ++t) {
     atomic_init(&all->desks[t].left, 0);
     atomic_init(&all->desks[t].done, 0);
@@ -105,17 +108,31 @@ static void end_loop(const team_thread *self, completion_function last, void *co
   if (!atomic_compare_exchange_strong_explicit(&self->team->ending, &ended, self->loops,
                                                memory_order_relaxed, memory_order_relaxed))
     return;
-  if (last) last(context);
+  if (last) {
+    const double begin = seconds_now();
+    last(context);
+    atomic_fetch_add_explicit(&self->team->alone,
+                              (unsigned long long)(1e9 * (seconds_now() - begin)),
+                              memory_order_relaxed);
+  }
   atomic_store_explicit(&self->team->over, self->loops, memory_order_release);
 }
 
+/* Seconds that one thread has worked alone. */
+static double seconds_alone(const team_thread *self) {
+  return 1e-9 * (double)atomic_load_explicit(&self->team->alone, memory_order_relaxed);
+}
+
 static void wait_for_end(team_thread *self, completion_function last, void *context) {
+  const double alone = seconds_alone(self);
   double since = 0;
   for (unsigned looks = 1; !is_converged(self); wait_a_little(&looks)) {
     if ((self->thread == 0 || looks % TRUST == 0) && all_done(self)) end_loop(self, last, context);
     if (looks == LONG) since = seconds_now();
   }
-  if (since > 0) self->waited += seconds_now() - since;
+  if (since == 0) return;
+  const double waited = seconds_now() - since - (seconds_alone(self) - alone);
+  if (waited > 0) self->waited += waited;
 }
 
 void parallel_for(team_thread *self, uint32_t tasks, task_function task, completion_function last,

@@ -9,6 +9,7 @@
  * On a core that others use a thread may be stopped for milliseconds with a task in hand, which all
  * the others then wait for. A run with much of that makes teams smaller for a while. */
 #define _GNU_SOURCE /* sched_getaffinity */
+#include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
@@ -44,8 +45,9 @@ typedef struct region {
 
 /* How many threads a team may have, since cores were busy. */
 typedef struct limit {
-  uint32_t threads; /* 0: as many as it wants */
-  double pause;     /* until there may be more, in seconds: longer the sooner it was busy again */
+  uint32_t threads;       /* 0: as many as it wants */
+  double seconds, waited; /* of the last runs, and of them by a thread for others */
+  double pause; /* until there may be more, in seconds: longer the sooner it was busy again */
   double more_at;
 } limit;
 
@@ -171,7 +173,7 @@ void team_begin(void) {
   pthread_mutex_lock(&pool.lock);
   if (!pool.forks_are_watched)
     pool.forks_are_watched = pthread_atfork(before_fork, in_parent, in_child) == 0;
-  if (pool.users++ == 0) pool.limit = (limit){0, 0, 0};
+  if (pool.users++ == 0) pool.limit = (limit){0};
   pool.refused = 0;
   pthread_mutex_unlock(&pool.lock);
 }
@@ -194,7 +196,8 @@ void team_end(void) {
 /* ---- Busy cores ---------------------------------------------------------------------------- */
 
 static const double min_pause = 0.016, max_pause = 0.5; /* seconds */
-static const double much_waiting = 0.25;                /* of a run's time */
+static const double much_waiting = 0.25;                /* of the runs' time */
+static const double window = 0.008;                      /* seconds: one long wait says nothing */
 
 /* With the lock held. */
 static uint32_t limited(uint32_t threads, double now) {
@@ -210,13 +213,17 @@ static uint32_t limited(uint32_t threads, double now) {
 /* With the lock held, after a run of several threads. */
 static void note_run(uint32_t threads, double seconds, double waited, double now) {
   limit *l = &pool.limit;
-  if (waited > much_waiting * seconds) {
+  l->seconds += seconds;
+  l->waited += waited;
+  if (l->waited > much_waiting * fmax(l->seconds, window)) {
+    l->seconds = l->waited = 0;
     l->threads = threads / 2;
     l->pause = l->pause > min_pause ? l->pause : min_pause;
     l->more_at = now + l->pause;
     l->pause = 2 * l->pause < max_pause ? 2 * l->pause : max_pause;
   } else {
-    l->pause = l->pause - seconds > min_pause ? l->pause - seconds : min_pause;
+    l->pause = fmax(l->pause - seconds, min_pause);
+    if (l->seconds > window) l->seconds /= 2, l->waited /= 2;
   }
 }
 

@@ -292,7 +292,7 @@ static void few_particles_get_few_threads(void **state) {
   assert_int_equal(members_for(7, 100), 7);
   assert_int_equal(members_for(0, 100), 1);
   long cpus = sysconf(_SC_NPROCESSORS_ONLN);
-  assert_true(members_for(0, 3000) <= 6);
+  assert_true(members_for(0, 500) <= 7);
   assert_true(members_for(0, 30000) <= (uint32_t)cpus);
 }
 
