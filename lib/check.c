@@ -46,6 +46,9 @@ static const char *unmet_requirement(double value, pbf_range range, uint32_t pre
       return unmet_above_zero(value, precision);
     case PBF_FRACTION:
       return value < 0 || value > 1 ? "from 0 to 1" : NULL;
+    case PBF_FRACTION_OR_CHOICE:
+      return value != -1 && (value < 0 || value > 1) ? "from 0 to 1, or -1 for what the scene needs"
+                                                     : NULL;
     case PBF_FRACTION_OF_RADIUS:
       return value < 1 ? unmet_above_zero(value, precision)
                        : "below 1, in units of smoothing_radius";

@@ -17,6 +17,7 @@ typedef enum pbf_range {
   PBF_AT_LEAST_ZERO,
   PBF_ABOVE_ZERO,
   PBF_FRACTION,
+  PBF_FRACTION_OR_CHOICE, /* or -1: the solver's choice */
   PBF_FRACTION_OF_RADIUS, /* between 0 and 1, in units of smoothing_radius */
   PBF_GRID_WIDTH,         /* of a coarse grid, in the same units; or none, or the solver's choice */
 } pbf_range;

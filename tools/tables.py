@@ -32,6 +32,9 @@ RANGES = {
     "AT_LEAST_ZERO": ("≥ 0", "non_negative"),
     "ABOVE_ZERO": ("> 0", "positive"),
     "FRACTION": ("0 … 1", "share"),
+    "FRACTION_OR_CHOICE": ("-1, 0 … 1", {
+        "type": "number", "minimum": -1, "maximum": 1,
+        "description": "-1, or a number from 0 to 1"}),
     "FRACTION_OF_RADIUS": ("> 0, < 1", {
         "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1,
         "description": "a number between 0 and 1"}),

@@ -31,6 +31,7 @@ namespace {
 struct executor {
   worker *w;
   bool sorted; /* the step has come as far as that */
+  double ends; /* time */
 
   void over_pairs(task_function task, completion_function last = NULL) {
     parallel_for(w->self, pair_task_count(w), task, last, w);
@@ -94,6 +95,7 @@ struct executor {
     w->iteration = k + 1;
   }
   void velocity() { update_velocity(w); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(ends, w->s->params.time_step); }
   void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
   void shear_push() { over_pairs(shear_push_task, PBF_STAGE_SHEAR_PUSH); }
   void correct_shear_stress() { over_pairs(shear_stress_task, PBF_STAGE_SHEAR_STRESS); }

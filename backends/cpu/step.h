@@ -32,7 +32,7 @@ static step_outcome step_once(worker *w, double begin, double end, int sorted) {
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
-  executor e = {w, sorted != 0};
+  executor e = {w, sorted != 0, end};
   return run_step(e, s->schedule);
 }
 

@@ -197,7 +197,7 @@ void team_end(void) {
 
 static const double min_pause = 0.016, max_pause = 0.5; /* seconds */
 static const double much_waiting = 0.25;                /* of the runs' time */
-static const double window = 0.008;                      /* seconds: one long wait says nothing */
+static const double window = 0.008;                     /* seconds: one long wait says nothing */
 
 /* With the lock held. */
 static uint32_t limited(uint32_t threads, double now) {

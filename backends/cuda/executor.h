@@ -246,6 +246,8 @@ struct executor {
     s->time = time;
   }
 
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(time, s->params.time_step); }
+
   /* A solve that has ended by its tolerance needs the sums of ghosts here, too. */
   void deviator() {
     const bool with_ghosts = s->fabric_ghosts && domain().ghost_reach > 0;

@@ -74,6 +74,25 @@ static inline double pbf_gravity_of(const pbf_params *params) {
   return sqrt(g2);
 }
 
+/* params.angular_momentum_correction, or what stands for -1: walls that carry a fluid's weight give
+ * it angular momentum, without gravity nothing may. */
+static inline double pbf_angular_momentum_correction(const pbf_params *params) {
+  if (params->angular_momentum_correction >= 0) return params->angular_momentum_correction;
+  return params->solver == PBF_SOLVER_CHEBYSHEV && pbf_gravity_of(params) == 0;
+}
+
+/* Every so many steps one corrects the shear stress of all of them. Arrangements change little in
+ * three steps: eddies keep as much as with a correction in every step, for a third of the cost. An
+ * odd number: lambda alternates from step to step, and with corrections in even ones alone water
+ * boils that no pressure grid carries. */
+enum { PBF_SHEAR_STRESS_STEPS = 3 };
+
+/* Whether the step that ends at a time is one of these: by the time alone, so that calls that are
+ * divided otherwise, and saved states, go on alike. */
+static inline int pbf_shear_stress_is_due(double end, double time_step) {
+  return fmod(floor(end / time_step + 0.5), PBF_SHEAR_STRESS_STEPS) == 0;
+}
+
 /* What a step does to the density error that it finds becomes velocity: error times h / dt, without
  * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
  * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
@@ -306,10 +325,12 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
   c.max_mean_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part = (pbf_real)(params->time_step > 0
-                                 ? 0.5 * params->angular_momentum_correction / params->time_step
+                                 ? 0.5 * pbf_angular_momentum_correction(params) / params->time_step
                                  : 0);
   c.shear_stress_part =
-      (pbf_real)(params->time_step > 0 ? params->shear_stress_correction / params->time_step : 0);
+      (pbf_real)(params->time_step > 0
+                     ? PBF_SHEAR_STRESS_STEPS * params->shear_stress_correction / params->time_step
+                     : 0);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_tension(&c, params, &d);

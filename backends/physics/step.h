@@ -77,7 +77,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   }
   e.velocity();
   e.exchange(FIELD_POSITION);
-  if (runs<PBF_STAGE_SHEAR_STRESS>(has)) {
+  if (runs<PBF_STAGE_SHEAR_STRESS>(has) && e.shear_stress_is_due()) {
     e.deviator();
     e.exchange(FIELD_DEVIATOR);
     e.shear_push();

@@ -328,7 +328,9 @@ typedef struct pbf_params {
                                as pairs stand in an iteration and not as at the step's start, goes
                                back to the pairs around as velocity. At 1 the angular momentum of a
                                fluid that nothing else touches is kept to rounding. A pass over
-                               pairs an iteration and two a step. 0, the default: none */
+                               pairs an iteration and two a step, 1.7 times a step without. -1, the
+                               default: 1 with PBF_SOLVER_CHEBYSHEV where gravity is 0, and 0 where
+                               walls carry the fluid's weight */
   double drag; /* 1/time, >= 0: all particles are dragged towards drag_velocity, as by a wind or a
                   stream around them: dv/dt = -drag (v - drag_velocity), solved exactly over each
                   step. A particle that falls in it ends at gravity / drag, to first order in the
@@ -354,7 +356,8 @@ typedef struct pbf_params {
                        resists slow shear like an elastic solid, and slow eddies swing back; at 0.7
                        they turn on. From 0.9 on water at rest boils in short steps. With it water
                        of 16 layers and more has a pressure grid, unless pressure_grid says
-                       otherwise. Three passes over pairs a step. 0, the default: none */
+                       otherwise. Three passes over pairs every third step. 0, the default:
+                       none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -171,6 +171,18 @@ static void water_does_not_swell(void **state) {
   if (!(height > 0.96 && height < 1.02)) fail_msg("water stands %g times as high", height);
 }
 
+/* Not every step corrects: which ones do is a matter of time, not of calls. */
+static void calls_may_be_divided(void **state) {
+  (void)state;
+  tank one = tank_of(2, PBF_FLOAT32, 0.7), many = tank_of(2, PBF_FLOAT32, 0.7);
+  assert_ok(pbf_step(one.solver, 13));
+  const uint32_t calls[] = {1, 4, 6, 2};
+  for (int k = 0; k < 4; ++k) assert_ok(pbf_step(many.solver, calls[k]));
+  assert_true(test_hash(one.solver) == test_hash(many.solver));
+  destroy(&one);
+  destroy(&many);
+}
+
 /* Without anything outside, a shear in a pressed body leaves its linear momentum at 0. */
 static void check_momentum(uint32_t dimension, uint32_t precision) {
   tank t = tank_of(dimension, precision, 1);
@@ -228,8 +240,9 @@ static void unused_costs_nothing(void **state) {
 int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(eddies_live),       cmocka_unit_test(in_short_steps_too),
-      cmocka_unit_test(water_stays_still), cmocka_unit_test(water_does_not_swell),
-      cmocka_unit_test(momentum_stays),    cmocka_unit_test(unused_costs_nothing)};
+      cmocka_unit_test(eddies_live),          cmocka_unit_test(in_short_steps_too),
+      cmocka_unit_test(water_stays_still),    cmocka_unit_test(water_does_not_swell),
+      cmocka_unit_test(calls_may_be_divided), cmocka_unit_test(momentum_stays),
+      cmocka_unit_test(unused_costs_nothing)};
   return TEST_RUN(tests);
 }

@@ -50,7 +50,7 @@ static const real_case params_reals[] = {
     {"prestabilization is -1", P(prestabilization), -1},
     {"damping_compensation is -1", P(damping_compensation), -1},
     {"damping_compensation is 1.5", P(damping_compensation), 1.5},
-    {"angular_momentum_correction is -1", P(angular_momentum_correction), -1},
+    {"angular_momentum_correction is -0.5", P(angular_momentum_correction), -0.5},
     {"angular_momentum_correction is 1.5", P(angular_momentum_correction), 1.5},
     {"pressure_grid is -2; it must be", P(pressure_grid), -2},
     {"pressure_grid is 0.5; it must be 1", P(pressure_grid), 0.5},

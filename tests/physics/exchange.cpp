@@ -36,6 +36,7 @@ struct watcher {
   }
   void velocity() { stage_of("velocity", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void deviator() { stage_of("deviator", FIELD_POSITION, FIELD_DEVIATOR); }
+  bool shear_stress_is_due() const { return true; }
   void shear_push() { stage_of("shear_push", FIELD_POSITION | FIELD_DEVIATOR, FIELD_SHEAR_PUSH); }
   void correct_shear_stress() {
     stage_of("correct_shear_stress", FIELD_POSITION | FIELD_SHEAR_PUSH, FIELD_VELOCITY);
