@@ -8,6 +8,7 @@
     docs/building.md               the features that a build may be without
     bench/scenes/scene.schema.json the properties of a scene's params
     examples/ctypes_demo.py        the mirror of pbf_params
+    python/pbf/_param_fields.py    the parameters as attributes of the Python package
 """
 import argparse
 import difflib
@@ -15,6 +16,7 @@ import json
 import pathlib
 import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TABLES = ROOT / "backends/physics"
@@ -161,6 +163,71 @@ def ctypes_text(params, text):
     return replaced(pattern, fields, text)
 
 
+# ---- _param_fields.py -----------------------------------------------------------------------------
+
+PYTHON = '''"""The parameters as attributes. Written by tools/tables.py from backends/physics/params.def."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypedDict, Union
+
+from ._numbers import Vector
+from ._param_kinds import (Collide, CollideField, Holder, Integer, Kernel, KernelField, Method,
+                           MethodField, Number, Reals)
+
+
+class ParamFields(Holder):
+{fields}
+
+
+class ParamValues(TypedDict, total=False):
+    """What the parameters' keywords take."""
+
+{values}
+'''
+
+# The enumerations have classes of their own.
+PYTHON_CLASSES = {"kernel": "Kernel", "solver": "Method", "collide": "Collide"}
+
+
+def python_kind(param):
+    if param["name"] in PYTHON_CLASSES:
+        return PYTHON_CLASSES[param["name"]] + "Field("
+    kind = {"INTEGER": "Integer(", "REAL": "Number("}.get(param["macro"])
+    return kind or f"Reals({param['count']}, "
+
+
+def python_doc(param, header):
+    words = [param["doc"]]
+    if param.get("unit", "1") != "1":
+        words.append(f"Unit: {param['unit']}.")
+    words += [f"Range: {range_words(param, header)}.", f"Default: {default_words(param)}."]
+    return " ".join(words).replace("\\", "\\\\").replace('"', '\\"')
+
+
+def python_field(param, header):
+    start = f"    {param['name']} = {python_kind(param)}"
+    lines = textwrap.wrap(python_doc(param, header), 88, break_long_words=False)
+    texts = [f'        "{line} "' for line in lines[:-1]] + [f'        "{lines[-1]}")']
+    return start.rstrip() + "\n" + "\n".join(texts)
+
+
+def python_value(param):
+    name = param["name"]
+    if name in PYTHON_CLASSES:
+        listed = ", Sequence[str]" if name == "collide" else ""
+        kind = f'"Union[{PYTHON_CLASSES[name]}, int, str{listed}]"'
+    else:
+        kind = {"INTEGER": "int", "REAL": "float"}.get(param["macro"], "Vector")
+    return f"    {name}: {kind}"
+
+
+def python_text(params, header):
+    params = [param for param in params if param["name"] != "reserved"]
+    return PYTHON.format(fields="\n".join(python_field(param, header) for param in params),
+                         values="\n".join(map(python_value, params)))
+
+
 # ---- docs ----------------------------------------------------------------------------------------
 
 REFERENCE = """# Parameters
@@ -251,6 +318,7 @@ def outputs():
         "bench/scenes/scene.schema.json":
             schema_text(params, read("bench/scenes/scene.schema.json")),
         "examples/ctypes_demo.py": ctypes_text(params, read("examples/ctypes_demo.py")),
+        "python/pbf/_param_fields.py": python_text(params, read("include/pbf/pbf.h")),
     }
 
 

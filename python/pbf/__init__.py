@@ -1,0 +1,37 @@
+"""Position based fluids.
+
+>>> import pbf
+>>> fluid = pbf.Solver(pbf.fill_box((0, 0, 0), (0.5, 1, 1), 0.05), domain_max=(2, 1, 1))
+>>> fluid.run(seconds=1, progress=True)
+>>> fluid.save_picture("water.png")
+
+`Solver` is a fluid, `load_scene` one that is described in a file, `fill_…` places particles. All
+failures are `pbf.Error`. `pbf.lib` and `pbf.ffi` are the C API.
+"""
+from ._errors import (BusyError, CancelledError, CapacityError, DataError, DeviceError, Error,
+                      InvalidArgumentError, MissingExtraError, NotFoundError, OutOfMemoryError,
+                      PluginError, StateError, StructSizeError, UnavailableError, UnsupportedError)
+from ._library import ffi, lib, version
+from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
+from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
+from .fill import fill_ball, fill_box, fill_lattice
+from .params import Collide, Kernel, Method, Params
+from .picture import Movie, png_bytes, render, save_png
+from .reports import (BackendInfo, Info, Limit, Plan, PlanArray, PlanStage, StageTime, Stats,
+                      backends, load_backend)
+from .scene import Scene, SceneSolver, load_scene, scenes
+from .solver import Solver
+from .views import Snapshot, View
+
+__version__ = version()
+
+__all__ = [
+    "BackendInfo", "Box", "BusyError", "CancelledError", "CapacityError", "Capsule", "Collide",
+    "Collider", "DataError", "DeviceError", "Error", "Info", "InvalidArgumentError", "Kernel",
+    "Limit", "Method", "MissingExtraError", "Movie", "NotFoundError", "OutOfMemoryError", "Params",
+    "MotionPath", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError", "Scene", "SceneSolver",
+    "Shape", "Snapshot", "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError",
+    "Surface", "UnavailableError", "UnsupportedError", "UsdPoints", "View", "VtkSeries",
+    "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
+    "load_backend", "load_scene", "png_bytes", "render", "save_png", "scenes", "surface", "version",
+    "write_ply"]

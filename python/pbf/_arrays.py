@@ -1,0 +1,97 @@
+"""What callers pass as arrays, as NumPy's; memory of the library, as NumPy's."""
+from __future__ import annotations
+
+from typing import Any, Protocol, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from ._errors import InvalidArgumentError
+from ._library import ffi
+
+CPU = 1  # DLPack's number
+
+
+class SupportsDLPack(Protocol):
+    """An array of PyTorch, CuPy, JAX, …"""
+
+    def __dlpack__(self, *, stream: Any = ...) -> Any: ...
+
+    def __dlpack_device__(self) -> tuple[int, int]: ...
+
+
+AnyArray = Union[ArrayLike, SupportsDLPack]
+
+
+def _on_host(array: Any) -> Any:
+    """The same tensor in host memory, by the ways that PyTorch, CuPy and JAX have."""
+    for way in ("detach", "cpu", "get"):
+        if hasattr(array, way):
+            array = getattr(array, way)()
+    return array
+
+
+def numpy_of(name: str, array: AnyArray) -> NDArray[Any]:
+    """Any array as NumPy's, without a copy where it is in host memory."""
+    if isinstance(array, np.ndarray):
+        return array
+    if hasattr(array, "__dlpack__") and hasattr(array, "__dlpack_device__"):
+        found: Any = array
+        if found.__dlpack_device__()[0] != CPU or getattr(found, "requires_grad", False):
+            found = _on_host(found)
+        if not isinstance(found, np.ndarray) and found.__dlpack_device__()[0] == CPU:
+            try:
+                return np.from_dlpack(found)
+            except BufferError:
+                pass
+        array = found
+    try:
+        return np.asarray(array)
+    except Exception as error:
+        raise InvalidArgumentError(f"{name} can't be made a NumPy array: {error}") from error
+
+
+def rows_of(name: str, array: AnyArray, dimension: int, dtype: DTypeLike) -> NDArray[Any]:
+    """An array of shape (count, dimension), as the library reads it: no copy where it is so."""
+    given = numpy_of(name, array)
+    if given.ndim == 1 and given.size in (0, dimension):
+        given = given.reshape(-1, dimension)
+    if given.ndim != 2 or given.shape[1] != dimension:
+        raise InvalidArgumentError(
+            f"{name} has the shape {given.shape}; this solver wants (count, {dimension})")
+    if given.dtype.kind not in "fiu":
+        raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold real numbers")
+    return np.ascontiguousarray(given, dtype)
+
+
+def ids_of(ids: AnyArray) -> NDArray[np.uint32]:
+    given = numpy_of("ids", ids)
+    if given.size and (given.dtype.kind not in "iu" or given.min() < 0
+                       or given.max() > np.iinfo(np.uint32).max):
+        raise InvalidArgumentError(f"ids are of {given.dtype}; they must be integers, 0 … 4294967295")
+    return np.ascontiguousarray(given, np.uint32).reshape(-1)
+
+
+def pointer(array: NDArray[Any]) -> Any:
+    return ffi.cast("void *", array.ctypes.data)
+
+
+class _Memory:
+    """What NumPy keeps as the base of an array: it holds the owner of the memory."""
+
+    def __init__(self, owner: Any, interface: dict[str, Any]) -> None:
+        self.owner = owner
+        self.__array_interface__ = interface
+
+
+def readonly_array(owner: Any, data: Any, shape: tuple[int, ...], dtype: DTypeLike,
+                   strides: tuple[int, ...] | None = None) -> NDArray[Any]:
+    """An array over memory of the library, which lives as long as any array over it."""
+    if 0 in shape:
+        empty = np.empty(shape, dtype)
+        empty.flags.writeable = False
+        return empty
+    address = int(ffi.cast("uintptr_t", data))
+    return np.asarray(_Memory(owner, {
+        "version": 3, "shape": shape, "strides": strides, "typestr": np.dtype(dtype).str,
+        "data": (address, True)}))

@@ -1,0 +1,136 @@
+"""Colliders: planes, spheres, capsules and boxes."""
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+from ._errors import InvalidArgumentError, check
+from ._library import ffi, lib
+from ._numbers import Vector, real, reals, uint32
+
+
+class Shape(enum.IntEnum):
+    PLANE = lib.PBF_COLLIDER_PLANE
+    SPHERE = lib.PBF_COLLIDER_SPHERE
+    CAPSULE = lib.PBF_COLLIDER_CAPSULE
+    BOX = lib.PBF_COLLIDER_BOX
+
+
+class MotionPath(enum.IntEnum):
+    """How a collider that turns goes from where it is set; see PBF_PATH_… in pbf.h."""
+
+    AUTO = lib.PBF_PATH_AUTO
+    STRAIGHT = lib.PBF_PATH_STRAIGHT
+    SCREW = lib.PBF_PATH_SCREW
+
+
+# Fields whose third component has a value of its own in 2D, where it is not given.
+_THIRD = {"half_extents": 1.0}
+
+
+@dataclass
+class Collider:
+    """What is common to all shapes; `Plane`, `Sphere`, `Capsule` and `Box` are what to make.
+
+    In 2D vectors may have two numbers; `angular_velocity` has three, of which the third turns.
+    """
+
+    shape: ClassVar[Shape]
+
+    position: Vector = (0.0, 0.0, 0.0)
+    """The centre; of a plane: any point of it."""
+    orientation: Vector = (0.0, 0.0, 0.0, 1.0)
+    """A unit quaternion x, y, z, w."""
+    velocity: Vector = (0.0, 0.0, 0.0)
+    angular_velocity: Vector = (0.0, 0.0, 0.0)
+    """Radians a time unit, about `position`."""
+    axis: Vector = (0.0, 1.0, 0.0)
+    """Of a plane the normal, of a capsule the direction, before `orientation` turns it."""
+    half_extents: Vector = (1.0, 1.0, 1.0)
+    """Of a box."""
+    radius: float = 1.0
+    """Of a sphere or a capsule."""
+    half_length: float = 1.0
+    """Of a capsule: from the centre to either end of its segment."""
+    half_extents_rate: Vector = (0.0, 0.0, 0.0)
+    radius_rate: float = 0.0
+    half_length_rate: float = 0.0
+    duration: float = 0.0
+    """So long it moves and grows, and then stands still; 0: for ever."""
+    inverted: bool = False
+    """A container: the fluid stays inside."""
+    path: MotionPath = MotionPath.AUTO
+
+    def _write(self, struct: Any) -> None:
+        check(lib.pbf_collider_init(struct, ffi.sizeof("pbf_collider"), self.shape))
+        struct.inverted = bool(self.inverted)
+        struct.path = uint32("path", self.path)
+        for field in fields(self):
+            value, name = getattr(self, field.name), field.name
+            if name in ("inverted", "path"):
+                continue
+            target = getattr(struct, name)
+            if isinstance(target, float):
+                setattr(struct, name, real(name, value))
+                continue
+            lengths = (4,) if name == "orientation" else (2, 3)
+            numbers = reals(name, value, (3,) if name == "angular_velocity" else lengths)
+            if len(numbers) == 2:
+                numbers.append(_THIRD.get(name, 0.0))
+            for i, number in enumerate(numbers):
+                target[i] = number
+
+
+@dataclass
+class Plane(Collider):
+    """Fluid stays on the side of `axis`, the normal."""
+
+    shape: ClassVar[Shape] = Shape.PLANE
+
+
+@dataclass
+class Sphere(Collider):
+    shape: ClassVar[Shape] = Shape.SPHERE
+
+
+@dataclass
+class Capsule(Collider):
+    shape: ClassVar[Shape] = Shape.CAPSULE
+
+
+@dataclass
+class Box(Collider):
+    shape: ClassVar[Shape] = Shape.BOX
+
+
+KINDS: dict[int, type[Collider]] = {kind.shape: kind for kind in (Plane, Sphere, Capsule, Box)}
+
+
+def collider_of(struct: Any) -> Collider:
+    values: dict[str, Any] = {}
+    for field in fields(Collider):
+        value = getattr(struct, field.name)
+        values[field.name] = tuple(value) if isinstance(value, ffi.CData) else value
+    values.update(inverted=bool(struct.inverted), path=MotionPath(struct.path))
+    return KINDS[struct.shape](**values)
+
+
+def struct_array(colliders: Iterable[Collider] | Collider) -> tuple[int, Any]:
+    """Their number, and an array of structs."""
+    listed = [colliders] if isinstance(colliders, Collider) else None
+    if listed is None:
+        try:
+            listed = list(colliders)  # type: ignore[arg-type]
+        except TypeError:
+            raise InvalidArgumentError(
+                f"colliders is {colliders!r}; it must be a list of colliders") from None
+    for i, collider in enumerate(listed):
+        if not isinstance(collider, Collider) or type(collider) is Collider:
+            raise InvalidArgumentError(
+                f"colliders[{i}] is {collider!r}; it must be a Plane, Sphere, Capsule or Box")
+    array = ffi.new("pbf_collider[]", max(len(listed), 1))
+    for i, collider in enumerate(listed):
+        collider._write(ffi.addressof(array, i))
+    return len(listed), array

@@ -1,0 +1,248 @@
+"""Files for other programs: PLY, VTK for ParaView, USD; and the surface of a fluid."""
+from __future__ import annotations
+
+import importlib
+import os
+import pathlib
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Union
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import InvalidArgumentError, MissingExtraError
+from ._numbers import real
+
+if TYPE_CHECKING:
+    from .solver import Solver
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+_TYPES = {"f4": "float", "f8": "double", "i4": "int", "u4": "uint", "u1": "uchar"}
+
+
+def _need(module: str, package: str, what: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise MissingExtraError(
+            f"{what} needs {package}, which is not installed: pip install {package}, or this "
+            "package with its extra: pip install '.[export]'") from None
+
+
+def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
+    """Three numbers each, in 2D, too."""
+    if vectors.shape[1] == 3:
+        return vectors
+    padded = np.zeros((len(vectors), 3), vectors.dtype)
+    padded[:, :2] = vectors
+    return padded
+
+
+# ---- PLY -----------------------------------------------------------------------------------------
+
+
+def _record(columns: list[tuple[str, NDArray[Any]]], count: int) -> NDArray[Any]:
+    fields = [(name, "<" + column.dtype.str[1:]) for name, column in columns]
+    table = np.empty(count, fields)
+    for name, column in columns:
+        table[name] = column
+    return table
+
+
+def _ply(vertices: list[tuple[str, NDArray[Any]]], count: int,
+         triangles: NDArray[Any] | None = None) -> bytes:
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {count}"]
+    lines += [f"property {_TYPES[column.dtype.str[1:]]} {name}" for name, column in vertices]
+    if triangles is not None:
+        lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices"]
+    data = [("\n".join([*lines, "end_header"]) + "\n").encode(), _record(vertices, count).tobytes()]
+    if triangles is not None:
+        faces = np.empty(len(triangles), [("n", "u1"), ("corners", "<i4", 3)])
+        faces["n"], faces["corners"] = 3, triangles
+        data.append(faces.tobytes())
+    return b"".join(data)
+
+
+def _axes(vectors: NDArray[Any], names: str) -> list[tuple[str, NDArray[Any]]]:
+    spatial = _in_space(vectors)
+    return [(name, spatial[:, k]) for k, name in enumerate(names.split())]
+
+
+def write_ply(path: PathLike, fluid: Solver, **columns: NDArray[Any]) -> None:
+    """The particles as a cloud of points: x, y, z, vx, vy, vz, id, and further columns, of one
+    number a particle, by name."""
+    table = [*_axes(fluid.positions, "x y z"), *_axes(fluid.velocities, "vx vy vz"),
+             ("id", fluid.ids)]
+    for name, column in columns.items():
+        values = np.asarray(column)
+        if values.shape != (fluid.count,) or values.dtype.str[1:] not in _TYPES:
+            raise InvalidArgumentError(
+                f"{name} has shape {values.shape} of {values.dtype}; it must have one number of 32 "
+                f"or 64 bits for each of the {fluid.count} particles")
+        table.append((name, values))
+    pathlib.Path(path).write_bytes(_ply(table, fluid.count))
+
+
+# ---- ParaView ------------------------------------------------------------------------------------
+
+
+class VtkSeries:
+    """A time series for ParaView: NAME.pvd, which it opens, and a NAME_0000.vtu each frame, with
+    velocity, id and density of each particle.
+
+    >>> with pbf.VtkSeries("out/dam.pvd") as series:
+    ...     for frame in fluid.frames(60, steps=4):
+    ...         series.add(fluid)
+    """
+
+    def __init__(self, path: PathLike) -> None:
+        self._meshio = _need("meshio", "meshio", "a .vtu file")
+        self.path = pathlib.Path(path)
+        if self.path.suffix != ".pvd":
+            raise InvalidArgumentError(f'{self.path.name}: a series ends in ".pvd"')
+        self._frames: list[tuple[float, str]] = []
+
+    def add(self, fluid: Solver, **columns: NDArray[Any]) -> pathlib.Path:
+        """The present state as the next frame; further columns by name. Gives the file's path."""
+        count = fluid.count
+        mesh = self._meshio.Mesh(
+            _in_space(fluid.positions), [("vertex", np.arange(count).reshape(-1, 1))],
+            point_data={"velocity": _in_space(fluid.velocities), "id": fluid.ids.astype(np.int64),
+                        "density": fluid.densities, **columns})
+        file = self.path.with_name(f"{self.path.stem}_{len(self._frames):04d}.vtu")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        mesh.write(file)
+        self._frames.append((fluid.time, file.name))
+        self._write()
+        return file
+
+    def _write(self) -> None:
+        """After each frame, so that a run that ends early leaves what ParaView can open."""
+        lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "<Collection>"]
+        lines += [f'<DataSet timestep="{time!r}" part="0" file={quoteattr(name)}/>'
+                  for time, name in self._frames]
+        text = "\n".join([*lines, "</Collection>", "</VTKFile>", ""])
+        self.path.write_text(text, encoding="utf-8")
+
+    def __enter__(self) -> VtkSeries:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        return None
+
+
+# ---- USD -----------------------------------------------------------------------------------------
+
+
+class UsdPoints:
+    """Particles as points of USD, a time sample each frame: .usdc, .usda or .usd.
+
+    >>> with pbf.UsdPoints("dam.usdc", fps=30) as usd:
+    ...     for frame in fluid.frames(60, steps=4):
+    ...         usd.add(fluid)
+    """
+
+    def __init__(self, path: PathLike, fps: float = 24.0, prim: str = "/fluid") -> None:
+        what = "a USD file"
+        usd, geometry = _need("pxr.Usd", "usd-core", what), _need("pxr.UsdGeom", "usd-core", what)
+        self._vt = _need("pxr.Vt", "usd-core", what)
+        self.path = pathlib.Path(path)
+        if self.path.suffix not in (".usd", ".usda", ".usdc"):
+            raise InvalidArgumentError(f'{self.path.name} must end in ".usd", ".usda" or ".usdc"')
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._frame = 0
+        self._stage = usd.Stage.CreateInMemory()
+        self._stage.SetTimeCodesPerSecond(real("fps", fps))
+        self._points = geometry.Points.Define(self._stage, prim)
+        self._stage.SetDefaultPrim(self._points.GetPrim())
+        self._geometry = geometry
+
+    def add(self, fluid: Solver) -> None:
+        """The present state as the next frame."""
+        if self._frame == 0:
+            gravity = np.abs(np.array([*fluid.gravity, 0.0])[:3])
+            up = self._geometry.Tokens.z if gravity.argmax() == 2 else self._geometry.Tokens.y
+            self._geometry.SetStageUpAxis(self._stage, up)
+        vectors = self._vt.Vec3fArray.FromNumpy
+        points, time = self._points, self._frame
+        points.CreatePointsAttr().Set(vectors(_in_space(fluid.positions).astype(np.float32)), time)
+        points.CreateVelocitiesAttr().Set(
+            vectors(_in_space(fluid.velocities).astype(np.float32)), time)
+        points.CreateIdsAttr().Set(
+            self._vt.Int64Array.FromNumpy(fluid.ids.astype(np.int64)), time)
+        widths = np.full(fluid.count, fluid.rest_distance, np.float32)
+        points.CreateWidthsAttr().Set(self._vt.FloatArray.FromNumpy(widths), time)
+        self._frame += 1
+
+    def close(self) -> None:
+        """Writes the file."""
+        if self._stage is not None:
+            self._stage.SetStartTimeCode(0)
+            self._stage.SetEndTimeCode(max(0, self._frame - 1))
+            self._stage.GetRootLayer().Export(str(self.path))
+            self._stage = self._points = None
+
+    def __enter__(self) -> UsdPoints:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+
+# ---- The surface ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A mesh of triangles, with a normal at each vertex that points out of the fluid."""
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    normals: NDArray[np.float64]
+
+    def save(self, path: PathLike) -> None:
+        """As .ply, with normals; other formats (.obj, .stl, .vtu, …) by meshio."""
+        file = pathlib.Path(path)
+        if file.suffix == ".ply":
+            table = [*_axes(self.vertices.astype(np.float32), "x y z"),
+                     *_axes(self.normals.astype(np.float32), "nx ny nz")]
+            file.write_bytes(_ply(table, len(self.vertices), self.triangles))
+            return
+        meshio = _need("meshio", "meshio", f"a {file.suffix} file")
+        data = {} if file.suffix in (".obj", ".stl") else {"normals": self.normals}
+        meshio.Mesh(self.vertices, [("triangle", self.triangles)], point_data=data).write(file)
+
+
+def surface(fluid: Solver, *, smoothing_length: float = 2.0, cube_size: float = 0.75,
+            threshold: float = 0.6, smoothing: int = 15, within_domain: bool = True) -> Surface:
+    """The surface of a fluid in 3D, by splashsurf: marching cubes about the particles, smoothed.
+
+    Lengths are in radii of a particle, which is half of the distance of particles. A smaller
+    `cube_size` is finer and takes longer; `smoothing` is how often the mesh is smoothed.
+    `within_domain` takes triangles off that are outside of the domain's walls.
+    """
+    splash = _need("pysplashsurf", "pysplashsurf", "a surface")
+    if fluid.dimension != 3:
+        raise InvalidArgumentError("a surface is of a fluid in 3D; this solver is in 2D")
+    none = np.empty((0, 3))
+    if fluid.count == 0:
+        return Surface(none, np.empty((0, 3), np.int64), none)
+    # Of float64 the library takes arrays in the order of C alone.
+    points = np.ascontiguousarray(fluid.positions, np.float64)
+    limits: dict[str, Any] = {}
+    if within_domain:
+        limits = {"mesh_aabb_min": list(fluid.domain_min), "mesh_aabb_max": list(fluid.domain_max)}
+    mesh, _ = splash.reconstruction_pipeline(
+        points, particle_radius=fluid.rest_distance / 2, smoothing_length=smoothing_length,
+        cube_size=cube_size, iso_surface_threshold=threshold, mesh_smoothing_iters=smoothing,
+        mesh_smoothing_weights=smoothing > 0, mesh_cleanup=smoothing > 0, compute_normals=True,
+        **limits)
+    attributes = mesh.point_attributes
+    return Surface(np.asarray(mesh.mesh.vertices, np.float64),
+                   np.asarray(mesh.mesh.triangles, np.int64),
+                   np.asarray(attributes["normals"], np.float64))
