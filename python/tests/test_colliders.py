@@ -1,0 +1,71 @@
+"""Colliders."""
+import numpy as np
+import pytest
+
+import pbf
+
+
+def test_they_come_back_as_they_were_set(dam):
+    given = [pbf.Sphere((0.75, 0.5, 0.5), radius=0.1), pbf.Plane((0, 0.01, 0)),
+             pbf.Capsule((0.8, 0.5, 0.5), radius=0.05, half_length=0.2, axis=(1, 0, 0)),
+             pbf.Box((0.8, 0.8, 0.8), half_extents=(0.1, 0.05, 0.02), velocity=(0.1, 0, 0))]
+    for collider in given:
+        collider.path = pbf.MotionPath.STRAIGHT  # what AUTO becomes
+    dam.colliders = given
+    assert dam.colliders == given
+    dam.colliders = []
+    assert dam.colliders == []
+    dam.colliders = given[0]
+    assert dam.colliders == given[:1]
+
+
+def test_a_ball_keeps_fluid_out(make):
+    fluid = make(pbf.fill_box((0, 0.3, 0), (1, 0.6, 1), 0.05))
+    fluid.colliders = pbf.Sphere((0.5, 0.0, 0.5), radius=0.3)
+    fluid.step(120)
+    distance = np.linalg.norm(fluid.positions - [0.5, 0, 0.5], axis=1)
+    assert distance.min() > 0.3
+    assert fluid.positions[:, 1].min() < 0.1  # it has fallen beside the ball
+
+
+def test_move(dam):
+    dam.colliders = pbf.Sphere((0.8, 0.5, 0.5), radius=0.1)
+    dam.move_colliders(pbf.Sphere((0.8, 0.7, 0.5), radius=0.15), duration=0.1)
+    dam.step(6)
+    assert dam.colliders[0].position == pytest.approx((0.8, 0.6, 0.5))
+    dam.step(6)
+    assert dam.colliders[0].position == pytest.approx((0.8, 0.7, 0.5))
+    assert dam.colliders[0].radius == pytest.approx(0.15)
+    dam.step(6)
+    assert dam.colliders[0].position == pytest.approx((0.8, 0.7, 0.5))
+
+
+def test_two_dimensions(make):
+    fluid = make(pbf.fill_box((0, 0), (0.5, 0.5), 0.05))
+    fluid.colliders = [pbf.Box((0.8, 0.2), half_extents=(0.1, 0.2)), pbf.Sphere((0.8, 0.8), radius=0.1)]
+    fluid.step(10)
+    assert fluid.colliders[0].half_extents[:2] == (0.1, 0.2)
+
+
+@pytest.mark.parametrize("collider, words", [
+    (pbf.Sphere((0, 0, 0), radius=-1), "radius"), (pbf.Sphere((0, 0, np.nan)), "position"),
+    (pbf.Box((0, 0, 0), half_extents=3), "half_extents"), ("ball", "must be a Plane"),
+    (pbf.Plane(axis=(0, 0, 0)), "axis"), (pbf.Sphere(orientation=(0, 0, 1)), "orientation")])
+def test_bad_ones(dam, collider, words):
+    with pytest.raises(pbf.InvalidArgumentError, match=words):
+        dam.colliders = [collider]
+    assert dam.colliders == []
+
+
+def test_too_many(dam):
+    with pytest.raises(pbf.Error, match="64"):
+        dam.colliders = [pbf.Sphere((2, 2, 2), radius=0.1)] * 65
+
+
+def test_moving_others(dam):
+    dam.colliders = pbf.Sphere((0.8, 0.8, 0.8), radius=0.1)
+    for targets in ([], pbf.Plane()):
+        with pytest.raises(pbf.InvalidArgumentError):
+            dam.move_colliders(targets, 1.0)
+    with pytest.raises(pbf.InvalidArgumentError, match="duration"):
+        dam.move_colliders(dam.colliders, 0)

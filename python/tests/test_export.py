@@ -1,0 +1,94 @@
+"""Files for other programs, read back by kept libraries where they are installed."""
+import xml.etree.ElementTree as xml
+
+import numpy as np
+import pytest
+
+import pbf
+
+
+def test_ply(dam, tmp_path):
+    dam.step(3)
+    path = tmp_path / "dam.ply"
+    pbf.write_ply(path, dam, density=dam.densities)
+    head, _, data = path.read_bytes().partition(b"end_header\n")
+    assert b"element vertex 1000" in head and b"property float density" in head
+    table = np.frombuffer(data, [(n, "<f4") for n in ("x", "y", "z", "vx", "vy", "vz")]
+                          + [("id", "<u4"), ("density", "<f4")])
+    assert (np.stack([table["x"], table["y"], table["z"]], axis=1) == dam.positions).all()
+    assert (table["id"] == dam.ids).all() and (table["density"] == dam.densities).all()
+    with pytest.raises(pbf.InvalidArgumentError, match="weight"):
+        pbf.write_ply(path, dam, weight=np.zeros(3))
+    meshio = pytest.importorskip("meshio")
+    pbf.write_ply(path, dam)
+    assert (meshio.read(path).points == dam.positions).all()
+
+
+def test_vtk_series(dam, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    with pbf.VtkSeries(tmp_path / "out" / "dam.pvd") as series:
+        for _ in dam.frames(3, steps=2):
+            series.add(dam, height=dam.positions[:, 1])
+    sets = xml.parse(tmp_path / "out" / "dam.pvd").findall(".//DataSet")
+    assert [float(s.get("timestep")) for s in sets] == pytest.approx([2 / 120, 4 / 120, 6 / 120])
+    last = meshio.read(tmp_path / "out" / sets[2].get("file"))
+    assert (last.points == dam.positions).all()
+    assert (last.point_data["velocity"] == dam.velocities).all()
+    assert (last.point_data["id"] == dam.ids).all()
+    with pytest.raises(pbf.InvalidArgumentError, match="pvd"):
+        pbf.VtkSeries("dam.vtk")
+
+
+def test_usd(dam, tmp_path):
+    usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+    with pbf.UsdPoints(tmp_path / "dam.usda", fps=30) as file:
+        for _ in dam.frames(2, steps=3):
+            file.add(dam)
+    stage = usd.Stage.Open(str(tmp_path / "dam.usda"))
+    assert stage.GetEndTimeCode() == 1 and stage.GetTimeCodesPerSecond() == 30
+    points = UsdGeom.Points(stage.GetDefaultPrim())
+    assert (np.array(points.GetPointsAttr().Get(1)) == dam.positions).all()
+    assert np.array(points.GetWidthsAttr().Get(1)) == pytest.approx(0.05)
+    assert (np.array(points.GetVelocitiesAttr().Get(1)) == dam.velocities).all()
+    with pytest.raises(pbf.InvalidArgumentError, match="usd"):
+        pbf.UsdPoints("dam.abc")
+
+
+def test_surface(make, tmp_path):
+    """A ball: its surface is closed, at its radius, with normals outwards and its volume."""
+    pytest.importorskip("pysplashsurf")
+    fluid = make(pbf.fill_ball((0.5, 0.5, 0.5), 0.4, 0.05))
+    mesh = pbf.surface(fluid)
+    from_center = mesh.vertices - 0.5
+    distance = np.linalg.norm(from_center, axis=1)
+    assert distance.mean() == pytest.approx(0.4, rel=0.05)
+    assert ((mesh.normals * from_center).sum(axis=1) > 0).mean() > 0.99
+    assert np.linalg.norm(mesh.normals, axis=1) == pytest.approx(1, abs=1e-3)
+    a, b, c = (from_center[mesh.triangles[:, k]] for k in range(3))
+    volume = (np.cross(a, b) * c).sum() / 6
+    assert volume == pytest.approx(4 / 3 * np.pi * 0.4**3, rel=0.12)
+    edges = np.sort(np.concatenate([mesh.triangles[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))]))
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    mesh.save(tmp_path / "ball.ply")
+    meshio = pytest.importorskip("meshio")
+    read = meshio.read(tmp_path / "ball.ply")
+    assert read.points == pytest.approx(mesh.vertices, abs=1e-6)
+    assert (read.cells[0].data == mesh.triangles).all()
+    assert read.point_data["nx"] == pytest.approx(mesh.normals[:, 0], abs=1e-6)
+    for name in ("ball.obj", "ball.stl", "ball.vtu"):
+        mesh.save(tmp_path / name)
+        assert len(meshio.read(tmp_path / name).cells[0].data) == len(mesh.triangles)
+
+
+def test_surface_in_a_box_stays_in_it(dam):
+    pytest.importorskip("pysplashsurf")
+    mesh = pbf.surface(dam)
+    assert len(mesh.triangles) > 100 and mesh.vertices.min() > -0.05
+
+
+def test_surface_of_nothing(make):
+    pytest.importorskip("pysplashsurf")
+    assert len(pbf.surface(make()).triangles) == 0
+    with pytest.raises(pbf.InvalidArgumentError, match="2D"):
+        pbf.surface(make(dimension=2))

@@ -1,0 +1,161 @@
+"""Particles that are added, removed, read and set."""
+import numpy as np
+import pytest
+
+import pbf
+
+
+def test_add_gives_ids_and_remove_takes_them(make):
+    fluid = make(capacity=10)
+    assert fluid.add([[0.1, 0.1, 0.1], [0.2, 0.2, 0.2]]) == range(0, 2)
+    assert fluid.add((0.3, 0.3, 0.3), velocities=(1, 2, 3)) == range(2, 3)
+    assert len(fluid) == fluid.count == 3
+    fluid.remove([1])
+    assert fluid.ids.tolist() == [0, 2]
+    assert fluid.velocities.tolist() == [[0, 0, 0], [1, 2, 3]]
+    assert fluid.add([[0.4, 0.4, 0.4]]) == range(3, 4)
+    with pytest.raises(pbf.NotFoundError, match="1"):
+        fluid.remove([1])
+    assert fluid.count == 3
+    assert bool(make()) and len(make()) == 0
+
+
+def test_boxes(dam):
+    low = dam.find_in_box(upper=(None, 0.1, None))
+    x = dam.positions
+    assert low.tolist() == np.flatnonzero(x[:, 1] <= 0.1).tolist() and len(low) == 200
+    assert dam.remove_in_box(lower=(0.25, 0, 0), upper=(1, 1, 1)) == 500
+    assert dam.count == 500
+    assert dam.remove_in_box(lower=(0.9, 0.9, 0.9)) == 0
+    assert len(dam.find_in_box(lower=(0.9, 0.9, 0.9))) == 0
+    with pytest.raises(pbf.InvalidArgumentError, match="list of 3"):
+        dam.remove_in_box((0, 0))
+
+
+def test_velocities_for_all_or_each(make):
+    x = pbf.fill_box((0, 0, 0), (0.2, 0.2, 0.2), 0.05)
+    fluid = make(x, (0, 0, 1))
+    assert (fluid.velocities == [0, 0, 1]).all()
+    other = make(x, np.arange(3 * len(x)).reshape(-1, 3))
+    assert other.velocities[5].tolist() == [15, 16, 17]
+    with pytest.raises(pbf.InvalidArgumentError, match="64 positions and 2 velocities"):
+        make(x, np.zeros((2, 3)))
+
+
+def test_setting(dam, rng):
+    v = rng.normal(size=(1000, 3)).astype(np.float32)
+    dam.velocities = v
+    assert (dam.velocities == v).all()
+    dam.set_velocities([[7, 8, 9]], first=5)
+    assert dam.velocities[5].tolist() == [7, 8, 9] and (dam.velocities[6] == v[6]).all()
+    dam.positions = dam.positions + np.float32(0.125)
+    assert dam.positions.min() == pytest.approx(0.15)
+    with pytest.raises(pbf.InvalidArgumentError, match="3 rows for 1000 particles"):
+        dam.positions = np.zeros((3, 3))
+    with pytest.raises(pbf.Error):
+        dam.set_positions(np.zeros((2, 3)), first=999)
+
+
+@pytest.mark.parametrize("positions, words", [
+    ([[0.5, 0.5]], "shape"), ([[0.5, 0.5, np.nan]], "NaN"), ([[5, 0.5, 0.5]], "domain"),
+    ("water", "real numbers|shape"), ([[1j, 0, 0]], "real numbers"), (np.zeros((2, 2, 3)), "shape"),
+    ([[0, 0, 0], [1, 2]], "array")])
+def test_bad_positions(make, positions, words):
+    fluid = make(capacity=10)
+    with pytest.raises(pbf.InvalidArgumentError, match=words):
+        fluid.add(positions)
+    assert fluid.count == 0
+
+
+def test_capacity(make):
+    fluid = make([[0.1, 0.1, 0.1]], viscosity=0.01)
+    with pytest.raises(pbf.CapacityError, match="reserve") as caught:
+        fluid.add([[0.2, 0.2, 0.2]])
+    assert caught.value.name == "PBF_ERROR_CAPACITY" and fluid.count == 1
+    fluid.step(3)
+    before = fluid.hash
+    fluid.keep_snapshots(3)
+    fluid.reserve(5)
+    assert (fluid.hash, fluid.capacity, fluid.viscosity) == (before, 5, 0.01)
+    assert fluid.add([[0.2, 0.2, 0.2]]) == range(1, 2)
+    fluid.step()
+    assert fluid.snapshot().count == 2
+    with pytest.raises(pbf.CapacityError):
+        fluid.reserve(1)
+    assert fluid.count == 2
+
+
+def test_read_into_a_layout(dam, rng):
+    dam.step(3)
+    dam.velocities = rng.normal(size=(1000, 3))
+    x, v = dam.positions, dam.velocities
+    vertices = np.zeros(1000, [("position", "f4", 4), ("colour", "u1", 4)])
+    vertices["colour"] = 255
+    out = vertices["position"]
+    assert dam.read("position", out, w="speed") is out
+    assert (vertices["position"][:, :3] == x).all()
+    assert vertices["position"][:, 3] == pytest.approx(np.linalg.norm(v, axis=1), rel=1e-6)
+    assert (vertices["colour"] == 255).all()
+    assert (dam.read("position", w=1)[:, 3] == 1).all()
+    assert (dam.read("position", first=10, count=5) == x[10:15]).all()
+    assert dam.read("position", dtype="float64").dtype == np.float64
+    stored, ids = dam.read("position", order="stored"), dam.read("id", order="stored")
+    assert (stored == x[ids]).all()
+    column = np.empty(2000, np.float32)
+    dam.read("density", column[::2])
+    assert (column[::2] == dam.densities).all()
+
+
+def test_read_refuses(dam):
+    for arguments, words in [
+            ({"field": "colour"}, '"position"'), ({"field": "position", "order": "sorted"}, "stored"),
+            ({"field": "position", "w": "mass"}, "speed"),
+            ({"field": "position", "dtype": "int8"}, "float32"),
+            ({"field": "position", "behind": 0.5}, "pbf_keep_previous"),
+            ({"field": "position", "first": 990, "count": 11}, "1000")]:
+        with pytest.raises(pbf.Error, match=words):
+            dam.read(**arguments)
+    with pytest.raises(pbf.InvalidArgumentError, match="side by side"):
+        dam.read("position", np.empty((3, 1000), np.float32).T)
+    with pytest.raises(pbf.InvalidArgumentError, match="too small"):
+        dam.read("position", np.empty((10, 3), np.float32), count=11)
+    with pytest.raises(pbf.InvalidArgumentError, match="out is a list"):
+        dam.read("density", [0.0] * 1000)
+    locked = np.empty((10, 3), np.float32)
+    locked.flags.writeable = False
+    with pytest.raises(pbf.InvalidArgumentError, match="not writeable"):
+        dam.read("position", locked)
+
+
+def test_between_two_steps(dam):
+    dam.keep_previous()
+    before = dam.positions
+    dam.step()
+    after = dam.positions
+    assert (dam.read("position", behind=1) == before).all()
+    assert dam.read("position", behind=0.25) == pytest.approx(0.75 * after + 0.25 * before, abs=1e-6)
+
+
+def test_fill():
+    assert pbf.fill_box((0, 0, 0), (1, 0.5, 0.25), 0.05).shape == (20 * 10 * 5, 3)
+    box = pbf.fill_box((0, 0), (0.1, 0.1), 0.05)
+    assert box == pytest.approx(np.array(
+        [[0.025, 0.025], [0.075, 0.025], [0.025, 0.075], [0.075, 0.075]]))
+    ball = pbf.fill_ball((1, 2, 3), 0.5, 0.02)
+    assert len(ball) == pytest.approx(4 / 3 * np.pi * 0.5**3 / 0.02**3, rel=0.01)
+    assert np.linalg.norm(ball - [1, 2, 3], axis=1).max() < 0.5
+    assert ball.mean(axis=0) == pytest.approx([1, 2, 3])
+    assert pbf.fill_lattice((1, 1), (3, 2), 0.5).tolist()[:4] == [[1, 1], [1.5, 1], [2, 1], [1, 1.5]]
+    for call in (lambda: pbf.fill_box((0, 0, 0), (1, 1, 1), 0), lambda: pbf.fill_box((0, 0), (1,), 1),
+                 lambda: pbf.fill_ball((0, 0), -1, 1), lambda: pbf.fill_box((1, 1), (0, 0), 0.1),
+                 lambda: pbf.fill_lattice((0, 0), (1, -1), 1)):
+        with pytest.raises(pbf.InvalidArgumentError):
+            call()
+
+
+def test_add_shapes(make):
+    fluid = make(capacity=3000)
+    assert len(fluid.add_box((0, 0, 0), (0.5, 0.5, 0.5))) == 1000
+    ball = fluid.add_ball((0.5, 0.8, 0.5), 0.15, (0, -2, 0))
+    assert ball.start == 1000 and len(ball) == fluid.count - 1000
+    assert (fluid.velocities[ball.start:] == [0, -2, 0]).all()

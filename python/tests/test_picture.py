@@ -1,0 +1,98 @@
+"""Pictures: what is where in them, read back by another program's decoder where there is one."""
+import io
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+import pbf
+
+
+def decode(data):
+    """The pixels of a PNG that has no filters."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, body, size = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        chunk = data[at + 8:at + 8 + length]
+        assert struct.unpack_from(">I", data, at + 8 + length)[0] == zlib.crc32(kind + chunk)
+        size = struct.unpack_from(">II", chunk) if kind == b"IHDR" else size
+        body += chunk if kind == b"IDAT" else b""
+        at += 12 + length
+    rows = np.frombuffer(zlib.decompress(body), np.uint8).reshape(size[1], -1)
+    assert (rows[:, 0] == 0).all()
+    return rows[:, 1:].reshape(size[1], size[0], 3)
+
+
+def blue(image):
+    """Where water is: more blue than red."""
+    return image[..., 2].astype(int) - image[..., 0] > 40
+
+
+def test_png(dam, tmp_path):
+    dam.save_picture(tmp_path / "dam.png", (160, 120))
+    image = decode((tmp_path / "dam.png").read_bytes())
+    assert (image == dam.render((160, 120))).all()
+    shown = decode(dam._repr_png_())
+    assert shown.shape == (480, 640, 3)
+    pillow = pytest.importorskip("PIL.Image")
+    assert (np.asarray(pillow.open(tmp_path / "dam.png")) == image).all()
+
+
+def test_water_is_where_it_is(make):
+    """In 2D pixels are coordinates: the lower left quarter of the box is full, the rest empty."""
+    fluid = make(pbf.fill_box((0, 0), (0.5, 0.5), 0.05))
+    water = blue(fluid.render((200, 200)))
+    assert water[110:180, 20:90].mean() > 0.9  # discs leave gaps
+    assert not water[:95].any() and not water[:, 110:].any()
+
+
+def test_nearer_is_before(make):
+    """One ball behind another: the colour of the near one is seen. With x to the right and y up, +z
+    comes out of the picture."""
+    for values, dark in (([0, 1], True), ([1, 0], False)):
+        fluid = make([[0.5, 0.5, 0.9], [0.5, 0.5, 0.1]])
+        image = fluid.render((101, 101), colour=values, limits=(0, 1), azimuth=0, elevation=0,
+                             radius=0.2)
+        assert bool(image[50, 50, 0] < 100) is dark
+
+
+def test_colliders_are_seen(make):
+    fluid = make()
+    empty = fluid.render((120, 90))
+    for collider in (pbf.Sphere((0.5, 0.5, 0.5), radius=0.3), pbf.Capsule(
+            (0.5, 0.5, 0.5), radius=0.1, half_length=0.3),
+            pbf.Box((0.5, 0.5, 0.5), half_extents=(0.3, 0.2, 0.1), orientation=(0, 0, 0.6, 0.8))):
+        fluid.colliders = collider
+        changed = (fluid.render((120, 90)) != empty).any(axis=2)
+        assert changed[45, 60] and 0.01 < changed.mean() < 0.5
+    assert (fluid.render((120, 90), colliders=False) == empty).all()
+
+
+@pytest.mark.parametrize("options, words", [
+    ({"size": (0, 5)}, "size"), ({"colour": "taste"}, '"speed"'), ({"colour": [1, 2]}, "1000")])
+def test_refusals(dam, options, words):
+    with pytest.raises(pbf.InvalidArgumentError, match=words):
+        dam.render(**options)
+
+
+def test_colours(dam):
+    dam.step(5)
+    images = [dam.render((80, 60), colour=colour) for colour in
+              ("speed", "height", "density", "pressure", np.arange(1000))]
+    for i, one in enumerate(images):
+        for other in images[:i]:
+            assert (one != other).any()
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.gif"])
+def test_movies(dam, tmp_path, name):
+    pillow = pytest.importorskip("PIL.Image")
+    with pbf.Movie(tmp_path / name, fps=20, size=(64, 48)) as movie:
+        for _ in dam.frames(3, steps=5):
+            movie.add(dam)
+    opened = pillow.open(io.BytesIO((tmp_path / name).read_bytes()))
+    assert opened.n_frames == 3 and opened.size == (64, 48)
+    with pytest.raises(pbf.InvalidArgumentError, match="gif"):
+        pbf.Movie("a.avi")

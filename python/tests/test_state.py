@@ -1,0 +1,80 @@
+"""Saved states, pickles and copies."""
+import copy
+import pickle
+
+import pytest
+
+import pbf
+from conftest import BACKEND
+
+
+@pytest.fixture
+def run_in(dam):
+    dam.viscosity = 0.01
+    dam.colliders = pbf.Sphere((0.8, 0.2, 0.5), radius=0.1, velocity=(-0.1, 0, 0))
+    dam.step(10)
+    return dam
+
+
+def test_save_and_load(run_in, tmp_path):
+    state = run_in.save(tmp_path / "state.pbf")
+    assert (tmp_path / "state.pbf").read_bytes() == state
+    run_in.step(10)
+    end = run_in.hash
+    for source in (state, bytearray(state), memoryview(state), tmp_path / "state.pbf",
+                   str(tmp_path / "state.pbf")):
+        run_in.load(source)
+        assert run_in.steps_done == 10
+        run_in.step(10)
+        assert run_in.hash == end
+
+
+def test_restore(run_in):
+    state = run_in.save()
+    with pbf.Solver.restore(state, backend=BACKEND) as other:
+        assert (other.count, other.dimension, other.dtype, other.viscosity) == (1000, 3, "f4", 0.01)
+        assert other.colliders == run_in.colliders and other.hash == run_in.hash
+    flat = pbf.Solver([[0.5, 0.5]], precision="float64", backend=BACKEND)
+    with pbf.Solver.restore(flat.save(), capacity=7) as other:
+        assert (other.dimension, other.dtype, other.capacity) == (2, "f8", 7)
+
+
+def test_damaged_states(run_in):
+    state = run_in.save()
+    before = run_in.hash
+    broken = bytearray(state)
+    broken[len(broken) // 2] ^= 1
+    for bad in (b"", b"water", state[:-1], state + b"x", bytes(broken)):
+        with pytest.raises(pbf.DataError) as caught:
+            run_in.load(bad)
+        assert isinstance(caught.value, ValueError) and run_in.hash == before
+        with pytest.raises(pbf.DataError):
+            pbf.Solver.restore(bad)
+    with pbf.Solver([[0.5, 0.5]], backend=BACKEND) as flat:
+        with pytest.raises(pbf.DataError, match="2D"):
+            flat.load(state)
+
+
+@pytest.mark.parametrize("way", [lambda fluid: pickle.loads(pickle.dumps(fluid)), copy.copy,
+                                 copy.deepcopy, lambda fluid: fluid.copy()])
+def test_pickles_and_copies_go_on_alike(run_in, way):
+    run_in.keep_snapshots(2)
+    run_in.label = "mine"
+    other = way(run_in)
+    assert other.hash == run_in.hash and other.params == run_in.params
+    assert other.label == "mine" and other.colliders == run_in.colliders
+    run_in.step(5)
+    assert other.hash != run_in.hash
+    other.step(5)
+    assert other.hash == run_in.hash
+    assert other.snapshot().step == 15
+    other.close()
+
+
+def test_pickle_of_a_class_of_ones_own(run_in):
+    other = pickle.loads(pickle.dumps(Pool(run_in.positions, backend=BACKEND)))
+    assert type(other) is Pool and other.count == 1000
+
+
+class Pool(pbf.Solver):
+    pass
