@@ -22,5 +22,17 @@ done
 for standard in c++11 c++14 c++17 c++20; do
   for compiler in g++ clang++; do check $compiler $standard cpp; done
 done
+# The C++ wrapper: C++17 and later, with exceptions and without.
+printf '#include <pbf/pbf.hpp>\n#include <pbf/pbf.hpp>\nint main() { return pbf::solver::create().ok() ? 0 : 1; }\n' >"$folder/wrapper.cpp"
+for standard in c++17 c++20; do
+  for compiler in g++ clang++; do
+    command -v $compiler >/dev/null || continue
+    for without in "" "-fno-exceptions -fno-rtti"; do
+      # shellcheck disable=SC2086 # words on purpose
+      $compiler -std=$standard $without -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only -I"$include" "$folder/wrapper.cpp"
+      tried=$((tried + 1))
+    done
+  done
+done
 echo "$tried compilers and standards"
 [ $tried -gt 0 ] || { echo "skipped: no compiler"; exit 77; }

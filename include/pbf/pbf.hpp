@@ -1,0 +1,801 @@
+/* pbf for C++17: the calls of pbf.h, which says what each does, with lifetimes and results as C++
+ * has them. Header only; works with -fno-exceptions and -fno-rtti.
+ *
+ *   pbf::desc desc;                                  // the defaults of pbf_desc_init
+ *   pbf::params params;                              // those of pbf_params_init
+ *   auto fluid = pbf::solver::create(desc, params);  // pbf::result<pbf::solver>
+ *   if (!fluid) return puts(fluid.message()), 1;
+ *   if (auto done = fluid->step(10); !done) puts(done.message());
+ *
+ * A result holds a value, or a status and the library's sentence. Where exceptions are on, value()
+ * gives the value or throws pbf::exception, which has both; nothing else here throws, but for what
+ * std::vector and std::function throw when memory is short.
+ *
+ * A solver, as in C, belongs to one thread at a time. It, views, snapshots and cancellers may go in
+ * any order: what views and cancellers need stays until the last of them is gone. A call on a
+ * solver that has been moved from is refused like a null pointer in C.
+ *
+ * No exception crosses the library: what the log throws is kept (take_log_exception), and the
+ * functions of allocators and task systems are noexcept. */
+#ifndef PBF_PBF_HPP
+#define PBF_PBF_HPP
+
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <pbf/pbf.h>
+
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+#define PBF_HAS_EXCEPTIONS 1
+#else
+#define PBF_HAS_EXCEPTIONS 0
+#endif
+
+namespace pbf {
+
+/* A pointer and a size, from an array or anything with data() and size(). */
+template <class T>
+class span {
+ public:
+  constexpr span() noexcept = default;
+  constexpr span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+  template <std::size_t N>
+  constexpr span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+  template <
+      class Container, class Data = decltype(std::declval<Container &>().data()),
+      class = decltype(std::declval<Container &>().size()),
+      class = std::enable_if_t<std::is_convertible_v<std::remove_pointer_t<Data> (*)[], T (*)[]>>>
+  constexpr span(Container &&from) noexcept : data_(from.data()), size_(from.size()) {}
+
+  constexpr T *data() const noexcept { return data_; }
+  constexpr std::size_t size() const noexcept { return size_; }
+  constexpr bool empty() const noexcept { return size_ == 0; }
+  constexpr T *begin() const noexcept { return data_; }
+  constexpr T *end() const noexcept { return data_ + size_; }
+  constexpr T &operator[](std::size_t i) const noexcept { return data_[i]; }
+
+ private:
+  T *data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/* ---- Results ------------------------------------------------------------------------------- */
+
+/* A status and a sentence of its own: it stays as it is when later calls fail. */
+class error {
+ public:
+  explicit error(pbf_status status, const char *sentence = pbf_last_error()) noexcept
+      : status_(status), sentence_(copy(sentence)) {}
+  error(const error &other) noexcept : error(other.status_, other.message()) {}
+  error(error &&) noexcept = default;
+  error &operator=(error other) noexcept {
+    status_ = other.status_;
+    sentence_ = std::move(other.sentence_);
+    return *this;
+  }
+
+  pbf_status status() const noexcept { return status_; }
+  const char *message() const noexcept {
+    return sentence_ ? sentence_.get() : pbf_status_string(status_);
+  }
+
+ private:
+  static std::unique_ptr<char[]> copy(const char *text) noexcept {
+    const std::size_t size = std::strlen(text) + 1;
+    std::unique_ptr<char[]> made(new (std::nothrow) char[size]);
+    if (made) std::memcpy(made.get(), text, size);
+    return made;
+  }
+  pbf_status status_;
+  std::unique_ptr<char[]> sentence_;
+};
+
+#if PBF_HAS_EXCEPTIONS
+class exception : public std::exception {
+ public:
+  explicit exception(error cause) noexcept : cause_(std::move(cause)) {}
+  const char *what() const noexcept override { return cause_.message(); }
+  pbf_status status() const noexcept { return cause_.status(); }
+
+ private:
+  error cause_;
+};
+#endif
+
+namespace detail {
+
+/* What results with and without a value have in common. */
+class outcome {
+ public:
+  explicit operator bool() const noexcept { return !error_; }
+  bool ok() const noexcept { return !error_; }
+  pbf_status status() const noexcept { return error_ ? error_->status() : PBF_OK; }
+  const char *message() const noexcept { return error_ ? error_->message() : ""; }
+  /* Only of a result that is not ok. */
+  const pbf::error &failure() const noexcept {
+    assert(error_);
+    return *error_;
+  }
+
+ protected:
+  outcome() noexcept = default;
+  outcome(pbf::error why) noexcept : error_(std::move(why)) {}
+  void throw_failure() const {
+#if PBF_HAS_EXCEPTIONS
+    if (error_) throw pbf::exception(*error_);
+#endif
+  }
+
+ private:
+  std::optional<pbf::error> error_;
+};
+
+}  // namespace detail
+
+template <class T>
+class [[nodiscard]] result : public detail::outcome {
+ public:
+  result(T value) noexcept : value_(std::move(value)) {}
+  result(pbf::error why) noexcept : outcome(std::move(why)) {}
+
+  /* Only of a result that is ok. */
+  T &operator*() &noexcept { return got(); }
+  const T &operator*() const &noexcept { return const_cast<result *>(this)->got(); }
+  T &&operator*() &&noexcept { return std::move(got()); }
+  T *operator->() noexcept { return &got(); }
+  const T *operator->() const noexcept { return &**this; }
+#if PBF_HAS_EXCEPTIONS
+  T &value() & {
+    throw_failure();
+    return *value_;
+  }
+  T value() && {
+    throw_failure();
+    return std::move(*value_);
+  }
+#endif
+
+ private:
+  T &got() noexcept {
+    assert(value_);
+    return *value_;
+  }
+  std::optional<T> value_;
+};
+
+template <>
+class [[nodiscard]] result<void> : public detail::outcome {
+ public:
+  result() noexcept = default;
+  result(pbf::error why) noexcept : outcome(std::move(why)) {}
+#if PBF_HAS_EXCEPTIONS
+  void value() const { throw_failure(); }
+#endif
+};
+
+namespace detail {
+
+inline result<void> checked(pbf_status status) noexcept {
+  if (status == PBF_OK) return {};
+  return pbf::error(status);
+}
+
+template <class T>
+result<T> checked(pbf_status status, T value) noexcept {
+  if (status == PBF_OK) return value;
+  return pbf::error(status);
+}
+
+template <class T>
+T sized() noexcept {
+  T made;
+  std::memset(&made, 0, sizeof made);
+  made.struct_size = sizeof(T);
+  return made;
+}
+
+}  // namespace detail
+
+/* ---- What a solver is made of -------------------------------------------------------------- */
+
+/* Host memory of a solver. It must outlive the solver, and the views and snapshots of it. */
+class allocator {
+ public:
+  virtual void *allocate(std::uint64_t size, std::uint64_t alignment) noexcept = 0;
+  virtual void release(void *memory, std::uint64_t size, std::uint64_t alignment) noexcept = 0;
+
+ protected:
+  ~allocator() = default;
+};
+
+/* Workers of the caller's for the backend `threads`; see pbf_enqueue_task_fn. Must outlive the
+ * solver. */
+class task_system {
+ public:
+  virtual void *enqueue(pbf_task_fn run, void *task, std::uint32_t items,
+                        std::uint32_t min_range) noexcept = 0;
+  virtual void finish(void *handle) noexcept = 0;
+
+ protected:
+  ~task_system() = default;
+};
+
+/* level is PBF_LOG_…; called from whichever thread is in the library. */
+using log_function = std::function<void(int level, const char *sentence)>;
+
+/* pbf_desc with its defaults. The pointers of C (allocator, log, enqueue_task, …) may be set as
+ * well; those below go before them. */
+struct desc : pbf_desc {
+  desc() noexcept : pbf_desc(detail::sized<pbf_desc>()) { pbf_desc_init(this, sizeof(pbf_desc)); }
+
+  pbf::allocator *memory = nullptr;
+  pbf::task_system *tasks = nullptr;
+  log_function log_to;
+};
+
+/* pbf_params with its defaults. */
+struct params : pbf_params {
+  params() noexcept : pbf_params(detail::sized<pbf_params>()) {
+    pbf_params_init(this, sizeof(pbf_params));
+  }
+  params(const pbf_params &from) noexcept : pbf_params(from) {}
+};
+
+/* pbf_collider at rest at the origin, sizes 1. */
+struct collider : pbf_collider {
+  explicit collider(std::uint32_t of_shape) noexcept : pbf_collider(detail::sized<pbf_collider>()) {
+    pbf_collider_init(this, sizeof(pbf_collider), of_shape);
+  }
+  collider(const pbf_collider &from) noexcept : pbf_collider(from) {}
+
+  static collider sphere(double x, double y, double z, double r) noexcept {
+    collider made(PBF_COLLIDER_SPHERE);
+    made.place(x, y, z).radius = r;
+    return made;
+  }
+  static collider box(double x, double y, double z, double half_x, double half_y,
+                      double half_z) noexcept {
+    collider made(PBF_COLLIDER_BOX);
+    made.place(x, y, z);
+    made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
+    return made;
+  }
+  /* Through a point, fluid on the side of the normal. */
+  static collider plane(double x, double y, double z, double normal_x, double normal_y,
+                        double normal_z) noexcept {
+    collider made(PBF_COLLIDER_PLANE);
+    made.place(x, y, z);
+    made.axis[0] = normal_x, made.axis[1] = normal_y, made.axis[2] = normal_z;
+    return made;
+  }
+
+  collider &place(double x, double y, double z) noexcept {
+    position[0] = x, position[1] = y, position[2] = z;
+    return *this;
+  }
+};
+static_assert(sizeof(collider) == sizeof(pbf_collider), "an array of one is an array of the other");
+
+namespace detail {
+
+/* What the log calls, and what it threw. */
+struct log_target {
+  log_function call;
+  std::mutex lock;
+  std::exception_ptr thrown;
+
+  static void write(void *user, std::int32_t level, const char *sentence) noexcept {
+    auto *self = static_cast<log_target *>(user);
+#if PBF_HAS_EXCEPTIONS
+    try {
+      self->call(level, sentence);
+    } catch (...) {
+      const std::lock_guard<std::mutex> hold(self->lock);
+      if (!self->thrown) self->thrown = std::current_exception();
+    }
+#else
+    self->call(level, sentence);
+#endif
+  }
+};
+
+inline void *allocate(void *user, std::uint64_t size, std::uint64_t alignment) noexcept {
+  return static_cast<allocator *>(user)->allocate(size, alignment);
+}
+inline void release(void *user, void *memory, std::uint64_t size,
+                    std::uint64_t alignment) noexcept {
+  static_cast<allocator *>(user)->release(memory, size, alignment);
+}
+inline void *enqueue(void *user, pbf_task_fn run, void *task, std::uint32_t items,
+                     std::uint32_t min_range) noexcept {
+  return static_cast<task_system *>(user)->enqueue(run, task, items, min_range);
+}
+inline void finish(void *user, void *handle) noexcept {
+  static_cast<task_system *>(user)->finish(handle);
+}
+
+/* The solver of C, for all that need it. */
+struct shared_solver {
+  std::atomic<unsigned> owners{1};
+  pbf_solver *handle = nullptr;
+  std::uint32_t dimension = 0;
+  std::uint32_t precision = 0;
+  log_target log;
+
+  shared_solver() = default;
+  shared_solver(const shared_solver &) = delete;
+  shared_solver &operator=(const shared_solver &) = delete;
+  ~shared_solver() { pbf_destroy(handle); }
+};
+
+class owner {
+ public:
+  owner() noexcept = default;
+  explicit owner(shared_solver *made) noexcept : shared_(made) {}
+  owner(const owner &other) noexcept : shared_(other.shared_) {
+    if (shared_) shared_->owners.fetch_add(1, std::memory_order_relaxed);
+  }
+  owner(owner &&other) noexcept : shared_(std::exchange(other.shared_, nullptr)) {}
+  owner &operator=(owner other) noexcept {
+    std::swap(shared_, other.shared_);
+    return *this;
+  }
+  ~owner() {
+    if (shared_ && shared_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete shared_;
+  }
+
+  shared_solver *operator->() const noexcept { return shared_; }
+  explicit operator bool() const noexcept { return shared_ != nullptr; }
+  pbf_solver *handle() const noexcept { return shared_ ? shared_->handle : nullptr; }
+  bool alone() const noexcept { return shared_->owners.load(std::memory_order_acquire) == 1; }
+
+ private:
+  shared_solver *shared_ = nullptr;
+};
+
+}  // namespace detail
+
+/* ---- What a solver gives away -------------------------------------------------------------- */
+
+/* A mapped field; unmapped when it goes. Calls that change the particles are refused until then. */
+class view {
+ public:
+  view(view &&) noexcept = default;
+  view &operator=(view &&other) noexcept {
+    view gone(std::move(*this));
+    owner_ = std::move(other.owner_);
+    raw_ = other.raw_;
+    return *this;
+  }
+  ~view() {
+    if (owner_) pbf_unmap(owner_.handle(), raw_.field);
+  }
+
+  const pbf_view &raw() const noexcept { return raw_; }
+  std::size_t size() const noexcept { return raw_.count; }
+  std::uint32_t components() const noexcept { return raw_.components; }
+  bool on_host() const noexcept { return raw_.device_type == PBF_DEVICE_CPU; }
+  /* Component c of the element in place i, which is particle ids()[i]; in host memory only. */
+  template <class T>
+  const T &at(std::size_t i, std::size_t c = 0) const noexcept {
+    assert(on_host() && i < raw_.count && c < raw_.components);
+    return *reinterpret_cast<const T *>(static_cast<const char *>(raw_.data) +
+                                        static_cast<std::int64_t>(i) * raw_.particle_stride +
+                                        static_cast<std::int64_t>(c) * raw_.component_stride);
+  }
+  span<const std::uint32_t> ids() const noexcept { return {raw_.ids, raw_.count}; }
+
+ private:
+  friend class solver;
+  view(detail::owner owner, const pbf_view &raw) noexcept : owner_(std::move(owner)), raw_(raw) {}
+  detail::owner owner_;
+  pbf_view raw_;
+};
+
+/* The state after a step, which does not change while it is held; outlives the solver. */
+class snapshot {
+ public:
+  snapshot(snapshot &&other) noexcept
+      : raw_(std::exchange(other.raw_, detail::sized<pbf_snapshot>())) {}
+  snapshot &operator=(snapshot &&other) noexcept {
+    std::swap(raw_, other.raw_);
+    return *this;
+  }
+  ~snapshot() {
+    if (raw_.owner) pbf_release_snapshot(&raw_);
+  }
+
+  const pbf_snapshot &raw() const noexcept { return raw_; }
+  std::uint32_t size() const noexcept { return raw_.count; }
+  std::uint64_t step() const noexcept { return raw_.step; }
+  double time() const noexcept { return raw_.time; }
+  /* Empty where the solver has the other precision. */
+  template <class T>
+  span<const T> positions() const noexcept {
+    return rows<T>(raw_.positions);
+  }
+  template <class T>
+  span<const T> velocities() const noexcept {
+    return rows<T>(raw_.velocities);
+  }
+  span<const std::uint32_t> ids() const noexcept { return {raw_.ids, raw_.count}; }
+
+ private:
+  friend class solver;
+  friend class reader;
+  explicit snapshot(const pbf_snapshot &raw) noexcept : raw_(raw) {}
+  static result<snapshot> of(pbf_solver *solver) noexcept {
+    pbf_snapshot raw = detail::sized<pbf_snapshot>();
+    const pbf_status status = pbf_acquire_snapshot(solver, &raw);
+    if (status != PBF_OK) return error(status);
+    return snapshot(raw);
+  }
+  template <class T>
+  span<const T> rows(const void *data) const noexcept {
+    static_assert(std::is_same_v<T, float> || std::is_same_v<T, double>, "float or double");
+    if (raw_.element_type != sizeof(T)) return {};
+    return {static_cast<const T *>(data), std::size_t{raw_.count} * raw_.dimension};
+  }
+  pbf_snapshot raw_;
+};
+
+/* What other threads may do while one is inside the solver. Copies may be in any thread. */
+class reader {
+ public:
+  result<void> cancel() const noexcept { return detail::checked(pbf_cancel(owner_.handle())); }
+  result<snapshot> acquire_snapshot() const noexcept { return snapshot::of(owner_.handle()); }
+
+ private:
+  friend class solver;
+  explicit reader(detail::owner owner) noexcept : owner_(std::move(owner)) {}
+  detail::owner owner_;
+};
+
+/* ---- The solver ---------------------------------------------------------------------------- */
+
+class solver {
+ public:
+  static result<solver> create(const desc &wanted = desc(), const params &start = params());
+
+  solver(solver &&) noexcept = default;
+  solver &operator=(solver &&other) noexcept {
+    solver gone(std::move(*this));
+    owner_ = std::move(other.owner_);
+    return *this;
+  }
+  ~solver() {
+    if (owner_ && !owner_.alone()) {  // steps that have begun end with the solver
+      pbf_cancel(handle());
+      pbf_end_step(handle());
+    }
+  }
+
+  /* For calls of pbf.h that are not here. Not to be destroyed. */
+  pbf_solver *handle() const noexcept { return owner_.handle(); }
+  std::uint32_t dimension() const noexcept { return owner_ ? owner_->dimension : 0; }
+  pbf::reader reader() const noexcept { return pbf::reader(owner_); }
+
+  /* The first exception that the log threw since this was last asked; null: none. */
+  std::exception_ptr take_log_exception() noexcept {
+    if (!owner_) return nullptr;
+    const std::lock_guard<std::mutex> hold(owner_->log.lock);
+    return std::exchange(owner_->log.thrown, nullptr);
+  }
+
+  result<void> step(std::uint32_t steps = 1) noexcept {
+    return detail::checked(pbf_step(handle(), steps));
+  }
+  result<void> begin_step(std::uint32_t steps = 1) noexcept {
+    return detail::checked(pbf_begin_step(handle(), steps));
+  }
+  result<void> end_step() noexcept { return detail::checked(pbf_end_step(handle())); }
+  result<void> synchronize() noexcept { return detail::checked(pbf_synchronize(handle())); }
+
+  result<void> set_params(const pbf::params &wanted) noexcept {
+    pbf_params sized = wanted;
+    sized.struct_size = sizeof sized;
+    return detail::checked(pbf_set_params(handle(), &sized));
+  }
+  result<pbf::params> get_params() noexcept {
+    return filled<pbf_params, pbf::params>(pbf_get_params);
+  }
+
+  /* Coordinates one after the other, `dimension` of them a particle; gives the first new id.
+   * Without velocities the particles are at rest. */
+  result<std::uint32_t> add_particles(span<const float> positions,
+                                      span<const float> velocities = {}) noexcept {
+    return add(positions, velocities);
+  }
+  result<std::uint32_t> add_particles(span<const double> positions,
+                                      span<const double> velocities = {}) noexcept {
+    return add(positions, velocities);
+  }
+  result<void> remove_particles(span<const std::uint32_t> ids) noexcept {
+    if (ids.size() > UINT32_MAX) return too_many();
+    return detail::checked(
+        pbf_remove_particles(handle(), static_cast<std::uint32_t>(ids.size()), ids.data()));
+  }
+  /* Gives how many they were. */
+  result<std::uint32_t> remove_in_box(const double (&lower)[3], const double (&upper)[3]) noexcept {
+    std::uint32_t count = 0;
+    const pbf_status status = pbf_remove_in_box(handle(), lower, upper, &count);
+    return detail::checked(status, count);
+  }
+  /* Gives how many there are, be it more than `ids` has room for. */
+  result<std::uint32_t> find_in_box(const double (&lower)[3], const double (&upper)[3],
+                                    span<std::uint32_t> ids) noexcept {
+    std::uint32_t count = 0;
+    const std::size_t room = ids.size() > UINT32_MAX ? UINT32_MAX : ids.size();
+    const pbf_status status = pbf_find_in_box(handle(), lower, upper,
+                                              static_cast<std::uint32_t>(room), ids.data(), &count);
+    return detail::checked(status, count);
+  }
+
+  result<std::uint32_t> count() noexcept { return number<std::uint32_t>(pbf_get_count); }
+
+  /* Into `out`, as many particles as it has room for, from row `first` on. */
+  result<void> get_positions(span<float> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_positions, "positions", out, first, dimension());
+  }
+  result<void> get_positions(span<double> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_positions, "positions", out, first, dimension());
+  }
+  result<void> get_velocities(span<float> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_velocities, "velocities", out, first, dimension());
+  }
+  result<void> get_velocities(span<double> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_velocities, "velocities", out, first, dimension());
+  }
+  result<void> get_densities(span<float> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_densities, "densities", out, first, 1);
+  }
+  result<void> get_densities(span<double> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_densities, "densities", out, first, 1);
+  }
+  result<void> get_pressures(span<float> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_pressures, "pressures", out, first, 1);
+  }
+  result<void> get_pressures(span<double> out, std::uint32_t first = 0) noexcept {
+    return rows(pbf_get_pressures, "pressures", out, first, 1);
+  }
+  result<void> get_ids(span<std::uint32_t> out, std::uint32_t first = 0) noexcept {
+    if (out.size() > UINT32_MAX) return too_many();
+    return detail::checked(
+        pbf_get_ids(handle(), first, static_cast<std::uint32_t>(out.size()), out.data()));
+  }
+  result<void> set_positions(span<const float> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_positions, "positions", from, first, dimension());
+  }
+  result<void> set_positions(span<const double> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_positions, "positions", from, first, dimension());
+  }
+  result<void> set_velocities(span<const float> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_velocities, "velocities", from, first, dimension());
+  }
+  result<void> set_velocities(span<const double> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_velocities, "velocities", from, first, dimension());
+  }
+  /* All of them, in a new array. */
+  template <class T>
+  result<std::vector<T>> positions() {
+    return all<T>(&solver::get_positions, dimension());
+  }
+  template <class T>
+  result<std::vector<T>> velocities() {
+    return all<T>(&solver::get_velocities, dimension());
+  }
+
+  /* struct_size is set here. */
+  result<void> read(pbf_read_desc wanted) noexcept {
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_read(handle(), &wanted));
+  }
+  result<void> keep_previous(bool enabled) noexcept {
+    return detail::checked(pbf_keep_previous(handle(), enabled));
+  }
+
+  result<void> set_colliders(span<const collider> colliders) noexcept {
+    return detail::checked(
+        pbf_set_colliders(handle(), clamped(colliders.size()), colliders.data()));
+  }
+  result<void> move_colliders(span<const collider> targets, double duration) noexcept {
+    return detail::checked(
+        pbf_move_colliders(handle(), clamped(targets.size()), targets.data(), duration));
+  }
+  result<std::uint32_t> collider_count() noexcept {
+    return number<std::uint32_t>(pbf_get_collider_count);
+  }
+  result<collider> get_collider(std::uint32_t index) noexcept {
+    pbf_collider got = detail::sized<pbf_collider>();
+    const pbf_status status = pbf_get_collider(handle(), index, &got);
+    return detail::checked(status, collider(got));
+  }
+
+  result<view> map(std::uint32_t field) noexcept {
+    pbf_view raw = detail::sized<pbf_view>();
+    const pbf_status status = pbf_map(handle(), field, &raw);
+    if (status != PBF_OK) return error(status);
+    return view(owner_, raw);
+  }
+  /* Ends when its deleter is called, also after the solver. */
+  result<DLManagedTensor *> export_dlpack(std::uint32_t field) noexcept {
+    DLManagedTensor *tensor = nullptr;
+    const pbf_status status = pbf_export_dlpack(handle(), field, &tensor);
+    return detail::checked(status, tensor);
+  }
+  result<void> set_snapshots(std::uint32_t snapshots) noexcept {
+    return detail::checked(pbf_set_snapshots(handle(), snapshots));
+  }
+  result<snapshot> acquire_snapshot() noexcept { return snapshot::of(handle()); }
+
+  result<pbf_stats> stats() noexcept { return filled<pbf_stats>(pbf_get_stats); }
+  result<pbf_info> info() noexcept { return filled<pbf_info>(pbf_get_info); }
+  result<pbf_plan> plan() noexcept { return filled<pbf_plan>(pbf_get_plan); }
+  result<pbf_timings> timings() noexcept { return filled<pbf_timings>(pbf_get_timings); }
+  result<void> set_timing(bool enabled) noexcept {
+    return detail::checked(pbf_set_timing(handle(), enabled));
+  }
+  result<double> step_limit() noexcept { return number<double>(pbf_get_step_limit); }
+  result<std::uint64_t> hash() noexcept { return number<std::uint64_t>(pbf_hash); }
+
+  result<std::vector<unsigned char>> save() {
+    std::uint64_t size = 0;
+    pbf_status status = pbf_save(handle(), nullptr, &size);
+    if (status != PBF_OK) return error(status);
+    std::vector<unsigned char> state(size);
+    status = pbf_save(handle(), state.data(), &size);
+    if (status != PBF_OK) return error(status);
+    state.resize(size);
+    return state;
+  }
+  result<void> load(span<const unsigned char> state) noexcept {
+    return detail::checked(pbf_load(handle(), state.data(), state.size()));
+  }
+
+ private:
+  explicit solver(detail::owner owner) noexcept : owner_(std::move(owner)) {}
+
+  static std::uint32_t clamped(std::size_t size) noexcept {
+    return size > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(size);
+  }
+  static error too_many() noexcept {
+    return error(PBF_ERROR_INVALID_ARGUMENT, "an array has more elements than 32 bits count");
+  }
+
+  template <class C, class Given = C>
+  result<Given> filled(pbf_status (*get)(pbf_solver *, C *)) noexcept {
+    C got = detail::sized<C>();
+    const pbf_status status = get(handle(), &got);
+    return detail::checked(status, Given(got));
+  }
+  template <class N>
+  result<N> number(pbf_status (*get)(pbf_solver *, N *)) noexcept {
+    N got{};
+    const pbf_status status = get(handle(), &got);
+    return detail::checked(status, got);
+  }
+
+  /* The particles of an array, if its type and size are those of this solver. */
+  template <class T>
+  result<std::uint32_t> particles_of(const char *name, span<T> array,
+                                     std::uint32_t components) noexcept {
+    if (!owner_) return std::uint32_t{0};  // the library refuses it
+    if (owner_->precision != sizeof(T)) {
+      return error(PBF_ERROR_INVALID_ARGUMENT,
+                   sizeof(T) == sizeof(float)
+                       ? "an array of float for a solver of precision PBF_FLOAT64"
+                       : "an array of double for a solver of precision PBF_FLOAT32");
+    }
+    if (array.size() % components != 0) return odd_size(name, array.size(), components);
+    if (array.size() / components > UINT32_MAX) return too_many();
+    return static_cast<std::uint32_t>(array.size() / components);
+  }
+  static error odd_size(const char *name, std::size_t size, std::uint32_t components) noexcept {
+    char sentence[128];
+    std::snprintf(sentence, sizeof sentence, "%s has %zu numbers, no multiple of %u", name, size,
+                  components);
+    return error(PBF_ERROR_INVALID_ARGUMENT, sentence);
+  }
+
+  template <class T>
+  result<std::uint32_t> add(span<const T> positions, span<const T> velocities) noexcept {
+    auto counted = particles_of("positions", positions, dimension());
+    if (!counted) return counted;
+    if (!velocities.empty() && velocities.size() != positions.size()) {
+      return error(PBF_ERROR_INVALID_ARGUMENT, "velocities has not as many numbers as positions");
+    }
+    std::uint32_t first = 0;
+    const pbf_status status =
+        pbf_add_particles(handle(), *counted, positions.data(), velocities.data(), &first);
+    return detail::checked(status, first);
+  }
+  template <class Call, class T>
+  result<void> rows(Call call, const char *name, span<T> array, std::uint32_t first,
+                    std::uint32_t components) noexcept {
+    auto counted = particles_of(name, array, components);
+    if (!counted) return counted.failure();
+    return detail::checked(call(handle(), first, *counted, array.data()));
+  }
+  template <class T>
+  result<std::vector<T>> all(result<void> (solver::*get)(span<T>, std::uint32_t) noexcept,
+                             std::uint32_t components) {
+    auto counted = count();
+    if (!counted) return counted.failure();
+    std::vector<T> out(std::size_t{*counted} * components);
+    auto done = (this->*get)(out, 0);
+    if (!done) return done.failure();
+    return out;
+  }
+
+  detail::owner owner_;
+};
+
+inline result<solver> solver::create(const desc &wanted, const params &start) {
+  detail::owner owner(new (std::nothrow) detail::shared_solver);
+  if (!owner) return error(PBF_ERROR_OUT_OF_MEMORY, "no memory for a solver's owner");
+  pbf_desc c = wanted;
+  c.struct_size = sizeof c;
+  pbf_params first = start;
+  first.struct_size = sizeof first;
+  pbf_allocator memory = detail::sized<pbf_allocator>();
+  if (wanted.memory) {
+    memory.user = wanted.memory;
+    memory.allocate = detail::allocate;
+    memory.release = detail::release;
+    c.allocator = &memory;
+  }
+  if (wanted.tasks) {
+    c.enqueue_task = detail::enqueue;
+    c.finish_task = detail::finish;
+    c.task_user = wanted.tasks;
+  }
+  if (wanted.log_to) {
+    owner->log.call = wanted.log_to;
+    c.log = detail::log_target::write;
+    c.log_user = &owner->log;
+  }
+  owner->dimension = c.dimension;
+  owner->precision = c.precision;
+  const pbf_status status = pbf_create(&c, &first, &owner->handle);
+  if (status != PBF_OK) {
+    owner->handle = nullptr;
+    return error(status);
+  }
+  return solver(std::move(owner));
+}
+
+/* ---- Backends ------------------------------------------------------------------------------ */
+
+/* Every backend found, judged for a solver like `wanted`, and every candidate that failed. */
+inline result<std::vector<pbf_backend_info>> backends(const desc &wanted = desc()) {
+  std::uint32_t count = 0;
+  pbf_status status = pbf_get_backend_count(&count);
+  if (status != PBF_OK) return error(status);
+  std::vector<pbf_backend_info> found(count, detail::sized<pbf_backend_info>());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    status = pbf_get_backend_info(&wanted, i, &found[i]);
+    if (status != PBF_OK) return error(status);
+  }
+  return found;
+}
+
+inline result<void> load_backend(const char *path) noexcept {
+  return detail::checked(pbf_load_backend(path));
+}
+
+}  // namespace pbf
+
+#endif
