@@ -9,18 +9,19 @@ import sys
 import numpy as np
 
 
+# structs: written by tools/bindings.py
 class Desc(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32), ("api_version", c.c_uint32), ("dimension", c.c_uint32),
         ("precision", c.c_uint32), ("capacity", c.c_uint32), ("strict", c.c_uint32),
         ("backend", c.c_char_p), ("device", c.c_int32), ("threads", c.c_uint32),
         ("stream", c.c_void_p), ("allocator", c.c_void_p), ("log", c.c_void_p),
-        ("log_user", c.c_void_p),
+        ("log_user", c.c_void_p), ("isa", c.c_char_p), ("enqueue_task", c.c_void_p),
+        ("finish_task", c.c_void_p), ("task_user", c.c_void_p),
     ]
 
 
 class Params(c.Structure):
-    """pbf_params_init fills them in. (Written by tools/tables.py.)"""
     _fields_ = [
         ("struct_size", c.c_uint32), ("kernel", c.c_uint32), ("smoothing_radius", c.c_double),
         ("spacing", c.c_double), ("particle_volume", c.c_double), ("time_step", c.c_double),
@@ -50,6 +51,7 @@ class View(c.Structure):
         ("component_stride", c.c_int64), ("generation", c.c_uint64), ("data", c.c_void_p),
         ("ids", c.POINTER(c.c_uint32)),
     ]
+# end of structs
 
 
 POSITION = 1

@@ -7,7 +7,6 @@
     docs/parameters.md             the parameter reference, whole
     docs/building.md               the features that a build may be without
     bench/scenes/scene.schema.json the properties of a scene's params
-    examples/ctypes_demo.py        the mirror of pbf_params
     python/pbf/_param_fields.py    the parameters as attributes of the Python package
 """
 import argparse
@@ -141,26 +140,6 @@ def schema_text(params, text):
     pattern = (r'(    "params": \{\n      "type"(?:.*\n)*?      "properties": \{\n)'
                r"(?:.*\n)*?(      \}\n)")
     return replaced(pattern, properties, text)
-
-
-# ---- ctypes_demo.py ------------------------------------------------------------------------------
-
-
-def ctypes_field(param):
-    kind = {"INTEGER": "c.c_uint32", "REAL": "c.c_double"}.get(param["macro"])
-    return f'("{param["name"]}", {kind or "c.c_double * " + param["count"]}),'
-
-
-def ctypes_text(params, text):
-    lines, line = [], '        ("struct_size", c.c_uint32),'
-    for field in map(ctypes_field, params):
-        if len(line) + 1 + len(field) > 99:
-            lines.append(line)
-            line = " " * 7
-        line += " " + field
-    fields = "\n".join(lines + [line])
-    pattern = r"(class Params\(.*\n(?:.*\n)*?    _fields_ = \[\n)(?:.*\n)*?(    \]\n)"
-    return replaced(pattern, fields, text)
 
 
 # ---- _param_fields.py -----------------------------------------------------------------------------
@@ -317,7 +296,6 @@ def outputs():
         "docs/building.md": building_text(features, read("docs/building.md")),
         "bench/scenes/scene.schema.json":
             schema_text(params, read("bench/scenes/scene.schema.json")),
-        "examples/ctypes_demo.py": ctypes_text(params, read("examples/ctypes_demo.py")),
         "python/pbf/_param_fields.py": python_text(params, read("include/pbf/pbf.h")),
     }
 

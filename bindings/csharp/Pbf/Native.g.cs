@@ -1,0 +1,510 @@
+// Written by tools/bindings.py from bindings/abi.json; do not edit.
+#pragma warning disable 1591
+using System;
+using System.Collections.Generic;
+using System.Runtime.InteropServices;
+
+namespace Pbf
+{
+    public enum Status
+    {
+        Ok = 0,
+        InvalidArgument = -1,
+        StructSize = -2,
+        OutOfMemory = -3,
+        Capacity = -4,
+        NotFound = -5,
+        Unavailable = -6,
+        Unsupported = -7,
+        Busy = -8,
+        State = -9,
+        Device = -10,
+        Plugin = -11,
+        Data = -12,
+        Cancelled = -13
+    }
+
+    /// <summary>What pbf.h calls PBF_….</summary>
+    public static class Constants
+    {
+        public const uint VersionMajor = 0;
+        public const uint VersionMinor = 1;
+        public const uint VersionPatch = 0;
+        public const uint ApiVersion = 2;
+        public const uint MaxCapacity = 1073741823;
+        public const uint MaxColliders = 64;
+        public const uint MaxSnapshots = 16;
+        public const uint NameSize = 32;
+        public const uint MaxStages = 24;
+        public const uint MaxArrays = 40;
+        public const uint Float32 = 4;
+        public const uint Float64 = 8;
+        public const uint LogInfo = 1;
+        public const uint LogWarning = 2;
+        public const uint KernelWendlandC2 = 0;
+        public const uint KernelPoly6Spiky = 1;
+        public const uint SolverJacobi = 0;
+        public const uint SolverChebyshev = 1;
+        public const uint CollideAfterPrediction = 1;
+        public const uint CollideInIteration = 2;
+        public const uint CollideAfterSolve = 4;
+        public const uint WallXMin = 0;
+        public const uint WallXMax = 1;
+        public const uint WallYMin = 2;
+        public const uint WallYMax = 3;
+        public const uint WallZMin = 4;
+        public const uint WallZMax = 5;
+        public const uint FieldPosition = 1;
+        public const uint FieldVelocity = 2;
+        public const uint FieldId = 3;
+        public const uint FieldDensity = 4;
+        public const uint FieldPressure = 5;
+        public const uint TypeFloat32 = 4;
+        public const uint TypeFloat64 = 8;
+        public const uint TypeUint32 = 12;
+        public const uint WConstant = 0;
+        public const uint WSpeed = 1;
+        public const uint WDensity = 2;
+        public const uint WPressure = 3;
+        public const uint OrderAdded = 0;
+        public const uint OrderStored = 1;
+        public const uint ColliderPlane = 0;
+        public const uint ColliderSphere = 1;
+        public const uint ColliderCapsule = 2;
+        public const uint ColliderBox = 3;
+        public const uint PathAuto = 0;
+        public const uint PathStraight = 1;
+        public const uint PathScrew = 2;
+        public const uint DeviceCpu = 1;
+        public const uint DeviceCuda = 2;
+        public const uint LimitNone = 0;
+        public const uint LimitGravity = 1;
+        public const uint LimitAttraction = 2;
+        public const uint LimitParticles = 3;
+        public const uint LimitWalls = 4;
+        public const uint LimitColliders = 5;
+    }
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate void LogFn(IntPtr argument0, int argument1, IntPtr argument2);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate void TaskFn(IntPtr argument0, uint argument1, uint argument2);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate IntPtr EnqueueTaskFn(IntPtr argument0, IntPtr argument1, IntPtr argument2, uint argument3, uint argument4);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate void FinishTaskFn(IntPtr argument0, IntPtr argument1);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate IntPtr AllocatorAllocateFn(IntPtr argument0, ulong argument1, ulong argument2);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    internal delegate void AllocatorReleaseFn(IntPtr argument0, IntPtr argument1, ulong argument2, ulong argument3);
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeAllocator
+    {
+        public uint StructSize;
+        public uint Reserved;
+        public IntPtr User;
+        public IntPtr Allocate;
+        public IntPtr Release;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeDesc
+    {
+        public uint StructSize;
+        public uint ApiVersion;
+        public uint Dimension;
+        public uint Precision;
+        public uint Capacity;
+        public uint Strict;
+        public IntPtr Backend;
+        public int Device;
+        public uint Threads;
+        public IntPtr Stream;
+        public IntPtr Allocator;
+        public IntPtr Log;
+        public IntPtr LogUser;
+        public IntPtr Isa;
+        public IntPtr EnqueueTask;
+        public IntPtr FinishTask;
+        public IntPtr TaskUser;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Params
+    {
+        public uint StructSize;
+        public uint Kernel;
+        public double SmoothingRadius;
+        public double Spacing;
+        public double ParticleVolume;
+        public double TimeStep;
+        public uint Iterations;
+        public uint Collide;
+        public Vector3d Gravity;
+        public double Attraction;
+        public Vector3d AttractionCenter;
+        public double OverRelaxation;
+        public double Cfm;
+        public double Cohesion;
+        public double MinDiagonal;
+        public double WallDensity;
+        public double ScorrK;
+        public double ScorrDq;
+        public uint ScorrN;
+        public uint Solver;
+        public double Vorticity;
+        public double Viscosity;
+        public Vector3d DomainMin;
+        public Vector3d DomainMax;
+        public Walls WallVelocity;
+        public Walls WallAmplitude;
+        public Walls WallFrequency;
+        public Walls WallPhase;
+        public double SearchCellWidth;
+        public double SleepSpeed;
+        public double SleepTime;
+        public double Tolerance;
+        public double PressureGrid;
+        public double Prestabilization;
+        public double DampingCompensation;
+        public double AngularMomentumCorrection;
+        public double Drag;
+        public Vector3d DragVelocity;
+        public double MaxDepenetrationSpeed;
+        public uint MaxSubsteps;
+        public uint Reserved;
+        public double ShearStressCorrection;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeReadDesc
+    {
+        public uint StructSize;
+        public uint Field;
+        public uint First;
+        public uint Count;
+        public uint ElementType;
+        public uint Components;
+        public uint W;
+        public uint Order;
+        public ulong Stride;
+        public IntPtr Data;
+        public double Behind;
+        public double WValue;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Collider
+    {
+        public uint StructSize;
+        public uint Shape;
+        public uint Inverted;
+        public uint Path;
+        public Vector3d Position;
+        public Vector4d Orientation;
+        public Vector3d Velocity;
+        public Vector3d AngularVelocity;
+        public Vector3d Axis;
+        public Vector3d HalfExtents;
+        public double Radius;
+        public double HalfLength;
+        public Vector3d HalfExtentsRate;
+        public double RadiusRate;
+        public double HalfLengthRate;
+        public double Duration;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeView
+    {
+        public uint StructSize;
+        public uint Field;
+        public uint DeviceType;
+        public int DeviceId;
+        public uint ElementType;
+        public uint Components;
+        public uint Count;
+        public uint Reserved;
+        public long ParticleStride;
+        public long ComponentStride;
+        public ulong Generation;
+        public IntPtr Data;
+        public IntPtr Ids;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeSnapshot
+    {
+        public uint StructSize;
+        public uint Count;
+        public uint Dimension;
+        public uint ElementType;
+        public ulong Step;
+        public double Time;
+        public IntPtr Positions;
+        public IntPtr Velocities;
+        public IntPtr Ids;
+        public IntPtr Owner;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Stats
+    {
+        public uint StructSize;
+        public uint Count;
+        public uint Iterations;
+        public uint NeighborsMax;
+        public double NeighborsMean;
+        public Vector3d CenterOfMass;
+        public Vector3d PositionMin;
+        public Vector3d PositionMax;
+        public Vector3d Momentum;
+        public double KineticEnergy;
+        public double SpeedMax;
+        public double DensityErrorMean;
+        public double DensityErrorMax;
+        public double DensityMean;
+        public uint Asleep;
+        public uint Squeezed;
+        public double StepLimit;
+        public uint LimitedBy;
+        public uint Substeps;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct StageTime
+    {
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Name;
+        public double Milliseconds;
+        public ulong Runs;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Timings
+    {
+        public uint StructSize;
+        public uint StageCount;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 24)]
+        public StageTime[] Stages;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct PlanStage
+    {
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Name;
+        public uint RunsPerStep;
+        public uint LaunchesPerStep;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct PlanArray
+    {
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Name;
+        public double BytesPerParticle;
+        public ulong Bytes;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Plan
+    {
+        public uint StructSize;
+        public uint StageCount;
+        public uint ArrayCount;
+        public uint Reserved;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 64)]
+        public string Variant;
+        public double BytesPerParticle;
+        public ulong Bytes;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 24)]
+        public PlanStage[] Stages;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 40)]
+        public PlanArray[] Arrays;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Info
+    {
+        public uint StructSize;
+        public uint Dimension;
+        public uint Precision;
+        public uint Capacity;
+        public uint Threads;
+        public int Device;
+        public uint DeviceType;
+        public uint FellBack;
+        public ulong Step;
+        public double Time;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Backend;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string DeviceName;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string BuildId;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string Path;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string FallbackReason;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct BackendInfo
+    {
+        public uint StructSize;
+        public uint Available;
+        public int Score;
+        public uint DeviceType;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Name;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string DeviceName;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string BuildId;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string Path;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string Reason;
+    }
+
+    internal static class Native
+    {
+#if UNITY_IOS && !UNITY_EDITOR
+        internal const string Library = "__Internal";
+#else
+        internal const string Library = "pbf";
+#endif
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern uint pbf_version();
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern IntPtr pbf_status_string(Status status);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern IntPtr pbf_last_error();
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_desc_init(ref NativeDesc desc, uint struct_size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_params_init(ref Params parameters, uint struct_size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_create(IntPtr desc, IntPtr parameters, out IntPtr solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void pbf_destroy(IntPtr solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_params(SolverHandle solver, IntPtr parameters);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_params(SolverHandle solver, ref Params parameters);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_step(SolverHandle solver, uint steps);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_begin_step(SolverHandle solver, uint steps);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_end_step(SolverHandle solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_cancel(SolverHandle solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_synchronize(SolverHandle solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_count(SolverHandle solver, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_add_particles(SolverHandle solver, uint count, IntPtr positions, IntPtr velocities, ref uint first_id);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_remove_particles(SolverHandle solver, uint count, IntPtr ids);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_remove_in_box(SolverHandle solver, IntPtr lower, IntPtr upper, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_find_in_box(SolverHandle solver, IntPtr lower, IntPtr upper, uint room, IntPtr ids, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_positions(SolverHandle solver, uint first, uint count, IntPtr positions);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_positions(SolverHandle solver, uint first, uint count, IntPtr positions);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_velocities(SolverHandle solver, uint first, uint count, IntPtr velocities);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_velocities(SolverHandle solver, uint first, uint count, IntPtr velocities);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_ids(SolverHandle solver, uint first, uint count, IntPtr ids);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_densities(SolverHandle solver, uint first, uint count, IntPtr densities);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_pressures(SolverHandle solver, uint first, uint count, IntPtr pressures);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_read(SolverHandle solver, IntPtr read);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_collider_init(ref Collider collider, uint struct_size, uint shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_move_colliders(SolverHandle solver, uint count, IntPtr targets, double duration);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_collider_count(SolverHandle solver, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref Collider collider);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_map(SolverHandle solver, uint field, ref NativeView view);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_unmap(IntPtr solver, uint field);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_export_dlpack(SolverHandle solver, uint field, out IntPtr tensor);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_snapshots(SolverHandle solver, uint snapshots);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_acquire_snapshot(SolverHandle solver, ref NativeSnapshot snapshot);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_release_snapshot(ref NativeSnapshot snapshot);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_stats(SolverHandle solver, ref Stats stats);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_step_limit(SolverHandle solver, ref double limit);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_timing(SolverHandle solver, uint enabled);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_timings(SolverHandle solver, ref Timings timings);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_plan(SolverHandle solver, ref Plan plan);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_info(SolverHandle solver, ref Info info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_save(SolverHandle solver, IntPtr buffer, ref ulong size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_load(SolverHandle solver, IntPtr buffer, ulong size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_hash(SolverHandle solver, ref ulong hash);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_backend_count(ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_backend_info(IntPtr desc, uint index, ref BackendInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_load_backend(IntPtr path);
+    }
+
+    /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
+    internal static class Layout
+    {
+        internal static readonly Dictionary<Type, string[]> Structs = new Dictionary<Type, string[]>
+        {
+            { typeof(NativeAllocator), new[] { "32", "StructSize=0", "Reserved=4", "User=8", "Allocate=16", "Release=24" } },
+            { typeof(NativeDesc), new[] { "104", "StructSize=0", "ApiVersion=4", "Dimension=8", "Precision=12", "Capacity=16", "Strict=20", "Backend=24", "Device=32", "Threads=36", "Stream=40", "Allocator=48", "Log=56", "LogUser=64", "Isa=72", "EnqueueTask=80", "FinishTask=88", "TaskUser=96" } },
+            { typeof(Params), new[] { "544", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Reserved=532", "ShearStressCorrection=536" } },
+            { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
+            { typeof(Collider), new[] { "232", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224" } },
+            { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
+            { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },
+            { typeof(Stats), new[] { "184", "StructSize=0", "Count=4", "Iterations=8", "NeighborsMax=12", "NeighborsMean=16", "CenterOfMass=24", "PositionMin=48", "PositionMax=72", "Momentum=96", "KineticEnergy=120", "SpeedMax=128", "DensityErrorMean=136", "DensityErrorMax=144", "DensityMean=152", "Asleep=160", "Squeezed=164", "StepLimit=168", "LimitedBy=176", "Substeps=180" } },
+            { typeof(StageTime), new[] { "48", "Name=0", "Milliseconds=32", "Runs=40" } },
+            { typeof(Timings), new[] { "1160", "StructSize=0", "StageCount=4", "Stages=8" } },
+            { typeof(PlanStage), new[] { "40", "Name=0", "RunsPerStep=32", "LaunchesPerStep=36" } },
+            { typeof(PlanArray), new[] { "48", "Name=0", "BytesPerParticle=32", "Bytes=40" } },
+            { typeof(Plan), new[] { "2976", "StructSize=0", "StageCount=4", "ArrayCount=8", "Reserved=12", "Variant=16", "BytesPerParticle=80", "Bytes=88", "Stages=96", "Arrays=1056" } },
+            { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
+            { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } }
+        };
+    }
+}

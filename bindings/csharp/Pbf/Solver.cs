@@ -1,0 +1,343 @@
+using System;
+using System.Runtime.ExceptionServices;
+using System.Runtime.InteropServices;
+
+namespace Pbf
+{
+    /// <summary>
+    /// A fluid. Arrays have the coordinates of a particle one after the other, Desc.Dimension of them, as float[]
+    /// or double[] by Desc.Precision. A call that fails throws a PbfException and leaves the solver as it was.
+    /// One thread at a time uses it; Cancel and TakeSnapshot are for any thread, at any time.
+    /// </summary>
+    public sealed class Solver : IDisposable
+    {
+        private readonly SolverHandle handle = new SolverHandle();
+        private readonly LogTarget log;
+        private readonly uint dimension;
+        private readonly uint precision;
+
+        public Solver(Desc desc = null, Params? parameters = null)
+        {
+            desc = desc ?? new Desc();
+            dimension = desc.Dimension;
+            precision = desc.Precision;
+            var target = default(GCHandle);
+            if (desc.Log != null)
+            {
+                log = new LogTarget(desc.Log);
+                target = GCHandle.Alloc(log);
+            }
+            try
+            {
+                handle.Own(Create(desc, parameters ?? Params.Default, target), target);
+            }
+            catch
+            {
+                GC.SuppressFinalize(handle);
+                if (target.IsAllocated) target.Free();
+                throw;
+            }
+            ThrowOn();
+        }
+
+        public void Dispose() { handle.Dispose(); }
+
+        // ---- Steps
+
+        public void Step(uint steps = 1) { Check(Native.pbf_step(handle, steps)); }
+
+        /// <summary>
+        /// Runs them in a thread of the solver's, until EndStep; other calls are refused meanwhile, but for Cancel
+        /// and TakeSnapshot.
+        /// </summary>
+        public void BeginStep(uint steps = 1) { PbfException.Check(Native.pbf_begin_step(handle, steps)); }
+
+        public void EndStep() { Check(Native.pbf_end_step(handle)); }
+        public void Cancel() { PbfException.Check(Native.pbf_cancel(handle)); }
+        public void Synchronize() { Check(Native.pbf_synchronize(handle)); }
+
+        // ---- Parameters and colliders
+
+        public Params Parameters
+        {
+            get
+            {
+                var got = new Params { StructSize = Params.Size };
+                Check(Native.pbf_get_params(handle, ref got));
+                return got;
+            }
+            set
+            {
+                value.StructSize = Params.Size;
+                With(value, at => Native.pbf_set_params(handle, at));
+            }
+        }
+
+        public void SetColliders(params Collider[] colliders)
+        {
+            WithColliders(colliders, at => Native.pbf_set_colliders(handle, (uint)colliders.Length, at));
+        }
+
+        /// <summary>To these poses and sizes, in this time from now.</summary>
+        public void MoveColliders(Collider[] targets, double duration)
+        {
+            WithColliders(targets, at => Native.pbf_move_colliders(handle, (uint)targets.Length, at, duration));
+        }
+
+        public Collider[] GetColliders()
+        {
+            uint count = 0;
+            Check(Native.pbf_get_collider_count(handle, ref count));
+            var colliders = new Collider[count];
+            for (uint i = 0; i < count; ++i)
+            {
+                colliders[i].StructSize = Collider.Bytes;
+                Check(Native.pbf_get_collider(handle, i, ref colliders[i]));
+            }
+            return colliders;
+        }
+
+        // ---- Particles
+
+        public uint Count
+        {
+            get
+            {
+                uint count = 0;
+                Check(Native.pbf_get_count(handle, ref count));
+                return count;
+            }
+        }
+
+        /// <summary>Gives the id of the first one. Without velocities they are at rest.</summary>
+        public uint AddParticles(float[] positions, float[] velocities = null) { return Add(positions, velocities); }
+        public uint AddParticles(double[] positions, double[] velocities = null) { return Add(positions, velocities); }
+
+        public void RemoveParticles(uint[] ids)
+        {
+            Pinned(ids, at => Check(Native.pbf_remove_particles(handle, (uint)ids.Length, at)));
+        }
+
+        /// <summary>Gives how many they were.</summary>
+        public uint RemoveInBox(Vector3d lower, Vector3d upper)
+        {
+            uint count = 0;
+            Pinned(Corner(lower), low => Pinned(Corner(upper),
+                high => Check(Native.pbf_remove_in_box(handle, low, high, ref count))));
+            return count;
+        }
+
+        public uint[] FindInBox(Vector3d lower, Vector3d upper)
+        {
+            var ids = new uint[Count];
+            uint count = 0;
+            Pinned(Corner(lower), low => Pinned(Corner(upper), high => Pinned(ids,
+                at => Check(Native.pbf_find_in_box(handle, low, high, (uint)ids.Length, at, ref count)))));
+            Array.Resize(ref ids, (int)count);
+            return ids;
+        }
+
+        /// <summary>As many particles as the array has room for, from row `first` on.</summary>
+        public void GetPositions(float[] into, uint first = 0) { Rows(Native.pbf_get_positions, into, first, dimension); }
+        public void GetPositions(double[] into, uint first = 0) { Rows(Native.pbf_get_positions, into, first, dimension); }
+        public void GetVelocities(float[] into, uint first = 0) { Rows(Native.pbf_get_velocities, into, first, dimension); }
+        public void GetVelocities(double[] into, uint first = 0) { Rows(Native.pbf_get_velocities, into, first, dimension); }
+        public void GetDensities(float[] into, uint first = 0) { Rows(Native.pbf_get_densities, into, first, 1); }
+        public void GetDensities(double[] into, uint first = 0) { Rows(Native.pbf_get_densities, into, first, 1); }
+        public void GetPressures(float[] into, uint first = 0) { Rows(Native.pbf_get_pressures, into, first, 1); }
+        public void GetPressures(double[] into, uint first = 0) { Rows(Native.pbf_get_pressures, into, first, 1); }
+        public void SetPositions(float[] from, uint first = 0) { Rows(Native.pbf_set_positions, from, first, dimension); }
+        public void SetPositions(double[] from, uint first = 0) { Rows(Native.pbf_set_positions, from, first, dimension); }
+        public void SetVelocities(float[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
+        public void SetVelocities(double[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
+
+        public uint[] GetIds()
+        {
+            var ids = new uint[Count];
+            Pinned(ids, at => Check(Native.pbf_get_ids(handle, 0, (uint)ids.Length, at)));
+            return ids;
+        }
+
+        /// <summary>A field, Constants.FieldPosition and so on, without a copy.</summary>
+        public View Map(uint field) { return new View(handle, field); }
+
+        // ---- Snapshots, state, reports
+
+        /// <summary>Keeps room for so many snapshots; from then on each step ends with one. 0: none.</summary>
+        public void SetSnapshots(uint snapshots) { Check(Native.pbf_set_snapshots(handle, snapshots)); }
+
+        public Snapshot TakeSnapshot() { return new Snapshot(handle); }
+
+        public byte[] Save()
+        {
+            ulong size = 0;
+            Check(Native.pbf_save(handle, IntPtr.Zero, ref size));
+            var state = new byte[size];
+            Pinned(state, at => Check(Native.pbf_save(handle, at, ref size)));
+            return state;
+        }
+
+        public void Load(byte[] state)
+        {
+            Pinned(state, at => Check(Native.pbf_load(handle, at, (ulong)state.Length)));
+        }
+
+        public ulong Hash()
+        {
+            ulong hash = 0;
+            Check(Native.pbf_hash(handle, ref hash));
+            return hash;
+        }
+
+        public Stats GetStats()
+        {
+            var got = new Stats { StructSize = SizeOf<Stats>() };
+            Check(Native.pbf_get_stats(handle, ref got));
+            return got;
+        }
+
+        public Info GetInfo()
+        {
+            var got = new Info { StructSize = SizeOf<Info>() };
+            Check(Native.pbf_get_info(handle, ref got));
+            return got;
+        }
+
+        /// <summary>StageCount and ArrayCount say how many of its entries hold.</summary>
+        public Plan GetPlan()
+        {
+            var got = new Plan
+            {
+                StructSize = SizeOf<Plan>(),
+                Stages = new PlanStage[Constants.MaxStages],
+                Arrays = new PlanArray[Constants.MaxArrays]
+            };
+            Check(Native.pbf_get_plan(handle, ref got));
+            return got;
+        }
+
+        public void SetTiming(bool enabled) { Check(Native.pbf_set_timing(handle, enabled ? 1u : 0u)); }
+
+        public Timings GetTimings()
+        {
+            var got = new Timings { StructSize = SizeOf<Timings>(), Stages = new StageTime[Constants.MaxStages] };
+            Check(Native.pbf_get_timings(handle, ref got));
+            return got;
+        }
+
+        /// <summary>The longest time step that the present state stands.</summary>
+        public double GetStepLimit()
+        {
+            double limit = 0;
+            Check(Native.pbf_get_step_limit(handle, ref limit));
+            return limit;
+        }
+
+        /// <summary>Every backend found, judged for a solver like desc, and every file that failed to load.</summary>
+        public static BackendInfo[] Backends(Desc desc = null)
+        {
+            return (desc ?? new Desc()).With(raw =>
+            {
+                uint count = 0;
+                PbfException.Check(Native.pbf_get_backend_count(ref count));
+                var found = new BackendInfo[count];
+                Pinned(raw, at =>
+                {
+                    for (uint i = 0; i < count; ++i)
+                    {
+                        found[i].StructSize = SizeOf<BackendInfo>();
+                        PbfException.Check(Native.pbf_get_backend_info(at, i, ref found[i]));
+                    }
+                });
+                return found;
+            });
+        }
+
+        // ---- What the calls have in common
+
+        private delegate Status RowsCall(SolverHandle solver, uint first, uint count, IntPtr rows);
+
+        private static IntPtr Create(Desc desc, Params parameters, GCHandle target)
+        {
+            parameters.StructSize = Params.Size;
+            return desc.With(raw =>
+            {
+                if (target.IsAllocated)
+                {
+                    raw.Log = Marshal.GetFunctionPointerForDelegate(LogTarget.Write);
+                    raw.LogUser = GCHandle.ToIntPtr(target);
+                }
+                var made = IntPtr.Zero;
+                Pinned(raw, at => Pinned(parameters,
+                    first => PbfException.Check(Native.pbf_create(at, first, out made))));
+                return made;
+            });
+        }
+
+        private static uint SizeOf<T>() { return (uint)Marshal.SizeOf(typeof(T)); }
+
+        private static double[] Corner(Vector3d corner) { return new[] { corner.X, corner.Y, corner.Z }; }
+
+        /// <summary>Calls with the address of an array, or of a copy of a struct.</summary>
+        private static void Pinned(object what, Action<IntPtr> call)
+        {
+            if (what == null)
+            {
+                call(IntPtr.Zero);
+                return;
+            }
+            var pin = GCHandle.Alloc(what, GCHandleType.Pinned);
+            try { call(pin.AddrOfPinnedObject()); }
+            finally { pin.Free(); }
+        }
+
+        private void With(object what, Func<IntPtr, Status> call)
+        {
+            Pinned(what, at => Check(call(at)));
+        }
+
+        private void WithColliders(Collider[] colliders, Func<IntPtr, Status> call)
+        {
+            var sized = (Collider[])colliders.Clone();
+            for (int i = 0; i < sized.Length; ++i) sized[i].StructSize = Collider.Bytes;
+            With(sized, call);
+        }
+
+        private uint ParticlesOf(Array array, uint components)
+        {
+            if ((array is float[]) != (precision == Constants.Float32))
+                throw PbfException.Invalid("the array is not of the solver's precision, Desc.Precision");
+            if (array.Length % components != 0)
+                throw PbfException.Invalid($"an array has {array.Length} numbers, no multiple of {components}");
+            return (uint)(array.Length / components);
+        }
+
+        private uint Add(Array positions, Array velocities)
+        {
+            uint count = ParticlesOf(positions, dimension), first = 0;
+            if (velocities != null && velocities.Length != positions.Length)
+                throw PbfException.Invalid($"velocities has {velocities.Length} numbers, positions {positions.Length}");
+            Pinned(positions, x => Pinned(velocities,
+                v => Check(Native.pbf_add_particles(handle, count, x, v, ref first))));
+            return first;
+        }
+
+        private void Rows(RowsCall call, Array array, uint first, uint components)
+        {
+            uint count = ParticlesOf(array, components);
+            Pinned(array, at => Check(call(handle, first, count, at)));
+        }
+
+        private void Check(Status status)
+        {
+            if (status != Status.Busy) ThrowOn(); // steps that have begun tell at their end
+            PbfException.Check(status);
+        }
+
+        private void ThrowOn()
+        {
+            var thrown = log?.Take();
+            if (thrown != null) ExceptionDispatchInfo.Capture(thrown).Throw();
+        }
+    }
+}

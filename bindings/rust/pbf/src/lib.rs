@@ -1,0 +1,38 @@
+//! Position based fluids: the C library pbf, with lifetimes, results and threads as Rust has them.
+//!
+//! ```no_run
+//! let mut fluid = pbf::Solver::<f32>::new(&pbf::Desc::default(), &pbf::Params::default())?;
+//! fluid.add_particles(&[0.5, 0.5, 0.5], None)?;
+//! fluid.step(10)?;
+//! println!("{:?}", fluid.positions()?);
+//! # Ok::<(), pbf::Error>(())
+//! ```
+//!
+//! `pbf.h` says what each parameter and each call does; names here are those there. A call that
+//! fails leaves the solver as it was, and gives an [`Error`] with the library's sentence.
+//!
+//! A [`Solver`] may go from thread to thread (`Send`), and is used by one at a time (not `Sync`);
+//! what others may do meanwhile, a [`Reader`] does. A panic in a log does not cross the library: it
+//! goes on when the call has returned.
+mod collider;
+mod error;
+mod handle;
+mod log;
+mod params;
+mod report;
+mod snapshot;
+mod solver;
+mod view;
+
+pub use collider::Collider;
+pub use error::{Error, Result, Status};
+pub use log::{Level, LogFn};
+pub use params::{Desc, Params};
+pub use pbf_sys as sys;
+pub use pbf_sys::pbf_stats as Stats;
+pub use report::{
+    backends, load_backend, version, BackendInfo, Info, Plan, PlanArray, PlanStage, StageTime,
+};
+pub use snapshot::{Reader, Snapshot};
+pub use solver::{Real, Solver};
+pub use view::{Field, View};

@@ -1,0 +1,116 @@
+use crate::error::{checked, Error, Result};
+use crate::log::{Level, LogFn};
+use pbf_sys as sys;
+use std::ffi::CString;
+use std::mem::{size_of, zeroed};
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+/// The parameters, by the names of `pbf_params`; the defaults are those of `pbf_params_init`.
+#[derive(Clone, Copy)]
+pub struct Params(sys::pbf_params);
+
+impl Default for Params {
+    fn default() -> Self {
+        let mut raw: sys::pbf_params = unsafe { zeroed() };
+        let status = unsafe { sys::pbf_params_init(&mut raw, size_of::<sys::pbf_params>() as u32) };
+        checked(status).expect("libpbf is of the version of this crate");
+        Params(raw)
+    }
+}
+
+impl Params {
+    pub(crate) fn from_raw(raw: sys::pbf_params) -> Self {
+        Params(raw)
+    }
+
+    /// With the size that it has, whatever it says.
+    pub(crate) fn sized(&self) -> sys::pbf_params {
+        sys::pbf_params {
+            struct_size: size_of::<sys::pbf_params>() as u32,
+            ..self.0
+        }
+    }
+}
+
+impl Deref for Params {
+    type Target = sys::pbf_params;
+    fn deref(&self) -> &sys::pbf_params {
+        &self.0
+    }
+}
+
+impl DerefMut for Params {
+    fn deref_mut(&mut self) -> &mut sys::pbf_params {
+        &mut self.0
+    }
+}
+
+/// What cannot change in a solver's life: `pbf_desc`. Its precision is the type of [`crate::Solver`].
+#[derive(Clone)]
+pub struct Desc {
+    pub dimension: u32,
+    pub capacity: u32,
+    /// `backend` or failure; else another one may serve, see [`crate::Info::fell_back`].
+    pub strict: bool,
+    pub backend: String,
+    pub device: i32,
+    pub threads: u32,
+    pub isa: Option<String>,
+    /// Is told complete sentences, from whichever thread is in the library; see [`Desc::with_log`].
+    pub log: Option<LogFn>,
+}
+
+impl Default for Desc {
+    fn default() -> Self {
+        let mut raw: sys::pbf_desc = unsafe { zeroed() };
+        let status = unsafe { sys::pbf_desc_init(&mut raw, size_of::<sys::pbf_desc>() as u32) };
+        checked(status).expect("libpbf is of the version of this crate");
+        Desc {
+            dimension: raw.dimension,
+            capacity: raw.capacity,
+            strict: raw.strict != 0,
+            backend: "auto".into(),
+            device: raw.device,
+            threads: raw.threads,
+            isa: None,
+            log: None,
+        }
+    }
+}
+
+impl Desc {
+    /// With a log; a panic in it goes on when the call that logs has returned.
+    pub fn with_log(mut self, log: impl Fn(Level, &str) + Send + Sync + 'static) -> Self {
+        self.log = Some(Arc::new(log));
+        self
+    }
+
+    /// Calls with the description of C, without a log.
+    pub(crate) fn with_raw<R>(
+        &self,
+        precision: u32,
+        call: impl FnOnce(sys::pbf_desc) -> Result<R>,
+    ) -> Result<R> {
+        let text = |name: &str, value: &str| {
+            CString::new(value).map_err(|_| Error::invalid(format!("desc.{name} has a zero byte")))
+        };
+        let backend = text("backend", &self.backend)?;
+        let isa = self
+            .isa
+            .as_deref()
+            .map(|name| text("isa", name))
+            .transpose()?;
+        let mut raw: sys::pbf_desc = unsafe { zeroed() };
+        checked(unsafe { sys::pbf_desc_init(&mut raw, size_of::<sys::pbf_desc>() as u32) })?;
+        raw.dimension = self.dimension;
+        raw.precision = precision;
+        raw.capacity = self.capacity;
+        raw.strict = self.strict.into();
+        raw.backend = backend.as_ptr();
+        raw.device = self.device;
+        raw.threads = self.threads;
+        raw.isa = isa.as_ref().map_or(std::ptr::null(), |name| name.as_ptr());
+        call(raw)
+    }
+}

@@ -1,0 +1,161 @@
+-- The LuaJIT module against the library; the backend is that of PBF_TEST_BACKEND, or "auto".
+local ffi = require("ffi")
+local pbf = require("pbf")
+
+local backend = os.getenv("PBF_TEST_BACKEND") or "auto"
+
+local function solver(options)
+  options = options or {}
+  options.backend, options.capacity, options.threads = backend, options.capacity or 100, 2
+  return pbf.solver(options)
+end
+
+local function filled()
+  local fluid = solver()
+  assert(fluid:add { { 0.5, 0.5, 0.5 }, { 0.6, 0.5, 0.5 } } == 0)
+  return fluid
+end
+
+local function near(a, b, bound) assert(math.abs(a - b) < bound, a .. " is not " .. b) end
+
+local function refused(name, words, call, ...)
+  local done, why = pcall(call, ...)
+  assert(not done, "nothing was refused")
+  assert(type(why) == "table" and why.name == name, tostring(why) .. " is no " .. name)
+  assert(tostring(why):find(words, 1, true), string.format("%q lacks %q", tostring(why), words))
+end
+
+local tests = {}
+
+function tests.structs_lie_as_in_c()
+  local structs = 0
+  for struct, layout in pairs(require("pbf.cdef")) do
+    structs = structs + 1
+    for field, offset in pairs(layout) do
+      local found = field == "size" and ffi.sizeof(struct) or ffi.offsetof(struct, field)
+      assert(found == offset, string.format("%s.%s: %s, not %d", struct, field, tostring(found), offset))
+    end
+  end
+  assert(structs > 10)
+end
+
+function tests.a_particle_falls()
+  local fluid = solver { precision = pbf.FLOAT64, params = { time_step = 1 / 128 } }
+  fluid:add { 0.5, 0.5, 0.5 }
+  fluid:step(16)
+  -- n steps of symplectic Euler: g dt^2 n (n + 1) / 2
+  local g = fluid:params().gravity[1]
+  local x, count = fluid:positions()
+  assert(count == 1)
+  near(x[1], 0.5 + g / 128 ^ 2 * 16 * 17 / 2, 1e-9)
+  near(fluid:velocities()[1], g / 8, 1e-9)
+  assert(fluid:info().step == 16 and fluid:stats().count == 1)
+  local ids, found = fluid:find_in_box({ 0, 0, 0 }, { 1, 1, 1 })
+  assert(found == 1 and ids[0] == 0)
+  assert(fluid:remove_in_box({ 0, 0, 0 }, { 1, 1, 1 }) == 1 and fluid:count() == 0)
+end
+
+function tests.errors_have_the_sentence()
+  local wrong = "PBF_ERROR_INVALID_ARGUMENT"
+  refused(wrong, "time_step", solver, { params = { time_step = -1 } })
+  refused(wrong, "dimension", solver, { dimension = 4 })
+  local fluid = filled()
+  refused(wrong, "4 numbers", fluid.add, fluid, { 1, 2, 3, 4 })
+  refused(wrong, "velocities", fluid.add, fluid, { 0.5, 0.5, 0.5 }, { 0, 0, 0, 0, 0, 0 })
+  refused(wrong, "NaN", fluid.add, fluid, { 0 / 0, 0.5, 0.5 })
+  refused("PBF_ERROR_NOT_FOUND", "7", fluid.remove, fluid, { 7 })
+  refused("PBF_ERROR_DATA", "", fluid.load, fluid, "water")
+  refused(wrong, "cube", fluid.set_colliders, fluid, { { shape = "cube" } })
+  assert(fluid:count() == 2)
+  assert(not pcall(solver, { params = { time_stop = 1 } }), "an unknown parameter is an error")
+end
+
+function tests.closed_is_refused()
+  local fluid = filled()
+  fluid:close()
+  fluid:close()
+  refused("PBF_ERROR_INVALID_ARGUMENT", "closed", fluid.step, fluid)
+end
+
+function tests.views_end_with_their_function()
+  local fluid = filled()
+  local count = fluid:map(pbf.FIELD_POSITION, function(view)
+    refused("PBF_ERROR_STATE", "map", fluid.step, fluid)
+    return view.count
+  end)
+  assert(count == 2)
+  local done, why = pcall(fluid.map, fluid, pbf.FIELD_POSITION, function() error("within", 0) end)
+  assert(not done and why == "within")
+  fluid:step()
+end
+
+function tests.snapshots_outlive_solvers()
+  local fluid = filled()
+  fluid:set_snapshots(2)
+  local snapshot = fluid:snapshot()
+  fluid:close()
+  fluid = nil
+  collectgarbage()
+  near(ffi.cast("const float *", snapshot.positions)[3], 0.6, 1e-6)
+end
+
+function tests.colliders_move()
+  local fluid = filled()
+  fluid:set_colliders { { shape = "sphere", position = { 0.5, 0.2, 0.5 }, radius = 0.1 } }
+  fluid:move_colliders({ { shape = "sphere", position = { 0.5, 0.3, 0.5 }, radius = 0.1 } }, 0.1)
+  fluid:set_params { gravity = { 0, 0, 0 } }
+  fluid:step(2)
+  near(fluid:params().gravity[1], 0, 1e-12)
+end
+
+function tests.states_go_on_alike()
+  local one, other = filled(), solver()
+  one:step(5)
+  other:load(one:save())
+  one:step(5)
+  other:step(5)
+  assert(one:hash() == other:hash())
+end
+
+function tests.the_log_is_heard_and_its_errors_wait()
+  local heard
+  local fluid = solver { params = { time_step = 0.5 }, log = function(_, sentence)
+    heard = sentence
+    error("the log fails", 0)
+  end }
+  fluid:add { 0.5, 0.5, 0.5 }
+  local done, why = pcall(fluid.step, fluid)
+  assert(not done and why == "the log fails", why)
+  assert(heard:find("time_step", 1, true), heard)
+  fluid:step() -- the step was made, and the solver goes on
+  assert(fluid:info().step == 2)
+  refused("PBF_ERROR_INVALID_ARGUMENT", "log", fluid.begin_step, fluid)
+end
+
+-- More than LuaJIT has callbacks: those of collected solvers are given back.
+function tests.collected_solvers_are_destroyed()
+  local live = {}
+  for _ = 1, 1100 do
+    solver { capacity = 1, log = function() return live end }
+    collectgarbage("step", 200)
+  end
+end
+
+function tests.backends_are_told()
+  local available = false
+  for _, found in ipairs(pbf.backends()) do available = available or found.available end
+  assert(available and pbf.version():match("^%d+%.%d+%.%d+$"))
+end
+
+local failed = 0
+for name, test in pairs(tests) do
+  local done, why = xpcall(test, function(thrown)
+    return type(thrown) == "table" and tostring(thrown) or debug.traceback(thrown)
+  end)
+  print((done and "ok      " or "FAILED  ") .. name .. (done and "" or ": " .. tostring(why)))
+  if not done then failed = failed + 1 end
+end
+-- One that is alive, and steps, when the process ends.
+last = filled()
+last:begin_step(1000000000)
+if failed > 0 then error(failed .. " tests failed", 0) end

@@ -1,0 +1,1 @@
+"""The ABI of pbf.h as data, and what is written from it."""

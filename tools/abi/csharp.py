@@ -1,0 +1,116 @@
+"""bindings/csharp/Pbf/Native.g.cs: structs with sequential layout, constants and P/Invoke."""
+from .words import COMMENT, camel, is_status, is_text
+
+SCALARS = {"void": "void", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
+           "uint64_t": "ulong", "double": "double", "pbf_status": "Status"}
+VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
+OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
+         "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
+AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
+KEYWORDS = {"params": "parameters"}
+
+
+def struct_name(name):
+    return OWNED.get(name, camel(name))
+
+
+def field_of(field):
+    """The declaration of a field."""
+    kind, name = field["type"], camel(field["name"])
+    if "array" in kind:
+        of, count = kind["array"], kind["count"]
+        if of == {"scalar": "double"}:
+            return f"public {VECTORS[count]} {name};"
+        if of == {"scalar": "char"}:
+            return (f"[MarshalAs(UnmanagedType.ByValTStr, SizeConst = {count})]\n"
+                    f"        public string {name};")
+        return (f"[MarshalAs(UnmanagedType.ByValArray, SizeConst = {count})]\n"
+                f"        public {struct_name(of['struct'])}[] {name};")
+    if "scalar" in kind:
+        return f"public {SCALARS[kind['scalar']]} {name};"
+    return f"public IntPtr {name};"  # a pointer, to data or to a function
+
+
+def struct(name, value):
+    fields = "\n".join("        " + field_of(field) for field in value["fields"])
+    access = "internal" if name in OWNED else "public"
+    return ("    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]\n"
+            f"    {access} partial struct {struct_name(name)}\n    {{\n{fields}\n    }}")
+
+
+def parameter_of(function, parameter):
+    kind, name = parameter["type"], KEYWORDS.get(parameter["name"], parameter["name"])
+    if "scalar" in kind:
+        return f"{SCALARS[kind['scalar']]} {name}"
+    if "pointer" in kind:
+        target = kind["pointer"]
+        if target == {"opaque": "pbf_solver"} and function not in AFTER_DISPOSE:
+            return f"SolverHandle {name}"  # which can't be destroyed while a call is inside
+        if "pointer" in target:
+            return f"out IntPtr {name}"
+        if "struct" in target and not kind["const"]:
+            return f"ref {struct_name(target['struct'])} {name}"
+        if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name != "ids":
+            return f"ref {SCALARS[target['scalar']]} {name}"
+    return f"IntPtr {name}"
+
+
+def returned(kind):
+    return "IntPtr" if "pointer" in kind else SCALARS[kind["scalar"]]
+
+
+def function(name, value):
+    parameters = ", ".join(parameter_of(name, one) for one in value["parameters"])
+    return ("        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]\n"
+            f"        internal static extern {returned(value['returns'])} {name}({parameters});")
+
+
+def callback(name, signature):
+    kinds = []
+    for index, kind in enumerate(signature["parameters"]):
+        kinds.append(f"{SCALARS[kind['scalar']] if 'scalar' in kind else 'IntPtr'} argument{index}")
+    return ("    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
+            f"    internal delegate {returned(signature['returns'])} {camel(name)}({', '.join(kinds)});")
+
+
+def constants(description):
+    lines = [f"        public const uint {camel(name)} = {value};"
+             for name, value in description["numbers"].items()]
+    for enum in description["enums"]:
+        if not is_status(enum):
+            lines += [f"        public const uint {camel(name)} = {value};" for name, value in enum.items()]
+    return "    /// <summary>What pbf.h calls PBF_….</summary>\n    public static class Constants\n    {\n" + "\n".join(lines) + "\n    }"
+
+
+def status(description):
+    enum = next(filter(is_status, description["enums"]))
+    lines = ",\n".join(f"        {camel(name, 'PBF_ERROR_')} = {value}" for name, value in enum.items())
+    return f"    public enum Status\n    {{\n{lines}\n    }}"
+
+
+def layout(description):
+    """For the test: what Marshal must say of each struct."""
+    lines = []
+    for name, value in description["structs"].items():
+        offsets = ", ".join(f'"{camel(field["name"])}={field["offset"]}"' for field in value["fields"])
+        lines.append(f"            {{ typeof({struct_name(name)}), new[] {{ \"{value['size']}\", {offsets} }} }}")
+    return ("    /// <summary>Sizes and offsets of the C compiler, for tests.</summary>\n"
+            "    internal static class Layout\n    {\n"
+            "        internal static readonly Dictionary<Type, string[]> Structs = new Dictionary<Type, string[]>\n"
+            "        {\n" + ",\n".join(lines) + "\n        };\n    }")
+
+
+def text(description):
+    functions = "\n".join(function(*item) for item in description["functions"].items())
+    native = ("    internal static class Native\n    {\n"
+              "#if UNITY_IOS && !UNITY_EDITOR\n"
+              '        internal const string Library = "__Internal";\n'
+              "#else\n"
+              '        internal const string Library = "pbf";\n'
+              "#endif\n" + functions + "\n    }")
+    parts = [status(description), constants(description),
+             *(callback(*item) for item in description["callbacks"].items()),
+             *(struct(*item) for item in description["structs"].items()), native, layout(description)]
+    return (f"// {COMMENT}\n#pragma warning disable 1591\nusing System;\n"
+            "using System.Collections.Generic;\nusing System.Runtime.InteropServices;\n\n"
+            "namespace Pbf\n{\n" + "\n\n".join(parts) + "\n}\n")

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Writes the description of the ABI and what follows from it:
+
+    tools/bindings.py             writes it; wants clang and a C compiler
+    tools/bindings.py --check     fails where a file is not as it would be written; without clang
+                                  only sizes and offsets are compared with the header
+
+    bindings/abi.json             the description: what the compilers see in include/pbf/pbf.h
+    bindings/rust/pbf-sys/src/lib.rs
+    bindings/csharp/Pbf/Native.g.cs
+    bindings/lua/pbf/cdef.lua
+    examples/ctypes_demo.py       its structs
+"""
+import argparse
+import difflib
+import json
+import pathlib
+import re
+import sys
+
+from abi import csharp, ctypes_mirror, describe, lua, rust
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+ABI = "bindings/abi.json"
+STRUCTS = r"(# structs: written by tools/bindings.py\n)(?:.*\n)*?(# end of structs\n)"
+
+
+def read(path):
+    path = ROOT / path
+    return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def demo(description):
+    text = read("examples/ctypes_demo.py")
+    changed, count = re.subn(STRUCTS, lambda match: f"{match[1]}{ctypes_mirror.text(description)}{match[2]}", text)
+    if count != 1:
+        raise ValueError(f"examples/ctypes_demo.py has {count} places for structs, not one")
+    return changed
+
+
+def outputs(description):
+    """Path → what it should hold."""
+    return {
+        ABI: describe.as_text(description),
+        "bindings/rust/pbf-sys/src/lib.rs": rust.text(description),
+        "bindings/csharp/Pbf/Native.g.cs": csharp.text(description),
+        "bindings/lua/pbf/cdef.lua": lua.text(description),
+        "examples/ctypes_demo.py": demo(description),
+    }
+
+
+def described(check):
+    try:
+        return describe.describe(ROOT / "include/pbf/pbf.h")
+    except describe.NoCompiler as error:
+        if not check:
+            sys.exit(f"{error}, and the description is its")
+        print(f"{error}: of the header only sizes and offsets are compared")
+        description = json.loads(read(ABI))
+        fields = {name: value["fields"] for name, value in description["structs"].items()}
+        description["structs"] = describe.with_layout(fields, ROOT / "include/pbf/pbf.h")
+        return description
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write nothing")
+    check = parser.parse_args().check
+    stale = []
+    for path, wanted in outputs(described(check)).items():
+        if wanted == read(path):
+            continue
+        stale.append(path)
+        if check:
+            lines = difflib.unified_diff(read(path).splitlines(), wanted.splitlines(), path,
+                                         "by the header", lineterm="", n=0)
+            print("\n".join(list(lines)[:40]))
+        else:
+            (ROOT / path).parent.mkdir(parents=True, exist_ok=True)
+            (ROOT / path).write_text(wanted, encoding="utf-8")
+            print(path)
+    if check and stale:
+        sys.exit(f"not as the header has it: {', '.join(stale)}; tools/bindings.py writes it")
+
+
+if __name__ == "__main__":
+    main()
