@@ -30,7 +30,7 @@ function(pbf_add_plugin name)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${target}
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/pbf/backends)
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/pbf/backends)
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/pbf/backends COMPONENT runtime)
 endfunction()
 
 # An archive of the backend's objects, of which lib/ makes one object.

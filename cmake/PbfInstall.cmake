@@ -1,5 +1,6 @@
 # A tree that works wherever it is moved: every path in it is relative, and libpbf looks for its
-# backends from where it finds itself. The backends install themselves (PbfBackend.cmake).
+# backends from where it finds itself. The backends install themselves (PbfBackend.cmake). Components:
+# runtime, dev, tools (bench/), and for all of them doc.
 include(CMakePackageConfigHelpers)
 
 set(PBF_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pbf)
@@ -11,12 +12,13 @@ string(REGEX REPLACE "/$" "" PBF_PC_PREFIX "${PBF_PC_PREFIX}")
 get_property(PBF_LINKED_BACKENDS GLOBAL PROPERTY PBF_LINKED_BACKENDS)
 
 install(TARGETS pbf EXPORT pbfTargets
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/pbf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(EXPORT pbfTargets NAMESPACE pbf:: DESTINATION ${PBF_CMAKE_DIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/pbf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY_NOTICES.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
+install(EXPORT pbfTargets NAMESPACE pbf:: DESTINATION ${PBF_CMAKE_DIR} COMPONENT dev)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pbfConfig.cmake.in
   ${PROJECT_BINARY_DIR}/pbfConfig.cmake
@@ -25,8 +27,8 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/pbfConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/pbfConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/pbfConfig.cmake ${PROJECT_BINARY_DIR}/pbfConfigVersion.cmake
-  DESTINATION ${PBF_CMAKE_DIR})
+  DESTINATION ${PBF_CMAKE_DIR} COMPONENT dev)
 
 get_property(PBF_PC_LIBS GLOBAL PROPERTY PBF_PC_LIBS)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/pbf.pc.in ${PROJECT_BINARY_DIR}/pbf.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/pbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/pbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

@@ -57,11 +57,11 @@ std::string pareto_page_text() {
 
 std::string data_folder(const std::string &name, const std::string &source) {
   const std::filesystem::path program = this_program();
-  const std::filesystem::path installed =
-      program.parent_path() / ".." / PBF_BENCH_DATA_FROM_BIN / name;
+  const std::filesystem::path installed = program.parent_path() / PBF_BENCH_DATA_FROM_BIN / name;
   std::error_code failed;
-  return std::filesystem::is_directory(installed, failed) ? installed.lexically_normal().string()
-                                                          : source;
+  const bool is_installed = std::filesystem::is_directory(installed, failed);
+  const std::filesystem::path found = is_installed ? installed : program.parent_path() / source;
+  return found.lexically_normal().string();
 }
 
 }  // namespace bench

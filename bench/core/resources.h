@@ -15,7 +15,7 @@ std::string ablation_page_text();
 std::string stability_page_text();
 std::string pareto_page_text();
 
-// The installed folder of this name, or `source`, the source tree's, when the program has not been
+// The installed folder of this name, or `source`, from the program's folder, when it has not been
 // installed: an edited file is then the one that counts.
 std::string data_folder(const std::string &name, const std::string &source);
 

@@ -115,7 +115,8 @@ class ParamFields(Holder):
         "is given back. Range: 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: `0`.")
     angular_momentum_correction = Number(
         "How much of the torque that pushes between particles exert goes back to the pairs around "
-        "as velocity. Range: 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: `0`.")
+        "as velocity; -1: 1 with PBF_SOLVER_CHEBYSHEV and without gravity, 0 elsewhere. Range: "
+        "-1, 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
     drag = Number(
         "The rate at which all particles are dragged towards `drag_velocity`, as by a wind or a "
         "stream around them; 0: none. Unit: 1/time. Range: ≥ 0. Default: `0`.")

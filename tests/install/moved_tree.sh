@@ -14,7 +14,9 @@ if grep -rlF --include='*.cmake' --include='*.pc' -e "$folder/first" -e "$build"
   echo "these files name where the tree was built or installed" >&2
   exit 1
 fi
-[ -n "$(find moved -name LICENSE)" ] || { echo "the licence is not installed" >&2; exit 1; }
+for file in LICENSE THIRD_PARTY_NOTICES.md pbf.hpp; do
+  [ -n "$(find moved -name $file)" ] || { echo "$file is not installed" >&2; exit 1; }
+done
 if [ -n "$(find moved -name libpbf.a)" ]; then
   home="" # the backends are linked in, and come from no file
 else
@@ -38,4 +40,13 @@ if command -v pkg-config >/dev/null; then
   ./by_pkg_config "$home"
 else
   echo "pkg-config is not here: left out"
+fi
+
+bench=$(find moved -name pbf-bench)
+if [ -n "$bench" ]; then
+  said=$("$bench" run --scene nonesuch --backend auto 2>&1) && { echo "a scene that there is not runs" >&2; exit 1; }
+  case $said in
+    *"$folder/moved/"*) echo "pbf-bench finds its scenes where it is" ;;
+    *) echo "pbf-bench looks for scenes elsewhere: $said" >&2; exit 1 ;;
+  esac
 fi

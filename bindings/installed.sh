@@ -1,0 +1,175 @@
+#!/bin/sh
+# installed.sh BUILD FOLDER: each binding and package made from the build BUILD in FOLDER, and used from where it
+# is installed there, with nothing of the source tree. Ends with a table; fails where one fails. What the
+# machine has not got the programs for is skipped, and says so. FOLDER/NAME.log is what each printed.
+set -u
+build=$(realpath "$1")
+mkdir -p "$2"
+folder=$(realpath "$2")
+source=$(realpath "$(dirname "$0")/..")
+prefix=$folder/prefix
+front='1\.0 s: front at 1\.9' # what every splash prints last
+unset PBF_BACKEND_PATH PBF_LIB_DIR LD_LIBRARY_PATH PKG_CONFIG_PATH RUST_BACKTRACE 2>/dev/null || true
+
+skip() { echo "skipped: $*"; exit 77; }
+need() { for program in "$@"; do command -v "$program" >/dev/null || skip "no $program"; done; }
+fresh() { rm -rf "$1"; mkdir -p "$1"; }
+
+installed() {
+  rm -rf "$prefix"
+  cmake --install "$build" --prefix "$folder/elsewhere" && mv "$folder/elsewhere" "$prefix"
+}
+
+abi() { python3 -B "$source/tools/bindings.py" --check; }
+
+# by_cmake PREFIX FOLDER: a project of C++ that finds the package.
+by_cmake() {
+  fresh "$2/source"
+  cp "$source/examples/splash.cpp" "$source/packaging/conan/test_package/CMakeLists.txt" "$2/source"
+  cmake -S "$2/source" -B "$2/build" -DCMAKE_PREFIX_PATH="$1" -DCMAKE_BUILD_TYPE=Release &&
+    cmake --build "$2/build" && "$2/build/splash" | tee "$2/printed" && grep -q "$front" "$2/printed"
+}
+
+# by_pkg_config PREFIX FOLDER
+by_pkg_config() {
+  need pkg-config
+  fresh "$2"
+  PKG_CONFIG_PATH=$(dirname "$(find "$1" -name pbf.pc)") || return 1
+  export PKG_CONFIG_PATH
+  # shellcheck disable=SC2046 # words on purpose
+  c++ -std=c++17 "$source/examples/splash.cpp" -o "$2/splash" $(pkg-config --cflags --libs pbf) \
+    -Wl,-rpath,"$(pkg-config --variable=libdir pbf)" &&
+    "$2/splash" | tee "$2/printed" && grep -q "$front" "$2/printed"
+}
+
+cpp() { by_cmake "$prefix" "$folder/cpp" && by_pkg_config "$prefix" "$folder/cpp_pkg_config"; }
+
+# The crates as they would be published, and a program that depends on them.
+rust() {
+  need cargo
+  fresh "$folder/rust"
+  cp -R "$source/bindings/rust" "$folder/rust/crates" && cd "$folder/rust" || return 1
+  libdir=$(dirname "$(find "$prefix" -name libpbf.so)")
+  export CARGO_TARGET_DIR="$folder/rust/target" PBF_LIB_DIR="$libdir"
+  for crate in pbf-sys pbf; do
+    (cd "crates/$crate" && cargo package --offline --list >"$folder/rust/$crate.files") || return 1
+    mkdir -p "published/$crate"
+    grep -v -E '^(Cargo\.(lock|toml\.orig)|\.cargo_vcs_info\.json)$' "$crate.files" |
+      while read -r file; do
+        mkdir -p "published/$crate/$(dirname "$file")" && cp "crates/$crate/$file" "published/$crate/$file"
+      done
+  done
+  mkdir -p program/src && cp crates/pbf/examples/splash.rs program/src/main.rs
+  printf '[package]\nname = "program"\nversion = "0.0.0"\nedition = "2021"\n[dependencies]\npbf = { path = "../published/pbf" }\n[workspace]\n' >program/Cargo.toml
+  cargo build --offline --manifest-path program/Cargo.toml || return 1
+  LD_LIBRARY_PATH=$libdir target/debug/program | tee printed && grep -q "$front" printed
+}
+
+# A NuGet package, which is a zip file, and a program beside what is in it.
+csharp() {
+  need mcs mono python3
+  fresh "$folder/csharp"
+  cd "$folder/csharp" || return 1
+  mcs -langversion:7.2 -warnaserror -noconfig -target:library -out:Pbf.dll "$source"/bindings/csharp/Pbf/*.cs &&
+    python3 -B "$source/bindings/csharp/pack.py" Pbf.dll "$prefix" "$folder" || return 1
+  mkdir used && cd used && python3 -m zipfile -e ../../Pbf.*.nupkg . || return 1
+  mcs -r:lib/netstandard2.0/Pbf.dll -out:Splash.exe "$source/bindings/csharp/samples/Splash.cs" &&
+    cp lib/netstandard2.0/Pbf.dll . || return 1
+  LD_LIBRARY_PATH=$PWD/runtimes/linux-x64/native mono Splash.exe | tee printed && grep -q "$front" printed
+}
+
+lua() {
+  need luajit
+  fresh "$folder/lua"
+  if command -v luarocks >/dev/null; then
+    (cd "$source/bindings/lua" && luarocks --lua-version 5.1 --tree "$folder/lua" make --no-doc pbf-scm-1.rockspec) || return 1
+  else
+    mkdir -p "$folder/lua/share/lua/5.1"
+    cp -R "$source/bindings/lua/pbf.lua" "$source/bindings/lua/pbf" "$folder/lua/share/lua/5.1"
+  fi
+  LUA_PATH="$folder/lua/share/lua/5.1/?.lua" LD_LIBRARY_PATH=$(dirname "$(find "$prefix" -name libpbf.so)") \
+    luajit "$source/bindings/lua/examples/splash.lua" | tee "$folder/lua/printed" && grep -q "$front" "$folder/lua/printed"
+}
+
+# The backends are linked in, and nothing is loaded.
+static() {
+  fresh "$folder/static"
+  cmake -S "$source" -B "$folder/static/build" -DCMAKE_BUILD_TYPE=Release -DPBF_STATIC=ON "-DPBF_BACKENDS=serial;threads" \
+    -DPBF_VARIANTS=3d-f32 -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_EXAMPLES=OFF &&
+    cmake --build "$folder/static/build" --parallel 2 &&
+    cmake --install "$folder/static/build" --prefix "$folder/static/prefix" &&
+    by_cmake "$folder/static/prefix" "$folder/static/cmake" &&
+    by_pkg_config "$folder/static/prefix" "$folder/static/pkg_config" || return 1
+  if ldd "$folder/static/pkg_config/splash" | grep -q libpbf; then
+    echo "the program wants a libpbf at run time"
+    return 1
+  fi
+}
+
+# `cpack` for /usr, as tests/packages looks at it.
+deb() {
+  need dpkg-deb dpkg-shlibdeps
+  "$source/packaging/debian/check.sh" "$source" "$build" "$folder/deb"
+}
+
+tarball() {
+  fresh "$folder/tarball"
+  cd "$folder/tarball" && cpack -G TGZ --config "$build/CPackConfig.cmake" -B "$folder/tarball" &&
+    mkdir tree && tar -xzf pbf-*.tar.gz -C tree --strip-components 1 && by_cmake "$folder/tarball/tree" "$folder/tarball/cmake"
+}
+
+reproducible() { "$source/packaging/reproducible.sh" "$source" "$folder/reproducible"; }
+
+conan() {
+  command -v conan >/dev/null || skip "no conan (pip install conan)"
+  fresh "$folder/conan"
+  export CONAN_HOME="$folder/conan/home"
+  command conan profile detect || return 1
+  if ! command conan list 'dlpack/*' -r conancenter 2>/dev/null | grep -q '^  *dlpack/'; then
+    # Without Conan's server: the system's header as a package.
+    header=$(find /usr/include /usr/local/include -path '*dlpack/dlpack.h' | head -n 1)
+    [ -n "$header" ] || skip "neither Conan's server nor dlpack.h is here"
+    mkdir -p "$folder/conan/dlpack/include/dlpack" && cp "$header" "$folder/conan/dlpack/include/dlpack"
+    printf 'from conan import ConanFile\nfrom conan.tools.files import copy\nclass Dlpack(ConanFile):\n    name = "dlpack"\n    version = "0.6"\n    exports_sources = "include/*"\n    def package(self):\n        copy(self, "*", self.source_folder, self.package_folder)\n    def package_info(self):\n        self.cpp_info.libdirs = []\n' \
+      >"$folder/conan/dlpack/conanfile.py"
+    command conan create "$folder/conan/dlpack" --no-remote || return 1
+  fi
+  command conan create "$source/packaging/conan" --no-remote || return 1
+}
+
+vcpkg() {
+  [ -n "${VCPKG_ROOT-}" ] || skip "no VCPKG_ROOT"
+  "$VCPKG_ROOT/vcpkg" install pbf "--overlay-ports=$source/packaging/vcpkg" "--x-install-root=$folder/vcpkg"
+}
+
+table="" failed=0
+try() { # NAME FUNCTION
+  (set +u; "$2") >"$folder/$2.log" 2>&1
+  case $? in
+    0) result=passed ;;
+    77) result=$(tail -n 1 "$folder/$2.log") ;;
+    *)
+      result="FAILED: $folder/$2.log"
+      failed=1
+      tail -n 15 "$folder/$2.log" >&2
+      ;;
+  esac
+  table="$table$(printf '%-36s %s' "$1" "$result")
+"
+  printf '%-36s %s\n' "$1" "$result" >&2
+}
+
+try "install, and move the tree" installed
+try "ABI description against pbf.h" abi
+try "C++ (CMake, pkg-config)" cpp
+try "Rust crates" rust
+try "C# package" csharp
+try "LuaJIT module" lua
+try "static library (CMake, pkg-config)" static
+try "tarball" tarball
+try "packages for Debian" deb
+try "two builds, the same bytes" reproducible
+try "Conan recipe" conan
+try "vcpkg port" vcpkg
+printf '\n%s' "$table"
+exit $failed

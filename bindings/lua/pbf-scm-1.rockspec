@@ -1,0 +1,13 @@
+rockspec_format = "3.0"
+package = "pbf"
+version = "scm-1"
+source = { url = "." }
+description = {
+  summary = "Position based fluids for LuaJIT, by its FFI",
+  license = "MIT",
+}
+dependencies = { "lua == 5.1" }
+build = {
+  type = "builtin",
+  modules = { pbf = "pbf.lua", ["pbf.cdef"] = "pbf/cdef.lua" },
+}
