@@ -14,6 +14,10 @@ foreach(language C CXX)
   set(CMAKE_${language}_FLAGS_RELEASE "-O3")
   set(CMAKE_${language}_FLAGS_MINSIZEREL "-Os -fno-asynchronous-unwind-tables")
 endforeach()
+# The same bytes wherever it is built: debug information names no folder. Elsewhere none is named.
+if(NOT PBF_SANITIZE_ADDRESS AND NOT PBF_SANITIZE_THREAD)
+  add_compile_options("$<$<AND:$<COMPILE_LANGUAGE:C,CXX>,$<CONFIG:RelWithDebInfo>>:-ffile-prefix-map=${PROJECT_SOURCE_DIR}=.>")
+endif()
 if(PBF_STATIC)
   # A program's linker can drop the functions that it does not reach.
   add_compile_options("$<$<COMPILE_LANGUAGE:C,CXX>:-ffunction-sections;-fdata-sections>")

@@ -5,7 +5,7 @@ set -eu
 source=$1 folder=$2
 shift 2
 rm -rf "$folder"
-[ $# -gt 0 ] || set -- -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DPBF_BACKENDS=serial" -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2"
+[ $# -gt 0 ] || set -- -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=serial" -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2"
 for copy in a another-one; do
   mkdir -p "$folder/$copy/source"
   for part in CMakeLists.txt LICENSE THIRD_PARTY_NOTICES.md backends bench check cmake examples include lib packaging; do

@@ -200,11 +200,16 @@ static void snapshots_outlive_solvers(void **) {
 
 static void readers_outlive_solvers(void **) {
   std::vector<pbf::reader> kept;
+  pbf_solver *handle = nullptr;
   {
     auto fluid = filled();
+    handle = fluid.handle();
     kept.push_back(fluid.reader());
     done(fluid.begin_step(1000000000));
+    assert_refused(fluid.count(), PBF_ERROR_BUSY, "");
   } /* cancelled and waited for, though the reader still has the solver */
+  std::uint32_t count = 0;
+  assert_int_equal(pbf_get_count(handle, &count), PBF_OK);
   done(kept[0].cancel());
   assert_refused(kept[0].acquire_snapshot(), PBF_ERROR_STATE, "snapshot");
 }

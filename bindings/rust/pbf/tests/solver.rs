@@ -171,7 +171,9 @@ fn readers_cancel_and_outlive() {
         .unwrap();
     assert_refused(fluid.end_step(), Status::Cancelled, "");
     fluid.begin_step(u32::MAX).unwrap();
-    drop(fluid); // cancelled and waited for
+    let raw = fluid.as_raw();
+    drop(fluid); // cancelled and waited for, though the reader still has the solver
+    assert_eq!(unsafe { pbf::sys::pbf_get_count(raw, &mut 0) }, pbf::sys::PBF_OK);
     reader.cancel().unwrap();
     assert_refused(reader.snapshot(), Status::State, "snapshot");
 }
