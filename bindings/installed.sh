@@ -98,7 +98,7 @@ lua() {
 static() {
   fresh "$folder/static"
   cmake -S "$source" -B "$folder/static/build" -DCMAKE_BUILD_TYPE=Release -DPBF_STATIC=ON "-DPBF_BACKENDS=serial;threads" \
-    -DPBF_VARIANTS=3d-f32 -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_EXAMPLES=OFF &&
+    -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_EXAMPLES=OFF &&
     cmake --build "$folder/static/build" --parallel 2 &&
     cmake --install "$folder/static/build" --prefix "$folder/static/prefix" &&
     by_cmake "$folder/static/prefix" "$folder/static/cmake" &&
@@ -137,8 +137,9 @@ conan() {
       >"$folder/conan/dlpack/conanfile.py"
     command conan create "$folder/conan/dlpack" --no-remote || return 1
   fi
+  cp -R "$source/packaging/conan/test_package" "$folder/conan/test_package" # Conan builds beside it
   # One kind of fluid, to be done sooner.
-  command conan create "$source/packaging/conan" --no-remote \
+  command conan create "$source/packaging/conan" --no-remote --test-folder "$folder/conan/test_package" \
     -c "tools.cmake.cmaketoolchain:extra_variables={'PBF_VARIANTS': '3d-f32', 'PBF_ISAS': 'sse2;avx2'}" || return 1
 }
 
