@@ -1,0 +1,84 @@
+#include "table.h"
+
+const entry table[] = {
+    {"pbf_version", 1, call_version},
+    {"pbf_status_string", 1, call_status_string},
+    {"pbf_last_error", 1, call_last_error},
+    {"pbf_desc_init", 1, call_desc_init},
+    {"pbf_params_init", 1, call_params_init},
+    {"pbf_collider_init", 1, call_collider_init},
+    {"pbf_create", 2, call_create},
+    {"pbf_destroy", 1, call_destroy},
+    {"pbf_get_backend_count", 1, call_get_backend_count},
+    {"pbf_get_backend_info", 1, call_get_backend_info},
+    {"pbf_load_backend", 1, call_load_backend},
+    {"pbf_set_params", 12, call_set_params},
+    {"pbf_get_params", 1, call_get_params},
+    {"pbf_set_colliders", 5, call_set_colliders},
+    {"pbf_move_colliders", 3, call_move_colliders},
+    {"pbf_get_collider_count", 1, call_get_collider_count},
+    {"pbf_get_collider", 2, call_get_collider},
+    {"pbf_set_timing", 1, call_set_timing},
+    {"pbf_get_timings", 1, call_get_timings},
+    {"pbf_get_plan", 1, call_get_plan},
+    {"pbf_get_info", 1, call_get_info},
+    {"pbf_get_stats", 2, call_get_stats},
+    {"pbf_get_step_limit", 1, call_get_step_limit},
+    {"pbf_step", 30, call_step},
+    {"pbf_begin_step", 6, call_begin_step},
+    {"pbf_end_step", 1, call_end_step},
+    {"pbf_cancel", 2, call_cancel},
+    {"pbf_synchronize", 1, call_synchronize},
+    {"pbf_get_count", 1, call_get_count},
+    {"pbf_add_particles", 16, call_add_particles},
+    {"pbf_remove_particles", 3, call_remove_particles},
+    {"pbf_remove_in_box", 2, call_remove_in_box},
+    {"pbf_find_in_box", 2, call_find_in_box},
+    {"pbf_get_positions", 1, call_get_positions},
+    {"pbf_set_positions", 4, call_set_positions},
+    {"pbf_get_velocities", 1, call_get_velocities},
+    {"pbf_set_velocities", 4, call_set_velocities},
+    {"pbf_get_ids", 1, call_get_ids},
+    {"pbf_get_densities", 2, call_get_densities},
+    {"pbf_get_pressures", 2, call_get_pressures},
+    {"pbf_read", 4, call_read},
+    {"pbf_keep_previous", 2, call_keep_previous},
+    {"pbf_map", 2, call_map},
+    {"pbf_unmap", 2, call_unmap},
+    {"pbf_export_dlpack", 2, call_export_dlpack},
+    {"pbf_set_snapshots", 2, call_set_snapshots},
+    {"pbf_acquire_snapshot", 2, call_acquire_snapshot},
+    {"pbf_release_snapshot", 1, call_release_snapshot},
+    {"pbf_save", 4, call_save},
+    {"pbf_load", 5, call_load},
+    {"pbf_hash", 1, call_hash},
+    {"fault: a fork", 2, fault_fork},
+    {"fault: a killed child", 1, fault_kill},
+    {"fault: a callback left", 1, fault_callback},
+    {"fault: wrong arguments", 8, fault_arguments},
+};
+
+const uint32_t table_size = sizeof table / sizeof table[0];
+_Static_assert(sizeof table / sizeof table[0] <= MOST_FUNCTIONS, "room in the record");
+
+static uint32_t draw_entry(dice *d) {
+  uint32_t total = 0, at = 0;
+  for (uint32_t k = 0; k < table_size; ++k) total += table[k].weight;
+  uint32_t rest = dice_below(d, total);
+  while (rest >= table[at].weight) rest -= table[at++].weight;
+  return at;
+}
+
+void make_call(actor *a) {
+  a->dice = dice_of(a->seed, a->number, a->call);
+  a->subject = &a->subjects[dice_below(&a->dice, SUBJECTS)];
+  const uint32_t k = draw_entry(&a->dice);
+  trace *t = &soak_record->traces[a->number];
+  if (soak_record->left_out[a->number][a->call]) return;
+  t->entry[a->call] = (unsigned char)(k + 1);
+  atomic_store(&t->come, a->call + 1);
+  a->function = table[k].name;
+  if (!a->subject->twin[0] && !subject_make(a, a->subject)) return;
+  atomic_fetch_add(&soak_record->calls[k], 1);
+  table[k].make(a);
+}

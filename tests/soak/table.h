@@ -1,0 +1,82 @@
+/* The public API, a row for each function, and the faults that are not a call of it. */
+#ifndef PBF_TESTS_SOAK_TABLE_H
+#define PBF_TESTS_SOAK_TABLE_H
+
+#include "actor.h"
+
+typedef struct entry {
+  const char *name; /* of a function of pbf.h; a fault's has a space */
+  uint32_t weight;  /* how often it is drawn */
+  void (*make)(actor *a);
+} entry;
+
+extern const entry table[];
+extern const uint32_t table_size;
+
+/* Makes call number a->call. */
+void make_call(actor *a);
+
+/* ---- Rows, by what they are about ---- */
+
+void call_version(actor *a);
+void call_status_string(actor *a);
+void call_last_error(actor *a);
+void call_desc_init(actor *a);
+void call_params_init(actor *a);
+void call_collider_init(actor *a);
+void call_create(actor *a);
+void call_destroy(actor *a);
+void call_get_backend_count(actor *a);
+void call_get_backend_info(actor *a);
+void call_load_backend(actor *a);
+
+void call_set_params(actor *a);
+void call_get_params(actor *a);
+void call_set_colliders(actor *a);
+void call_move_colliders(actor *a);
+void call_get_collider_count(actor *a);
+void call_get_collider(actor *a);
+void call_set_timing(actor *a);
+void call_get_timings(actor *a);
+void call_get_plan(actor *a);
+void call_get_info(actor *a);
+void call_get_stats(actor *a);
+void call_get_step_limit(actor *a);
+
+void call_step(actor *a);
+void call_begin_step(actor *a);
+void call_end_step(actor *a);
+void call_cancel(actor *a);
+void call_synchronize(actor *a);
+
+void call_get_count(actor *a);
+void call_add_particles(actor *a);
+void call_remove_particles(actor *a);
+void call_remove_in_box(actor *a);
+void call_find_in_box(actor *a);
+void call_get_positions(actor *a);
+void call_set_positions(actor *a);
+void call_get_velocities(actor *a);
+void call_set_velocities(actor *a);
+void call_get_ids(actor *a);
+void call_get_densities(actor *a);
+void call_get_pressures(actor *a);
+void call_read(actor *a);
+void call_keep_previous(actor *a);
+
+void call_map(actor *a);
+void call_unmap(actor *a);
+void call_export_dlpack(actor *a);
+void call_set_snapshots(actor *a);
+void call_acquire_snapshot(actor *a);
+void call_release_snapshot(actor *a);
+void call_save(actor *a);
+void call_load(actor *a);
+void call_hash(actor *a);
+
+void fault_fork(actor *a);
+void fault_kill(actor *a);
+void fault_callback(actor *a);
+void fault_arguments(actor *a);
+
+#endif
