@@ -14,8 +14,7 @@ const char *pbf_check_finite(double value, uint32_t precision) {
   return NULL;
 }
 
-/* Squares of it, and sums of them, are finite. In float32 double computes what would overflow. */
-static const double most_in_float64 = 1e150;
+const double pbf_check_most = 1e150;
 
 static const char *unmet_above_zero(double value, uint32_t precision) {
   int single = precision == PBF_FLOAT32;
@@ -36,7 +35,7 @@ static const char *unmet_grid_width(double value) {
 static const char *unmet_requirement(double value, pbf_range range, uint32_t precision) {
   const char *requirement = pbf_check_finite(value, precision);
   if (requirement) return requirement;
-  if (fabs(value) > most_in_float64) return "at most 1e150 in size";
+  if (fabs(value) > pbf_check_most) return "at most 1e150 in size";
   switch (range) {
     case PBF_ANY:
       return NULL;

@@ -51,6 +51,10 @@ pbf_status pbf_check_reals(const pbf_real_rule *rules, size_t count, const char 
 pbf_status pbf_check_counts(const pbf_count_rule *rules, size_t count, const char *label,
                             const void *object);
 
+/* The largest size of a number that is accepted: squares of it, and sums of them, are finite in
+ * float64, in which also float32's are computed where they would overflow. */
+extern const double pbf_check_most;
+
 /* Null when the number is finite in the solver's precision, else what it must be. */
 const char *pbf_check_finite(double value, uint32_t precision);
 

@@ -409,7 +409,7 @@ PBF_API pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count);
 
 /* Appends particles; `velocities` may be null: at rest. Ids count up from 0 over the solver's life
  * and are never used again; *first_id (may be null) gets the first new one. Positions must be
- * finite and inside the domain. Those of one call that are at one and the same point are set apart
+ * finite and inside the domain, velocities finite and at most 1e150 in size. Those of one call that are at one and the same point are set apart
  * about it, by a quarter of a spacing and more: a fluid could not part them. */
 PBF_API pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *positions,
                                      const void *velocities, uint32_t *first_id);

@@ -1,9 +1,11 @@
 #include "values.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdint.h>
 
+#include "check.h"
 #include "error.h"
 #include "params.h"
 #include "solver/solver_time.h"
@@ -21,27 +23,31 @@ pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32
                   (void *)(uintptr_t)values, element_size);
 }
 
-/* `count` where all are. */
-static uint64_t first_not_finite(const pbf_solver *solver, const void *values, uint64_t count) {
+/* `count` where all are at most that in size; NaN is not. */
+static uint64_t first_beyond(const pbf_solver *solver, double most, const void *values,
+                             uint64_t count) {
   uint64_t i = 0;
-  while (i < count && isfinite(pbf_value_at(values, i, solver->kind.precision))) ++i;
+  while (i < count && fabs(pbf_value_at(values, i, solver->kind.precision)) <= most) ++i;
   return i;
 }
 
 pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,
                                    uint32_t count, uint32_t first_row) {
   uint32_t dimension = solver->kind.dimension;
-  uint64_t total = (uint64_t)count * dimension, i = first_not_finite(solver, values, total);
+  const uint64_t total = (uint64_t)count * dimension;
+  const uint64_t i = first_beyond(solver, pbf_check_most, values, total);
   char number[PBF_NUMBER_SIZE];
   if (i == total) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %s; it must be finite", name,
+  const double value = pbf_value_at(values, i, solver->kind.precision);
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%u][%u] is %s; it must be %s", name,
                   (uint32_t)(first_row + i / dimension), (uint32_t)(i % dimension),
-                  pbf_text_number(number, pbf_value_at(values, i, solver->kind.precision)));
+                  pbf_text_number(number, value),
+                  isfinite(value) ? "at most 1e150 in size" : "finite");
 }
 
 pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, const void *values,
                                     uint64_t count) {
-  uint64_t i = first_not_finite(solver, values, count);
+  uint64_t i = first_beyond(solver, DBL_MAX, values, count);
   char number[PBF_NUMBER_SIZE];
   if (i == count) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s[%" PRIu64 "] is %s; it must be finite", name, i,

@@ -5,7 +5,7 @@
 #include "solver/solver.h"
 
 /* `first_row` is the number of the array's first row, for the message. Positions must be finite
- * and inside the domain as it is now; velocities finite. */
+ * and inside the domain as it is now; velocities finite, and at most pbf_check_most in size. */
 pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
                                       uint32_t count, uint32_t first_row);
 pbf_status pbf_values_check_finite(const pbf_solver *solver, const char *name, const void *values,

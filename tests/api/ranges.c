@@ -7,6 +7,26 @@
 
 enum { COUNT = 60 };
 
+/* Faster ones have an energy that is none. */
+static void fastest_particles(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+  pbf_stats stats = {.struct_size = sizeof stats};
+  double v[3] = {1, -1e150, 1};
+  float single[3] = {1, -3e38f, 1};
+  assert_ok(pbf_set_velocities(s, 7, 1, precision == PBF_FLOAT64 ? (void *)v : single));
+  assert_ok(pbf_get_stats(s, &stats));
+  assert_true(isfinite(stats.kinetic_energy));
+  v[1] = -1.01e150;
+  if (precision == PBF_FLOAT64) {
+    assert_fails(pbf_set_velocities(s, 7, 1, v), PBF_ERROR_INVALID_ARGUMENT,
+                 "velocities[7][1] is -1.01e+150; it must be at most 1e150 in size");
+    assert_ok(pbf_remove_particles(s, 1, (const uint32_t[]){7}));
+    assert_fails(pbf_add_particles(s, 1, (const double[]){0.5, 0.5, 0.5}, v, NULL),
+                 PBF_ERROR_INVALID_ARGUMENT, "it must be at most 1e150");
+  }
+  pbf_destroy(s);
+}
+
 static void at_the_ends(uint32_t dimension, uint32_t precision) {
   const double fastest = precision == PBF_FLOAT32 ? 1e18 : 1e150;
   pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
@@ -46,6 +66,7 @@ static void at_the_ends(uint32_t dimension, uint32_t precision) {
 static void ends_of_ranges(void **state) {
   (void)state;
   test_for_each_kind(at_the_ends);
+  test_for_each_kind(fastest_particles);
 }
 
 /* Not before it has to be. */

@@ -208,7 +208,9 @@ void call_get_stats(actor *a) {
          s->count == a->subject->model.count && s->neighbors_max <= (s->count ? s->count - 1 : 0));
   insist(a, s->asleep <= s->count && s->squeezed <= s->count);
   insist(a, isfinite(s->kinetic_energy) && isfinite(s->speed_max) && isfinite(s->density_mean));
-  insist(a, isfinite(s->density_error_max) && s->density_error_mean <= s->density_error_max);
+  if (!isfinite(s->density_error_max) || s->density_error_mean > s->density_error_max * (1 + 1e-9))
+    found(a->number, "%s: a density error of %g at most, and of %.17g on average", a->function,
+          s->density_error_max, s->density_error_mean);
   insist(a, !(s->step_limit <= 0));
 }
 

@@ -42,6 +42,12 @@ static void use(actor *a, pbf_solver *s) {
 static void use_own(actor *a) {
   subject *s = a->subject;
   if (strcmp(s->backend[0], "cuda") == 0) return;
+  for (int twin = 0; twin < TWINS; ++twin) { /* another thread may have been inside */
+    uint32_t count;
+    pbf_status status = pbf_get_count(s->twin[twin], &count);
+    check_status(a, status, pbf_last_error());
+    if (status == PBF_ERROR_STATE) return;
+  }
   call_unmap(a);
   uint64_t end = step_of(a, 0) + 2;
   for (int twin = 0; twin < TWINS; ++twin) {
