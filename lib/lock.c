@@ -56,23 +56,29 @@ void pbf_lock_release(pbf_lock lock) {
 /* ---- A process that forks ------------------------------------------------------------------ */
 
 /* The child has the thread alone that forks. What others hold at this moment would be held there
- * for ever, and be half done. Each is written with that lock held. */
-static int taken_to_fork[PBF_LOCK_COUNT];
+ * for ever, and be half done: so no search for backends is, while a process forks. The lock of the
+ * solvers is not waited for: a signal handler may be, in a thread that has been interrupted within
+ * malloc, whose locks the C library takes next. handles.c mends what it guards.
+ *
+ * Written with the lock held. */
+static int taken_to_fork;
 
 static void before_fork(void) {
-  for (int lock = 0; lock < PBF_LOCK_COUNT; ++lock) {
-    if (is_held_here(lock)) continue; /* in a signal handler, or in a plugin that is being loaded */
-    pbf_lock_take((pbf_lock)lock);
-    taken_to_fork[lock] = 1;
-  }
+  if (is_held_here(PBF_LOCK_BACKENDS)) return; /* in a plugin that is being loaded */
+  pbf_lock_take(PBF_LOCK_BACKENDS);
+  taken_to_fork = 1;
 }
 
 static void after_fork(void) {
-  for (int lock = PBF_LOCK_COUNT - 1; lock >= 0; --lock) {
-    if (!is_held_here(lock) || !taken_to_fork[lock]) continue;
-    taken_to_fork[lock] = 0;
-    pbf_lock_release((pbf_lock)lock);
-  }
+  if (!is_held_here(PBF_LOCK_BACKENDS) || !taken_to_fork) return;
+  taken_to_fork = 0;
+  pbf_lock_release(PBF_LOCK_BACKENDS);
+}
+
+int pbf_lock_forget_others(pbf_lock lock) {
+  if (atomic_load(&holders[lock]) == 0 || is_held_here(lock)) return 0;
+  pbf_lock_release(lock);
+  return 1;
 }
 
 __attribute__((constructor)) static void prepare_for_forks(void) {

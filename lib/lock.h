@@ -18,4 +18,8 @@ pbf_status pbf_lock_check(void);
 void pbf_lock_take(pbf_lock lock);
 void pbf_lock_release(pbf_lock lock);
 
+/* In the child of a fork: opens it if another thread, which is not there, holds it. Returns 1 for
+ * that: what it guards may be half done. */
+int pbf_lock_forget_others(pbf_lock lock);
+
 #endif

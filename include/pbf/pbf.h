@@ -818,9 +818,10 @@ PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index,
 /* Loads a plugin from an absolute path, for the life of the process. The backends that come with
  * the library need no call: they are found when first wanted, in the folders of
  * PBF_BACKEND_PATH (colon-separated, absolute; ignored under elevated privileges), beside libpbf,
- * in pbf/backends/ beside libpbf. A file that is cut short, or for another machine, is refused;
- * what is in a whole one is trusted, and must not be written to while it is loaded: a new one is
- * put in its place by renaming. */
+ * in pbf/backends/ beside libpbf. A file that is cut short, or for another machine, is refused, and
+ * so is one in whose headers and tables for the dynamic loader a bit has turned over; what is in its
+ * code and data is trusted, and must not be written to while it is loaded: a new one is put in its
+ * place by renaming. */
 PBF_API pbf_status pbf_load_backend(const char *path);
 
 #ifdef __cplusplus

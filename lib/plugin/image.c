@@ -12,43 +12,30 @@ pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin) {
 
 #include <dlfcn.h>
 #include <errno.h>
-#include <link.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* Headers beyond these numbers are garbage: a linker writes some ten segments, and 64 sections. */
-enum { MAX_SEGMENTS = 64, MAX_SECTIONS = 4096, MAX_DYNAMIC = 512 };
+#include "image_file.h"
 
+typedef pbf_image image;
 typedef ElfW(Ehdr) header;
 typedef ElfW(Phdr) segment;
 typedef ElfW(Shdr) section;
-typedef ElfW(Dyn) dynamic;
 typedef ElfW(Addr) address;
 
-typedef struct image {
-  int file;
-  uint64_t size;
-  pbf_plugin *plugin;
-  header header;
-  segment segments[MAX_SEGMENTS];
-} image;
-
-static pbf_status refuse(image *it, const char *what) {
+pbf_status pbf_image_refuse(image *it, const char *what) {
   return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "it is damaged: %s", what);
 }
 
-static pbf_status refuse_short(image *it, const char *what) {
+pbf_status pbf_image_refuse_short(image *it, const char *what) {
   return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE,
                            "it is cut short: its %s lie beyond its end, at %llu bytes", what,
                            (unsigned long long)it->size);
 }
 
-static int fits(uint64_t offset, uint64_t bytes, uint64_t size) {
-  return offset <= size && bytes <= size - offset;
-}
-
-static int read_at(const image *it, void *bytes, size_t count, uint64_t offset) {
+int pbf_image_read(const image *it, void *bytes, size_t count, uint64_t offset) {
   for (size_t done = 0; done < count;) {
     ssize_t got = pread(it->file, (char *)bytes + done, count - done, (off_t)(offset + done));
     if (got == 0 || (got < 0 && errno != EINTR)) return 0;
@@ -109,13 +96,13 @@ static pbf_status check_header(image *it) {
   header *h = &it->header;
   if (it->size == 0) return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "it is empty");
   size_t there = it->size < sizeof *h ? (size_t)it->size : sizeof *h;
-  if (!read_at(it, h, there, 0))
+  if (!pbf_image_read(it, h, there, 0))
     return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "can't read it: %s",
                              strerror(errno));
   if (there < SELFMAG || memcmp(h->e_ident, ELFMAG, SELFMAG) != 0)
     return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE,
                              "it is no shared object: it does not begin as an ELF file");
-  if (there < sizeof *h) return refuse_short(it, "headers");
+  if (there < sizeof *h) return pbf_image_refuse_short(it, "headers");
   pbf_status status = check_machine(it);
   if (status != PBF_OK) return status;
   if (h->e_type != ET_DYN)
@@ -127,12 +114,13 @@ static pbf_status check_header(image *it) {
 /* ---- Segments: what is mapped -------------------------------------------------------------- */
 
 static pbf_status check_mapped(image *it, const segment *s, address *end) {
-  if (!fits(s->p_offset, s->p_filesz, it->size)) return refuse_short(it, "segments");
+  if (!pbf_image_fits(s->p_offset, s->p_filesz, it->size))
+    return pbf_image_refuse_short(it, "segments");
   if (s->p_filesz > s->p_memsz || s->p_vaddr < *end || s->p_memsz > UINTPTR_MAX / 2 - s->p_vaddr)
-    return refuse(it, "its segments overlap");
+    return pbf_image_refuse(it, "its segments overlap");
   if (s->p_align & (s->p_align - 1) ||
       (s->p_align && (s->p_vaddr - s->p_offset) & (s->p_align - 1)))
-    return refuse(it, "its segments are not aligned");
+    return pbf_image_refuse(it, "its segments are not aligned");
   *end = s->p_vaddr + s->p_memsz;
   return PBF_OK;
 }
@@ -141,124 +129,195 @@ static pbf_status check_segments(image *it) {
   const header *h = &it->header;
   address end = 0;
   size_t bytes = h->e_phnum * sizeof(segment);
-  if (h->e_phentsize != sizeof(segment) || h->e_phnum == 0 || h->e_phnum > MAX_SEGMENTS)
-    return refuse(it, "its header names no segments");
-  if (!fits(h->e_phoff, bytes, it->size)) return refuse_short(it, "headers");
-  if (!read_at(it, it->segments, bytes, h->e_phoff)) return refuse(it, "it can't be read");
+  if (h->e_phentsize != sizeof(segment) || h->e_phnum == 0 || h->e_phnum > PBF_MAX_SEGMENTS)
+    return pbf_image_refuse(it, "its header names no segments");
+  if (!pbf_image_fits(h->e_phoff, bytes, it->size)) return pbf_image_refuse_short(it, "headers");
+  if (!pbf_image_read(it, it->segments, bytes, h->e_phoff))
+    return pbf_image_refuse(it, "it can't be read");
   for (unsigned i = 0; i < h->e_phnum; ++i) {
     const segment *s = &it->segments[i];
-    if (!fits(s->p_offset, s->p_filesz, it->size)) return refuse_short(it, "segments");
+    if (!pbf_image_fits(s->p_offset, s->p_filesz, it->size))
+      return pbf_image_refuse_short(it, "segments");
     pbf_status status = s->p_type == PT_LOAD ? check_mapped(it, s, &end) : PBF_OK;
     if (status != PBF_OK) return status;
   }
-  return end ? PBF_OK : refuse(it, "none of its segments is loaded");
+  return end ? PBF_OK : pbf_image_refuse(it, "none of its segments is loaded");
 }
 
-/* ---- The dynamic section: what the loader follows ------------------------------------------ */
-
-/* Where the bytes at an address are in the file, if they all are. */
-static int find_bytes(const image *it, address from, uint64_t bytes, uint64_t *offset) {
+int pbf_image_find(const image *it, address from, uint64_t bytes, uint64_t *offset) {
   for (unsigned i = 0; i < it->header.e_phnum; ++i) {
     const segment *s = &it->segments[i];
     if (s->p_type != PT_LOAD || from < s->p_vaddr) continue;
-    if (!fits(from - s->p_vaddr, bytes, s->p_filesz)) continue;
+    if (!pbf_image_fits(from - s->p_vaddr, bytes, s->p_filesz)) continue;
     *offset = s->p_offset + (from - s->p_vaddr);
     return 1;
   }
   return 0;
 }
 
-/* A table that the loader reads: where it is, and the entry that has its size, if there is one. */
-typedef struct table {
-  ElfW(Sxword) at, bytes;
-  int needed;
-} table;
+/* ---- Sections ------------------------------------------------------------------------------- */
 
-static const table tables[] = {
-    {DT_STRTAB, DT_STRSZ, 1},
-    {DT_SYMTAB, 0, 1},
-    {DT_RELA, DT_RELASZ, 0},
-    {DT_REL, DT_RELSZ, 0},
-    {DT_JMPREL, DT_PLTRELSZ, 0},
-    {DT_INIT_ARRAY, DT_INIT_ARRAYSZ, 0},
-    {DT_HASH, 0, 0},
-    {DT_GNU_HASH, 0, 0},
-    {DT_VERSYM, 0, 0},
-    {DT_VERNEED, 0, 0},
-    {DT_FINI_ARRAY, DT_FINI_ARRAYSZ, 0},
-};
-
-static const dynamic *find_entry(const dynamic *entries, ElfW(Sxword) tag) {
-  while (entries->d_tag != DT_NULL && entries->d_tag != tag) ++entries;
-  return entries->d_tag == tag && tag != DT_NULL ? entries : NULL;
+/* They are the last that a linker writes: a file whose end has been reserved, and was not written,
+ * has zeros there. */
+static pbf_status check_section_names(image *it) {
+  const section *names = &it->sections[it->header.e_shstrndx];
+  if (names->sh_type != SHT_STRTAB)
+    return pbf_image_refuse(it, "its sections have not been written");
+  return pbf_image_fits(names->sh_offset, names->sh_size, it->size)
+             ? PBF_OK
+             : pbf_image_refuse_short(it, "sections");
 }
 
-static pbf_status check_tables(image *it, const dynamic *entries) {
-  uint64_t unused;
-  for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
-    const dynamic *at = find_entry(entries, tables[i].at);
-    const dynamic *bytes = find_entry(entries, tables[i].bytes);
-    if (!at && tables[i].needed) return refuse(it, "its dynamic section lacks a table");
-    if (at && !find_bytes(it, at->d_un.d_ptr, bytes ? bytes->d_un.d_val : 1, &unused))
-      return refuse(it, "its dynamic section points to nothing");
-  }
-  return PBF_OK;
-}
-
-/* Names are offsets into the string table. */
-static pbf_status check_names(image *it, const dynamic *entries) {
-  const dynamic *size = find_entry(entries, DT_STRSZ);
-  if (!size) return refuse(it, "its dynamic section lacks a table");
-  for (const dynamic *e = entries; e->d_tag != DT_NULL; ++e) {
-    int names = e->d_tag == DT_NEEDED || e->d_tag == DT_SONAME || e->d_tag == DT_RPATH ||
-                e->d_tag == DT_RUNPATH;
-    if (names && e->d_un.d_val >= size->d_un.d_val)
-      return refuse(it, "its dynamic section points to nothing");
-  }
-  return PBF_OK;
-}
-
-static pbf_status check_dynamic(image *it) {
-  dynamic entries[MAX_DYNAMIC + 1];
-  const segment *s = it->segments, *end = s + it->header.e_phnum;
-  uint64_t offset;
-  while (s < end && s->p_type != PT_DYNAMIC) ++s;
-  if (s == end) return refuse(it, "it has no dynamic section");
-  size_t count = s->p_filesz / sizeof(dynamic);
-  if (count > MAX_DYNAMIC || !find_bytes(it, s->p_vaddr, s->p_filesz, &offset) ||
-      !read_at(it, entries, count * sizeof(dynamic), offset))
-    return refuse(it, "its dynamic section is not in a segment that is loaded");
-  entries[count].d_tag = DT_NULL;
-  if (!find_entry(entries, DT_STRTAB) || count == 0 || entries[count - 1].d_tag != DT_NULL)
-    return refuse(it, "its dynamic section has no end, or nothing in it");
-  pbf_status status = check_tables(it, entries);
-  return status == PBF_OK ? check_names(it, entries) : status;
-}
-
-/* ---- Sections: the last that a linker writes ----------------------------------------------- */
-
-/* A file whose end has been reserved, and was not written, has zeros there. */
-static pbf_status check_sections(image *it) {
+static pbf_status read_sections(image *it) {
   const header *h = &it->header;
-  section names;
+  const size_t bytes = h->e_shnum * sizeof(section);
   if (h->e_shoff == 0) return PBF_OK; /* stripped of them */
-  if (h->e_shentsize != sizeof(section) || h->e_shnum > MAX_SECTIONS || h->e_shstrndx >= h->e_shnum)
-    return refuse(it, "its header names no sections");
-  if (!fits(h->e_shoff, (uint64_t)h->e_shnum * sizeof(section), it->size))
-    return refuse_short(it, "sections");
-  if (!read_at(it, &names, sizeof names, h->e_shoff + h->e_shstrndx * sizeof(section)))
-    return refuse(it, "it can't be read");
-  if (names.sh_type != SHT_STRTAB) return refuse(it, "its sections have not been written");
-  if (!fits(names.sh_offset, names.sh_size, it->size)) return refuse_short(it, "sections");
-  return PBF_OK;
+  if (h->e_shentsize != sizeof(section) || h->e_shnum > PBF_MAX_SECTIONS ||
+      h->e_shstrndx >= h->e_shnum)
+    return pbf_image_refuse(it, "its header names no sections");
+  if (!pbf_image_fits(h->e_shoff, bytes, it->size)) return pbf_image_refuse_short(it, "sections");
+  it->sections = malloc(bytes);
+  if (!it->sections) return pbf_image_refuse(it, "there is no memory to look at its sections");
+  it->section_count = h->e_shnum;
+  if (!pbf_image_read(it, it->sections, bytes, h->e_shoff))
+    return pbf_image_refuse(it, "it can't be read");
+  return check_section_names(it);
+}
+
+/* A linker states where things are twice, in sections and in segments. */
+static int carries(const segment *load, const section *s) {
+  const address from = s->sh_addr - load->p_vaddr;
+  const unsigned wanted =
+      PF_R | (s->sh_flags & SHF_WRITE ? PF_W : 0u) | (s->sh_flags & SHF_EXECINSTR ? PF_X : 0u);
+  if (load->p_type != PT_LOAD || s->sh_addr < load->p_vaddr ||
+      !pbf_image_fits(from, s->sh_size, load->p_memsz) || (load->p_flags & wanted) != wanted)
+    return 0;
+  if (s->sh_type == SHT_NOBITS) return from >= load->p_filesz;
+  return pbf_image_fits(from, s->sh_size, load->p_filesz) && s->sh_offset == load->p_offset + from;
+}
+
+static int is_carried(const image *it, const section *s) {
+  const int takes_no_place = s->sh_type == SHT_NOBITS && s->sh_flags & SHF_TLS;
+  if (!(s->sh_flags & SHF_ALLOC) || s->sh_size == 0 || takes_no_place) return 1;
+  for (unsigned i = 0; i < it->header.e_phnum; ++i)
+    if (carries(&it->segments[i], s)) return 1;
+  return 0;
+}
+
+/* The one section of a kind is what a segment of its own is about. */
+static int is_of_section(const image *it, const segment *s, uint32_t type) {
+  for (uint32_t k = 0; k < it->section_count; ++k) {
+    const section *one = &it->sections[k];
+    if (one->sh_type == type && one->sh_addr == s->p_vaddr && one->sh_offset == s->p_offset &&
+        one->sh_size == s->p_filesz)
+      return 1;
+  }
+  return it->section_count == 0;
+}
+
+static int is_thread_local(const image *it, const segment *s) {
+  address first = s->p_vaddr + s->p_memsz, end = s->p_vaddr, stored = s->p_vaddr;
+  int count = 0;
+  for (uint32_t k = 0; k < it->section_count; ++k) {
+    const section *one = &it->sections[k];
+    if (!(one->sh_flags & SHF_TLS)) continue;
+    ++count;
+    if (one->sh_addr < first) first = one->sh_addr;
+    if (one->sh_addr + one->sh_size > end) end = one->sh_addr + one->sh_size;
+    if (one->sh_type != SHT_NOBITS && one->sh_addr + one->sh_size > stored)
+      stored = one->sh_addr + one->sh_size;
+  }
+  if (it->section_count == 0) return 1;
+  return count > 0 && first == s->p_vaddr && end == s->p_vaddr + s->p_memsz &&
+         stored == s->p_vaddr + s->p_filesz && !(s->p_align & (s->p_align - 1)) &&
+         s->p_align <= 1u << 16;
+}
+
+/* Of a section that is written to as long as the object is loaded. */
+static int is_data(const image *it, const section *s) {
+  const section *names = &it->sections[it->header.e_shstrndx];
+  char name[16] = {0};
+  if (!(s->sh_flags & SHF_WRITE) || s->sh_size == 0 ||
+      !pbf_image_fits(s->sh_name, sizeof name - 1, names->sh_size) ||
+      !pbf_image_read(it, name, sizeof name - 1, names->sh_offset + s->sh_name))
+    return 0;
+  return (strncmp(name, ".data", 5) == 0 && strncmp(name, ".data.rel.ro", 12) != 0) ||
+         (strncmp(name, ".bss", 4) == 0 && strncmp(name, ".bss.rel.ro", 11) != 0);
+}
+
+/* Pages that are read-only once the loader is done: in part of a page nothing is. */
+static int protects_no_data(const image *it, const segment *s) {
+  const address end = (s->p_vaddr + s->p_memsz) & ~((address)sysconf(_SC_PAGESIZE) - 1);
+  for (uint32_t k = 0; k < it->section_count; ++k) {
+    const section *one = &it->sections[k];
+    if (is_data(it, one) && one->sh_addr < end && one->sh_addr + one->sh_size > s->p_vaddr)
+      return 0;
+  }
+  return 1;
+}
+
+static int protects_writable(const image *it, const segment *s) {
+  const address page = (address)sysconf(_SC_PAGESIZE);
+  for (unsigned i = 0; i < it->header.e_phnum; ++i) {
+    const segment *load = &it->segments[i];
+    const int is_start = load->p_vaddr == s->p_vaddr && load->p_offset == s->p_offset;
+    if (load->p_type == PT_LOAD && load->p_flags & PF_W && is_start &&
+        s->p_memsz < load->p_memsz + page)
+      return protects_no_data(it, s);
+  }
+  return 0;
+}
+
+static int has_bytes(const image *it, const segment *s) {
+  uint64_t offset;
+  return pbf_image_find(it, s->p_vaddr, s->p_filesz, &offset) && offset == s->p_offset;
+}
+
+/* Those beside PT_LOAD that the loader, or a thread's start, goes by. */
+static int is_segment_sound(const image *it, const segment *s) {
+  switch (s->p_type) {
+    case PT_DYNAMIC:
+      return is_of_section(it, s, SHT_DYNAMIC);
+    case PT_TLS:
+      return is_thread_local(it, s);
+    case PT_GNU_RELRO:
+      return protects_writable(it, s);
+    case PT_PHDR:
+      return s->p_offset == it->header.e_phoff && has_bytes(it, s);
+    case PT_NOTE:
+    case PT_GNU_PROPERTY:
+      return has_bytes(it, s);
+    default:
+      return 1;
+  }
+}
+
+static int has_segment(const image *it, uint32_t type) {
+  for (unsigned i = 0; i < it->header.e_phnum; ++i)
+    if (it->segments[i].p_type == type) return 1;
+  return 0;
+}
+
+static pbf_status check_agreement(image *it) {
+  int is_sound = 1;
+  for (unsigned i = 0; i < it->header.e_phnum; ++i)
+    is_sound &= is_segment_sound(it, &it->segments[i]);
+  for (uint32_t k = 0; k < it->section_count; ++k) {
+    is_sound &= is_carried(it, &it->sections[k]);
+    if (it->sections[k].sh_flags & SHF_TLS) is_sound &= has_segment(it, PT_TLS);
+  }
+  return is_sound ? PBF_OK
+                  : pbf_image_refuse(it, "its segments and sections contradict each other");
 }
 
 pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin) {
   image it = {.file = file, .size = size, .plugin = plugin};
   pbf_status status = check_header(&it);
   if (status == PBF_OK) status = check_segments(&it);
-  if (status == PBF_OK) status = check_dynamic(&it);
-  if (status == PBF_OK) status = check_sections(&it);
+  if (status == PBF_OK) status = read_sections(&it);
+  if (status == PBF_OK) status = check_agreement(&it);
+  if (status == PBF_OK) status = pbf_image_check_tables(&it);
+  free(it.sections);
   return status;
 }
 

@@ -7,8 +7,10 @@
 
 /* Whether an open file of `size` bytes is a whole shared object for the machine of this process.
  * The dynamic loader takes a file's word for where its parts lie: one that is shorter, as after a
- * broken copy, ends the process with SIGBUS within dlopen. What a part holds is not looked at, but
- * that it is there. Says nothing where shared objects are not ELF files. */
+ * broken copy, ends the process with SIGBUS within dlopen, and one with bits turned over by some
+ * other signal. So all that the loader reads before any code runs is looked at, mostly by what a
+ * linker has stated twice. Code and data are not. Says nothing where shared objects are not ELF
+ * files. */
 pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin);
 
 #endif

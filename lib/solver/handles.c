@@ -10,6 +10,7 @@
 #include "error.h"
 #include "free.h"
 #include "lock.h"
+#include "snapshot_memory.h"
 
 enum { BUCKETS = 64 };
 
@@ -80,10 +81,11 @@ static pbf_status enter_locked(pbf_solver *solver) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this solver; a solver belongs to one thread at a time");
   }
-  solver->in_call = 1;
   atomic_store_explicit(&solver->cancelled, 0, memory_order_relaxed);
   solver->callbacks.thread = pthread_self();
   solver->callbacks.frame = NULL;
+  atomic_signal_fence(memory_order_release); /* whose call it is, a fork in between must know */
+  solver->in_call = 1;
   ++solver->references;
   return PBF_OK;
 }
@@ -194,6 +196,7 @@ void pbf_solver_publish(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->references = 1;
   solver->next_live = *bucket_of(solver);
+  atomic_signal_fence(memory_order_release);
   *bucket_of(solver) = solver;
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
@@ -213,12 +216,27 @@ void pbf_destroy(pbf_solver *solver) {
   drop_reference(solver);
 }
 
-/* In the child of a fork: its one thread is the one that forked. */
+/* ---- In the child of a fork ------------------------------------------------------------------ */
+
+/* What another thread was about to count. Each change is one of a number or of a link, and those of
+ * one call are made in an order in which any part of them can stand. */
+static void count_anew(pbf_solver *solver) {
+  const pbf_snapshots *snapshots = solver->snapshots;
+  if (!solver->in_call) solver->begun = PBF_BEGUN_NOT;
+  solver->references = 1 + solver->in_call + solver->exported;
+  for (uint32_t k = 0; snapshots && k < snapshots->count; ++k)
+    solver->references += snapshots->list[k].readers;
+}
+
+/* Its one thread is the one that forked. */
 static void leave_to_other_threads(void) {
+  const int is_half_done = pbf_lock_forget_others(PBF_LOCK_SOLVERS);
   for (int k = 0; k < BUCKETS; ++k)
-    for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live)
+    for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live) {
       if (solver->in_call && !pthread_equal(solver->callbacks.thread, pthread_self()))
         leave_halfway(solver, PBF_LEFT_BY_FORK);
+      if (is_half_done) count_anew(solver);
+    }
 }
 
 __attribute__((constructor)) static void prepare_for_forks(void) {

@@ -1,8 +1,10 @@
 /* Processes that fork, as servers and pools of workers do: in the child every call works, or says
  * why not; none waits for threads that are not there. */
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "support.h"
@@ -171,8 +173,55 @@ static void calls_end_with_the_fork(void **state) {
   assert_true(inside > 0);
 }
 
+/* ---- While it forks ---- */
+
+/* A thread that a signal has interrupted within malloc, with the C library's locks in hand, and
+ * whose handler calls: it must not wait for the fork, which waits for these locks. */
+static struct {
+  pbf_solver *solver;
+  atomic_int answered;
+  int in_time;
+} asked;
+
+static void *ask_once(void *unused) {
+  uint32_t count;
+  (void)unused;
+  atomic_store(&asked.answered, pbf_get_count(asked.solver, &count) == PBF_OK && count == COUNT);
+  return NULL;
+}
+
+/* The last function before the C library takes its own locks: what is registered first comes last.
+ */
+static void ask_while_forking(void) {
+  const struct timespec nap = {0, 10000000};
+  pthread_t thread;
+  if (!asked.solver || pthread_create(&thread, NULL, ask_once, NULL) != 0) return;
+  for (int naps = 0; naps < 1000 && !atomic_load(&asked.answered); ++naps) nanosleep(&nap, NULL);
+  asked.in_time = atomic_load(&asked.answered);
+  pthread_detach(thread);
+}
+
+static void watch_forks(void) { pthread_atfork(ask_while_forking, NULL, NULL); }
+
+/* Before the constructors of libraries. */
+__attribute__((section(".preinit_array"),
+               used)) static void (*const first_of_all)(void) = watch_forks;
+
+static void calls_go_on_meanwhile(void **state) {
+  (void)state;
+  skip_under_sanitizers();
+  asked.solver = test_filled(3, PBF_FLOAT32, COUNT, COUNT);
+  pid_t child = begin_child();
+  if (child == 0) end_child();
+  assert_child_ended_well(child);
+  assert_true(asked.in_time);
+  pbf_destroy(asked.solver);
+  asked.solver = NULL;
+}
+
 int main(void) {
   const struct CMUnitTest forks[] = {
+      cmocka_unit_test(calls_go_on_meanwhile),
       cmocka_unit_test(parent_and_child_go_on),
       cmocka_unit_test(locks_are_free_in_the_child),
       cmocka_unit_test(calls_end_with_the_fork),

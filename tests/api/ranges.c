@@ -27,6 +27,29 @@ static void fastest_particles(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+/* Walls that act in the iterations alone find it far away. */
+static void fastest_without_walls(uint32_t dimension, uint32_t precision) {
+  for (uint32_t kernel = 0; kernel < 2; ++kernel) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+    pbf_params params = test_params();
+    double v[3 * COUNT] = {0};
+    float single[3 * COUNT] = {0};
+    params.kernel = kernel;
+    params.collide = PBF_COLLIDE_IN_ITERATION;
+    params.prestabilization = 0;
+    assert_ok(pbf_set_params(s, &params));
+    for (uint32_t i = 0; i < COUNT * dimension; i += 7) v[i] = 1e150, single[i] = 1e37f;
+    assert_ok(pbf_set_velocities(s, 0, COUNT, precision == PBF_FLOAT64 ? (void *)v : single));
+    for (int step = 0; step < 3; ++step) {
+      assert_ok(pbf_step(s, 1));
+      assert_ok(pbf_get_velocities(s, 0, COUNT, v));
+      for (uint32_t i = 0; i < COUNT * dimension; ++i)
+        assert_true(fabs(test_value(v, i, precision)) < (test_is_stub() ? INFINITY : 1000));
+    }
+    pbf_destroy(s);
+  }
+}
+
 static void at_the_ends(uint32_t dimension, uint32_t precision) {
   const double fastest = precision == PBF_FLOAT32 ? 1e18 : 1e150;
   pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
@@ -67,6 +90,7 @@ static void ends_of_ranges(void **state) {
   (void)state;
   test_for_each_kind(at_the_ends);
   test_for_each_kind(fastest_particles);
+  test_for_each_kind(fastest_without_walls);
 }
 
 /* Not before it has to be. */

@@ -159,7 +159,7 @@ static void headers_are_garbage(void **state) {
   assert_changed_refused(load + offsetof(ElfW(Phdr), p_align), &odd, sizeof odd, "not aligned");
   assert_changed_refused(load + offsetof(ElfW(Phdr), p_memsz), &huge, sizeof huge, "overlap");
   assert_changed_refused(dynamic + offsetof(ElfW(Phdr), p_vaddr), &far, sizeof far,
-                         "its dynamic section is not in a segment");
+                         "its segments and sections contradict each other");
   assert_changed_refused(dynamic, &none, sizeof none, "it has no dynamic section");
 }
 

@@ -13,6 +13,7 @@
 #endif
 
 #include "actor.h"
+#include "param_table.h"
 
 _Thread_local actor *this_actor;
 
@@ -208,6 +209,7 @@ pbf_status call_both(actor *a, action act, void *context, int how) {
     status[twin] = call_one(a, twin, act, context, how);
     if (how & CALL_WRONG && status[twin] == PBF_OK)
       found(a->number, "%s: wrong arguments are accepted", a->function);
+    if (a->injected[twin] && twin > 0 && status[0] == PBF_OK) _exit(0); /* a limit parts them */
     if (a->injected[twin]) return status[twin];
   }
   if (how & CALL_LOOSE) return status[0] ? status[0] : status[1];
@@ -261,6 +263,29 @@ static double wall_at(const pbf_params *p, int wall, double time) {
          p->wall_amplitude[wall] * sin(p->wall_frequency[wall] * time + p->wall_phase[wall]);
 }
 
+/* Those parameters that are not the defaults, to repeat what was found by hand. */
+static const char *describe(const pbf_params *params) {
+  static _Thread_local char text[700];
+  pbf_params usual;
+  size_t at = 0;
+  if (pbf_params_init(&usual, sizeof usual) != PBF_OK) return "";
+  text[0] = 0;
+  for (int k = 0; k < TABLE_PARAMS; ++k)
+    for (uint32_t c = 0; c < table_params[k].components && at + 60 < sizeof text; ++c) {
+      const size_t offset = table_params[k].offset + c * sizeof(double);
+      double value, other;
+      memcpy(&value, (const char *)params + offset, sizeof value);
+      memcpy(&other, (const char *)&usual + offset, sizeof other);
+      if (value == other) continue;
+      at += (size_t)snprintf(text + at, sizeof text - at, " %s[%u]=%.9g", table_params[k].name, c,
+                             value);
+    }
+  snprintf(text + at, sizeof text - at, " kernel=%u iterations=%u collide=%u solver=%u substeps=%u",
+           params->kernel, params->iterations, params->collide, params->solver,
+           params->max_substeps);
+  return text;
+}
+
 void check_places(actor *a, int twin) {
   subject *s = a->subject;
   pbf_solver *solver = s->twin[twin];
@@ -275,15 +300,15 @@ void check_places(actor *a, int twin) {
     const double at = value_at(s, x, i);
     const int axis = (int)(i % s->dimension);
     if (!isfinite(at) || !isfinite(value_at(s, v, i)))
-      found(a->number, "%s: particle %u of %s is at %g with velocity %g", a->function,
-            i / s->dimension, s->backend[twin], at, value_at(s, v, i));
+      found(a->number, "%s: particle %u of %s is at %g with velocity %g;%s", a->function,
+            i / s->dimension, s->backend[twin], at, value_at(s, v, i), describe(&p));
     const double low = wall_at(&p, 2 * axis, info.time),
                  high = wall_at(&p, 2 * axis + 1, info.time);
     if (!(p.collide & (PBF_COLLIDE_IN_ITERATION | PBF_COLLIDE_AFTER_SOLVE))) continue;
     const double slack = 1e-5 * (fabs(low) + fabs(high) + (high - low));
     if (at < low - slack || at > high + slack)
-      found(a->number, "%s: particle %u of %s is at %.9g, the walls at %.9g and %.9g", a->function,
-            i / s->dimension, s->backend[twin], at, low, high);
+      found(a->number, "%s: particle %u of %s is at %.9g, the walls at %.9g and %.9g;%s",
+            a->function, i / s->dimension, s->backend[twin], at, low, high, describe(&p));
   }
 }
 

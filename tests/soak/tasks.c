@@ -77,6 +77,7 @@ void tasks_end(void) {
 
 void tasks_after_fork(void) {
   pthread_mutex_init(&all.lock, NULL);
+  pthread_cond_init(&all.come, NULL);
   for (int k = 0; k < MOST_JOBS; ++k) all.jobs[k].there = 0;
   all.count = 0;
 }

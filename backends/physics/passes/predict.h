@@ -60,14 +60,16 @@ PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   return pbf_add_scaled(v, f->time_step, acceleration);
 }
 
-/* Lines 2 and 3: the predicted position of a particle at x with velocity v. */
+/* Lines 2 and 3: the predicted position of a particle at x with velocity v, no farther than the
+ * fastest goes: where walls act later alone, squares of distances to it have to be finite. */
 PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
+  const pbf_real farthest = f->time_step * f->max_speed;
   pbf_vec velocity = pbf_apply_forces(f, x, v);
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real sign = velocity.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
     pbf_real way = f->time_step * (sign * velocity.c[k]);
     way += f->rounding * pbf_last_bit(x.c[k]);
-    x.c[k] += sign * (way < 0 ? 0 : way);
+    x.c[k] += sign * pbf_real_min(way < 0 ? 0 : way, farthest);
   }
   return x;
 }
