@@ -18,11 +18,24 @@ typedef struct guest {
   long number;           /* as the kernel has it */
 } guest;
 
+#if defined(__linux__)
+
+long thread_number(void) { return syscall(SYS_gettid); }
+
+int thread_is_there(long number) {
+  return syscall(SYS_tgkill, getpid(), number, 0) == 0 || errno != ESRCH;
+}
+
+#else
+
+long thread_number(void) { return 0; }
+int thread_is_there(long number) { return number == 0; }
+
+#endif
+
 static void *wait_at_door(void *user) {
   guest *own = (guest *)user;
-#if defined(__linux__)
-  own->number = syscall(SYS_gettid);
-#endif
+  own->number = thread_number();
   pthread_mutex_lock(own->door);
   pthread_mutex_unlock(own->door);
   return NULL;
@@ -31,7 +44,7 @@ static void *wait_at_door(void *user) {
 /* A thread counts until the kernel has forgotten it, a little after it can be joined. */
 static void wait_until_forgotten(const guest *gone) {
 #if defined(__linux__)
-  while (syscall(SYS_tgkill, getpid(), gone->number, 0) == 0 || errno != ESRCH) sched_yield();
+  while (thread_is_there(gone->number)) sched_yield();
 #else
   (void)gone;
 #endif

@@ -8,4 +8,9 @@
  * groups and of memory count alike. Others may take them at any time. */
 uint32_t startable_threads(uint32_t wanted);
 
+/* The calling thread's number, and whether a thread of this process has that number: always, where
+ * the system can't tell. */
+long thread_number(void);
+int thread_is_there(long number);
+
 #endif

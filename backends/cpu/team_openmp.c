@@ -1,4 +1,5 @@
 /* Threads by OpenMP. */
+#include <dlfcn.h>
 #include <omp.h>
 #include <unistd.h>
 
@@ -26,24 +27,45 @@ void team_end(void) {}
 /* ---- Threads that can be had --------------------------------------------------------------- */
 
 /* Where OpenMP's threads are: they do not go along with a fork, and the runtime would wait for them
- * in the child for ever, also for those that the program's own loops have left it. */
+ * in the child for ever, also for those that the program's own loops have left it. 0: nowhere. */
 static pid_t home;
 
-__attribute__((constructor)) static void remember_home(void) { home = getpid(); }
+/* GCC's runtime ends threads by pthread_exit, for which the C library then loads the unwinder, and
+ * ends the process where there is no memory for that: it has to be there before. */
+static int has_unwinder(void) {
+#if defined(__GLIBC__)
+  return dlopen("libgcc_s.so.1", RTLD_NOW | RTLD_NODELETE) != NULL;
+#else
+  return 1;
+#endif
+}
 
-/* Threads of the last run that this thread began: the runtime keeps them for the next one. Most
- * that there could be when it wanted more; 0: it did not, or got them. */
+__attribute__((constructor)) static void remember_home(void) {
+  home = has_unwinder() ? getpid() : 0;
+}
+
+/* Threads of the last run that this thread began, and their numbers: the runtime keeps them for the
+ * next one, unless a loop of the program's own has wanted fewer. Most that there could be when it
+ * wanted more; 0: it did not, or got them. */
 static _Thread_local uint32_t kept, max_threads;
+static _Thread_local long numbers[TEAM_MAX_THREADS];
 
 uint32_t team_threads(uint32_t threads) {
   if (getpid() != home) return 1;
   return max_threads && max_threads < threads ? max_threads : threads;
 }
 
+/* The calling thread and those of the last run that have not ended. */
+static uint32_t threads_there(void) {
+  uint32_t there = 1;
+  while (there < kept && thread_is_there(numbers[there])) ++there;
+  return there;
+}
+
 /* OpenMP's runtime ends the process when it can't start a thread. */
 static uint32_t threads_to_be_had(uint32_t threads) {
   if (threads == 1 || getpid() != home) return 1;
-  uint32_t there = kept ? kept : 1;
+  uint32_t there = threads_there();
   uint32_t had = threads > there ? there + startable_threads(threads - there) : threads;
   max_threads = had < threads ? had : 0;
   return kept = had;
@@ -63,8 +85,10 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
     run_alone(all, function, context);
     return;
   }
+  long *into = numbers; /* of this thread, not of those that run it */
 #pragma omp parallel num_threads((int)threads)
   {
+    into[omp_get_thread_num()] = thread_number();
     pbf_fp_environment before = pbf_fp_begin();
     team_thread self = {.team = all,
                         .thread = (uint32_t)omp_get_thread_num(),

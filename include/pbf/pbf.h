@@ -10,7 +10,8 @@
  *             what the library knows are PBF_ERROR_STRUCT_SIZE, never ignored.
  *   errors    a call that can fail returns a pbf_status; pbf_last_error() then has a sentence that
  *             names the argument, its value and what would do. Out-parameters stay untouched, the
- *             solver stays as it was. The library never prints, aborts, exits or throws.
+ *             solver stays as it was. The library never prints, aborts, exits or throws; OpenMP's
+ *             runtime, which comes with `openmp`, may (docs/limits.md).
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY,
@@ -23,6 +24,8 @@
  *             longjmp leaves its call halfway: from then on the solver's calls in that thread
  *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
  *             *solver when it logs; what the allocator has given is lost when it is left in there.
+ *             A thread that leaves one so keeps the floating-point environment of the call, see
+ *             rounding: fesetenv gives it its own back.
  *             So on Linux, on the stack that the thread was made with, and for exceptions where C
  *             has unwind tables (as compilers make them on x86-64 and AArch64, not in a MinSizeRel
  *             build); elsewhere the solver is busy for good.
@@ -409,8 +412,9 @@ PBF_API pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count);
 
 /* Appends particles; `velocities` may be null: at rest. Ids count up from 0 over the solver's life
  * and are never used again; *first_id (may be null) gets the first new one. Positions must be
- * finite and inside the domain, velocities finite and at most 1e150 in size. Those of one call that are at one and the same point are set apart
- * about it, by a quarter of a spacing and more: a fluid could not part them. */
+ * finite and inside the domain, velocities finite and at most 1e150 in size. Those of one call that
+ * are at one and the same point are set apart about it, by a quarter of a spacing and more: a fluid
+ * could not part them. */
 PBF_API pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *positions,
                                      const void *velocities, uint32_t *first_id);
 
@@ -819,9 +823,9 @@ PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index,
  * the library need no call: they are found when first wanted, in the folders of
  * PBF_BACKEND_PATH (colon-separated, absolute; ignored under elevated privileges), beside libpbf,
  * in pbf/backends/ beside libpbf. A file that is cut short, or for another machine, is refused, and
- * so is one in whose headers and tables for the dynamic loader a bit has turned over; what is in its
- * code and data is trusted, and must not be written to while it is loaded: a new one is put in its
- * place by renaming. */
+ * so is one in whose headers and tables for the dynamic loader a bit has turned over; what is in
+ * its code and data is trusted, and must not be written to while it is loaded: a new one is put in
+ * its place by renaming. */
 PBF_API pbf_status pbf_load_backend(const char *path);
 
 #ifdef __cplusplus

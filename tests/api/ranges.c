@@ -50,6 +50,23 @@ static void fastest_without_walls(uint32_t dimension, uint32_t precision) {
   }
 }
 
+/* On its lattice no particle has a neighbour. */
+static void h_is_hardly_more_than_the_spacing(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+  pbf_params params = test_params();
+  pbf_stats stats = {.struct_size = sizeof stats};
+  params.spacing = 0.9945 * params.smoothing_radius;
+  params.shear_stress_correction = 0.7;
+  params.damping_compensation = 1;
+  params.angular_momentum_correction = 1;
+  params.prestabilization = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 3));
+  assert_ok(pbf_get_stats(s, &stats));
+  assert_true(isfinite(stats.speed_max) && isfinite(stats.momentum[0]));
+  pbf_destroy(s);
+}
+
 static void at_the_ends(uint32_t dimension, uint32_t precision) {
   const double fastest = precision == PBF_FLOAT32 ? 1e18 : 1e150;
   pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
@@ -91,6 +108,7 @@ static void ends_of_ranges(void **state) {
   test_for_each_kind(at_the_ends);
   test_for_each_kind(fastest_particles);
   test_for_each_kind(fastest_without_walls);
+  test_for_each_kind(h_is_hardly_more_than_the_spacing);
 }
 
 /* Not before it has to be. */

@@ -1,6 +1,7 @@
 /* A process that may not start as many threads as a solver wants: it gets fewer, the bits are the
  * same, and the process goes on. Each case runs in a child, which a limit does not leave. */
 #define _GNU_SOURCE /* setresuid */
+#include <dlfcn.h>
 #include <stdio.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -118,12 +119,67 @@ static void no_memory_for_stacks(void **state) {
   assert_in_range(it.threads, 1, 3); /* stacks have 8 MiB */
 }
 
+/* ---- A program with loops of its own ---- */
+
+typedef void (*parallel_fn)(void (*function)(void *), void *data, unsigned threads, unsigned flags);
+
+static void nothing(void *data) { (void)data; }
+
+/* GCC's runtime lets threads go that its next loop does not need. Returns 77 where it is another.
+ */
+static int step_after_a_smaller_loop(void) {
+  pbf_solver *solver = NULL;
+  pbf_desc desc;
+  float x[3] = {0.5f, 0.5f, 0.5f};
+  if (pbf_desc_init(&desc, sizeof desc) != PBF_OK) return 1;
+  desc.backend = "openmp";
+  desc.strict = 1;
+  desc.threads = THREADS;
+  desc.capacity = 8;
+  if (pbf_create(&desc, NULL, &solver) != PBF_OK) return 2;
+  if (pbf_add_particles(solver, 1, x, NULL, NULL) != PBF_OK || pbf_step(solver, 1) != PBF_OK)
+    return 3;
+  void *runtime = dlopen("libgomp.so.1", RTLD_NOW | RTLD_NOLOAD);
+  parallel_fn parallel = NULL;
+  if (runtime) *(void **)&parallel = dlsym(runtime, "GOMP_parallel");
+  if (!parallel) return 77;
+  parallel(nothing, NULL, 2, 0);
+  sleep(1); /* until they have ended */
+  if (!limit_threads(1)) return 77;
+  return pbf_step(solver, 1) == PBF_OK ? 0 : 4;
+}
+
+static void the_program_lets_threads_go(void **state) {
+  int status = 0;
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("clang's runtime keeps its threads");
+  fflush(NULL);
+  pid_t child = fork();
+  if (child == 0) _exit(step_after_a_smaller_loop());
+  assert_int_equal(waitpid(child, &status, 0), child);
+  assert_true(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) test_skip("there is no such runtime, or limit");
+  assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+/* What OpenMP's threads end by is loaded with the backend: later there may be no memory for it. */
+static void the_unwinder_is_there(void **state) {
+  (void)state;
+#if defined(__GLIBC__)
+  uint32_t count;
+  assert_ok(pbf_get_backend_count(&count));
+  assert_non_null(dlopen("libgcc_s.so.1", RTLD_NOW | RTLD_NOLOAD));
+#endif
+}
+
 int main(void) {
   const struct CMUnitTest limits[] = {
       cmocka_unit_test(without_a_limit),
       cmocka_unit_test(no_further_thread),
       cmocka_unit_test(some_threads),
       cmocka_unit_test(no_memory_for_stacks),
+      cmocka_unit_test(the_program_lets_threads_go),
+      cmocka_unit_test(the_unwinder_is_there),
   };
   return cmocka_run_group_tests(limits, NULL, NULL);
 }

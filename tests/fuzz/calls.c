@@ -18,7 +18,9 @@ typedef struct arguments {
   uint32_t ids[MOST_AT_ONCE];
   pbf_params params;
   pbf_collider colliders[3];
-  uint32_t field;
+  double duration, lower[3], upper[3];
+  pbf_read_desc read;
+  uint32_t field, room;
 } arguments;
 
 static void draw_numbers(input *in, const arguments *a, double low, double high, void *out,
@@ -56,7 +58,7 @@ static pbf_status set_colliders(pbf_solver *s, void *context) {
 
 static pbf_status move_colliders(pbf_solver *s, void *context) {
   arguments *a = context;
-  return pbf_move_colliders(s, a->count, a->colliders, 0.05);
+  return pbf_move_colliders(s, a->count, a->colliders, a->duration);
 }
 
 static pbf_status set_positions(pbf_solver *s, void *context) {
@@ -111,6 +113,76 @@ static pbf_status save_and_load(pbf_solver *s, void *context) {
   return pbf_load(s, buffer, size);
 }
 
+static pbf_status remove_in_box(pbf_solver *s, void *context) {
+  arguments *a = context;
+  uint32_t count = 0;
+  return pbf_remove_in_box(s, a->lower, a->upper, &count);
+}
+
+/* What is given are ids that there are, ascending; nothing is written beyond. */
+static pbf_status find_in_box(pbf_solver *s, void *context) {
+  arguments *a = context;
+  uint32_t ids[MOST_AT_ONCE + 1] = {0}, count = 0, all = 0;
+  ids[a->room] = 0xa5a5a5a5u;
+  pbf_status status = pbf_find_in_box(s, a->lower, a->upper, a->room, ids, &count);
+  insist(ids[a->room] == 0xa5a5a5a5u && pbf_get_count(s, &all) == PBF_OK && count <= all);
+  for (uint32_t i = 1; i < count && i < a->room; ++i) insist(ids[i - 1] < ids[i]);
+  return status;
+}
+
+/* Numbers, and nothing beyond them. */
+static pbf_status read_fields(pbf_solver *s, void *context) {
+  arguments *a = context;
+  _Alignas(8) unsigned char out[TWIN_CAPACITY * 8 * 8 + 64];
+  pbf_read_desc read = a->read;
+  memset(out, 0xa5, sizeof out);
+  read.data = out;
+  pbf_status status = pbf_read(s, &read);
+  for (size_t i = status == PBF_OK ? sizeof out - 64 : 0; i < sizeof out; ++i)
+    insist(out[i] == 0xa5);
+  return status;
+}
+
+static pbf_status keep_previous(pbf_solver *s, void *context) {
+  return pbf_keep_previous(s, ((arguments *)context)->room);
+}
+
+static pbf_status set_snapshots(pbf_solver *s, void *context) {
+  return pbf_set_snapshots(s, ((arguments *)context)->room);
+}
+
+/* The one of the last step, or of the request, held over a call. */
+static pbf_status hold_snapshot(pbf_solver *s, void *context) {
+  pbf_snapshot held = {.struct_size = sizeof held};
+  pbf_status status = pbf_acquire_snapshot(s, &held);
+  (void)context;
+  if (status != PBF_OK) return status;
+  insist(held.owner && held.count <= TWIN_CAPACITY);
+  insist(pbf_set_snapshots(s, 0) == PBF_ERROR_STATE);
+  for (uint32_t i = 1; i < held.count; ++i) insist(held.ids[i - 1] < held.ids[i]);
+  insist(pbf_release_snapshot(&held) == PBF_OK && !held.owner);
+  return PBF_OK;
+}
+
+static uint64_t step_of(pbf_solver *s) {
+  pbf_info info = {.struct_size = sizeof info};
+  insist(pbf_get_info(s, &info) == PBF_OK);
+  return info.step;
+}
+
+/* A step in two calls, which another one in between may cancel: then it is made anew. */
+static pbf_status begin_and_end(pbf_solver *s, void *context) {
+  uint32_t count;
+  const uint64_t before = step_of(s);
+  pbf_status status = pbf_begin_step(s, 1);
+  if (status != PBF_OK) return status;
+  insist(pbf_get_count(s, &count) == PBF_ERROR_BUSY && pbf_step(s, 1) == PBF_ERROR_BUSY);
+  if (((arguments *)context)->room) insist(pbf_cancel(s) == PBF_OK);
+  status = pbf_end_step(s);
+  if (status != PBF_ERROR_CANCELLED) return status;
+  return step_of(s) == before ? pbf_step(s, 1) : PBF_OK;
+}
+
 /* ---- Drawing them ---- */
 
 static void draw_ids(input *in, const twins *t, arguments *a) {
@@ -135,6 +207,52 @@ static void draw_rows(input *in, const twins *t, arguments *a) {
 static void draw_some_colliders(input *in, arguments *a, int *wild) {
   a->count = take_u8(in) % 4;
   for (uint32_t i = 0; i < a->count; ++i) *wild |= draw_collider(in, &a->colliders[i]);
+}
+
+static void draw_box(input *in, arguments *a) {
+  for (int k = 0; k < 3; ++k) {
+    const uint8_t how = take_u8(in);
+    a->lower[k] = how & 1 ? -INFINITY : take_from(in, 0, 1);
+    a->upper[k] = how & 2 ? INFINITY : a->lower[k] + take_from(in, -0.05, 0.6);
+    if (how > 0xf8) a->lower[k] = draw_wild(in);
+  }
+  a->room = take_u8(in) % (MOST_AT_ONCE + 1);
+}
+
+static void draw_read(input *in, const twins *t, arguments *a) {
+  static const uint32_t types[] = {0, PBF_TYPE_FLOAT32, PBF_TYPE_FLOAT64, PBF_TYPE_UINT32};
+  draw_rows(in, t, a);
+  a->read = (pbf_read_desc){.struct_size = sizeof a->read,
+                            .field = take_u8(in) % 7,
+                            .first = a->first,
+                            .count = a->count,
+                            .element_type = types[take_u8(in) % 4],
+                            .components = take_u8(in) % 6,
+                            .w = take_u8(in) % 5,
+                            .order = take_u8(in) % 4 == 0,
+                            .stride = 4 * (take_u8(in) % 17)};
+  if (take_u8(in) % 2) a->read.behind = take_from(in, -0.1, 1.1);
+  if (take_u8(in) > 0xf0) a->read.w_value = draw_wild(in);
+}
+
+/* Which instruction sets there are is the machine's to say: a solver, or a sentence. */
+static void make_another(input *in, kind k) {
+  static const char *const sets[] = {NULL, "scalar", "sse2", "avx2", "avx512", "", "AVX2", "x"};
+  pbf_desc desc;
+  pbf_solver *solver = NULL;
+  insist(pbf_desc_init(&desc, sizeof desc) == PBF_OK);
+  desc.dimension = k.dimension;
+  desc.precision = k.precision;
+  desc.capacity = 4;
+  desc.backend = take_u8(in) & 1 ? "serial" : "reference";
+  desc.strict = 1;
+  desc.isa = sets[take_u8(in) % 8];
+  desc.threads = take_u8(in) % 4;
+  desc.device = take_u8(in) > 0xe0;
+  if (take_u8(in) > 0xe0) desc.enqueue_task = twins_enqueue;
+  pbf_status status = pbf_create(&desc, NULL, &solver);
+  insist((status == PBF_OK) == (solver != NULL) && (status == PBF_OK || pbf_last_error()[0]));
+  pbf_destroy(solver);
 }
 
 static void change_params(input *in, twins *t, arguments *a) {
@@ -186,7 +304,7 @@ static void step_some(input *in, twins *t) {
 static void call(input *in, twins *t) {
   arguments a = {.k = t->k};
   int wild = 0;
-  switch (take_u8(in) % 16) {
+  switch (take_u8(in) % 26) {
     case 0:
     case 1:
       call_with_particles(in, t, &a, 0);
@@ -209,6 +327,7 @@ static void call(input *in, twins *t) {
       draw_some_colliders(in, &a, &wild);
       if (twins_call(t, set_colliders, &a) == PBF_OK) t->wild |= wild;
       t->placed = 1;
+      a.duration = take_u8(in) > 0xf0 ? draw_wild(in) : take_from(in, 0.001, 0.1);
       if (a.count % 2) twins_call(t, move_colliders, &a);
       break;
     case 8:
@@ -230,6 +349,33 @@ static void call(input *in, twins *t) {
     case 12:
       twins_compare_reports(t);
       break;
+    case 13:
+      draw_box(in, &a);
+      twins_call_apart(t, take_u8(in) & 1 ? remove_in_box : find_in_box, &a);
+      break;
+    case 14:
+    case 15:
+      draw_read(in, t, &a);
+      twins_call(t, read_fields, &a);
+      break;
+    case 16:
+      a.room = take_u8(in) % 3;
+      twins_call(t, keep_previous, &a);
+      break;
+    case 17:
+      a.room = take_u8(in) % 6;
+      twins_call(t, take_u8(in) & 1 ? set_snapshots : hold_snapshot, &a);
+      break;
+    case 18:
+    case 19:
+      a.room = take_u8(in) & 1;
+      twins_call(t, begin_and_end, &a);
+      t->overlapped |= t->placed;
+      twins_note_lost(t);
+      break;
+    case 20:
+      make_another(in, t->k);
+      break;
     default:
       step_some(in, t);
       break;
@@ -239,7 +385,8 @@ static void call(input *in, twins *t) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   input in = {data, size, 0};
   uint32_t count;
-  twins t = twins_make(kind_of(take_u8(&in)));
+  const uint8_t kinds = take_u8(&in);
+  twins t = twins_make(kind_of(kinds), kinds >> 2 & 1);
   if (take_u8(&in) % 8) forgo_prestabilization(&t);
   for (int calls = 0; calls < MOST_CALLS && !t.lost && !input_ended(&in); ++calls) call(&in, &t);
   twins_destroy(&t);

@@ -5,9 +5,38 @@
 
 static const char *const names[TWINS] = {"reference", "serial"};
 
-twins twins_make(kind k) {
+void *twins_enqueue(void *user, pbf_task_fn run, void *task, uint32_t items, uint32_t min_range) {
+  (void)user;
+  if (min_range > 1)
+    run(task, 0, items);
+  else
+    for (uint32_t i = items; i-- > 0;) run(task, i, i + 1);
+  return NULL;
+}
+
+/* Nothing is left to do. */
+static void finish(void *user, void *handle) { (void)user, (void)handle; }
+
+static pbf_solver *make_tasked(kind k) {
+  pbf_desc desc;
+  pbf_solver *solver = NULL;
+  insist(pbf_desc_init(&desc, sizeof desc) == PBF_OK);
+  desc.dimension = k.dimension;
+  desc.precision = k.precision;
+  desc.capacity = TWIN_CAPACITY;
+  desc.backend = "threads";
+  desc.strict = 1;
+  desc.threads = 3;
+  desc.enqueue_task = twins_enqueue;
+  desc.finish_task = finish;
+  insist(pbf_create(&desc, NULL, &solver) == PBF_OK);
+  return solver;
+}
+
+twins twins_make(kind k, int tasked) {
   twins t = {.k = k};
-  for (int i = 0; i < TWINS; ++i) t.solver[i] = make_solver(names[i], k, TWIN_CAPACITY);
+  t.solver[0] = make_solver(names[0], k, TWIN_CAPACITY);
+  t.solver[1] = tasked && FUZZ_THREADS ? make_tasked(k) : make_solver(names[1], k, TWIN_CAPACITY);
   return t;
 }
 
@@ -76,6 +105,22 @@ pbf_status twins_call(twins *t, twin_call call, void *context) {
   return status[0];
 }
 
+typedef struct snapshot {
+  _Alignas(8) unsigned char bytes[1 << 15];
+  uint64_t size;
+} snapshot;
+
+static int load_from(pbf_solver *to, pbf_solver *from) {
+  static snapshot s;
+  s.size = sizeof s.bytes;
+  insist(pbf_save(from, s.bytes, &s.size) == PBF_OK);
+  return pbf_load(to, s.bytes, s.size) == PBF_OK;
+}
+
+pbf_status twins_call_apart(twins *t, twin_call call, void *context) {
+  return load_from(t->solver[1], t->solver[0]) ? twins_call(t, call, context) : PBF_ERROR_STATE;
+}
+
 uint32_t twins_count(const twins *t) {
   uint32_t count = 0;
   insist(pbf_get_count(t->solver[0], &count) == PBF_OK);
@@ -91,18 +136,6 @@ static void get_particles(pbf_solver *s, particles *p) {
   insist(pbf_get_count(s, &p->count) == PBF_OK);
   insist(pbf_get_positions(s, 0, p->count, p->x) == PBF_OK);
   insist(pbf_get_velocities(s, 0, p->count, p->v) == PBF_OK);
-}
-
-typedef struct snapshot {
-  _Alignas(8) unsigned char bytes[1 << 15];
-  uint64_t size;
-} snapshot;
-
-static int load_from(pbf_solver *to, pbf_solver *from) {
-  static snapshot s;
-  s.size = sizeof s.bytes;
-  insist(pbf_save(from, s.bytes, &s.size) == PBF_OK);
-  return pbf_load(to, s.bytes, s.size) == PBF_OK;
 }
 
 /* Gives the second twin the particles of the first: by overwriting them where they are, or by way
@@ -235,6 +268,11 @@ static int are_finite(pbf_solver *s, const twins *t) {
   return isfinite(distance(t, p.x, p.x, numbers)) && isfinite(distance(t, p.v, p.v, numbers));
 }
 
+void twins_note_lost(twins *t) {
+  for (int i = 0; i < TWINS; ++i) t->lost |= !are_finite(t->solver[i], t);
+  insist(!t->lost || t->wild);
+}
+
 pbf_status twins_step(twins *t, int by_loading) {
   particles before;
   int even = even_out(t, by_loading);
@@ -247,8 +285,7 @@ pbf_status twins_step(twins *t, int by_loading) {
   pbf_destroy(shaken);
   t->overlapped |= t->placed;
   t->placed = 0;
-  for (int i = 0; i < TWINS; ++i) t->lost |= !are_finite(t->solver[i], t);
-  insist(!t->lost || t->wild);
+  twins_note_lost(t);
   return status;
 }
 

@@ -300,8 +300,9 @@ void check_places(actor *a, int twin) {
     const double at = value_at(s, x, i);
     const int axis = (int)(i % s->dimension);
     if (!isfinite(at) || !isfinite(value_at(s, v, i)))
-      found(a->number, "%s: particle %u of %s is at %g with velocity %g;%s", a->function,
-            i / s->dimension, s->backend[twin], at, value_at(s, v, i), describe(&p));
+      found(a->number, "%s: particle %u of %s is at %g with velocity %g of %u (%uD, %u bytes);%s",
+            a->function, i / s->dimension, s->backend[twin], at, value_at(s, v, i), s->model.count,
+            s->dimension, s->precision, describe(&p));
     const double low = wall_at(&p, 2 * axis, info.time),
                  high = wall_at(&p, 2 * axis + 1, info.time);
     if (!(p.collide & (PBF_COLLIDE_IN_ITERATION | PBF_COLLIDE_AFTER_SOLVE))) continue;

@@ -233,8 +233,10 @@ struct shear_stress_pass {
   template <class L>
   PBF_IN void end(sums<L> *) const {}
 
+  /* Where h is hardly more than the spacing there are no neighbours on that lattice. */
   PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec push, pbf_vec v) const {
-    push = pbf_add_scaled(push, 1 / (1 - c->value_scale), vec_of(s.exchanged));
+    const pbf_real neighbors = pbf_real_max(1 - c->value_scale, (pbf_real)0.1);
+    push = pbf_add_scaled(push, 1 / neighbors, vec_of(s.exchanged));
     return pbf_add_scaled(v, c->shear_stress_part, push);
   }
 };
