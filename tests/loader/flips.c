@@ -32,7 +32,7 @@ static void add_part(size_t first, size_t size) {
   parts_size += size;
 }
 
-static int is_read_by_loader(const ElfW(Shdr) *s) {
+static int is_read_by_loader(const ElfW(Shdr) * s) {
   return s->sh_type == SHT_DYNAMIC || s->sh_type == SHT_DYNSYM || s->sh_type == SHT_GNU_HASH ||
          s->sh_type == SHT_HASH || s->sh_type == SHT_GNU_versym || s->sh_type == SHT_GNU_verneed;
 }

@@ -3,6 +3,7 @@
 #define PBF_TESTS_SOAK_ACTOR_H
 
 #include <signal.h>
+#include <string.h>
 
 #include <pbf/pbf.h>
 
@@ -75,10 +76,15 @@ extern _Thread_local actor *this_actor;
 heap *heap_for(actor *a);
 void check_heaps(void);
 
-#define insist(a, condition)                                                                       \
-  ((condition) ? (void)0                                                                           \
-               : found((a)->number, "%s: not so: %s (%s:%d)", (a)->function, #condition, __FILE__, \
-                       __LINE__))
+static inline const char *file_name(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+#define insist(a, condition)                                                             \
+  ((condition) ? (void)0                                                                 \
+               : found((a)->number, "%s: not so: %s (%s:%d)", (a)->function, #condition, \
+                       file_name(__FILE__), __LINE__))
 
 /* Numbers of an array in a subject's element type. */
 static inline double value_at(const subject *s, const void *numbers, uint32_t index) {

@@ -221,6 +221,6 @@ static pbf_status get_step_limit(pbf_solver *solver, int twin, void *context) {
 void call_get_step_limit(actor *a) {
   out *o = zeros();
   if (call_both(a, get_step_limit, o, CALL_READS) != PBF_OK) return;
-  insist(a, o->limit[0] > 0);
+  if (!(o->limit[0] > 0)) found(a->number, "%s: a limit of %g", a->function, o->limit[0]);
   insist(a, memcmp(&o->limit[0], &o->limit[1], sizeof o->limit[0]) == 0);
 }
