@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/solver.h"
+#include "report/portrait.h"
 #include "scene/scene.h"
 
 namespace bench {
@@ -15,6 +16,9 @@ CLI::Validator positive();
 void add_scene_options(CLI::App &command, SceneOptions &options);
 void add_precision_option(CLI::App &command, uint32_t &precision);
 void add_device_option(CLI::App &command, int32_t &device);
+void add_portrait_options(CLI::App &command, Portrait &portrait);
+
+void write_picture(const std::string &path, const std::string &png);
 
 }  // namespace bench
 

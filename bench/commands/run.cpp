@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "commands/commands.h"
@@ -24,6 +25,8 @@ struct RunOptions {
   SolverOptions solver;
   std::string csv;
   std::string dump;
+  std::string pictures;
+  Portrait portrait;
   uint64_t every = 0;
   uint32_t steps_per_call = 0;
   bool stages = false;
@@ -52,6 +55,15 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+void draw(const RunOptions &options, const Solver &solver, uint64_t step) {
+  if (options.pictures.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(options.pictures, ignored);
+  char name[32];
+  std::snprintf(name, sizeof name, "/%06llu.png", static_cast<unsigned long long>(step));
+  write_picture(options.pictures + name, draw_solver(solver.handle(), options.portrait));
+}
+
 // Runs to the end or to Ctrl-C; returns the seconds spent in steps.
 double run_steps(Solver &solver, uint64_t steps, const RunOptions &options, Trace *trace,
                  Dump &dump) {
@@ -59,7 +71,11 @@ double run_steps(Solver &solver, uint64_t steps, const RunOptions &options, Trac
   Batch batch(trace ? 1 : options.steps_per_call);
   double seconds = 0;
   for (uint64_t done = 0; done < steps && !interrupted();) {
-    const uint64_t now = std::min({steps - done, batch.size(), dump.steps_to_next(done)});
+    const uint64_t to_picture = !options.pictures.empty() && options.every > 0
+                                    ? options.every - done % options.every
+                                    : steps;
+    const uint64_t now =
+        std::min({steps - done, batch.size(), dump.steps_to_next(done), to_picture});
     const auto start = Clock::now();
     solver.step(static_cast<uint32_t>(now));
     solver.synchronize();
@@ -69,6 +85,7 @@ double run_steps(Solver &solver, uint64_t steps, const RunOptions &options, Trac
     done += now;
     if (trace) trace->add(solver.info(), solver.stats());
     if (dump.due(done)) dump.write(solver);
+    if (now == to_picture || done == steps) draw(options, solver, done);
     progress.show(static_cast<double>(done) / static_cast<double>(steps),
                   "step " + std::to_string(done) + " of " + std::to_string(steps));
   }
@@ -109,6 +126,8 @@ void print_stages(FILE *out, const Solver &solver, uint64_t steps) {
 }
 
 int run(const RunOptions &options) {
+  if (options.every > 0 && options.dump.empty() && options.pictures.empty())
+    throw Error(exit_usage, "--every needs --dump or --pictures");
   const Scene scene = load_scene(options.scene);
   tell_of_misfit(options.scene, scene);
   const uint64_t steps =
@@ -119,6 +138,7 @@ int run(const RunOptions &options) {
   std::unique_ptr<Trace> trace;
   if (!options.csv.empty()) trace = std::make_unique<Trace>(options.csv);
   dump.write(solver);
+  draw(options, solver, 0);
   catch_interrupts();
   const double seconds = run_steps(solver, steps, options, trace.get(), dump);
   if (trace) trace->finish();
@@ -146,18 +166,22 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
   add_device_option(*command, options->solver.device);
   command->add_option("--csv", options->csv, "one row a step into this file (-: standard output)")
       ->type_name("F");
-  auto *dump =
-      command
-          ->add_option(
-              "--dump", options->dump,
-              "positions, velocities and, where the solver keeps them, pressures as "
-              ".npy into this folder, first and last, and dump.json for pbf-check; in place of "
-              "what another run has dumped there")
-          ->type_name("DIR");
-  command->add_option("--every", options->every, "… and every so many steps")
+  command
+      ->add_option(
+          "--dump", options->dump,
+          "positions, velocities and, where the solver keeps them, pressures as "
+          ".npy into this folder, first and last, and dump.json for pbf-check; in place of "
+          "what another run has dumped there")
+      ->type_name("DIR");
+  command->add_option("--every", options->every, "… and every so many steps, of dumps and pictures")
       ->type_name("K")
-      ->check(positive())
-      ->needs(dump);
+      ->check(positive());
+  command
+      ->add_option(
+          "--pictures", options->pictures,
+          "the first and the last state, and those of --every, as PNG files into this folder")
+      ->type_name("DIR");
+  add_portrait_options(*command, options->portrait);
   command
       ->add_option("--steps-per-call", options->steps_per_call,
                    "steps in one call of pbf_step (0: as many as take a quarter of a second; with "

@@ -46,6 +46,7 @@ class Solver {
   Bytes save() const;
   void load(const Bytes &state);
 
+  pbf_solver *handle() const { return solver_.get(); }
   uint32_t count() const;
   pbf_collider collider(uint32_t index) const;  // in its present pose
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "report/canvas.h"
+#include "report/solids.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -13,7 +15,6 @@ namespace bench {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int subpixels = 2;  // a side of a pixel
 
 // Where a point of space lands: x and y on the picture in units of length, z towards the viewer.
 class Projection {
@@ -57,78 +58,6 @@ Vector corner(const View &view, unsigned index) {
   }
   return x;
 }
-
-// An image with depth, `subpixels` times as fine as the picture.
-class Canvas {
- public:
-  Canvas(int width, int height)
-      : width_(width * subpixels),
-        height_(height * subpixels),
-        color_(static_cast<size_t>(width_) * height_, picture_background()),
-        depth_(color_.size(), -std::numeric_limits<double>::infinity()) {}
-
-  // `flat`: a disc of one colour; else a ball, lit from above left.
-  void ball(double x, double y, double z, double radius, const Color &color, bool flat) {
-    const int x0 = std::max(0, static_cast<int>(std::floor(x - radius)));
-    const int x1 = std::min(width_ - 1, static_cast<int>(std::ceil(x + radius)));
-    const int y0 = std::max(0, static_cast<int>(std::floor(y - radius)));
-    const int y1 = std::min(height_ - 1, static_cast<int>(std::ceil(y + radius)));
-    for (int j = y0; j <= y1; ++j) {
-      for (int i = x0; i <= x1; ++i) {
-        const double u = (i + 0.5 - x) / radius, v = (j + 0.5 - y) / radius;
-        const double square = u * u + v * v;
-        if (square >= 1) continue;
-        const double w = std::sqrt(1 - square);
-        const double light = flat ? 1 : 0.45 + 0.55 * std::max(0.0, -0.4 * u - 0.6 * v + 0.7 * w);
-        put(i, j, z + radius * w, {color[0] * light, color[1] * light, color[2] * light});
-      }
-    }
-  }
-
-  void line(const Vector &a, const Vector &b, const Color &color) {
-    const double length = std::max(std::fabs(b[0] - a[0]), std::fabs(b[1] - a[1]));
-    const int points = static_cast<int>(std::ceil(length)) + 1;
-    for (int p = 0; p <= points; ++p) {
-      const double t = static_cast<double>(p) / points;
-      const int i = static_cast<int>(a[0] + t * (b[0] - a[0]));
-      const int j = static_cast<int>(a[1] + t * (b[1] - a[1]));
-      for (int k = 0; k < subpixels; ++k) put(i + k, j, a[2] + t * (b[2] - a[2]), color);
-    }
-  }
-
-  std::vector<unsigned char> pixels() const {
-    std::vector<unsigned char> rgb;
-    for (int j = 0; j < height_; j += subpixels) {
-      for (int i = 0; i < width_; i += subpixels) {
-        for (unsigned c = 0; c < 3; ++c) rgb.push_back(average(i, j, c));
-      }
-    }
-    return rgb;
-  }
-
- private:
-  void put(int i, int j, double z, const Color &color) {
-    if (i < 0 || j < 0 || i >= width_ || j >= height_) return;
-    const size_t at = static_cast<size_t>(j) * width_ + i;
-    if (z < depth_[at]) return;
-    depth_[at] = z;
-    color_[at] = color;
-  }
-
-  unsigned char average(int i, int j, unsigned component) const {
-    double sum = 0;
-    for (int dj = 0; dj < subpixels; ++dj) {
-      for (int di = 0; di < subpixels; ++di) {
-        sum += color_[static_cast<size_t>(j + dj) * width_ + i + di][component];
-      }
-    }
-    return static_cast<unsigned char>(std::clamp(sum / (subpixels * subpixels) + 0.5, 0.0, 255.0));
-  }
-
-  int width_, height_;
-  std::vector<Color> color_;
-  std::vector<double> depth_;
-};
 
 Color color_at(double fraction) {
   const auto &stops = speed_colors();
@@ -176,6 +105,15 @@ class Painter {
     }
   }
 
+  // What hides water behind it before the particles, what only tints it after them.
+  void draw_colliders(Canvas &canvas, const Frame &frame, bool opaque) const {
+    const auto to_pixels = [this](const Vector &x) { return pixel(x); };
+    for (const pbf_collider &collider : frame.colliders) {
+      const Solid solid(collider, frame.dimension, scale_ * subpixels, to_pixels);
+      if (solid.opaque() == opaque) solid.draw(canvas);
+    }
+  }
+
   void draw_particles(Canvas &canvas, const Frame &frame) const {
     const double depth = std::max(extent_.high[2] - extent_.low[2], 1e-300);
     const double radius = std::max(view_.particle_radius * scale_ * subpixels, 1.0);
@@ -214,7 +152,7 @@ void append(void *context, void *bytes, int size) {
 
 Frame particles_of(const std::vector<double> &positions, const std::vector<double> &velocities,
                    unsigned dimension) {
-  Frame frame{dimension, {}, {}};
+  Frame frame{dimension, {}, {}, {}};
   for (size_t i = 0; i + dimension <= positions.size(); i += dimension) {
     Vector position{};
     double square = 0;
@@ -240,7 +178,9 @@ std::string draw_png(const Frame &frame, const View &view) {
   const Painter painter(frame.dimension, view);
   Canvas canvas(view.width, painter.height());
   painter.draw_box(canvas);
+  painter.draw_colliders(canvas, frame, true);
   painter.draw_particles(canvas, frame);
+  painter.draw_colliders(canvas, frame, false);
   const std::vector<unsigned char> pixels = canvas.pixels();
   std::string png;
   stbi_write_png_to_func(append, &png, view.width, painter.height(), 3, pixels.data(),

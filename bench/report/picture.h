@@ -1,4 +1,4 @@
-/* Pictures of particles, coloured by speed. */
+/* Pictures of particles, coloured by speed, and of colliders. */
 #ifndef PBF_BENCH_PICTURE_H
 #define PBF_BENCH_PICTURE_H
 
@@ -14,6 +14,7 @@ struct Frame {
   unsigned dimension;
   std::vector<Vector> positions;
   std::vector<double> speeds;
+  std::vector<pbf_collider> colliders;  // in their poses
 };
 
 // From rows of `dimension` numbers.

@@ -52,6 +52,37 @@ void a_backend_that_is_not_there_exits_with_3(void **) {
   expect_contains(speedup.out, "there is no backend of this name");
 }
 
+uint32_t big_endian(const std::string &bytes, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes.at(at + i));
+  return value;
+}
+
+void pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for(void **) {
+  const std::string folder = work_folder("pictures");
+  skip_unless_available(folder, "reference");
+  const std::string run = std::string("run --backend reference --steps 5 ") + small;
+  const Outcome drawn = run_program(folder, run + "--pictures drawn --every 2 --width 120");
+  assert_int_equal(drawn.exit_code, 0);
+  size_t files = 0;
+  for (const auto &entry : std::filesystem::directory_iterator(folder + "/drawn")) {
+    (void)entry;
+    ++files;
+  }
+  assert_int_equal(files, 4);
+  for (const char *name : {"000000", "000002", "000004", "000005"}) {
+    const std::string png = read_text(folder + "/drawn/" + name + ".png");
+    assert_true(png.compare(0, 4, "\x89PNG") == 0);
+    assert_int_equal(big_endian(png, 16), 120); /* IHDR's width */
+    assert_int_equal(big_endian(png, 20) > 20, 1);
+  }
+  assert_true(read_text(folder + "/drawn/000000.png") != read_text(folder + "/drawn/000005.png"));
+  std::ofstream(folder + "/no.state") << "this is not a state";
+  const Outcome wrong = run_program(folder, "picture no.state");
+  assert_int_equal(wrong.exit_code, 1);
+  expect_contains(wrong.err, "saved state");
+}
+
 void a_file_that_cant_be_written_exits_with_1(void **) {
   const std::string folder = work_folder("unwritable");
   skip_unless_available(folder, "reference");
@@ -216,6 +247,7 @@ int main() {
       cmocka_unit_test(help_tells_the_exit_codes),
       cmocka_unit_test(list_shows_scenes_and_backends),
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
+      cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
       cmocka_unit_test(a_run_writes_its_trace_and_dumps),
       cmocka_unit_test(a_dump_takes_the_place_of_another),
       cmocka_unit_test(a_trace_to_standard_output_is_alone_there),

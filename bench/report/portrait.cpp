@@ -1,0 +1,117 @@
+#include "report/portrait.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/error.h"
+#include "report/picture.h"
+
+namespace bench {
+namespace {
+
+void check(pbf_status status) {
+  if (status != PBF_OK) throw Error(exit_failure, pbf_last_error());
+}
+
+std::vector<double> numbers(pbf_solver *solver, uint32_t field, uint32_t count,
+                            unsigned dimension) {
+  std::vector<double> all(static_cast<size_t>(count) * dimension);
+  pbf_read_desc read = {};
+  read.struct_size = sizeof read;
+  read.field = field;
+  read.count = count;
+  read.element_type = PBF_TYPE_FLOAT64;
+  read.data = all.data();
+  if (count > 0) check(pbf_read(solver, &read));
+  return all;
+}
+
+std::vector<pbf_collider> colliders_of(pbf_solver *solver) {
+  uint32_t count = 0;
+  check(pbf_get_collider_count(solver, &count));
+  std::vector<pbf_collider> colliders(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    colliders[i].struct_size = sizeof colliders[i];
+    check(pbf_get_collider(solver, i, &colliders[i]));
+  }
+  return colliders;
+}
+
+double wall_at(const pbf_params &params, unsigned wall, double time) {
+  const double bound = wall % 2 ? params.domain_max[wall / 2] : params.domain_min[wall / 2];
+  return bound + params.wall_velocity[wall] * time +
+         params.wall_amplitude[wall] *
+             std::sin(params.wall_frequency[wall] * time + params.wall_phase[wall]);
+}
+
+double fast(std::vector<double> speeds) {
+  if (speeds.empty()) return 1;
+  const auto at =
+      speeds.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(speeds.size() - 1));
+  std::nth_element(speeds.begin(), at, speeds.end());
+  return std::max(*at, 1e-6);
+}
+
+struct Destroy {
+  void operator()(pbf_solver *solver) const { pbf_destroy(solver); }
+};
+using Handle = std::unique_ptr<pbf_solver, Destroy>;
+
+// A state says its dimension and precision to pbf_load alone: the solver that takes it has them.
+// Not every build has all four.
+Handle solver_of(const std::string &state) {
+  std::string reason;
+  for (const uint32_t precision : {PBF_FLOAT32, PBF_FLOAT64}) {
+    for (const uint32_t dimension : {3u, 2u}) {
+      pbf_desc desc;
+      check(pbf_desc_init(&desc, sizeof desc));
+      desc.dimension = dimension;
+      desc.precision = precision;
+      desc.capacity = static_cast<uint32_t>(std::clamp<uint64_t>(
+          state.size() / (uint64_t{2} * dimension * precision), 1, PBF_MAX_CAPACITY));
+      pbf_solver *solver = nullptr;
+      if (pbf_create(&desc, nullptr, &solver) != PBF_OK) continue;
+      Handle handle(solver);
+      if (pbf_load(solver, state.data(), state.size()) == PBF_OK) return handle;
+      reason = pbf_last_error();
+    }
+  }
+  throw Error(exit_failure, reason.empty() ? pbf_last_error() : reason);
+}
+
+}  // namespace
+
+std::string draw_solver(pbf_solver *solver, const Portrait &portrait) {
+  pbf_info info = {};
+  info.struct_size = sizeof info;
+  check(pbf_get_info(solver, &info));
+  pbf_params params = {};
+  params.struct_size = sizeof params;
+  check(pbf_get_params(solver, &params));
+  uint32_t count = 0;
+  check(pbf_get_count(solver, &count));
+  Frame frame =
+      particles_of(numbers(solver, PBF_FIELD_POSITION, count, info.dimension),
+                   numbers(solver, PBF_FIELD_VELOCITY, count, info.dimension), info.dimension);
+  frame.colliders = colliders_of(solver);
+  View view;
+  view.width = portrait.width;
+  view.particle_radius = 0.5 * (params.spacing > 0 ? params.spacing : params.smoothing_radius / 2);
+  view.fastest = portrait.fastest > 0 ? portrait.fastest : fast(frame.speeds);
+  for (unsigned axis = 0; axis < info.dimension; ++axis) {
+    view.lower[axis] = wall_at(params, 2 * axis, info.time);
+    view.upper[axis] = wall_at(params, 2 * axis + 1, info.time);
+    if (portrait.view.size() == 2 * info.dimension) {
+      view.lower[axis] = portrait.view[axis];
+      view.upper[axis] = portrait.view[info.dimension + axis];
+    }
+  }
+  return draw_png(frame, view);
+}
+
+std::string draw_state(const std::string &state, const Portrait &portrait) {
+  return draw_solver(solver_of(state).get(), portrait);
+}
+
+}  // namespace bench
