@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Doxygen's view of a public header: its plain comments as Doxygen's own.
+
+    header_filter.py FILE
+
+The header is written to be read as it is, without marks of any tool. A comment that begins a line belongs to what follows, one
+behind a declaration to what it stands behind, and `/* ---- Title ---- */` begins a group of the reference.
+"""
+import re
+import sys
+
+SECTION = re.compile(r"/\* -{4} (.+?) -+ \*/")
+COMMENT = re.compile(r"/\*(.*?)\*/", re.DOTALL)
+SPECIAL = re.compile(r"([\\@<>#%&$])")
+
+
+def slug(title):
+    return re.sub(r"\W+", "_", title.lower()).strip("_")
+
+
+def without_stars(text):
+    return "\n".join(re.sub(r"^\s*\* ?", "", line) for line in text.split("\n"))
+
+
+def converted(text):
+    opened = False
+    out, at = [], 0
+    for match in COMMENT.finditer(text):
+        out.append(text[at:match.start()])
+        at = match.end()
+        lines = match[0].count("\n")
+        section = SECTION.fullmatch(match[0])
+        if section:
+            title = section[1].split(":")[0]
+            out.append(("/** @} */ " if opened else "") + f"/** @defgroup {slug(title)} {title}\n @{{ */")
+            opened = True
+            continue
+        if not opened:  # the head, and what stands before the first group
+            out.append("\n" * lines)
+            continue
+        words = SPECIAL.sub(r"\\\1", without_stars(match[1])).strip()
+        before = text[text.rfind("\n", 0, match.start()) + 1:match.start()]
+        mark = "/**<" if before.strip() else "/**"
+        out.append(f"{mark} {words} */")
+    out.append(text[at:])
+    # Breathe declares a struct and its typedef of the same name twice.
+    ended = re.sub(r"typedef (struct (\w+) \{.*?^\}) \2;", r"\1;", "".join(out), flags=re.MULTILINE | re.DOTALL)
+    last = ended.rindex("#ifdef __cplusplus")
+    return ended[:last] + "/** @} */\n" + ended[last:]
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    print(converted(open(sys.argv[1], encoding="utf-8").read()))
