@@ -5,6 +5,7 @@
     tools/tables.py --check    fails where a file is not as it would be written
 
     docs/parameters.md             the parameter reference, whole
+    docs/defaults.md               the parameters' defaults
     docs/building.md               the features that a build may be without
     bench/scenes/scene.schema.json the properties of a scene's params
     python/pbf/_param_fields.py    the parameters as attributes of the Python package
@@ -280,6 +281,21 @@ def building_text(features, text):
     return replaced(pattern, written, text)
 
 
+def defaults_text(params, text):
+    rows = [[f"[`{param['name']}`](guide.md#{anchor_of(param['name'])})", default_words(param),
+             "" if param.get("unit", "1") == "1" else param["unit"]] for param in params if param["name"] != "reserved"]
+    pattern = r"(<!-- table: defaults -->\n)(?:.*\n)*?(<!-- end -->)"
+    return replaced(pattern, table(["member", "default", "unit"], rows), text)
+
+
+def anchor_of(name):
+    """Of the heading of docs/guide.md in which the parameter is named."""
+    for heading in re.findall(r"^### (`.*)$", read("docs/guide.md"), flags=re.MULTILINE):
+        if code(name) in heading:
+            return re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
+    raise ValueError(f"docs/guide.md has no heading for {name}")
+
+
 # ---- all -----------------------------------------------------------------------------------------
 
 
@@ -293,6 +309,7 @@ def outputs():
     params, features = read_table("params.def"), read_table("features.def")
     return {
         "docs/parameters.md": reference_text(params, read("include/pbf/pbf.h")),
+        "docs/defaults.md": defaults_text(params, read("docs/defaults.md")),
         "docs/building.md": building_text(features, read("docs/building.md")),
         "bench/scenes/scene.schema.json":
             schema_text(params, read("bench/scenes/scene.schema.json")),
