@@ -1,5 +1,6 @@
 #!/bin/sh
-# Error against run time on this machine, and the tables of README.md and docs/notes/error-against-time.md made of it:
+# Error against run time on this machine, and the tables of README.md, docs/error-and-speed.md and
+# docs/notes/error-against-time.md made of it:
 #
 #   bench/pareto.sh build/release/bin/pbf-bench bench/results/MACHINE [SCENE ...]
 #

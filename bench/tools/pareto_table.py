@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the tables of error against run time into README.md and docs/notes/error-against-time.md, from the results
-of `pbf-bench pareto --json`, one a scene.
+"""Writes the tables of error against run time into README.md, docs/error-and-speed.md and docs/notes/error-against-time.md, from
+the results of `pbf-bench pareto --json`, one a scene.
 
     bench/tools/pareto_table.py bench/results/epyc-2-cores/pareto-*.json
 """
@@ -103,6 +103,23 @@ def short_table(results):
     return lines_of(head("error", "scene", "method"), rows, 3)
 
 
+FEW = {"plain": "the paper's plain method", "library": "the library", "wide-held": "the library, h = 3 d, `cohesion` 1"}
+
+
+def few_table(results):
+    """The density error alone: the least that a method comes to, and how long it takes to 1 %."""
+    rows = []
+    for result in results:
+        families = {family["family"]: family for family in families_of(result, next(iter(SHORT)))}
+        cells = []
+        for name in FEW:
+            least, to_one = percent(families[name]["front"][-1]["error"]), level_cells(families[name])[0]
+            cells += [least, to_one]
+        rows.append((f"`{result['context']['scene']}`", *cells))
+    head = ("scene", *(word for title in FEW.values() for word in (f"{title}: least error", "time to 1 %")))
+    return lines_of(head, rows, 1)
+
+
 def long_tables(results):
     lines = []
     for result in results:
@@ -120,7 +137,8 @@ def long_tables(results):
 
 def main(paths):
     results = [json.loads(pathlib.Path(path).read_text(encoding="utf-8")) for path in paths]
-    write_table("README.md", "pareto", "\n".join(short_table(results)))
+    write_table("README.md", "error", "\n".join(few_table(results)))
+    write_table("docs/error-and-speed.md", "pareto", "\n".join(short_table(results)))
     write_table("docs/notes/error-against-time.md", "pareto", "\n".join(long_tables(results)))
 
 

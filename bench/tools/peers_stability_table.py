@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the table of other solvers into docs/notes/other-solvers.md, and the sentence about it into README.md, from
+"""Writes the table of other solvers into docs/notes/other-solvers.md, and the sentence about it into docs/error-and-speed.md, from
 what pbf-check has said of bench/peers/stability.py's dumps.
 
     bench/tools/peers_stability_table.py MACHINE REPORT.json
@@ -53,7 +53,7 @@ def table(verdicts):
 def sentence(verdicts, machine):
     held, tried = ours(machine, {entry["case"] for entry in verdicts})
     theirs = "; ".join("{} {} of {}".format(title, *counted(verdicts, name)) for name, title in TITLES.items())
-    return (f"Of the {tried} [stiff cases](docs/notes/other-solvers.md#stiff-cases) that SPlisHSPlasH 2.19.0 was\n"
+    return (f"Of the {tried} [stiff cases](notes/other-solvers.md#stiff-cases) that SPlisHSPlasH 2.19.0 was\n"
             f"driven through at quick sizes, the same judge finds that `serial` holds {held}; SPlisHSPlasH's {theirs}.")
 
 
@@ -63,7 +63,7 @@ def main(machine, path):
     results = ROOT / "bench" / "results" / machine / "peers-stability.json"
     results.write_text('{\n "verdicts": [\n' + rows + "\n ]\n}\n", encoding="utf-8")
     write_table("docs/notes/other-solvers.md", "peers-stability", table(verdicts))
-    write_table("README.md", "peers-stability", sentence(verdicts, machine))
+    write_table("docs/error-and-speed.md", "peers-stability", sentence(verdicts, machine))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the tables of this library beside SPlisHSPlasH into README.md and docs/notes/other-solvers.md, from the
+"""Writes the tables of this library beside SPlisHSPlasH into docs/error-and-speed.md and docs/notes/other-solvers.md, from the
 results of bench/peers/hull.py.
 
     bench/tools/peers_table.py bench/results/epyc-2-cores/peers.json
@@ -126,7 +126,7 @@ def main(path):
     results = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
     write_table("docs/notes/other-solvers.md", "peers", tables(results))
     if FEW in results["scenes"]:
-        write_table("README.md", "peers", "\n".join(lines_of(FEW_HEAD, few_rows(results["scenes"][FEW]), 2)))
+        write_table("docs/error-and-speed.md", "peers", "\n".join(lines_of(FEW_HEAD, few_rows(results["scenes"][FEW]), 2)))
 
 
 if __name__ == "__main__":

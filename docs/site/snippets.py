@@ -26,7 +26,7 @@ def piece(name, label):
 
 def main(check):
     wrong, blocks = [], 0
-    for page in sorted(ROOT.glob("docs/*.md")):
+    for page in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))):
         text = page.read_text(encoding="utf-8")
         marks = text.count("<!-- code: ")
         new = BLOCK.sub(lambda block: block[1] + piece(block[2], block[3]) + block[5], text)
