@@ -23,8 +23,8 @@ GAP = 6
 PARAMETERS = {
     "spacing": ("drop-into-pool", 0.75, 4, [(f"d = {d}", "", n) for d, n in
                                            (("0.1", "--finer 0.5"), ("0.05", ""), ("0.033", "--finer 1.5"))]),
-    "smoothing_radius": ("dam-break-2d", 0.75, 6, [("h = 2 d", "smoothing_radius=0.04", ""), ("h = 2.5 d", "smoothing_radius=0.05", ""),
-                                                   ("h = 3 d", "smoothing_radius=0.06", "")]),
+    "smoothing_radius": (SCENES / "basin.json", 2, 2, [("h = 2 d", "smoothing_radius=0.08", ""), ("h = 2.5 d", "smoothing_radius=0.1", ""),
+                                                       ("h = 3 d", "smoothing_radius=0.12", "")]),
     "time_step": (SCENES / "basin.json", 3, 1, [("1/30 s", "time_step=0.0333333333333333", ""), ("1/120 s", "time_step=0.00833333333333333", ""),
                                           ("1/480 s", "time_step=0.00208333333333333", "")]),
     "iterations": (SCENES / "deep.json", 2, 1, [("1", "pressure_grid=0 iterations=1", ""), ("4", "pressure_grid=0 iterations=4", ""),

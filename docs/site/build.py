@@ -113,7 +113,7 @@ def menus(readme):
     for page in ELSEWHERE:
         if page not in named and (ROOT / "docs" / page).exists():
             listed[0][1].append(page)
-    listed[-1][1].append("api.md")
+    next(pages for _, pages in listed if "parameters.md" in pages).append("api.md")
     toctree = "```{{toctree}}\n:hidden:\n:caption: {}\n\n{}\n```\n"
     entries = lambda pages: "\n".join("notes/README" if page == "notes/README.md" else page[:-3] for page in pages)
     return "\n" + "\n".join(toctree.format(title, entries(pages)) for title, pages in listed if pages)
