@@ -42,7 +42,7 @@ PARAMETERS = {
     "attraction": ("zero-gravity-drop", 1.5, 1.5, [("0", "attraction=0", ""), ("1", "attraction=1", ""), ("10", "attraction=10", "")]),
     "max_substeps": (SCENES / "long-steps.json", 2, 3, [("0", "max_substeps=0", ""), ("2", "max_substeps=2", ""), ("8", "max_substeps=8", "")]),
     "solver": ("dam-break-2d", 0.75, 6, [
-        ("the paper's", "solver=jacobi kernel=poly6_spiky cohesion=1 wall_density=0 cfm=0.06", ""),
+        ("the paper's", "solver=jacobi kernel=poly6_spiky over_relaxation=1 cohesion=1 min_diagonal=0 wall_density=0 cfm=1.5", ""),
         ("Jacobi", "solver=jacobi", ""), ("Chebyshev", "solver=chebyshev", "")]),
 }
 VIEWS = {"zero-gravity-drop": "-1.3 -0.9 -0.9 1.3 0.9 0.9", "dam-break-2d": "0 0 3 2.05"}
