@@ -15,6 +15,8 @@ std::pair<CLI::App *, Command> add_ablation(CLI::App &app);
 std::pair<CLI::App *, Command> add_list(CLI::App &app);
 std::pair<CLI::App *, Command> add_pareto(CLI::App &app);
 std::pair<CLI::App *, Command> add_picture(CLI::App &app);
+std::pair<CLI::App *, Command> add_record(CLI::App &app);
+std::pair<CLI::App *, Command> add_replay(CLI::App &app);
 std::pair<CLI::App *, Command> add_run(CLI::App &app);
 std::pair<CLI::App *, Command> add_speedup(CLI::App &app);
 std::pair<CLI::App *, Command> add_stability(CLI::App &app);

@@ -83,6 +83,40 @@ void pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for(void **
   expect_contains(wrong.err, "saved state");
 }
 
+void a_recording_runs_again_and_says_where_another_run_parts(void **) {
+  const std::string folder = work_folder("recording");
+  skip_unless_available(folder, "reference");
+  const Outcome recorded = run_program(
+      folder, std::string("record --backend reference --steps 20 --every 2 --at 7:gravity.0=3 --to "
+                          "run.record --scene moving-paddle --particles 300"));
+  assert_string_equal(recorded.err.c_str(), "");
+  assert_int_equal(recorded.exit_code, 0);
+  const Outcome again = run_program(folder, "replay run.record");
+  expect_contains(again.out, "the same: 10 hashes, up to step 20, with 2 changes on the way");
+  assert_int_equal(again.exit_code, 0);
+
+  std::string text = read_text(folder + "/run.record");
+  const size_t params = text.find("\nparams 7 ");
+  assert_true(params != std::string::npos);
+  const size_t next = text.find('\n', params + 1);
+  std::ofstream(folder + "/without.record") << text.substr(0, params) + text.substr(next);
+  const Outcome parted = run_program(folder, "replay without.record");
+  expect_contains(parted.out, "the runs part after step 6, by step 8");
+  assert_int_equal(parted.exit_code, 1);
+
+  std::ofstream(folder + "/cut.record") << text.substr(0, text.size() - 5);
+  expect_contains(run_program(folder, "replay cut.record").out,
+                  "the same: 9 hashes, up to step 18");
+  std::ofstream(folder + "/wrong.record") << text.substr(0, text.find('\n') + 1) + "hash 2 zz\n";
+  const Outcome wrong = run_program(folder, "replay wrong.record");
+  expect_contains(wrong.err, "wrong.record:2");
+  assert_int_equal(wrong.exit_code, 2);
+  const Outcome at =
+      run_program(folder, std::string("record --backend reference --to x --at 7 ") + small);
+  expect_contains(at.err, "STEP:KEY=VALUE");
+  assert_int_equal(at.exit_code, 2);
+}
+
 void a_file_that_cant_be_written_exits_with_1(void **) {
   const std::string folder = work_folder("unwritable");
   skip_unless_available(folder, "reference");
@@ -248,6 +282,7 @@ int main() {
       cmocka_unit_test(list_shows_scenes_and_backends),
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
+      cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
       cmocka_unit_test(a_run_writes_its_trace_and_dumps),
       cmocka_unit_test(a_dump_takes_the_place_of_another),
       cmocka_unit_test(a_trace_to_standard_output_is_alone_there),

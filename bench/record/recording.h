@@ -1,0 +1,64 @@
+/* A run as a text file, from which it can be run again. Lines, STEP being pbf_info.step of then:
+ *
+ *   pbf-record 1 DIMENSION PRECISION CAPACITY THREADS BACKEND     the first
+ *   build TEXT, device TEXT
+ *   state STEP HEX              what pbf_save wrote: at the begin, and after particles changed
+ *   params STEP HEX             the pbf_params of a pbf_set_params
+ *   colliders STEP HEX          the structs of a pbf_set_colliders; "-" for none
+ *   move STEP DURATION HEX      those of a pbf_move_colliders
+ *   hash STEP HEX               pbf_hash after that step
+ *
+ * examples/record.h writes the same from a program of one's own. */
+#ifndef PBF_BENCH_RECORDING_H
+#define PBF_BENCH_RECORDING_H
+
+#include <pbf/pbf.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+class RecordWriter {
+ public:
+  RecordWriter(const std::string &path, pbf_solver *solver);
+  ~RecordWriter();
+  RecordWriter(const RecordWriter &) = delete;
+  RecordWriter &operator=(const RecordWriter &) = delete;
+
+  void state();
+  void params(const pbf_params &params);
+  void colliders(const std::vector<pbf_collider> &colliders);
+  void hash();
+  void finish();  // throws Error where the file could not be written
+
+ private:
+  void line(const char *kind, const void *bytes, size_t size);
+
+  std::string path_;
+  FILE *file_;
+  pbf_solver *solver_;
+};
+
+struct Recording {
+  enum class Kind { state, params, colliders, move, hash };
+  struct Entry {
+    Kind kind;
+    uint64_t step;
+    double duration;    // of a move
+    uint64_t hash;      // of a hash
+    std::string bytes;  // of all others
+  };
+  uint32_t dimension = 3, precision = PBF_FLOAT32, capacity = 1, threads = 0;
+  std::string backend, build, device;
+  std::vector<Entry> entries;
+};
+
+// Throws Error that names the line. A last line without an end, as of a program that has been
+// stopped, is left out.
+Recording read_recording(const std::string &path);
+
+}  // namespace bench
+
+#endif
