@@ -18,7 +18,9 @@ int main(void) {
       pbf_add_particles(fluid, 4000, x, NULL, NULL) != PBF_OK || pbf_step(fluid, 30) != PBF_OK ||
       pbf_get_positions(fluid, 0, 4000, x) != PBF_OK)
     printf("%s\n", pbf_last_error()); /* and a sentence that says what was wrong */
-  printf("in a quarter of a second the block's foot has come from 0.48 to %.2f\n", (double)x[9][0]);
+  else
+    printf("in a quarter of a second the block's foot has come from 0.48 to %.2f\n",
+           (double)x[9][0]);
   pbf_destroy(fluid);
   return 0;
 }
