@@ -22,8 +22,17 @@ def without_stars(text):
     return "\n".join(re.sub(r"^\s*\* ?", "", line) for line in text.split("\n"))
 
 
+def marked(words, names):
+    """`code` as code, and names of the header's functions and structs as references."""
+    words = SPECIAL.sub(r"\\\1", without_stars(words)).strip()
+    words = re.sub(r"`([^`]+)`", r"<tt>\1</tt>", words)
+    return re.sub(r"\bpbf_\w+\b", lambda name: f'\\ref {name[0]} "{name[0]}"' if name[0] in names else name[0], words)
+
+
 def converted(text):
     opened = False
+    names = set(re.findall(r"^PBF_API [^;(]*?\b(pbf_\w+)\(|^typedef struct (pbf_\w+) \{", text, flags=re.MULTILINE))
+    names = {name for pair in names for name in pair if name}
     out, at = [], 0
     for match in COMMENT.finditer(text):
         out.append(text[at:match.start()])
@@ -38,7 +47,7 @@ def converted(text):
         if not opened:  # the head, and what stands before the first group
             out.append("\n" * lines)
             continue
-        words = SPECIAL.sub(r"\\\1", without_stars(match[1])).strip()
+        words = marked(match[1], names)
         before = text[text.rfind("\n", 0, match.start()) + 1:match.start()]
         mark = "/**<" if before.strip() else "/**"
         out.append(f"{mark} {words} */")
