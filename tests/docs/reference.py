@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""The API reference has the header's declarations, all of them, as they are.
+
+    reference.py ROOT
+
+docs/site/header_filter.py shows Doxygen the header with its comments marked. Without comments what it shows is the header; and each
+function and struct is in a group, which is what the reference's sections are made of.
+"""
+import importlib.util
+import pathlib
+import re
+import sys
+
+
+def code_of(text):
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    text = re.sub(r"typedef (struct (\w+) \{.*?^\}) \2;", r"\1;", text, flags=re.MULTILINE | re.DOTALL)
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def main(root):
+    root = pathlib.Path(root)
+    spec = importlib.util.spec_from_file_location("header_filter", root / "docs/site/header_filter.py")
+    header_filter = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(header_filter)
+    header = (root / "include/pbf/pbf.h").read_text(encoding="utf-8")
+    shown = header_filter.converted(header)
+    wrong = []
+    if code_of(shown) != code_of(header):
+        wrong.append("the filter changes declarations")
+    inside = "".join(re.findall(r"@\{ \*/(.*?)/\*\* @\}", shown, flags=re.DOTALL))
+    names = re.findall(r"^PBF_API [^;(]*?\b(pbf_\w+)\(|^typedef struct (pbf_\w+) \{", header, flags=re.MULTILINE)
+    names = [name for pair in names for name in pair if name]
+    wrong += [f"{name} is in no group" for name in names if not re.search(rf"\b{name}\b *[({{]", inside)]
+    print("\n".join(wrong) if wrong else f"{len(names)} functions and structs are in the reference")
+    return 1 if wrong or len(names) < 50 else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(main(sys.argv[1]))
