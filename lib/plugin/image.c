@@ -25,25 +25,6 @@ typedef ElfW(Phdr) segment;
 typedef ElfW(Shdr) section;
 typedef ElfW(Addr) address;
 
-pbf_status pbf_image_refuse(image *it, const char *what) {
-  return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "it is damaged: %s", what);
-}
-
-pbf_status pbf_image_refuse_short(image *it, const char *what) {
-  return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE,
-                           "it is cut short: its %s lie beyond its end, at %llu bytes", what,
-                           (unsigned long long)it->size);
-}
-
-int pbf_image_read(const image *it, void *bytes, size_t count, uint64_t offset) {
-  for (size_t done = 0; done < count;) {
-    ssize_t got = pread(it->file, (char *)bytes + done, count - done, (off_t)(offset + done));
-    if (got == 0 || (got < 0 && errno != EINTR)) return 0;
-    if (got > 0) done += (size_t)got;
-  }
-  return 1;
-}
-
 /* ---- Of which machine ---------------------------------------------------------------------- */
 
 /* The header of this library, which the dynamic loader has mapped with it. */
@@ -142,17 +123,6 @@ static pbf_status check_segments(image *it) {
     if (status != PBF_OK) return status;
   }
   return end ? PBF_OK : pbf_image_refuse(it, "none of its segments is loaded");
-}
-
-int pbf_image_find(const image *it, address from, uint64_t bytes, uint64_t *offset) {
-  for (unsigned i = 0; i < it->header.e_phnum; ++i) {
-    const segment *s = &it->segments[i];
-    if (s->p_type != PT_LOAD || from < s->p_vaddr) continue;
-    if (!pbf_image_fits(from - s->p_vaddr, bytes, s->p_filesz)) continue;
-    *offset = s->p_offset + (from - s->p_vaddr);
-    return 1;
-  }
-  return 0;
 }
 
 /* ---- Sections ------------------------------------------------------------------------------- */

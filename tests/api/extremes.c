@@ -181,6 +181,11 @@ static void fast_particles(uint32_t dimension, uint32_t precision) {
     assert_ok(pbf_set_params(s, &params));
     for (uint32_t i = 0; i < 12 * dimension; ++i)
       test_put(v, i, precision, i % 3 ? edges[t] : -edges[t]);
+    if (fabs(edges[t]) > 1e150) {
+      assert_fails(pbf_set_velocities(s, 0, 12, v), PBF_ERROR_INVALID_ARGUMENT, "at most 1e150");
+      pbf_destroy(s);
+      continue;
+    }
     assert_ok(pbf_set_velocities(s, 0, 12, v));
     runs_or_says_why(s, dimension, precision, "velocities", edges[t]);
     pbf_destroy(s);

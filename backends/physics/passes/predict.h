@@ -60,10 +60,11 @@ PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   return pbf_add_scaled(v, f->time_step, acceleration);
 }
 
-/* Lines 2 and 3: the predicted position of a particle at x with velocity v, no farther than the
- * fastest goes: where walls act later alone, squares of distances to it have to be finite. */
+/* Lines 2 and 3: the predicted position of a particle at x with velocity v, no farther than
+ * 64 times what the fastest goes: where walls act later alone, squares of distances to it have to
+ * be finite. Nearer than a fall in a step of any use it must not end, or energy is gained. */
 PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
-  const pbf_real farthest = f->time_step * f->max_speed;
+  const pbf_real farthest = 64 * f->time_step * f->max_speed;
   pbf_vec velocity = pbf_apply_forces(f, x, v);
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real sign = velocity.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
