@@ -253,6 +253,7 @@ static int is_definition_sound(const tables *t, const symbol *s) {
   if (type == STT_TLS) return (in->sh_flags & SHF_TLS) != 0;
   if (type == STT_SECTION) return s->st_info >> 4 == STB_LOCAL;
   if (type > STT_FUNC || (type == STT_FUNC && !(in->sh_flags & SHF_EXECINSTR))) return 0;
+  if (type == STT_NOTYPE) return 1; /* gold's _edata and _end name any section */
   return s->st_value >= in->sh_addr && s->st_value - in->sh_addr <= in->sh_size;
 }
 
