@@ -2,6 +2,7 @@
 #ifndef PBF_PHYSICS_PASSES_PREDICT_H
 #define PBF_PHYSICS_PASSES_PREDICT_H
 
+#include <float.h>
 #include <math.h>
 
 #include "physics/project.h"
@@ -11,7 +12,9 @@
 typedef struct pbf_forces {
   pbf_real time_step, inv_time_step;
   pbf_real max_speed; /* along an axis, see pbf_max_speed_of */
-  pbf_real rounding;  /* part of a last bit that predictions are off, see pbf_rounding_of */
+  pbf_real max_way; /* that is predicted along an axis: where walls act in iterations alone, squares
+                       of distances from there have to be finite */
+  pbf_real rounding; /* part of a last bit that predictions are off, see pbf_rounding_of */
   pbf_vec gravity;
   pbf_real attraction;
   pbf_vec attraction_center;
@@ -43,6 +46,9 @@ static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   f.time_step = (pbf_real)params->time_step;
   f.inv_time_step = (pbf_real)pbf_per_time_step(params);
   f.max_speed = pbf_max_speed_of(params);
+  f.max_way = f.time_step * f.max_speed;
+  if (params->collide & PBF_COLLIDE_AFTER_PREDICTION)
+    f.max_way = (pbf_real)(sizeof(pbf_real) == sizeof(float) ? FLT_MAX : DBL_MAX);
   f.rounding = pbf_rounding_of(time, params->time_step);
   f.attraction = (pbf_real)params->attraction;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -60,17 +66,14 @@ PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   return pbf_add_scaled(v, f->time_step, acceleration);
 }
 
-/* Lines 2 and 3: the predicted position of a particle at x with velocity v, no farther than
- * 64 times what the fastest goes: where walls act later alone, squares of distances to it have to
- * be finite. Nearer than a fall in a step of any use it must not end, or energy is gained. */
+/* Lines 2 and 3: the predicted position of a particle at x with velocity v. */
 PBF_FN pbf_vec pbf_predict(const pbf_forces *f, pbf_vec x, pbf_vec v) {
-  const pbf_real farthest = 64 * f->time_step * f->max_speed;
   pbf_vec velocity = pbf_apply_forces(f, x, v);
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real sign = velocity.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
     pbf_real way = f->time_step * (sign * velocity.c[k]);
     way += f->rounding * pbf_last_bit(x.c[k]);
-    x.c[k] += sign * pbf_real_min(way < 0 ? 0 : way, farthest);
+    x.c[k] += sign * pbf_real_min(way < 0 ? 0 : way, f->max_way);
   }
   return x;
 }
