@@ -58,7 +58,7 @@ void pbf_lock_release(pbf_lock lock) {
 /* The child has the thread alone that forks. What others hold at this moment would be held there
  * for ever, and be half done: so no search for backends is, while a process forks. The lock of the
  * solvers is not waited for: a signal handler may be, in a thread that has been interrupted within
- * malloc, whose locks the C library takes next. handles.c mends what it guards.
+ * malloc, and the C library takes its locks next. handles.c mends what it guards.
  *
  * Written with the lock held. */
 static int taken_to_fork;

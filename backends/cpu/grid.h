@@ -151,7 +151,7 @@ static inline uint32_t grid_row_around(const grid *g, uint32_t row, int number) 
     row /= wrapped ? 1 : g->cells[k];
     if (!wrapped && at[k] >= g->cells[k]) return GRID_NO_ROW;
   }
-  if (wrapped) at[PBF_DIM - 1] += row; /* whose stride is 1 */
+  if (wrapped) at[PBF_DIM - 1] += row; /* that axis has stride 1 */
   return grid_row(g, at);
 }
 

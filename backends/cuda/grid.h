@@ -166,7 +166,7 @@ PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint3
   cell /= g.cells[0];
   if (g.row_mask != ~0u) {
     for (int k = 1; k < PBF_DIM; ++k) at[k] = grid_step(row, k);
-    at[PBF_DIM - 1] += cell; /* whose stride is 1 */
+    at[PBF_DIM - 1] += cell; /* that axis has stride 1 */
   } else {
     for (int k = 1; k < PBF_DIM; ++k) {
       at[k] = cell % g.cells[k] + grid_step(row, k);

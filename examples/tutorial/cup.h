@@ -11,7 +11,7 @@ enum { CUP_PARTS = 5 };
 static const double cup_inside = 0.225; /* half the inner width: nine particles side by side */
 static const double cup_wall = 0.03;    /* half the thickness of its walls */
 
-/* The five boxes of a cup whose middle is at (x, y), turned by `tilt` radians about z. */
+/* The five boxes of a cup with its middle at (x, y), turned by `tilt` radians about z. */
 static inline void place_cup(double x, double y, double tilt, pbf_collider parts[CUP_PARTS]) {
   const double out = cup_inside + cup_wall, half = cup_inside + 2 * cup_wall;
   const double centers[CUP_PARTS][3] = {

@@ -823,7 +823,7 @@ PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index,
  * the library need no call: they are found when first wanted, in the folders of
  * PBF_BACKEND_PATH (colon-separated, absolute; ignored under elevated privileges), beside libpbf,
  * in pbf/backends/ beside libpbf. A file that is cut short, or for another machine, is refused, and
- * so is one in whose headers and tables for the dynamic loader a bit has turned over; what is in
+ * so is one with a wrong bit in its headers, or in its tables for the dynamic loader; what is in
  * its code and data is trusted, and must not be written to while it is loaded: a new one is put in
  * its place by renaming. */
 PBF_API pbf_status pbf_load_backend(const char *path);

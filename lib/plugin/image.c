@@ -127,7 +127,7 @@ static pbf_status check_segments(image *it) {
 
 /* ---- Sections ------------------------------------------------------------------------------- */
 
-/* They are the last that a linker writes: a file whose end has been reserved, and was not written,
+/* A linker writes sections last: a file with an end that has been reserved, and was not written,
  * has zeros there. */
 static pbf_status check_section_names(image *it) {
   const section *names = &it->sections[it->header.e_shstrndx];
