@@ -47,21 +47,41 @@ PBF_FN pbf_real way_of_carried(const group_bounds *of, const pbf_surface *s) {
   return s->step + s->turn * (pbf_real_sqrt(pbf_dot(arm, arm)) + of->radius);
 }
 
-/* Of a surface that carries them along, one that is `pushed` so far by others before. */
-PBF_FN int bounds_may_meet_moving(const group_bounds *of, const pbf_surface *s, pbf_real pushed) {
+/* How far a surface may push one of them that it finds inside. */
+PBF_FN pbf_real way_pushed(const group_bounds *of, const pbf_surface *s, pbf_real push) {
+  pbf_vec normal;
+  if (!(push > 0)) return 0;
+  const pbf_real depth = of->radius - pbf_surface_distance(s, of->center, &normal);
+  return depth > 0 ? pbf_real_min(push, depth + s->skin) : 0;
+}
+
+/* How far the domain may push one of them that is outside. */
+PBF_FN pbf_real way_into_domain(const group_bounds *of, const pbf_domain *domain) {
+  pbf_real way2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const pbf_real below = domain->lower.c[k] - (of->center.c[k] - of->radius);
+    const pbf_real above = of->center.c[k] + of->radius - domain->upper.c[k];
+    const pbf_real way = pbf_real_max(pbf_real_max(below, above), 0);
+    way2 += way * way;
+  }
+  return pbf_real_sqrt(way2);
+}
+
+/* Of a surface that carries them along, `reach` being how far they get by themselves. */
+PBF_FN int bounds_may_meet_moving(const group_bounds *of, const pbf_surface *s, pbf_real reach) {
   const pbf_vec arm = pbf_sub(of->center, s->start_center);
-  const pbf_real far = s->bound + of->radius + of->way + s->skin + way_of_carried(of, s) + pushed;
+  const pbf_real far = s->bound + of->radius + reach + way_of_carried(of, s);
   return !(pbf_dot(arm, arm) > far * far);
 }
 
-/* Whether pbf_resolve_collisions may do anything to them by this surface. Where nothing moves no
- * surface takes a particle farther from where its way begins than the way is long, for there it is
- * before all of them; so none but those as near can push it. */
+/* Whether pbf_resolve_collisions may do anything to them by this surface, or ask about it: at twice
+ * the skin it asks what particles are between. */
 PBF_FN int bounds_may_meet(const group_bounds *of, const pbf_surface *s, int with_obstacle_motion,
                            pbf_real pushed) {
+  const pbf_real reach = of->way + 2 * s->skin + pushed;
   if (with_obstacle_motion && !pbf_surface_is_unbounded(s))
-    return bounds_may_meet_moving(of, s, pushed);
-  return bounds_are_within(of, s, of->way + s->skin + pushed);
+    return bounds_may_meet_moving(of, s, reach);
+  return bounds_are_within(of, s, reach);
 }
 
 static inline void collect_candidates(const pbf_obstacles *all, const group_bounds *of,
@@ -73,16 +93,36 @@ static inline void collect_candidates(const pbf_obstacles *all, const group_boun
       candidates->surfaces[candidates->count++] = all->surfaces[k];
 }
 
+/* How far these and the domain push one of them: where it goes first, one after another; and then
+ * from each other, by twice the longest of these ways (pbf_resolve_contacts). */
+PBF_FN pbf_real way_pushed_by_all(const pbf_obstacles *o, const group_bounds *of,
+                                  int with_obstacle_motion) {
+  pbf_real pushed = way_into_domain(of, &o->domain), longest = pushed;
+  for (int k = 0; k < o->count; ++k) {
+    const pbf_surface *s = &o->surfaces[k];
+    const pbf_real way = way_pushed(of, s, pbf_push_of(s, with_obstacle_motion)) +
+                         (with_obstacle_motion ? way_of_carried(of, s) : 0);
+    pushed += way;
+    longest = pbf_real_max(longest, way);
+  }
+  return pushed + 2 * longest;
+}
+
 /* These obstacles without the surfaces that they don't meet; the number of those that are left.
- * What moves pushes by as much, and the particles that it pushes may meet others. */
+ * What a surface does not find inside, and does not carry along, it leaves no farther from where
+ * its way begins than the way is long. Others may be met where such a push takes a particle, and
+ * push in turn. */
 static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
                                        int with_obstacle_motion, pbf_obstacles *candidates) {
   pbf_real pushed = 0;
   candidates->domain = all->domain;
-  collect_candidates(all, of, with_obstacle_motion, 0, candidates);
-  for (int k = 0; k < candidates->count && with_obstacle_motion; ++k)
-    pushed = pbf_real_max(pushed, way_of_carried(of, &candidates->surfaces[k]));
-  if (pushed > 0) collect_candidates(all, of, with_obstacle_motion, pushed, candidates);
+  for (int found = -1; pushed < INFINITY;) {
+    collect_candidates(all, of, with_obstacle_motion, pushed, candidates);
+    if (candidates->count == found || candidates->count == pbf_surface_count(*all)) break;
+    found = candidates->count;
+    pushed = way_pushed_by_all(candidates, of, with_obstacle_motion);
+    if (!(pushed > 0)) break;
+  }
   return candidates->count;
 }
 

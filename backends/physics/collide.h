@@ -144,26 +144,43 @@ struct collision {
   int with_obstacle_motion;
   pbf_vec from;
 
-  /* Calls visit(contact, rounding) for those that x has with surfaces and walls; these push a
-   * particle that they find inside, or else only keep it from getting deeper. */
+  /* How far a surface takes what begins at `from`: along with it, and out of it. */
+  PBF_IN pbf_real way_by(const pbf_surface &s) const {
+    pbf_vec normal;
+    const pbf_vec start = pbf_way_start(&s, with_obstacle_motion, from);
+    const pbf_vec carried = pbf_sub(start, from);
+    const pbf_real depth = s.skin - pbf_surface_distance(&s, start, &normal);
+    const pbf_real out = pbf_real_min(depth, pbf_push_of(&s, with_obstacle_motion));
+    return pbf_real_sqrt(pbf_dot(carried, carried)) + pbf_real_max(out, 0);
+  }
+
+  /* Calls visit(contact, rounding, way) for those that x has with surfaces and walls; these push a
+   * particle that they find inside, or else only keep it from getting deeper: by that way. */
   template <class Visit>
   PBF_IN void each_contact(const pbf_vec &x, bool push, Visit visit) const {
     surfaces->each([&](const pbf_surface &s) {
       pbf_contact contact;
       const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
       if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact) & PBF_IN_THE_WAY)
-        visit(contact, s.rounding);
+        visit(contact, s.rounding, push ? way_by(s) : 0);
     });
     for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
       pbf_contact contact;
-      if (pbf_find_wall_contact(domain, wall, x, &contact)) visit(contact, domain->rounding);
+      if (pbf_find_wall_contact(domain, wall, x, &contact))
+        visit(contact, domain->rounding,
+              pbf_real_max(-pbf_wall_distance(domain, wall, from), (pbf_real)0));
     }
   }
 
   PBF_IN bool is_free(const pbf_vec &x) const {
     bool free = true;
-    each_contact(x, false, [&](const pbf_contact &, pbf_real) { free = false; });
+    each_contact(x, false, [&](const pbf_contact &, pbf_real, pbf_real) { free = false; });
     return free;
+  }
+
+  PBF_IN pbf_real distance_from_start(const pbf_vec &x) const {
+    const pbf_vec way = pbf_sub(x, from);
+    return pbf_real_sqrt(pbf_dot(way, way));
   }
 
   /* Where there is no room between obstacles that close on each other: as deep in the one as in the
@@ -171,7 +188,7 @@ struct collision {
   PBF_IN pbf_vec between(pbf_vec x) const {
     for (int pass = 0; pass < 4; ++pass) {
       pbf_vec sum = x;
-      each_contact(x, false, [&](const pbf_contact &contact, pbf_real) {
+      each_contact(x, false, [&](const pbf_contact &contact, pbf_real, pbf_real) {
         sum = pbf_add_scaled(sum, (pbf_real)-0.5 * pbf_contact_gap(&contact, x), contact.normal);
       });
       x = sum;
@@ -179,14 +196,16 @@ struct collision {
     return pbf_keep_in_domain(domain, x);
   }
 
-  /* Where nothing has been found for it: it stays where it was, or goes along with a surface that
-   * leaves it room. */
+  /* Where nothing has been found for it: it stays where it was, or goes along with a surface in its
+   * way that leaves it room. */
   PBF_IN pbf_vec stay(pbf_vec x) const {
     bool stays = is_free(from);
     pbf_vec place = from;
     if (with_obstacle_motion && !stays)
       surfaces->each([&](const pbf_surface &s) {
+        pbf_contact contact;
         if (stays || pbf_surface_is_unbounded(&s)) return;
+        if (!pbf_find_contact(&s, 0, with_obstacle_motion, from, x, &contact)) return;
         place = pbf_keep_in_domain(domain, pbf_surface_carries(&s, from));
         stays = is_free(place);
       });
@@ -221,7 +240,8 @@ PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
 }
 
 /* Obstacle after obstacle pushes x off, until none has anything to do: one may push a particle into
- * another. */
+ * another. Two that close on it at an acute angle meet far away: none of that is a way that they
+ * push it, and it stays between them. */
 template <class Surfaces>
 PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
   enum { PASSES = 8 };
@@ -231,15 +251,22 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
   if (!of.with_obstacle_motion && pbf_is_between(of.domain, *of.surfaces, of.from, has_faces))
     return of.from;
   pbf_contacts held = {0, {{{{0}}, 0}}};
-  for (int pass = 0; pass < PASSES; ++pass) {
-    bool pushed = false;
-    of.each_contact(x, true, [&](const pbf_contact &contact, pbf_real rounding) {
+  const pbf_vec to = x;
+  const pbf_real way = of.distance_from_start(to);
+  pbf_real longest = 0; /* of the ways by which one of them has pushed it */
+  bool pushed = true, near = true;
+  for (int pass = 0; pass < PASSES && pushed && near; ++pass) {
+    pushed = false;
+    of.each_contact(x, true, [&](const pbf_contact &contact, pbf_real rounding, pbf_real push) {
+      if (!near) return;
       pbf_hold_by_contact(&held, &contact, rounding, &x);
+      longest = pbf_real_max(longest, push);
       pushed = true;
+      near = !(of.distance_from_start(x) > way + 2 * (longest + rounding));
     });
-    if (!pushed) return x;
   }
-  return of.stay(x);
+  if (!pushed) return x;
+  return of.stay(to);
 }
 
 /* The way of a particle from `from` to x. What is found in one of them then, since it has been set

@@ -64,7 +64,7 @@ static group random_group(uint64_t *state) {
   return g;
 }
 
-static void who_is_not_met_does_nothing(void **state) {
+static void what_is_not_met_does_nothing(void **state) {
   (void)state;
   uint64_t random = 1;
   pbf_domain domain;
@@ -98,7 +98,50 @@ static void who_is_not_met_does_nothing(void **state) {
       fail_msg("%d of %d are met", met[with_obstacle_motion], all[with_obstacle_motion]);
 }
 
-static void who_is_not_near_lends_nothing(void **state) {
+/* Pushes of every size, skins, and a domain whose walls have moved in. */
+static pbf_obstacles random_obstacles(uint64_t *state) {
+  static const pbf_real pushes[] = {0, (pbf_real)0.1, (pbf_real)0.5, (pbf_real)INFINITY};
+  pbf_obstacles o;
+  o.count = 1 + (int)random_in(state, 0, 6);
+  o.domain.bounce_depth = (pbf_real)0.1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    o.domain.lower.c[k] = (pbf_real)random_in(state, -2, 0);
+    o.domain.upper.c[k] = (pbf_real)random_in(state, 0.2, 2);
+  }
+  for (int k = 0; k < o.count; ++k) {
+    o.surfaces[k] = random_surface(state);
+    o.surfaces[k].prediction_push = pushes[(int)random_in(state, 0, 4)];
+    o.surfaces[k].iteration_push = pushes[(int)random_in(state, 0, 4)];
+  }
+  return o;
+}
+
+/* One may push a particle into another, and that into a third. */
+static void the_surfaces_left_out_change_nothing(void **state) {
+  (void)state;
+  uint64_t random = 3;
+  int left_out = 0;
+  for (int scene = 0; scene < SCENES; ++scene) {
+    const pbf_obstacles all = random_obstacles(&random);
+    const group g = random_group(&random);
+    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
+      static pbf_obstacles near;
+      collision_candidates(&all, &g.around, with_obstacle_motion, &near);
+      left_out += near.count < all.count;
+      for (int i = 0; i < PARTICLES; ++i) {
+        const pbf_vec by_all = pbf_resolve_collisions(all, with_obstacle_motion, g.from[i], g.x[i]);
+        const pbf_vec by_near =
+            pbf_resolve_collisions(near, with_obstacle_motion, g.from[i], g.x[i]);
+        if (memcmp(&by_all, &by_near, sizeof by_all) != 0)
+          fail_msg("scene %d: %d of %d surfaces move a particle elsewhere", scene, near.count,
+                   all.count);
+      }
+    }
+  }
+  assert_true(left_out > SCENES / 20);
+}
+
+static void what_is_not_near_lends_nothing(void **state) {
   (void)state;
   uint64_t random = 2;
   const pbf_real reach = (pbf_real)0.3;
@@ -120,8 +163,9 @@ static void who_is_not_near_lends_nothing(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(who_is_not_met_does_nothing),
-      cmocka_unit_test(who_is_not_near_lends_nothing),
+      cmocka_unit_test(what_is_not_met_does_nothing),
+      cmocka_unit_test(the_surfaces_left_out_change_nothing),
+      cmocka_unit_test(what_is_not_near_lends_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
