@@ -3,7 +3,7 @@
 #ifndef PBF_PHYSICS_BASINS_H
 #define PBF_PHYSICS_BASINS_H
 
-#include "physics/containers.h"
+#include "physics/groups.h"
 
 /* Points are spaced evenly in a region, and two next to each other are connected unless a solid is
  * between them, as in pressure_grid/compartments.h. Level by level, those that hang together are a
@@ -246,13 +246,16 @@ static inline int pbf_basin_region_of(const pbf_params *params, int axis, uint32
   return 1;
 }
 
-/* All basins that there are, and between what. */
+/* All basins that there are, and between what. Where no basin can be deep they are not looked for,
+ * which takes a hundred times as long as telling so. */
 typedef struct pbf_basins {
-  double domain[2 * PBF_DIM];
+  double domain[2 * PBF_DIM], gap;
   uint32_t count; /* of colliders */
   int axis, down; /* of gravity */
   int solids;
-  int known; /* 0: none have been looked for */
+  int known;      /* 0: nothing is; */
+  int sought;     /* 1: regions have been looked through */
+  double deepest; /* none can be deeper */
   pbf_collider colliders[PBF_MAX_COLLIDERS];
   pbf_region_basins regions[2];
 } pbf_basins;
@@ -267,10 +270,11 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
     domain[2 * k + 1] = params->domain_max[k];
   }
   if (b->known && b->count == count && b->axis == axis && b->down == down &&
-      memcmp(b->domain, domain, sizeof domain) == 0 &&
+      b->gap == params->smoothing_radius && memcmp(b->domain, domain, sizeof domain) == 0 &&
       (!count || memcmp(b->colliders, colliders, count * sizeof *colliders) == 0))
     return 1;
   memcpy(b->domain, domain, sizeof domain);
+  b->gap = params->smoothing_radius;
   if (count) memcpy(b->colliders, colliders, count * sizeof *colliders);
   b->count = count;
   b->axis = axis;
@@ -279,20 +283,31 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
   return 0;
 }
 
-/* Looks for the basins along an axis, unless those of the same have been looked for last. */
-static inline void pbf_basins_find(pbf_basins *b, const pbf_params *params, uint32_t count,
-                                   const pbf_collider *colliders, int axis) {
+/* Notes between what basins are to be, and how deep they can be along an axis. */
+static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params, uint32_t count,
+                                        const pbf_collider *colliders, int axis) {
+  pbf_surface surfaces[PBF_MAX_COLLIDERS];
+  if (pbf_basins_are_of(b, params, count, colliders, axis)) return b->deepest;
+  b->sought = b->solids = 0;
+  b->deepest = 0;
+  for (uint32_t k = 0; k < count; ++k) b->solids += pbf_is_solid(&colliders[k]);
+  if (!b->solids) return 0;
+  for (uint32_t k = 0; k < count; ++k) surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
+  return b->deepest = pbf_groups_deepest(params, count, colliders, surfaces, axis);
+}
+
+/* Looks for those that have been noted, once. */
+static inline void pbf_basins_find(pbf_basins *b, const pbf_params *params) {
   pbf_surface surfaces[PBF_MAX_COLLIDERS];
   pbf_basin_region region;
-  if (pbf_basins_are_of(b, params, count, colliders, axis)) return;
+  if (b->sought) return;
+  b->sought = 1;
   memset(b->regions, 0, sizeof b->regions);
-  b->solids = 0;
-  for (uint32_t k = 0; k < count; ++k) b->solids += pbf_is_solid(&colliders[k]);
-  for (uint32_t k = 0; k < count && b->solids; ++k)
-    surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
+  for (uint32_t k = 0; k < b->count && b->solids; ++k)
+    surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
   for (int of_solids = 0; of_solids < 2 && b->solids; ++of_solids)
-    if (pbf_basin_region_of(params, axis, count, surfaces, of_solids, &region))
-      pbf_region_basins_of(&region, count, surfaces, &b->regions[of_solids]);
+    if (pbf_basin_region_of(params, b->axis, b->count, surfaces, of_solids, &region))
+      pbf_region_basins_of(&region, b->count, surfaces, &b->regions[of_solids]);
 }
 
 /* The largest depth of so much fluid at rest in one of them. */

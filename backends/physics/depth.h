@@ -80,7 +80,9 @@ static inline int pbf_depth_could_be_deep(const pbf_params *params, pbf_basins *
   double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
   if (pbf_depth_is_deep(params, axis, depth)) return 1;
   if (!pbf_depth_is_deep(params, axis, height * (1 + 1e-9))) return 0; /* no basin is deeper */
-  pbf_basins_find(basins, params, colliders, list, axis);
+  if (!pbf_depth_is_deep(params, axis, pbf_basins_deepest(basins, params, colliders, list, axis)))
+    return 0;
+  pbf_basins_find(basins, params);
   return pbf_depth_is_deep(params, axis, pbf_basins_depth(basins, fluid));
 }
 

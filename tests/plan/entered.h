@@ -271,7 +271,7 @@ static uint64_t entries_of(const char *name) {
 }
 
 /* A change from frame to frame looks at no particle, sums up no lattice, and looks for the basins
- * between colliders where these or the domain have changed alone. */
+ * between colliders only where these or the domain have changed, and colliders touch. */
 static void check_frame(const char *what, int searches) {
   if (entries_of("pbf_derive_from")) fail_msg("%s: sums up lattices", what);
   if (entries_of("pbf_set_walls")) fail_msg("%s: makes tables of walls", what);
@@ -287,13 +287,17 @@ static void set_for_a_frame(fluid *f, const char *what, const pbf_params *params
   check_frame(what, searches);
 }
 
-static void move_for_a_frame(fluid *f, double x, int searches) {
-  pbf_collider collider = sphere();
-  collider.position[0] = x;
+/* One above the other, so near that water between them could be deep. */
+static void move_for_a_frame(fluid *f, uint32_t count, double x, int searches) {
+  pbf_collider colliders[2] = {sphere(), sphere()};
+  for (int k = 0; k < 2; ++k) {
+    colliders[k].position[0] = x;
+    colliders[k].position[1] = 0.1 + 0.25 * k;
+  }
   advance(f, 1);
   memset(entered, 0, sizeof entered);
-  assert_int_equal(f->api->set_colliders(f->solver, 1, &collider, f->time), PBF_OK);
-  check_frame("a collider", searches);
+  assert_int_equal(f->api->set_colliders(f->solver, count, colliders, f->time), PBF_OK);
+  check_frame(count > 1 ? "two colliders" : "a collider", searches);
 }
 
 static void check_frames(double pressure_grid) {
@@ -312,9 +316,12 @@ static void check_frames(double pressure_grid) {
   params.wall_velocity[0] = 0.01;
   set_for_a_frame(&f, "wall_velocity", &params, 0);
   params.domain_max[0] = 1.1;
+  set_for_a_frame(&f, "domain_max", &params, 0);
+  move_for_a_frame(&f, 1, 0.3, 0);
+  move_for_a_frame(&f, 2, 0.3, two);
+  move_for_a_frame(&f, 2, 0.3, 0);
+  params.domain_max[0] = 1.2;
   set_for_a_frame(&f, "domain_max", &params, two);
-  move_for_a_frame(&f, 0.3, two);
-  move_for_a_frame(&f, 0.3, 0);
   memset(entered, 0, sizeof entered);
   params.smoothing_radius *= 1.01;
   assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);

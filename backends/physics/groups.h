@@ -1,0 +1,131 @@
+/* Groups of solids that touch each other, and how deep water can stand in what they enclose. Host
+ * only. */
+#ifndef PBF_PHYSICS_GROUPS_H
+#define PBF_PHYSICS_GROUPS_H
+
+#include "physics/containers.h"
+
+/* A group's bounds, wider on each side by what water does not pass. */
+typedef struct pbf_group {
+  double lower[PBF_DIM], upper[PBF_DIM];
+  uint32_t solids;
+} pbf_group;
+
+static inline pbf_group pbf_group_of(const pbf_surface *s, double gap) {
+  pbf_group g;
+  g.solids = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double middle = (double)s->center.c[k], reach = pbf_surface_extent(s, k) + gap;
+    g.lower[k] = middle - reach;
+    g.upper[k] = middle + reach;
+  }
+  return g;
+}
+
+static inline int pbf_groups_touch(const pbf_group *a, const pbf_group *b) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    if (a->upper[k] < b->lower[k] || b->upper[k] < a->lower[k]) return 0;
+  return 1;
+}
+
+static inline void pbf_group_take(pbf_group *a, const pbf_group *b) {
+  a->solids += b->solids;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    a->lower[k] = fmin(a->lower[k], b->lower[k]);
+    a->upper[k] = fmax(a->upper[k], b->upper[k]);
+  }
+}
+
+/* Adds a group, which takes in those that it touches, and those that it then touches. */
+static inline uint32_t pbf_groups_add(pbf_group *groups, uint32_t count, pbf_group g) {
+  for (uint32_t k = 0; k < count;) {
+    if (!pbf_groups_touch(&groups[k], &g)) {
+      ++k;
+      continue;
+    }
+    pbf_group_take(&g, &groups[k]);
+    groups[k] = groups[--count];
+    k = 0;
+  }
+  groups[count] = g;
+  return count + 1;
+}
+
+/* The walls of all that is convex: those of the domain, farther in where a plane stands upright on
+ * an axis, and other surfaces that water is inside of. */
+typedef struct pbf_group_walls {
+  double lower[PBF_DIM], upper[PBF_DIM];
+  uint32_t others;
+  const pbf_surface *other[PBF_MAX_COLLIDERS];
+} pbf_group_walls;
+
+static inline void pbf_group_walls_take(pbf_group_walls *w, const pbf_surface *s) {
+  for (int k = 0; k < PBF_DIM && s->shape == PBF_COLLIDER_PLANE; ++k) {
+    const double at = (double)s->center.c[k], normal = (double)(s->sign * s->frame[0].c[k]);
+    if (normal == 1) w->lower[k] = fmax(w->lower[k], at);
+    if (normal == -1) w->upper[k] = fmin(w->upper[k], at);
+    if (fabs(normal) == 1) return;
+  }
+  w->other[w->others++] = s;
+}
+
+static inline pbf_group_walls pbf_group_walls_of(const pbf_params *params, uint32_t count,
+                                                 const pbf_surface *surfaces) {
+  pbf_group_walls w;
+  w.others = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    w.lower[k] = params->domain_min[k];
+    w.upper[k] = params->domain_max[k];
+  }
+  for (uint32_t k = 0; k < count; ++k)
+    if (pbf_surface_is_unbounded(&surfaces[k])) pbf_group_walls_take(&w, &surfaces[k]);
+  return w;
+}
+
+static inline int pbf_group_is_inside(const pbf_group *g, const pbf_surface *s) {
+  for (int corner = 0; corner < 1 << PBF_DIM; ++corner) {
+    pbf_vec x, normal;
+    for (int k = 0; k < PBF_DIM; ++k)
+      x.c[k] = (pbf_real)(corner >> k & 1 ? g->upper[k] : g->lower[k]);
+    if (!(pbf_surface_distance(s, x, &normal) > 0)) return 0;
+  }
+  return 1;
+}
+
+/* No water that the group encloses is deeper than that along an axis; infinite where it may part
+ * the domain.
+ *
+ * Where water can be without solids is convex, and so is each solid: one that is at no more than
+ * one wall encloses nothing. Several that touch enclose what lies within their bounds, unless they
+ * go from wall to wall along all axes but one. */
+static inline double pbf_group_deepest(const pbf_group *g, const pbf_group_walls *w, int axis) {
+  int walls = 0, both = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const int low = g->lower[k] <= w->lower[k], high = g->upper[k] >= w->upper[k];
+    walls += low + high;
+    both += low && high;
+  }
+  if (both >= PBF_DIM - 1) return HUGE_VAL;
+  for (uint32_t k = 0; k < w->others; ++k)
+    if (!pbf_group_is_inside(g, w->other[k])) return HUGE_VAL;
+  return g->solids > 1 || walls > 1 ? g->upper[axis] - g->lower[axis] : 0;
+}
+
+/* The same of all solids: groups that do not touch enclose no more than each does alone
+ * (Janiszewski's theorem). */
+static inline double pbf_groups_deepest(const pbf_params *params, uint32_t count,
+                                        const pbf_collider *colliders, const pbf_surface *surfaces,
+                                        int axis) {
+  pbf_group groups[PBF_MAX_COLLIDERS];
+  const pbf_group_walls walls = pbf_group_walls_of(params, count, surfaces);
+  uint32_t all = 0;
+  double deepest = 0;
+  for (uint32_t k = 0; k < count; ++k)
+    if (pbf_is_solid(&colliders[k]))
+      all = pbf_groups_add(groups, all, pbf_group_of(&surfaces[k], params->smoothing_radius));
+  for (uint32_t k = 0; k < all; ++k)
+    deepest = fmax(deepest, pbf_group_deepest(&groups[k], &walls, axis));
+  return deepest;
+}
+
+#endif
