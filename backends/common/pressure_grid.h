@@ -107,18 +107,19 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
  * they divide it into. */
 static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
                                                 const pbf_topology_memory *memory,
-                                                const pbf_params *params, const pbf_domain *domain,
-                                                uint32_t capacity, uint32_t count,
-                                                const pbf_obstacles *o) {
+                                                const pbf_params *params, int corrects_shear,
+                                                const pbf_domain *domain, uint32_t capacity,
+                                                uint32_t count, const pbf_obstacles *o) {
   uint64_t limit = pbf_pressure_grid_limit(count);
   pbf_pressure_grid_topology *t = &storage->topology;
-  pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, limit);
+  pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit);
   *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
   if (!memory->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
     storage->grid = now;
     return;
   }
-  now = pbf_pressure_grid_between(params, domain, pbf_pressure_grid_first_further(limit));
+  now = pbf_pressure_grid_between(params, domain, corrects_shear,
+                                  pbf_pressure_grid_first_further(limit));
   const int stands = pbf_pressure_grid_stands(storage, &now, o);
   storage->grid = now;
   storage->obstacles = *o;
@@ -142,12 +143,14 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
 /* Before particles add to the sums, in a grid for `count` of them. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
-                                           const pbf_params *params, uint32_t capacity,
-                                           uint32_t count, const pbf_obstacles *o) {
+                                           const pbf_params *params, int corrects_shear,
+                                           uint32_t capacity, uint32_t count,
+                                           const pbf_obstacles *o) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  pbf_pressure_grid_place_over(storage, memory, params, &domain, capacity, count, o);
+  pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, capacity, count,
+                               o);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
 }

@@ -30,8 +30,8 @@ namespace {
 /* All threads of the team come to all of its loops. */
 struct executor {
   worker *w;
-  bool sorted; /* the step has come as far as that */
-  double ends; /* time */
+  bool sorted;  /* the step has come as far as that */
+  uint64_t nth; /* step of its length */
 
   void over_pairs(task_function task, completion_function last = NULL) {
     parallel_for(w->self, pair_task_count(w), task, last, w);
@@ -95,10 +95,15 @@ struct executor {
     w->iteration = k + 1;
   }
   void velocity() { update_velocity(w); }
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(ends, w->s->params.time_step); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
   void shear_push() { over_pairs(shear_push_task, PBF_STAGE_SHEAR_PUSH); }
-  void correct_shear_stress() { over_pairs(shear_stress_task, PBF_STAGE_SHEAR_STRESS); }
+  void correct_shear_stress() {
+    over_pairs(shear_stress_task);
+    over_pairs(shear_way_task);
+    w->b.accept_sheared_x();
+    stage_end(w, PBF_STAGE_SHEAR_STRESS);
+  }
   void mean_velocity() { over_pairs(flow_task, PBF_STAGE_MEAN_VELOCITY); }
   void compensate_damping() { over_pairs(compensate_damping_task, PBF_STAGE_DAMPING_COMPENSATION); }
   void correction_rate() { over_pairs(turn_rate_task, PBF_STAGE_CORRECTION_RATE); }

@@ -112,7 +112,7 @@ struct shear_pass {
   field deviator;    /* times lambda, … */
   pbf_real *rest[2]; /* … and of its components those that no vector has room for */
   field push;        /* and before that what walls push with */
-  field velocity;
+  field change;      /* of the velocity */
   /* add_walls for particle i: the same for all instruction sets. */
   int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
 };

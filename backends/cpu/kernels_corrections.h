@@ -65,8 +65,7 @@ static void shear_stress(const pair_pass *p, const shear_pass *s, uint32_t first
     const lane_sums<shear_stress_pass<int>::sums> sums(
         sums_of_group(pass, p, {NULL, &s->push}, {load_vector(s->push, g * WIDTH)}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&s->velocity, i,
-                pass.finish(sums[l], field_at(&s->push, i), field_at(&s->velocity, i)));
+      field_set(&s->change, i, pass.finish(sums[l], field_at(&s->push, i)));
   }
 }
 

@@ -16,8 +16,8 @@ static void end_search_with_grid(void *context) {
   solver *s = w->s;
   end_search(w);
   if (!s->wanted.lacking)
-    pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params, s->capacity,
-                            s->planned, &w->obstacles);
+    pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
+                            s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */

@@ -64,6 +64,9 @@ struct buffers {
   PBF_IN const field &deviator() const { return scratch[0]; }
   PBF_IN pbf_real *rest_of_deviator(int k) const { return sorted_velocity.c[k]; }
   PBF_IN const field &shear_push() const { return scratch[1]; }
+  PBF_IN const field &shear_velocity() const { return scratch[0]; }
+  PBF_IN const field &sheared_x() const { return scratch[1]; }
+  PBF_IN void accept_sheared_x() { exchange(&x, &scratch[1]); }
   PBF_IN const field &rotation_rate() const { return scratch[0]; }
   PBF_IN const field &curl() const { return scratch[0]; }
   PBF_IN pbf_real *wakes() const { return scratch[0].c[0]; }

@@ -16,7 +16,7 @@ typedef struct step_job {
   buffers after;     /* it */
 } step_job;
 
-static step_outcome step_once(worker *w, double begin, double end, int sorted) {
+static step_outcome step_once(worker *w, double begin, double end, uint64_t nth, int sorted) {
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
   w->forces = pbf_forces_of(&s->params, begin);
@@ -32,7 +32,7 @@ static step_outcome step_once(worker *w, double begin, double end, int sorted) {
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
-  executor e = {w, sorted != 0, end};
+  executor e = {w, sorted != 0, nth};
   return run_step(e, s->schedule);
 }
 
@@ -42,8 +42,9 @@ static void run_steps(void *context, team_thread *self) {
   worker w = worker_of(job->s, self);
   step_outcome last = STEP_COMPLETE;
   for (w.step = job->done; w.step < job->stop && last == STEP_COMPLETE;) {
-    last = step_once(&w, pbf_time_after(&job->times, w.step),
-                     pbf_time_after(&job->times, w.step + 1), job->sorted && w.step == job->done);
+    last =
+        step_once(&w, pbf_time_after(&job->times, w.step), pbf_time_after(&job->times, w.step + 1),
+                  pbf_nth_after(&job->times, w.step + 1), job->sorted && w.step == job->done);
     if (last != STEP_SHORT_OF_MEMORY) ++w.step;
   }
   if (self->thread != 0) return;

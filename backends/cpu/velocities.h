@@ -19,9 +19,12 @@ static void shear_awake(const worker *w, uint32_t task,
                                      uint32_t last)) {
   const range r = task_groups(w, task);
   const pair_pass pairs = pairs_at(w, w->b.x, packed_positions(w->s));
-  const shear_pass shear = {
-      w->s->lambda,      w->b.deviator(), {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
-      w->b.shear_push(), w->b.v,          add_walls_at};
+  const shear_pass shear = {w->s->lambda,
+                            w->b.deviator(),
+                            {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
+                            w->b.shear_push(),
+                            w->b.shear_velocity(),
+                            add_walls_at};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     pass(&pairs, &shear, g.first, g.last);
@@ -59,7 +62,25 @@ static void shear_pushes_task(void *context, uint32_t task) {
 static void shear_stress_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   shear_awake(w, task, w->s->kernels->shear_stress);
-  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
+}
+
+/* What the velocity changes by moves particles at once. */
+static void shear_way_task(void *context, uint32_t task) {
+  worker *w = static_cast<worker *>(context);
+  const range all = task_sorted(w, task);
+  const field change = w->b.shear_velocity(), to = w->b.sheared_x();
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last)) {
+    for (uint32_t i = r.first; i < r.last; ++i) {
+      const pbf_vec v = field_at(&change, i);
+      field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, v));
+      field_set(&to, i, pbf_add_scaled(field_at(&w->b.x, i), w->forces.time_step, v));
+    }
+    w->s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.x, to, w->b.v, r.first,
+                           r.last);
+  }
+  copy_sleeping(w, all, &w->b.x, &to);
+  fill_packed(w->s, packed_positions(w->s), &to, NULL, all);
 }
 
 static void flow_task(void *context, uint32_t task) {

@@ -267,14 +267,19 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
     if (pbf_status status = place_surfaces(s, left, ahead)) return status;
     if (small_serves(s)) {
       ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, &left, ahead);
-      if (pbf_status status = small_steps(s, left, ahead)) return status;
-      *done += ahead;
-      s->pressure_scale = s->constants.pressure;
-      continue;
+      const uint32_t small = small_steps_ahead(s, left, ahead);
+      if (small) {
+        if (pbf_status status = small_steps(s, left, small)) return status;
+        *done += small;
+        s->pressure_scale = s->constants.pressure;
+        continue;
+      }
+      ahead = 1;
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s, pbf_time_after(&times, *done)); ++k, ++*done) {
       if (pbf_status status =
-              step_once(s, pbf_time_after(&left, k + 1), s->surfaces + k * s->collider_count))
+              step_once(s, pbf_time_after(&left, k + 1), pbf_nth_after(&left, k + 1),
+                        s->surfaces + k * s->collider_count))
         return status;
       s->pressure_scale = s->constants.pressure;
       s->found.struct_size = 0;
@@ -298,7 +303,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
                                 s->planned, s->capacity);
   s->constants = pbf_constants_from(&s->params, &derived, NULL);
   pbf_status status = place_surfaces(s, time);
-  if (status == PBF_OK) status = step_once(s, time, s->surfaces);
+  if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
   s->params = params;
   s->schedule = schedule;
   s->constants = constants;

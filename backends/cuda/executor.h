@@ -33,7 +33,8 @@ namespace {
 /* The stages of physics/step.h. Once a call has failed, the later stages launch nothing. */
 struct executor {
   solver *s;
-  double time; /* at which the step ends */
+  double time;  /* at which the step ends, … */
+  uint64_t nth; /* … of its length */
   prediction prediction_inputs;
   neighborhood n;
   iteration_extras extras;
@@ -43,7 +44,8 @@ struct executor {
   pbf_status status;             /* of the first call that failed */
 
   /* Between these colliders. */
-  executor(solver *of, double end, const pbf_surface *surfaces) : s(of), time(end) {
+  executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
+      : s(of), time(end), nth(which) {
     const pbf_schedule &has = s->schedule;
     extras = {{pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces},
               has.wall_density,
@@ -246,7 +248,7 @@ struct executor {
     s->time = time;
   }
 
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(time, s->params.time_step); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
 
   /* A solve that has ended by its tolerance needs the sums of ghosts here, too. */
   void deviator() {
@@ -273,11 +275,21 @@ struct executor {
     });
   }
 
+  /* Deviators are not read any more. */
   void correct_shear_stress() {
+    static_assert(sizeof(pbf_vec) <= sizeof(pbf_deviator), "changes take their place");
+    pbf_vec *changes = reinterpret_cast<pbf_vec *>(s->deviators);
+    const surfaces_met met = surfaces_of(s);
     run(PBF_STAGE_SHEAR_STRESS, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
-        launch(shear_stress_kernel<decltype(features)::value>, n, s->other, s->velocities);
+        launch(shear_stress_kernel<decltype(features)::value>, n, s->other, changes);
       });
+      auto kernel = met == MANY_SURFACES  ? shear_way_kernel<MANY_SURFACES>
+                    : met == FEW_SURFACES ? shear_way_kernel<FEW_SURFACES>
+                                          : shear_way_kernel<NO_SURFACES>;
+      launch(kernel, n.particles.points, s->count, s->activity, extras.obstacles,
+             (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
+             s->velocities);
     });
   }
 
@@ -372,9 +384,10 @@ struct executor {
 
 }  // namespace
 
-/* The step that ends at `time`, between these colliders. */
-static inline pbf_status step_once(solver *s, double time, const pbf_surface *surfaces) {
-  executor e(s, time, surfaces);
+/* The step that ends at `time`, the nth of its length, between these colliders. */
+static inline pbf_status step_once(solver *s, double time, uint64_t nth,
+                                   const pbf_surface *surfaces) {
+  executor e(s, time, nth, surfaces);
   run_step(e, s->schedule);
   return e.status;
 }

@@ -404,13 +404,30 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    shear_stress_kernel(neighborhood n, const point *pushes, pbf_vec *velocities) {
+    shear_stress_kernel(neighborhood n, const point *pushes, pbf_vec *changes) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
   const pbf_vec push = position_of(load(pushes, own));
   const shear_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const auto sums = sums_around(pass, n, i, x, {lanes_of(push)}, pushes);
-  if (i < n.particles.count) velocities[i] = pass.finish(sums, push, velocities[i]);
+  if (i < n.particles.count) changes[i] = pass.finish(sums, push);
+}
+
+/* What the velocity changes by moves particles at once. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    shear_way_kernel(point *points, uint32_t count, const pbf_real *activity,
+                     step_obstacles obstacles, pbf_real time_step, pbf_real inv_time_step,
+                     const pbf_vec *changes, pbf_vec *velocities) {
+  const uint32_t i = thread_index();
+  if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  point here = load(points, i);
+  const pbf_vec from = position_of(here), to = pbf_add_scaled(from, time_step, changes[i]);
+  const pbf_vec x = resolve_collisions<SURFACES>(obstacles, 0, from, to);
+  velocities[i] = pbf_velocity(inv_time_step, pbf_add_scaled(velocities[i], 1, changes[i]), to, x);
+  point after = point_at(x);
+  after.lambda = here.lambda;
+  store(points, i, after);
 }
 
 /* From `velocities` to `smoothed`. */

@@ -106,7 +106,7 @@ static __device__ __forceinline__ bool is_near_box(const lane_box &box, const pb
 static __device__ __forceinline__ bool may_meet_moving(const lane_box &box, const pbf_surface &s,
                                                        float way) {
   const float gap = gap_to_box(box, s.start_center);
-  const float far = above(s.bound) + way + above(s.skin) + above(s.step);
+  const float far = above(s.bound) + way + 2 * above(s.skin) + above(s.step);
   return !(gap - above(s.turn) * gap > far + rounding_of(s.start_center, far + gap));
 }
 
@@ -163,26 +163,28 @@ static __device__ __forceinline__ void add_boundary(const pbf_constants *c, cons
   pbf_add_boundary(&boundary, density, gradient);
 }
 
-/* A particle on its way from `from` to x, see pbf_resolve_collisions. Where nothing moves no
- * surface takes it farther from `from` than the way is long, and so none but those as near can push
- * it. What moves pushes by as much: then those that are pushed may meet any. */
+/* A particle on its way from `from` to x, see pbf_resolve_collisions. What does not find it inside,
+ * and does not move, leaves it no farther from `from` than the way is long, and so none but those
+ * as near can push it. The others push by as much as that: then those that are pushed may meet any.
+ */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacles &o,
                                                              int with_obstacle_motion, pbf_vec from,
                                                              pbf_vec x) {
   if (SURFACES == NO_SURFACES) return pbf_keep_in_domain(&o.domain, x);
   if (SURFACES == FEW_SURFACES) return pbf_resolve_collisions(o, with_obstacle_motion, from, x);
-  const pbf_vec way = pbf_sub(x, from);
-  const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
+  const pbf_vec kept = pbf_keep_in_domain(&o.domain, x);
+  const pbf_vec way = pbf_sub(x, from), kept_way = pbf_sub(kept, from);
+  const pbf_real length =
+      pbf_real_sqrt(pbf_real_max(pbf_dot(way, way), pbf_dot(kept_way, kept_way)));
   surface_subset near = {
       o.surfaces,
       surfaces_that(o, from, length, [&](const lane_box &box, float longest, const pbf_surface &s) {
         return with_obstacle_motion ? may_meet_moving(box, s, longest)
-                                    : is_near_box(box, s, longest + above(s.skin));
+                                    : is_near_box(box, s, longest + 2 * above(s.skin));
       })};
   const pbf_vec after = pbf_resolve_among(&o.domain, near, with_obstacle_motion, from, x);
-  if (!with_obstacle_motion) return after;
-  const pbf_vec kept = pbf_keep_in_domain(&o.domain, x);
+  if (!with_obstacle_motion && !(o.surfaces[0].iteration_push > 0)) return after;
   bool pushed = false;
   for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
   return pushed ? pbf_resolve_collisions(o, with_obstacle_motion, from, x) : after;

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "physics/choices.h"
 #include "physics/depenetration.h"
 #include "physics/depth.h"
 #include "physics/derive.h"
@@ -32,7 +33,8 @@ typedef struct pbf_constants {
   pbf_real
       max_mean_flow2;   /* … and beyond which way of the flow in a step, squared, less of it is */
   pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
-  pbf_real shear_stress_part; /* shear_stress.h: what is taken back, over dt; … */
+  pbf_real shear_stress_max_lambda; /* of which it is taken back */
+  pbf_real shear_stress_part;       /* shear_stress.h: what is taken back, over dt; … */
   pbf_real wall_fabric_across, wall_fabric_along; /* … what a wall hides of a first layer's M */
   int scorr_n;
   int accelerated;              /* lambda adds up over the iterations, */
@@ -68,39 +70,17 @@ PBF_FN pbf_real pbf_slope_scale(int features, const pbf_constants *c) {
   return features & PBF_FEATURE_POLY6 ? -c->gradient_scale : -c->gradient_over_h;
 }
 
-static inline double pbf_gravity_of(const pbf_params *params) {
-  double g2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k) g2 += params->gravity[k] * params->gravity[k];
-  return sqrt(g2);
-}
-
-/* params.angular_momentum_correction, or what stands for -1: walls that carry a fluid's weight give
- * it angular momentum, without gravity nothing may. */
-static inline double pbf_angular_momentum_correction(const pbf_params *params) {
-  if (params->angular_momentum_correction >= 0) return params->angular_momentum_correction;
-  return params->solver == PBF_SOLVER_CHEBYSHEV && pbf_gravity_of(params) == 0;
-}
-
 /* Every so many steps one corrects the shear stress of all of them. Arrangements change little in
  * three steps: eddies keep as much as with a correction in every step, for a third of the cost. An
  * odd number: lambda alternates from step to step, and with corrections in even ones alone water
  * boils that no pressure grid carries. */
 enum { PBF_SHEAR_STRESS_STEPS = 3 };
 
-/* Whether the step that ends at a time is one of these: by the time alone, so that calls that are
- * divided otherwise, and saved states, go on alike. */
-static inline int pbf_shear_stress_is_due(double end, double time_step) {
-  return fmod(floor(end / time_step + 0.5), PBF_SHEAR_STRESS_STEPS) == 0;
-}
-
-/* What a step does to the density error that it finds becomes velocity: error times h / dt, without
- * bound as dt shrinks. So a step shorter than `time`, a fiftieth of the time in which a particle
- * falls by about h (2 ms for h = 0.1 m), undoes only its share dt / time of it. */
-static inline double pbf_residual_part(const pbf_params *params) {
-  double g = pbf_gravity_of(params);
-  if (params->solver != PBF_SOLVER_CHEBYSHEV || !(g > 0)) return 0;
-  double time = 0.02 * sqrt(params->smoothing_radius / g);
-  return fmax(0, 1 - params->time_step / time);
+/* Whether the step that is the nth of its length is one of these: by what calls, divided in
+ * whatever way, and saved states keep. A correction stands for as many steps that are alike, so
+ * that steps that alternate have none. */
+static inline int pbf_shear_stress_is_due(uint64_t nth) {
+  return nth % PBF_SHEAR_STRESS_STEPS == 0;
 }
 
 /* Share by share, what starts dense would still be thrown: ten layers 6 % too dense flew at eleven
@@ -219,6 +199,21 @@ static inline void pbf_set_tension(pbf_constants *c, const pbf_params *params,
   c->tension_min_density = (pbf_real)(1 - part * d->surface_lacks);
 }
 
+/* Steps in which the weight falls by more than half a spacing are too long for the arrangement to
+ * last until the next, and correct nothing. What presses pairs more than a domain full of fluid
+ * weighs is no fluid under its weight: what is squeezed so would boil. */
+static inline void pbf_set_shear_stress(pbf_constants *c, const pbf_params *params,
+                                        const pbf_derived *d) {
+  const double part = pbf_shear_stress_correction(params), dt = params->time_step;
+  double head = 0, weight = pbf_gravity_of(params);
+  for (int k = 0; k < PBF_DIM; ++k)
+    head += fabs(params->gravity[k]) * (params->domain_max[k] - params->domain_min[k]);
+  const int acts = dt > 0 && weight * dt * dt <= 0.5 * pbf_derive_spacing(params);
+  c->shear_stress_part = (pbf_real)(acts ? PBF_SHEAR_STRESS_STEPS * part / dt : 0);
+  c->shear_stress_max_lambda =
+      (pbf_real)(head > 0 && d->pressure > 0 ? head * dt * dt / d->pressure : INFINITY);
+}
+
 /* The constants of iteration k = 0, 1, …: `c` of the one before gets the weight (Golub & Varga
  * 1961), and its artificial pressure, until all that a step can take has acted. */
 static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
@@ -327,10 +322,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.torque_part = (pbf_real)(params->time_step > 0
                                  ? 0.5 * pbf_angular_momentum_correction(params) / params->time_step
                                  : 0);
-  c.shear_stress_part =
-      (pbf_real)(params->time_step > 0
-                     ? PBF_SHEAR_STRESS_STEPS * params->shear_stress_correction / params->time_step
-                     : 0);
+  pbf_set_shear_stress(&c, params, &d);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_tension(&c, params, &d);

@@ -6,6 +6,7 @@
 #define PBF_PHYSICS_DEPTH_H
 
 #include "physics/basins.h"
+#include "physics/choices.h"
 #include "physics/derive.h"
 
 /* What is left of an error of this kind to the iterations, where a grid carries the rest: the
@@ -26,11 +27,13 @@
 
 /* Pairs resist shear with what pressure they carry themselves. With shear_stress_correction, which
  * is as noisy as that is great, the iterations get no more than this part of an error, and water of
- * so many layers has a grid in the shortest steps, too: an eddy in 24 layers in 3D keeps 0.77
+ * so many layers has a grid in short steps, too: an eddy in 24 layers in 3D keeps 0.77
  * instead of 0.13 of its angular momentum in 2 s of 1/240 s each, and 60 layers at rest move at
- * 0.01 √(g d) instead of 0.14. Of fewer layers than that water trembles on a grid. */
+ * 0.01 √(g d) instead of 0.14. But not in steps that undo a share of an error alone: a grid undoes
+ * all of it. Of fewer layers than that water trembles: in 3D 10 layers at 0.03 √(g d), 6 in steps
+ * of 1/60 s at 0.13; left to the solver, it is not corrected. */
 #define PBF_DEPTH_SHEARED_LEFT 0.1
-#define PBF_DEPTH_SHEARED_LAYERS 16
+#define PBF_DEPTH_SHEARED_LAYERS 18
 
 /* Above this error at its settled depth, some 17 layers at 1/120 s and 4 iterations, water gets a
  * grid of the width below where the caller leaves the choice to the solver. */
@@ -46,26 +49,28 @@ static inline double pbf_depth_error(const pbf_params *params, double head) {
   return head / (4 * fmax(iterations, 1) * d * d);
 }
 
-/* What part of an error is left to the iterations at most. */
-static inline double pbf_depth_max_left(const pbf_params *params) {
-  return params->shear_stress_correction > 0 ? PBF_DEPTH_SHEARED_LEFT : 1;
+/* Whether at such a depth along the axis shear stress is corrected where the caller leaves that to
+ * the solver, and the grid is wanted where it is. */
+static inline int pbf_depth_is_sheared(const pbf_params *params, int axis, double depth) {
+  return pbf_shear_stress_correction(params) > 0 && fabs(params->gravity[axis]) > 0 &&
+         pbf_residual_part(params) == 0 &&
+         depth > (PBF_DEPTH_SHEARED_LAYERS - 0.5) * pbf_derive_spacing(params);
 }
 
 /* Whether the grid is wanted at such a depth along the axis. */
 static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double depth) {
   double head = fabs(params->gravity[axis]) * depth * params->time_step * params->time_step;
-  if (params->shear_stress_correction > 0 && head > 0 &&
-      depth > PBF_DEPTH_SHEARED_LAYERS * pbf_derive_spacing(params))
-    return 1;
-  return pbf_depth_error(params, head) > PBF_DEPTH_DEEP;
+  return pbf_depth_is_sheared(params, axis, depth) ||
+         pbf_depth_error(params, head) > PBF_DEPTH_DEEP;
 }
 
-/* Whether it is, once so many particles have settled in the domain, in a
+/* Whether `is_deep` holds once so many particles have settled in the domain, in a
  * container within it, or between other colliders, along the axis of the gravity's largest
- * component. */
-static inline int pbf_depth_could_be_deep(const pbf_params *params, pbf_basins *basins,
-                                          uint32_t colliders, const pbf_collider *list,
-                                          uint32_t count) {
+ * component. What holds at a depth holds at a larger one. */
+static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, int axis,
+                                                    double depth),
+                                     const pbf_params *params, pbf_basins *basins,
+                                     uint32_t colliders, const pbf_collider *list, uint32_t count) {
   double part = count, fluid = count, height = 0, largest = 0;
   int axis = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -78,12 +83,11 @@ static inline int pbf_depth_could_be_deep(const pbf_params *params, pbf_basins *
     axis = k;
   }
   double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
-  if (pbf_depth_is_deep(params, axis, depth)) return 1;
-  if (!pbf_depth_is_deep(params, axis, height * (1 + 1e-9))) return 0; /* no basin is deeper */
-  if (!pbf_depth_is_deep(params, axis, pbf_basins_deepest(basins, params, colliders, list, axis)))
-    return 0;
+  if (is_deep(params, axis, depth)) return 1;
+  if (!is_deep(params, axis, height * (1 + 1e-9))) return 0; /* no basin is deeper */
+  if (!is_deep(params, axis, pbf_basins_deepest(basins, params, colliders, list, axis))) return 0;
   pbf_basins_find(basins, params);
-  return pbf_depth_is_deep(params, axis, pbf_basins_depth(basins, fluid));
+  return is_deep(params, axis, pbf_basins_depth(basins, fluid));
 }
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
@@ -92,8 +96,17 @@ static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins
                                     uint32_t colliders, const pbf_collider *list, uint32_t count) {
   if (params->pressure_grid >= 0) return params->pressure_grid;
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
-             pbf_depth_could_be_deep(params, basins, colliders, list, count);
+             pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count);
   return deep ? PBF_DEPTH_WIDTH : 0;
+}
+
+/* Whether so many particles have their shear stress corrected. */
+static inline int pbf_depth_corrects_shear(const pbf_params *params, pbf_basins *basins,
+                                           uint32_t colliders, const pbf_collider *list,
+                                           uint32_t count) {
+  if (params->shear_stress_correction >= 0) return params->shear_stress_correction > 0;
+  return params->pressure_grid != 0 && pbf_shear_stress_correction(params) > 0 &&
+         pbf_depth_could_be(pbf_depth_is_sheared, params, basins, colliders, list, count);
 }
 
 #endif

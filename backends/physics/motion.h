@@ -20,6 +20,11 @@ static inline double pbf_time_after(const pbf_step_times *t, uint32_t steps) {
   return t->time + (double)(t->before + steps) * t->time_step;
 }
 
+/* Which one the last of so many is since the time step has changed, from 1. */
+static inline uint64_t pbf_nth_after(const pbf_step_times *t, uint32_t steps) {
+  return t->before + steps;
+}
+
 static inline double pbf_motion_wall(const pbf_params *params, int wall, double time) {
   const double *bounds = (wall & 1) ? params->domain_max : params->domain_min;
   return bounds[wall / 2] + params->wall_velocity[wall] * time +

@@ -12,15 +12,15 @@
 static void settle_pressures(solver *) {} /* a step's end adds the grid's */
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return s->v[i]; }
 
-static void bounded_step(solver *s, double begin, double end) {
+static void bounded_step(solver *s, double begin, double end, uint64_t nth) {
   const pbf_constants usual = s->constants;
   pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
-  solver_step(s, begin, end);
+  solver_step(s, begin, end, nth);
   s->constants = usual;
 }
 
 static bool step_of_no_time(solver *s, double time) {
-  bounded_step(s, time, time);
+  bounded_step(s, time, time, 1);
   s->now = time;
   return true;
 }
@@ -52,7 +52,7 @@ static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, 
   s->now = pbf_time_after(&times, 0);
   for (*done = 0; *done < steps; ++*done) {
     double begin = s->now, end = pbf_time_after(&times, *done + 1);
-    if (s->count) bounded_step(s, begin, end);
+    if (s->count) bounded_step(s, begin, end, pbf_nth_after(&times, *done + 1));
     s->found.struct_size = 0;
     s->pressure_scale = s->constants.pressure;
     s->now = end;

@@ -33,14 +33,15 @@ static inline void collide_all(const solver *s, const pbf_obstacles *o, int with
 }
 
 /* And once the velocity is that of x*. */
+static inline void collide_one(const solver *s, const pbf_obstacles *o, pbf_vec from, uint32_t i) {
+  const pbf_vec x = pbf_resolve_collisions(*o, 0, from, s->moved[i]);
+  s->v[i] = pbf_velocity((pbf_real)pbf_per_time_step(&s->params), s->v[i], s->moved[i], x);
+  s->moved[i] = x;
+}
+
 static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
-  pbf_real inv_time_step = (pbf_real)pbf_per_time_step(&s->params);
-  for (uint32_t i = 0; i < s->count; ++i) {
-    if (asleep(s, i)) continue;
-    pbf_vec x = pbf_resolve_collisions(*o, 0, s->predicted[i], s->moved[i]);
-    s->v[i] = pbf_velocity(inv_time_step, s->v[i], s->moved[i], x);
-    s->moved[i] = x;
-  }
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i)) collide_one(s, o, s->predicted[i], i);
 }
 
 static inline void predict(solver *s, double time, const pbf_obstacles *o) {
@@ -110,8 +111,8 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
-  pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params, s->capacity,
-                          s->planned, o);
+  pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
+                          s->schedule.corrects_shear, s->capacity, s->planned, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,
@@ -239,13 +240,21 @@ static inline void find_shear_pushes(solver *s) {
   }
 }
 
-static inline void correct_shear_stress(solver *s) {
+/* Changes velocities, and moves by that. */
+static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
   const shear_stress_pass<int> pass = {&s->constants, s->schedule.features};
   const lookups of = {NULL, s->change};
+  pbf_vec *change = s->predicted; /* of the velocity: the prediction is not asked for any more */
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i))
+      change[i] = pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i),
+                              s->change[i]);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
-    const auto sums = sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i);
-    s->v[i] = pass.finish(sums, s->change[i], s->v[i]);
+    const pbf_vec from = s->moved[i];
+    s->v[i] = pbf_add_scaled(s->v[i], 1, change[i]);
+    s->moved[i] = pbf_add_scaled(from, (pbf_real)s->params.time_step, change[i]);
+    collide_one(s, o, from, i);
   }
 }
 
@@ -351,6 +360,7 @@ namespace {
 struct executor {
   solver *s;
   double began, ends;              /* times */
+  uint64_t nth;                    /* step of its length */
   pbf_obstacles obstacles, before; /* at the end of the step, and at its start */
   int64_t limit;
   bool over;
@@ -390,10 +400,10 @@ struct executor {
     s->iterations = k + 1;
   }
   void velocity() { end_solve(s, &obstacles); }
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(ends, s->params.time_step); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { find_deviators(s, &obstacles); }
   void shear_push() { find_shear_pushes(s); }
-  void correct_shear_stress() { ::correct_shear_stress(s); }
+  void correct_shear_stress() { ::correct_shear_stress(s, &obstacles); }
   void mean_velocity() { find_flow(s); }
   void compensate_damping() { ::compensate_damping(s, &obstacles); }
   void correction_rate() { find_turn_rates(s); }
@@ -416,8 +426,9 @@ struct executor {
 
 }  // namespace
 
-static inline void solver_step(solver *s, double begin, double end) {
-  executor e = {s, begin, end, obstacles_at(s, end), obstacles_at(s, begin), 0, false};
+/* The nth step of its length. */
+static inline void solver_step(solver *s, double begin, double end, uint64_t nth) {
+  executor e = {s, begin, end, nth, obstacles_at(s, end), obstacles_at(s, begin), 0, false};
   run_step(e, s->schedule);
 }
 

@@ -304,7 +304,8 @@ typedef struct pbf_params {
                            cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where the
                            particles would settle so deep, H, in the domain, in an inverted sphere,
                            capsule or box, or between other colliders, that
-                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 0.
+                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or, with
+                           shear_stress_correction, which is the default, 18 layers, or 0.
                            Decided at the begin of each pbf_step by as many particles as there are,
                            or as the last step was for, unless a quarter of these is gone: it would
                            flicker where particles come and go. Solids of up to two cells part the
@@ -356,11 +357,13 @@ typedef struct pbf_params {
   double shear_stress_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of
                        the shear stress that pushes along pairs have under pressure, since sheared
                        arrangements are not isotropic, is taken back as velocity. At 0 pressed fluid
-                       resists slow shear like an elastic solid, and slow eddies swing back; at 0.7
-                       they turn on. From 0.9 on water at rest boils in short steps. With it water
-                       of 16 layers and more has a pressure grid, unless pressure_grid says
-                       otherwise. Three passes over pairs every third step. 0, the default:
-                       none */
+                       resists slow shear like an elastic solid, and slow eddies swing back; at 0.75
+                       they turn on. From 0.9 on water at rest boils in short steps, and less than
+                       18 layers of it tremble from 0.5 on. With it water of 18 layers and more has
+                       a pressure grid, unless pressure_grid says otherwise, and it needs one. Three
+                       passes over pairs every third step. -1, the default: 0.75 with
+                       PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
+                       gravity (decided as for pressure_grid) and a pressure grid may be, or 0 */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -130,8 +130,9 @@ class ParamFields(Holder):
         "0 … 1000. Default: `0`.")
     shear_stress_correction = Number(
         "How much of the shear stress that pushes along pairs have under pressure is taken back, "
-        "so that slow eddies live on. Range: 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: "
-        "`0`.")
+        "so that slow eddies live on; -1: 0.75 with PBF_SOLVER_CHEBYSHEV where water could be 18 "
+        "layers deep, 0 elsewhere. Range: -1, 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: "
+        "`-1`.")
 
 
 class ParamValues(TypedDict, total=False):

@@ -220,12 +220,26 @@ static int has_grid(uint32_t layers, const pbf_params *params) {
   return found;
 }
 
+/* With the correction of the shear stress, which is the default there, from 18 layers on, however
+ * short steps are (pbf.h). */
+static void where_eddies_want_it(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_params params = column_params(-1);
+  params.time_step /= 3;
+  assert_false(has_grid(17, &params));
+  assert_true(has_grid(18, &params));
+  params.shear_stress_correction = 0;
+  assert_false(has_grid(18, &params));
+}
+
 /* Left to the solver, it is there where g H dt² > 0.06 iterations d² for the depth H that the
  * particles would settle to. */
 static void where_water_could_be_deep(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
   pbf_params params = column_params(-1);
+  params.shear_stress_correction = 0;
   double dt = params.time_step, d = spacing;
   double depth = 0.06 * params.iterations * d * d / (gravity * dt * dt);
   uint32_t layers = (uint32_t)(depth / d);
@@ -690,6 +704,7 @@ int main(void) {
       cmocka_unit_test(it_sleeps),
       cmocka_unit_test(as_the_reference),
       cmocka_unit_test(where_water_could_be_deep),
+      cmocka_unit_test(where_eddies_want_it),
       cmocka_unit_test(disorder_settles),
       cmocka_unit_test(long_steps_do_not_stir),
       cmocka_unit_test(bottles_are_deep),

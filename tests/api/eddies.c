@@ -236,13 +236,60 @@ static void unused_costs_nothing(void **state) {
   assert_int_equal(hashes[0], hashes[1]);
 }
 
+static uint64_t hash_after(int across, double correction, double gravity, double grid) {
+  uint64_t hash;
+  tank t = tank_across(across, 2, PBF_FLOAT32, 0);
+  pbf_params params = params_of(&t, correction);
+  params.gravity[1] = -gravity;
+  params.pressure_grid = grid;
+  assert_ok(pbf_set_params(t.solver, &params));
+  assert_ok(pbf_step(t.solver, 20));
+  assert_ok(pbf_hash(t.solver, &hash));
+  destroy(&t);
+  return hash;
+}
+
+/* -1: 0.75 in water of 18 layers and more that may have a pressure grid (pbf.h). */
+static void the_default_depends_on_depth(void **state) {
+  (void)state;
+  assert_int_equal(hash_after(18, -1, 9.81, -1), hash_after(18, 0.75, 9.81, -1));
+  assert_true(hash_after(18, -1, 9.81, -1) != hash_after(18, 0, 9.81, -1));
+  assert_int_equal(hash_after(17, -1, 9.81, -1), hash_after(17, 0, 9.81, -1));
+  assert_int_equal(hash_after(32, -1, 0, -1), hash_after(32, 0, 0, -1));
+  assert_int_equal(hash_after(32, -1, 9.81, 0), hash_after(32, 0, 9.81, 0));
+}
+
+/* A correction stands for three steps that are alike. */
+static void steps_that_alternate_have_none(void **state) {
+  (void)state;
+  uint64_t hashes[2];
+  for (int on = 0; on < 2; ++on) {
+    tank t = tank_of(2, PBF_FLOAT32, 0);
+    pbf_params params = params_of(&t, 0.75 * on);
+    const double dt = params.time_step;
+    params.pressure_grid = 0;
+    for (int k = 0; k < 20; ++k) {
+      params.time_step = k % 2 ? dt : 0.9 * dt;
+      assert_ok(pbf_set_params(t.solver, &params));
+      assert_ok(pbf_step(t.solver, 1));
+    }
+    assert_ok(pbf_hash(t.solver, &hashes[on]));
+    destroy(&t);
+  }
+  assert_int_equal(hashes[0], hashes[1]);
+}
+
 /* The stub has no fluid. */
 int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(eddies_live),          cmocka_unit_test(in_short_steps_too),
-      cmocka_unit_test(water_stays_still),    cmocka_unit_test(water_does_not_swell),
-      cmocka_unit_test(calls_may_be_divided), cmocka_unit_test(momentum_stays),
-      cmocka_unit_test(unused_costs_nothing)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(eddies_live),
+                                     cmocka_unit_test(in_short_steps_too),
+                                     cmocka_unit_test(water_stays_still),
+                                     cmocka_unit_test(water_does_not_swell),
+                                     cmocka_unit_test(calls_may_be_divided),
+                                     cmocka_unit_test(momentum_stays),
+                                     cmocka_unit_test(unused_costs_nothing),
+                                     cmocka_unit_test(the_default_depends_on_depth),
+                                     cmocka_unit_test(steps_that_alternate_have_none)};
   return TEST_RUN(tests);
 }

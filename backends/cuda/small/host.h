@@ -20,10 +20,12 @@ static inline uint32_t small_max_particles(const solver *s) {
 }
 
 /* Whether the solver has the memory for it: where few particles, or some day fewer than now, have
- * no other stages. */
+ * no other stages in most steps. */
 static inline bool small_wanted(const pbf_params *params, const pbf_schedule &now) {
   pbf_schedule has = now;
   if (params->pressure_grid < 0) has.runs[PBF_STAGE_GRID] = 0;
+  for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
+    has.runs[stage] = 0;
   return sizeof(pbf_real) == sizeof(float) && has_only(has, SMALL_STAGES) &&
          !has.checks_convergence && !pbf_may_have_ghosts(params) &&
          params->iterations <= SMALL_ITERATIONS;
@@ -90,6 +92,15 @@ static inline bool small_serves(const solver *s) {
   return s->small_upload && !s->schedule.runs[PBF_STAGE_GRID] && s->count > 0 &&
          s->count <= small_max_particles(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
          small_layout_of(s).slot_capacity >= 1.75 * small_slots_expected(s);
+}
+
+/* Of the next steps, those before one that corrects the shear stress, which it does not serve. */
+static inline uint32_t small_steps_ahead(const solver *s, const pbf_step_times &times,
+                                         uint32_t steps) {
+  if (!s->schedule.runs[PBF_STAGE_SHEAR_STRESS]) return steps;
+  uint32_t k = 0;
+  while (k < steps && !pbf_shear_stress_is_due(pbf_nth_after(&times, k + 1))) ++k;
+  return k;
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */

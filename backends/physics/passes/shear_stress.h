@@ -7,7 +7,8 @@
  * first, with a modulus in proportion to the pressure, then as a plastic one. Slow eddies under
  * pressure swing back instead of turning on.
  *
- * So velocities, not positions, get the difference to an isotropic push with the same pressure: the
+ * So once a step is solved particles get the difference to an isotropic push with the same
+ * pressure, as velocity, and move by it at once, for displacement is the integral of velocity. The
  * two of a pair push each other with lambda_i D_i + lambda_j D_j, D_i = 1 - M_i dimension / trace
  * M_i, as tensors times V grad W. D fades out towards the surface, where M is not isotropic at rest
  * either. This push is opposite and equal for the two, but the force of no potential, so what it
@@ -138,6 +139,8 @@ struct fabric_pass {
         size2 += (k == m ? 1 : 2) * part * part;
       }
     if (size2 > maximum * maximum) inside *= maximum / pbf_real_sqrt(size2);
+    const pbf_real most = c->shear_stress_max_lambda;
+    lambda = pbf_real_max(pbf_real_min(lambda, most), -most);
     for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] *= inside * lambda;
     return d;
   }
@@ -203,8 +206,8 @@ struct shear_push_pass {
   }
 };
 
-/* The velocity that it gives, once pairs have exchanged so much of their pushes that on the rest
- * lattice a particle's own push goes to its neighbours, and theirs come to it. */
+/* The change of velocity that it gives, once pairs have exchanged so much of their pushes that on
+ * the rest lattice a particle's own push goes to its neighbours, and theirs come to it. */
 template <class Features>
 struct shear_stress_pass {
   enum { NUMBER = 0, VECTOR = 1 /* push */ };
@@ -234,10 +237,10 @@ struct shear_stress_pass {
   PBF_IN void end(sums<L> *) const {}
 
   /* Where h is hardly more than the spacing there are no neighbours on that lattice. */
-  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec push, pbf_vec v) const {
+  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec push) const {
     const pbf_real neighbors = pbf_real_max(1 - c->value_scale, (pbf_real)0.1);
     push = pbf_add_scaled(push, 1 / neighbors, vec_of(s.exchanged));
-    return pbf_add_scaled(v, c->shear_stress_part, push);
+    return pbf_add_scaled(pbf_vec{{0}}, c->shear_stress_part, push);
   }
 };
 

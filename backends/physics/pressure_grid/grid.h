@@ -88,7 +88,7 @@ static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double 
 /* The grid between walls, in a limited number of indices. */
 static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
                                                           const pbf_domain *domain,
-                                                          uint64_t limit) {
+                                                          int corrects_shear, uint64_t limit) {
   pbf_pressure_grid c;
   memset(&c, 0, sizeof c); /* so that two can be compared */
   double dt2 = params->time_step * params->time_step;
@@ -98,7 +98,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
-  c.max_left = pbf_depth_max_left(params);
+  c.max_left = corrects_shear ? PBF_DEPTH_SHEARED_LEFT : 1;
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
