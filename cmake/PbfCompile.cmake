@@ -35,7 +35,9 @@ if(PBF_WERROR)
 endif()
 if(PBF_SANITIZE_ADDRESS)
   add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fsanitize=address,undefined>
-    $<$<COMPILE_LANGUAGE:C,CXX>:-fno-sanitize-recover=all> $<$<COMPILE_LANGUAGE:C,CXX>:-fno-omit-frame-pointer>)
+    $<$<COMPILE_LANGUAGE:C,CXX>:-fno-sanitize-recover=all> $<$<COMPILE_LANGUAGE:C,CXX>:-fno-omit-frame-pointer>
+    # What is at null, or beyond an object, ASan finds; to look twice is two fifths of compiling.
+    $<$<COMPILE_LANGUAGE:C,CXX>:-fno-sanitize=null,object-size>)
   if(CMAKE_C_COMPILER_ID MATCHES Clang)
     # clang alone holds null + 0 to be an overflow; what lies out of bounds ASan finds.
     add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fno-sanitize=pointer-overflow>)
