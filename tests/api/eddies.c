@@ -122,7 +122,7 @@ static void in_short_steps_too(void **state) {
 
 static void eddies_live(void **state) {
   (void)state;
-  test_for_each_kind(an_eddy_lives);
+  test_for_long_kinds(an_eddy_lives);
 }
 
 /* Pairs alone carry the weight, in short steps, where the correction has most noise: the
@@ -211,7 +211,7 @@ static void check_momentum(uint32_t dimension, uint32_t precision) {
 
 static void momentum_stays(void **state) {
   (void)state;
-  test_for_each_kind(check_momentum);
+  test_for_long_kinds(check_momentum);
 }
 
 /* At 0 there are no stages and no arrays for it, and bits are those of a struct without it. */

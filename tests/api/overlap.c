@@ -123,8 +123,8 @@ enum { WIDE = 8 };
 /* Rows that leave sideways at `speed`, one spacing behind each other, and fall: a flow without
  * pressure, divergence 0, so an exact solution of Euler's equations. After k steps of symplectic
  * Euler a particle is at (speed k dt, -g dt² k (k + 1) / 2). */
-static void check_hose(uint32_t dimension, uint32_t precision, double time_step) {
-  const double speed = 3, start = 6;
+static void check_hose(uint32_t dimension, uint32_t precision) {
+  const double speed = 3, start = 6, time_step = precision == PBF_FLOAT32 ? 1.0 / 120 : 1.0 / 240;
   const block mouth = {{0.5, start, 0.5}, {1, WIDE, WIDE}};
   const uint32_t rows = 40, each = count_of(&mouth, dimension);
   const uint32_t every = (uint32_t)lround(spacing / speed / time_step);
@@ -158,10 +158,7 @@ static void check_hose(uint32_t dimension, uint32_t precision, double time_step)
 
 static void a_hose_pours_a_parabola(void **state) {
   (void)state;
-  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
-    check_hose(dimension, PBF_FLOAT32, 1.0 / 120);
-    check_hose(dimension, PBF_FLOAT64, 1.0 / 240);
-  }
+  test_for_long_kinds(check_hose);
 }
 
 /* ---- Overlap --------------------------------------------------------------------------------- */
@@ -209,36 +206,38 @@ static void check_added(uint32_t dimension, uint32_t precision) {
 
 static void what_is_added_upon_others_is_not_thrown(void **state) {
   (void)state;
-  check_added(2, PBF_FLOAT64);
-  check_added(3, PBF_FLOAT32);
+  test_for_long_kinds(check_added);
 }
 
 /* A frame that took a tenth of a second or more: one step, in which particles fall by spacings. */
+static void check_long_step(uint32_t dimension, uint32_t precision) {
+  const double lengths[] = {0.1, 0.25};
+  for (int k = 0; k < 2; ++k) {
+    const double dt = 1.0 / 120, torricelli = sqrt(2 * gravity * 10 * spacing);
+    pbf_solver *s = tank(dimension, precision, dt);
+    pbf_params params = {.struct_size = sizeof params};
+    assert_ok(pbf_step(s, 120));
+    const double level = stats_of(s).center_of_mass[1];
+    assert_ok(pbf_get_params(s, &params));
+    params.time_step = lengths[k];
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 1));
+    params.time_step = dt;
+    assert_ok(pbf_set_params(s, &params));
+    for (int step = 0; step < 150; ++step) {
+      assert_ok(pbf_step(s, 1));
+      const pbf_stats now = stats_of(s);
+      if (!(now.speed_max <= torricelli && now.center_of_mass[1] <= 1.02 * level))
+        fail_msg("%uD, %g s, step %d: %g m/s, %g of the level", dimension, lengths[k], step,
+                 now.speed_max, now.center_of_mass[1] / level);
+    }
+    pbf_destroy(s);
+  }
+}
+
 static void a_long_step_throws_nothing(void **state) {
   (void)state;
-  const double lengths[] = {0.1, 0.25};
-  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
-    for (int k = 0; k < 2; ++k) {
-      const double dt = 1.0 / 120, torricelli = sqrt(2 * gravity * 10 * spacing);
-      pbf_solver *s = tank(dimension, PBF_FLOAT32, dt);
-      pbf_params params = {.struct_size = sizeof params};
-      assert_ok(pbf_step(s, 120));
-      const double level = stats_of(s).center_of_mass[1];
-      assert_ok(pbf_get_params(s, &params));
-      params.time_step = lengths[k];
-      assert_ok(pbf_set_params(s, &params));
-      assert_ok(pbf_step(s, 1));
-      params.time_step = dt;
-      assert_ok(pbf_set_params(s, &params));
-      for (int step = 0; step < 150; ++step) {
-        assert_ok(pbf_step(s, 1));
-        const pbf_stats now = stats_of(s);
-        if (!(now.speed_max <= torricelli && now.center_of_mass[1] <= 1.02 * level))
-          fail_msg("%uD, %g s, step %d: %g m/s, %g of the level", dimension, lengths[k], step,
-                   now.speed_max, now.center_of_mass[1] / level);
-      }
-      pbf_destroy(s);
-    }
+  test_for_long_kinds(check_long_step);
 }
 
 /* ---- What is left of an overlap is part of the state ----------------------------------------- */

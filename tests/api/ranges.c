@@ -225,7 +225,7 @@ static int draw_and_step(uint32_t precision) {
 
 static void any_magnitudes(void **state) {
   (void)state;
-  enum { DRAWS = 1200 };
+  enum { DRAWS = TEST_INSTRUMENTED ? 400 : 1200 };
   int accepted = 0;
   if (test_is_stub() || strcmp(test_backend(), "cuda") == 0)
     test_skip("for backends on a CPU: a device would take minutes");

@@ -78,7 +78,7 @@ double cpu_random(uint64_t *state) {
 }
 
 cpu_block cpu_make_block(uint32_t dimension) {
-  const uint32_t side = dimension == 2 ? 27 : 10;
+  const uint32_t side = dimension == 2 ? 20 : 8;
   const double spacing = 0.02;
   cpu_block b = {.dimension = dimension,
                  .count = dimension == 2 ? side * side : side * side * side};

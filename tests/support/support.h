@@ -47,7 +47,9 @@ pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacit
 /* Calls for 2D and 3D, float32 and float64, as far as the build has them. */
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
 
-/* For what takes long: the reference has time for two kinds only, one of each number. */
+/* For what takes long and is the same physics everywhere. `threads` has the bits of `serial`
+ * (cpu.threads), and a sanitizer looks at code: two kinds, one of each number and dimension. The
+ * reference has what it computes in the others compared with `serial` (cpu.stages): one kind. */
 void test_for_long_kinds(void (*function)(uint32_t dimension, uint32_t precision));
 
 /* `count` positions on a lattice in the lower middle of the unit box, in the element type; freed by
