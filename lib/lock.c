@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "error.h"
+#include "uncancelled.h"
 
 /* The thread that holds each, 0: none. A mutex that is taken first and says by whom after it has a
  * moment between, in which a signal handler would wait for its own thread; thread-local memory
@@ -33,10 +34,13 @@ pbf_status pbf_lock_check(void) {
 static void wait_a_little(unsigned looks) {
   enum { PATIENCE = 100 };
   const struct timespec nap = {0, 50000};
-  if (looks < PATIENCE)
+  if (looks < PATIENCE) {
     sched_yield();
-  else
+  } else {
+    const int cancellation = pbf_uncancelled_begin();
     nanosleep(&nap, NULL);
+    pbf_uncancelled_end(cancellation);
+  }
 }
 
 void pbf_lock_take(pbf_lock lock) {

@@ -19,7 +19,8 @@
  *   stack     a call takes up to 64 KiB of it, on `cuda` what its driver takes.
  *   signals   so does a call in a signal handler, where its thread has been interrupted at a point
  *             at which it would wait for itself; pbf_destroy then does nothing. What allocates
- *             memory is no more to be called there than malloc.
+ *             memory is no more to be called there than malloc. The library's own threads take no
+ *             signals; OpenMP's take those that the program lets them.
  *   callbacks (the allocator's, the log) should return. One that is left by a C++ exception or a
  *             longjmp leaves its call halfway: from then on the solver's calls in that thread
  *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
@@ -29,6 +30,8 @@
  *             So on Linux, on the stack that the thread was made with, and for exceptions where C
  *             has unwind tables (as compilers make them on x86-64 and AArch64, not in a MinSizeRel
  *             build); elsewhere the solver is busy for good.
+ *   pthread_cancel ends no call halfway, but the thread after it. One that has left a callback as
+ *             above is not cancelled until it allows that (pthread_setcancelstate).
  *   fork      in the child solvers go on from where they are, on `openmp` with one thread: those of
  *             OpenMP do not come along. One in which another thread was returns PBF_ERROR_STATE
  *             and can be destroyed. A device is the parent's.

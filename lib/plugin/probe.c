@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "uncancelled.h"
 
 static void refuse(pbf_probe_result *result, const char *reason) {
   result->score = 0;
@@ -38,9 +39,11 @@ pbf_probe_result pbf_probe(const pbf_plugin *plugin, const pbf_checked_desc *che
       .isa = pbf_desc_isa(checked, plugin->name),
       .has_tasks = desc->enqueue_task != NULL,
   };
+  const int cancellation = pbf_uncancelled_begin();
   pbf_fp_environment callers = pbf_fp_begin();
   plugin->api.probe(&workload, &result);
   pbf_fp_end(callers);
+  pbf_uncancelled_end(cancellation);
   sanitize(&result);
   return result;
 }

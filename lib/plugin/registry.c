@@ -6,6 +6,7 @@
 #include "entries.h"
 #include "error.h"
 #include "lock.h"
+#include "uncancelled.h"
 
 static const char *const known_names[] = {"reference", "serial", "threads", "openmp", "cuda"};
 
@@ -22,10 +23,12 @@ static void search_once(void) {
 }
 
 uint32_t pbf_registry_count(void) {
+  const int cancellation = pbf_uncancelled_begin();
   pbf_lock_take(PBF_LOCK_BACKENDS);
   search_once();
   uint32_t count = pbf_entries_count();
   pbf_lock_release(PBF_LOCK_BACKENDS);
+  pbf_uncancelled_end(cancellation);
   return count;
 }
 
@@ -40,8 +43,10 @@ pbf_status pbf_load_backend(const char *path) {
   }
   pbf_status status = pbf_lock_check();
   if (status != PBF_OK) return status;
+  const int cancellation = pbf_uncancelled_begin();
   pbf_lock_take(PBF_LOCK_BACKENDS);
   status = pbf_discover_path(path);
   pbf_lock_release(PBF_LOCK_BACKENDS);
+  pbf_uncancelled_end(cancellation);
   return status;
 }

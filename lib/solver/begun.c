@@ -2,6 +2,7 @@
 #include "error.h"
 #include "handles.h"
 #include "step.h"
+#include "uncancelled.h"
 #include "worker.h"
 
 pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {
@@ -15,7 +16,7 @@ pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {
   return PBF_OK;
 }
 
-pbf_status pbf_end_step(pbf_solver *solver) {
+static pbf_status end_step(pbf_solver *solver) {
   char why[PBF_MESSAGE_SIZE];
   pbf_status status = pbf_begin_end(solver);
   if (status != PBF_OK) return status;
@@ -23,4 +24,11 @@ pbf_status pbf_end_step(pbf_solver *solver) {
   status = pbf_worker_status(solver, why);
   pbf_leave_begun(solver, status);
   return status == PBF_OK ? PBF_OK : pbf_fail(status, "%s", why);
+}
+
+pbf_status pbf_end_step(pbf_solver *solver) {
+  const int cancellation = pbf_uncancelled_begin();
+  const pbf_status status = end_step(solver);
+  pbf_uncancelled_end(cancellation);
+  return status;
 }

@@ -13,6 +13,7 @@
 #include "plugin/select.h"
 #include "structs.h"
 #include "text.h"
+#include "uncancelled.h"
 
 /* Without a valid table nothing can free what a faulty plugin may have created. */
 static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api *table,
@@ -157,8 +158,10 @@ pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver
   if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
   if (!solver)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
+  const int cancellation = pbf_uncancelled_begin();
   pbf_fp_environment callers = pbf_fp_begin();
   pbf_status status = create(desc, params, solver);
   pbf_fp_end(callers);
+  pbf_uncancelled_end(cancellation);
   return status;
 }

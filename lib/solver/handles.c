@@ -11,6 +11,7 @@
 #include "free.h"
 #include "lock.h"
 #include "snapshot_memory.h"
+#include "uncancelled.h"
 
 enum { BUCKETS = 64 };
 
@@ -93,10 +94,15 @@ static pbf_status enter_locked(pbf_solver *solver) {
 pbf_status pbf_enter(pbf_solver *solver) {
   pbf_status status = check_handle(solver);
   if (status != PBF_OK) return status;
+  const int cancellation = pbf_uncancelled_begin();
   pbf_lock_take(PBF_LOCK_SOLVERS);
   status = enter_locked(solver);
   pbf_lock_release(PBF_LOCK_SOLVERS);
-  if (status != PBF_OK) return status;
+  if (status != PBF_OK) {
+    pbf_uncancelled_end(cancellation);
+    return status;
+  }
+  solver->callers_cancellation = cancellation;
   solver->callers_fp = pbf_fp_begin();
   pbf_plugin_message_clear();
   return PBF_OK;
@@ -104,9 +110,11 @@ pbf_status pbf_enter(pbf_solver *solver) {
 
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status) {
   pbf_fp_end(solver->callers_fp);
+  const int cancellation = solver->callers_cancellation;
   pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->in_call = 0;
   drop_reference(solver);
+  pbf_uncancelled_end(cancellation);
   return status;
 }
 
@@ -143,6 +151,7 @@ void pbf_stay(pbf_solver *solver, pthread_t runner) {
   solver->begun = PBF_BEGUN_STEPS;
   solver->callbacks.thread = runner;
   pbf_lock_release(PBF_LOCK_SOLVERS);
+  pbf_uncancelled_end(solver->callers_cancellation);
 }
 
 static pbf_status begin_end_locked(pbf_solver *solver) {
@@ -201,8 +210,7 @@ void pbf_solver_publish(pbf_solver *solver) {
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
-void pbf_destroy(pbf_solver *solver) {
-  if (!solver || pbf_lock_check() != PBF_OK) return;
+static void destroy(pbf_solver *solver) {
   end_begun(solver);
   pbf_lock_take(PBF_LOCK_SOLVERS);
   pbf_solver **link = bucket_of(solver);
@@ -214,6 +222,13 @@ void pbf_destroy(pbf_solver *solver) {
   *link = solver->next_live;
   see_whether_left(solver);
   drop_reference(solver);
+}
+
+void pbf_destroy(pbf_solver *solver) {
+  if (!solver || pbf_lock_check() != PBF_OK) return;
+  const int cancellation = pbf_uncancelled_begin();
+  destroy(solver);
+  pbf_uncancelled_end(cancellation);
 }
 
 /* ---- In the child of a fork ------------------------------------------------------------------ */

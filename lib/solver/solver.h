@@ -76,6 +76,7 @@ struct pbf_solver {
   /* Belongs to the running call. */
   struct pbf_worker *worker;     /* which runs what is begun: worker.h; null: none has begun */
   pbf_fp_environment callers_fp; /* the environment of the thread that it came from */
+  int callers_cancellation;      /* its state, see uncancelled.h */
   pbf_allocator allocator;       /* these three lead to the caller's own: */
   pbf_log_fn log;
   void *log_user;
