@@ -8,6 +8,7 @@
 #include "commands/options.h"
 #include "core/error.h"
 #include "core/solver.h"
+#include "core/surroundings.h"
 #include "record/recording.h"
 
 namespace bench {
@@ -55,14 +56,6 @@ void apply_change(const Change &change, RecordOptions &options, Solver &solver,
   writer.params(scene.params);
 }
 
-std::vector<pbf_collider> colliders_of(const Solver &solver) {
-  uint32_t count = 0;
-  must(pbf_get_collider_count(solver.handle(), &count));
-  std::vector<pbf_collider> colliders;
-  for (uint32_t i = 0; i < count; ++i) colliders.push_back(solver.collider(i));
-  return colliders;
-}
-
 // A stretch of a scene's motion changes velocities, and nothing else does.
 bool turned(const std::vector<pbf_collider> &before, const std::vector<pbf_collider> &now) {
   return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
@@ -81,14 +74,14 @@ int record(RecordOptions options) {
   Solver solver(scene, options.solver);
   RecordWriter writer(options.to, solver.handle());
   size_t next = 0;
-  std::vector<pbf_collider> colliders = colliders_of(solver);
+  std::vector<pbf_collider> colliders = colliders_of(solver.handle());
   const uint64_t steps = uint64_t{scene.lead_in_steps} + scene.steps;
   for (uint64_t step = 0; step < steps; ++step) {
     for (; next < changes.size() && changes[next].step == step; ++next)
       apply_change(changes[next], options, solver, writer);
     solver.step(1);
     if ((step + 1) % options.every == 0 || step + 1 == steps) writer.hash();
-    const std::vector<pbf_collider> now = colliders_of(solver);
+    const std::vector<pbf_collider> now = colliders_of(solver.handle());
     if (turned(colliders, now)) writer.colliders(now);
     colliders = now;
   }

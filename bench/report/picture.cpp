@@ -4,12 +4,8 @@
 #include <cmath>
 
 #include "report/canvas.h"
+#include "report/png.h"
 #include "report/solids.h"
-
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
 
 namespace bench {
 namespace {
@@ -143,11 +139,6 @@ class Painter {
   int height_;
 };
 
-void append(void *context, void *bytes, int size) {
-  static_cast<std::string *>(context)->append(static_cast<char *>(bytes),
-                                              static_cast<size_t>(size));
-}
-
 }  // namespace
 
 Frame particles_of(const std::vector<double> &positions, const std::vector<double> &velocities,
@@ -182,10 +173,7 @@ std::string draw_png(const Frame &frame, const View &view) {
   painter.draw_particles(canvas, frame);
   painter.draw_colliders(canvas, frame, false);
   const std::vector<unsigned char> pixels = canvas.pixels();
-  std::string png;
-  stbi_write_png_to_func(append, &png, view.width, painter.height(), 3, pixels.data(),
-                         3 * view.width);
-  return png;
+  return encode_png(view.width, painter.height(), pixels.data());
 }
 
 }  // namespace bench

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/surroundings.h"
 #include "report/picture.h"
 
 namespace bench {
@@ -25,24 +26,6 @@ std::vector<double> numbers(pbf_solver *solver, uint32_t field, uint32_t count,
   read.data = all.data();
   if (count > 0) check(pbf_read(solver, &read));
   return all;
-}
-
-std::vector<pbf_collider> colliders_of(pbf_solver *solver) {
-  uint32_t count = 0;
-  check(pbf_get_collider_count(solver, &count));
-  std::vector<pbf_collider> colliders(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    colliders[i].struct_size = sizeof colliders[i];
-    check(pbf_get_collider(solver, i, &colliders[i]));
-  }
-  return colliders;
-}
-
-double wall_at(const pbf_params &params, unsigned wall, double time) {
-  const double bound = wall % 2 ? params.domain_max[wall / 2] : params.domain_min[wall / 2];
-  return bound + params.wall_velocity[wall] * time +
-         params.wall_amplitude[wall] *
-             std::sin(params.wall_frequency[wall] * time + params.wall_phase[wall]);
 }
 
 double fast(std::vector<double> speeds) {
@@ -99,13 +82,12 @@ std::string draw_solver(pbf_solver *solver, const Portrait &portrait) {
   view.width = portrait.width;
   view.particle_radius = 0.5 * (params.spacing > 0 ? params.spacing : params.smoothing_radius / 2);
   view.fastest = portrait.fastest > 0 ? portrait.fastest : fast(frame.speeds);
-  for (unsigned axis = 0; axis < info.dimension; ++axis) {
-    view.lower[axis] = wall_at(params, 2 * axis, info.time);
-    view.upper[axis] = wall_at(params, 2 * axis + 1, info.time);
-    if (portrait.view.size() == 2 * info.dimension) {
-      view.lower[axis] = portrait.view[axis];
-      view.upper[axis] = portrait.view[info.dimension + axis];
-    }
+  const Box domain = domain_at(params, info.dimension, info.time);
+  view.lower = domain.lower;
+  view.upper = domain.upper;
+  if (portrait.view.size() == 2 * info.dimension) {
+    std::copy_n(portrait.view.begin(), info.dimension, view.lower.begin());
+    std::copy_n(portrait.view.begin() + info.dimension, info.dimension, view.upper.begin());
   }
   return draw_png(frame, view);
 }
