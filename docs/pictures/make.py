@@ -3,8 +3,8 @@
 
     make.py BIN [NAME…]    BIN: the folder of a build's programs, build/release/bin
 
-Without names all: `parameters` (three values of each parameter, beside each other), `tutorial` (a picture for each stage) and `moving` (the
-README's). Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
+Without names all: `parameters` (three values of each parameter, beside each other), `tutorial` (a picture for each stage) `moving` (the
+README's) and `view` (pbf-view's, where the build has it). Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
 """
 import json
 import pathlib
@@ -127,6 +127,13 @@ def moving(programs):
     write(frames[38], "tutorial_5_frames.webp")
 
 
+def view(programs):
+    with tempfile.TemporaryDirectory() as name:
+        path = pathlib.Path(name) / "view.png"
+        run(programs / "pbf-view", "--scene", "drop-into-pool", "--headless", 100, "--width", 1000, "--height", 640, "--panel", "--picture", path)
+        write(Image.open(path).convert("RGB"), "view.webp")
+
+
 def write(picture, name):
     picture.save(HERE / name, quality=72, method=6)
     print(f"{name}: {(HERE / name).stat().st_size // 1000} KB")
@@ -134,7 +141,7 @@ def write(picture, name):
 
 def main(programs, *names):
     programs = pathlib.Path(programs).resolve()
-    every = {"parameters": parameters, "tutorial": tutorial, "moving": moving}
+    every = {"parameters": parameters, "tutorial": tutorial, "moving": moving, "view": view}
     for name in names or every:
         if name in every:
             every[name](programs)
