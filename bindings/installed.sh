@@ -124,7 +124,7 @@ tarball() {
 reproducible() { "$source/packaging/reproducible.sh" "$source" "$folder/reproducible"; }
 
 conan() {
-  command -v conan >/dev/null || skip "no conan (pip install conan)"
+  env conan --version >/dev/null 2>&1 || skip "no conan (pip install conan)" # this function hides it from command -v
   fresh "$folder/conan"
   export CONAN_HOME="$folder/conan/home"
   command conan profile detect || return 1
