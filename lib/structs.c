@@ -18,6 +18,7 @@ const pbf_struct_kind pbf_kind_params = KIND(pbf_params, search_cell_width);
 const pbf_struct_kind pbf_kind_collider = KIND(pbf_collider, half_length);
 const pbf_struct_kind pbf_kind_view = KIND(pbf_view, ids);
 const pbf_struct_kind pbf_kind_read_desc = KIND(pbf_read_desc, w_value);
+const pbf_struct_kind pbf_kind_anisotropy_desc = KIND(pbf_anisotropy_desc, stretches);
 const pbf_struct_kind pbf_kind_snapshot = KIND(pbf_snapshot, owner);
 const pbf_struct_kind pbf_kind_stats = KIND(pbf_stats, density_mean);
 const pbf_struct_kind pbf_kind_timings = KIND(pbf_timings, stages);

@@ -19,6 +19,7 @@ extern const pbf_struct_kind pbf_kind_params;
 extern const pbf_struct_kind pbf_kind_collider;
 extern const pbf_struct_kind pbf_kind_view;
 extern const pbf_struct_kind pbf_kind_read_desc;
+extern const pbf_struct_kind pbf_kind_anisotropy_desc;
 extern const pbf_struct_kind pbf_kind_snapshot;
 extern const pbf_struct_kind pbf_kind_stats;
 extern const pbf_struct_kind pbf_kind_timings;

@@ -603,6 +603,10 @@ class solver {
     wanted.struct_size = sizeof wanted;
     return detail::checked(pbf_read(handle(), &wanted));
   }
+  result<void> anisotropies(pbf_anisotropy_desc wanted) noexcept {
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_get_anisotropies(handle(), &wanted));
+  }
   result<void> keep_previous(bool enabled) noexcept {
     return detail::checked(pbf_keep_previous(handle(), enabled));
   }

@@ -98,6 +98,18 @@ AT(pbf_view, generation, 48);
 AT(pbf_view, data, 56);
 AT(pbf_view, ids, 64);
 
+SIZE(pbf_anisotropy_desc, 64);
+AT(pbf_anisotropy_desc, struct_size, 0);
+AT(pbf_anisotropy_desc, first, 4);
+AT(pbf_anisotropy_desc, count, 8);
+AT(pbf_anisotropy_desc, min_neighbors, 12);
+AT(pbf_anisotropy_desc, radius, 16);
+AT(pbf_anisotropy_desc, smoothing, 24);
+AT(pbf_anisotropy_desc, max_ratio, 32);
+AT(pbf_anisotropy_desc, lone_scale, 40);
+AT(pbf_anisotropy_desc, positions, 48);
+AT(pbf_anisotropy_desc, stretches, 56);
+
 SIZE(pbf_read_desc, 64);
 AT(pbf_read_desc, struct_size, 0);
 AT(pbf_read_desc, field, 4);

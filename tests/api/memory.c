@@ -56,6 +56,12 @@ static pbf_status read_quads(scene *s) {
                               .data = quads};
   return pbf_read(s->solver, &read);
 }
+static pbf_status get_anisotropies(scene *s) {
+  float x[60], shapes[180];
+  const pbf_anisotropy_desc wanted = {
+      .struct_size = sizeof wanted, .count = 20, .positions = x, .stretches = shapes};
+  return pbf_get_anisotropies(s->solver, &wanted);
+}
 static pbf_status drop_box(scene *s) {
   const double lower[3] = {-1, -1, -1}, upper[3] = {0.3, 2, 2};
   return pbf_remove_in_box(s->solver, lower, upper, NULL);
@@ -138,10 +144,11 @@ static void fail_in_turn(action act) {
 
 static void each_call(void **state) {
   (void)state;
-  const action actions[] = {add,           drop,           step,          set_params, set_colliders,
-                            load,          save,           hash,          stats,      get_positions,
-                            get_densities, set_velocities, export,        timing,     read_quads,
-                            keep_previous, drop_box,       set_snapshots, step_apart};
+  const action actions[] = {add,           drop,          step,          set_params,
+                            set_colliders, load,          save,          hash,
+                            stats,         get_positions, get_densities, set_velocities,
+                            export,        timing,        read_quads,    keep_previous,
+                            drop_box,      set_snapshots, step_apart,    get_anisotropies};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
 }
 

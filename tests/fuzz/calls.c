@@ -20,6 +20,7 @@ typedef struct arguments {
   pbf_collider colliders[3];
   double duration, lower[3], upper[3];
   pbf_read_desc read;
+  pbf_anisotropy_desc wanted;
   uint32_t field, room;
 } arguments;
 
@@ -143,6 +144,22 @@ static pbf_status read_fields(pbf_solver *s, void *context) {
   return status;
 }
 
+/* Of places as wild as they come: numbers, and nothing beyond them. */
+static pbf_status get_anisotropies(pbf_solver *s, void *context) {
+  arguments *a = context;
+  _Alignas(8) unsigned char x[TWIN_CAPACITY * 3 * 8 + 64], shapes[TWIN_CAPACITY * 9 * 8 + 64];
+  pbf_anisotropy_desc wanted = a->wanted;
+  memset(x, 0xa5, sizeof x);
+  memset(shapes, 0xa5, sizeof shapes);
+  wanted.positions = x;
+  wanted.stretches = shapes;
+  const pbf_status status = pbf_get_anisotropies(s, &wanted);
+  const uint32_t rows = status == PBF_OK ? wanted.count : 0, row = a->k.dimension * a->k.precision;
+  for (size_t i = rows * row; i < sizeof x; ++i) insist(x[i] == 0xa5);
+  for (size_t i = rows * row * a->k.dimension; i < sizeof shapes; ++i) insist(shapes[i] == 0xa5);
+  return status;
+}
+
 static pbf_status keep_previous(pbf_solver *s, void *context) {
   return pbf_keep_previous(s, ((arguments *)context)->room);
 }
@@ -235,6 +252,18 @@ static void draw_read(input *in, const twins *t, arguments *a) {
   if (take_u8(in) > 0xf0) a->read.w_value = draw_wild(in);
 }
 
+static void draw_wanted(input *in, const twins *t, arguments *a) {
+  draw_rows(in, t, a);
+  a->wanted = (pbf_anisotropy_desc){.struct_size = sizeof a->wanted,
+                                    .first = a->first,
+                                    .count = a->count,
+                                    .min_neighbors = take_u8(in) % 40,
+                                    .smoothing = take_from(in, -0.1, 1.1)};
+  if (take_u8(in) % 2) a->wanted.radius = take_from(in, 0, 0.5);
+  if (take_u8(in) % 2) a->wanted.max_ratio = take_from(in, 0.9, 20);
+  if (take_u8(in) > 0xf0) a->wanted.lone_scale = draw_wild(in);
+}
+
 /* Which instruction sets there are is the machine's to say: a solver, or a sentence. */
 static void make_another(input *in, kind k) {
   static const char *const sets[] = {NULL, "scalar", "sse2", "avx2", "avx512", "", "AVX2", "x"};
@@ -304,7 +333,7 @@ static void step_some(input *in, twins *t) {
 static void call(input *in, twins *t) {
   arguments a = {.k = t->k};
   int wild = 0;
-  switch (take_u8(in) % 26) {
+  switch (take_u8(in) % 27) {
     case 0:
     case 1:
       call_with_particles(in, t, &a, 0);
@@ -372,6 +401,10 @@ static void call(input *in, twins *t) {
       twins_call(t, begin_and_end, &a);
       t->overlapped |= t->placed;
       twins_note_lost(t);
+      break;
+    case 26:
+      draw_wanted(in, t, &a);
+      twins_call(t, get_anisotropies, &a);
       break;
     case 20:
       make_another(in, t->k);

@@ -5,6 +5,7 @@ SCALARS = {"void": "void", "int32_t": "int", "uint32_t": "uint", "int64_t": "lon
            "uint64_t": "ulong", "double": "double", "pbf_status": "Status"}
 VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
 OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
+         "pbf_anisotropy_desc": "NativeAnisotropyDesc",
          "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
 AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
 KEYWORDS = {"params": "parameters"}

@@ -200,6 +200,21 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeAnisotropyDesc
+    {
+        public uint StructSize;
+        public uint First;
+        public uint Count;
+        public uint MinNeighbors;
+        public double Radius;
+        public double Smoothing;
+        public double MaxRatio;
+        public double LoneScale;
+        public IntPtr Positions;
+        public IntPtr Stretches;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     public partial struct Collider
     {
         public uint StructSize;
@@ -438,6 +453,8 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_collider_init(ref Collider collider, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
@@ -494,6 +511,7 @@ namespace Pbf
             { typeof(NativeDesc), new[] { "104", "StructSize=0", "ApiVersion=4", "Dimension=8", "Precision=12", "Capacity=16", "Strict=20", "Backend=24", "Device=32", "Threads=36", "Stream=40", "Allocator=48", "Log=56", "LogUser=64", "Isa=72", "EnqueueTask=80", "FinishTask=88", "TaskUser=96" } },
             { typeof(Params), new[] { "544", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Reserved=532", "ShearStressCorrection=536" } },
             { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
+            { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
             { typeof(Collider), new[] { "232", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
             { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },

@@ -196,6 +196,18 @@ typedef struct pbf_read_desc {
   double behind;
   double w_value;
 } pbf_read_desc;
+typedef struct pbf_anisotropy_desc {
+  uint32_t struct_size;
+  uint32_t first;
+  uint32_t count;
+  uint32_t min_neighbors;
+  double radius;
+  double smoothing;
+  double max_ratio;
+  double lone_scale;
+  void *positions;
+  void *stretches;
+} pbf_anisotropy_desc;
 typedef struct pbf_collider {
   uint32_t struct_size;
   uint32_t shape;
@@ -349,6 +361,7 @@ pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count,
 pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures);
 pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
+pbf_status pbf_get_anisotropies(pbf_solver *solver, const pbf_anisotropy_desc *anisotropy);
 pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
 pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
 pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets, double duration);
@@ -379,6 +392,7 @@ return {
   pbf_desc = {size = 104, struct_size = 0, api_version = 4, dimension = 8, precision = 12, capacity = 16, strict = 20, backend = 24, device = 32, threads = 36, stream = 40, allocator = 48, log = 56, log_user = 64, isa = 72, enqueue_task = 80, finish_task = 88, task_user = 96},
   pbf_params = {size = 544, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, reserved = 532, shear_stress_correction = 536},
   pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
+  pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
   pbf_collider = {size = 232, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224},
   pbf_view = {size = 72, struct_size = 0, field = 4, device_type = 8, device_id = 12, element_type = 16, components = 20, count = 24, reserved = 28, particle_stride = 32, component_stride = 40, generation = 48, data = 56, ids = 64},
   pbf_snapshot = {size = 64, struct_size = 0, count = 4, dimension = 8, element_type = 12, step = 16, time = 24, positions = 32, velocities = 40, ids = 48, owner = 56},

@@ -205,6 +205,21 @@ pub struct pbf_read_desc {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
+pub struct pbf_anisotropy_desc {
+    pub struct_size: u32,
+    pub first: u32,
+    pub count: u32,
+    pub min_neighbors: u32,
+    pub radius: f64,
+    pub smoothing: f64,
+    pub max_ratio: f64,
+    pub lone_scale: f64,
+    pub positions: *mut c_void,
+    pub stretches: *mut c_void,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
 pub struct pbf_collider {
     pub struct_size: u32,
     pub shape: u32,
@@ -488,6 +503,10 @@ extern "C" {
         solver: *mut pbf_solver,
         enabled: u32,
     ) -> pbf_status;
+    pub fn pbf_get_anisotropies(
+        solver: *mut pbf_solver,
+        anisotropy: *const pbf_anisotropy_desc,
+    ) -> pbf_status;
     pub fn pbf_collider_init(
         collider: *mut pbf_collider,
         struct_size: u32,
@@ -696,6 +715,21 @@ mod layout {
         assert_eq!(offset!(pbf_read_desc, data), 40);
         assert_eq!(offset!(pbf_read_desc, behind), 48);
         assert_eq!(offset!(pbf_read_desc, w_value), 56);
+    }
+
+    #[test]
+    fn pbf_anisotropy_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_anisotropy_desc>(), 64);
+        assert_eq!(offset!(pbf_anisotropy_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_anisotropy_desc, first), 4);
+        assert_eq!(offset!(pbf_anisotropy_desc, count), 8);
+        assert_eq!(offset!(pbf_anisotropy_desc, min_neighbors), 12);
+        assert_eq!(offset!(pbf_anisotropy_desc, radius), 16);
+        assert_eq!(offset!(pbf_anisotropy_desc, smoothing), 24);
+        assert_eq!(offset!(pbf_anisotropy_desc, max_ratio), 32);
+        assert_eq!(offset!(pbf_anisotropy_desc, lone_scale), 40);
+        assert_eq!(offset!(pbf_anisotropy_desc, positions), 48);
+        assert_eq!(offset!(pbf_anisotropy_desc, stretches), 56);
     }
 
     #[test]
