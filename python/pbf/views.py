@@ -13,7 +13,7 @@ from ._errors import StateError, UnsupportedError, check
 from ._library import ffi, lib, new_struct
 
 if TYPE_CHECKING:
-    from .solver import Solver
+    from ._handle import Handle
 
 _PyCapsule_New = ctypes.PYFUNCTYPE(
     ctypes.py_object, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)(
@@ -35,7 +35,7 @@ def _free_capsule(capsule: int) -> None:
         _delete(ffi.cast("DLManagedTensor *", _PyCapsule_GetPointer(capsule, b"dltensor")))
 
 
-def _export(solver: Solver, field: int) -> Any:
+def _export(solver: Handle, field: int) -> Any:
     tensor = ffi.new("struct DLManagedTensor **")
     check(lib.pbf_export_dlpack(solver.handle, field, tensor))
     return tensor[0]
@@ -48,7 +48,7 @@ def _dtype_of(tensor: Any) -> np.dtype[Any]:
 class _Exported:
     """A tensor of one field. The solver's particles can't change until it is gone."""
 
-    def __init__(self, solver: Solver, field: int) -> None:
+    def __init__(self, solver: Handle, field: int) -> None:
         self._callbacks = solver._callbacks
         self.managed = ffi.gc(_export(solver, field), _delete)
 
@@ -80,8 +80,8 @@ class View:
     not write to it.
     """
 
-    def __init__(self, solver: Solver, field: int) -> None:
-        self._solver: Solver | None = solver
+    def __init__(self, solver: Handle, field: int) -> None:
+        self._solver: Handle | None = solver
         self._field = field
         self._exported: _Exported | None = _Exported(solver, field)
         self._ids: NDArray[np.uint32] | None = None
@@ -160,7 +160,7 @@ class View:
 class _Held:
     """A snapshot that is held until nothing refers to this."""
 
-    def __init__(self, solver: Solver) -> None:
+    def __init__(self, solver: Handle) -> None:
         self._callbacks = solver._callbacks
         struct = new_struct("pbf_snapshot")
         check(lib.pbf_acquire_snapshot(solver.handle, struct))
@@ -171,7 +171,7 @@ class Snapshot:
     """The state at the end of a step, which stays as it is while it is held, also beside steps that
     run, and after the solver is gone. Arrays of it are read-only and without a copy."""
 
-    def __init__(self, solver: Solver) -> None:
+    def __init__(self, solver: Handle) -> None:
         held = _Held(solver)
         struct = held.struct
         count, dtype = struct.count, np.dtype(f"f{struct.element_type}")

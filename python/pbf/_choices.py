@@ -1,0 +1,44 @@
+"""Names in the place of the C API's numbers."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._errors import InvalidArgumentError
+from ._library import ffi, lib
+
+PRECISIONS = {"float32": lib.PBF_FLOAT32, "float64": lib.PBF_FLOAT64}
+FIELDS = {
+    "position": lib.PBF_FIELD_POSITION, "velocity": lib.PBF_FIELD_VELOCITY,
+    "id": lib.PBF_FIELD_ID, "density": lib.PBF_FIELD_DENSITY,
+    "pressure": lib.PBF_FIELD_PRESSURE}
+W = {"speed": lib.PBF_W_SPEED, "density": lib.PBF_W_DENSITY, "pressure": lib.PBF_W_PRESSURE}
+ORDERS = {"added": lib.PBF_ORDER_ADDED, "stored": lib.PBF_ORDER_STORED}
+TYPES = {"float32": lib.PBF_TYPE_FLOAT32, "float64": lib.PBF_TYPE_FLOAT64,
+          "uint32": lib.PBF_TYPE_UINT32}
+
+
+def choice(name: str, value: str, known: Mapping[str, int]) -> int:
+    if value not in known:
+        listed = ", ".join(f'"{each}"' for each in known)
+        raise InvalidArgumentError(f'{name} is {value!r}; it must be one of {listed}')
+    return known[value]
+
+
+def precision_of(precision: Any) -> str:
+    try:
+        name = np.dtype(precision).name
+    except TypeError:
+        name = str(precision)
+    choice("precision", name, PRECISIONS)
+    return name
+
+
+def chars(name: str, value: Any) -> Any:
+    if value is None:
+        return ffi.NULL
+    if not isinstance(value, str):
+        raise InvalidArgumentError(f"{name} is {value!r}; it must be a string")
+    return ffi.new("char[]", value.encode())

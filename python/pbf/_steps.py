@@ -1,0 +1,114 @@
+"""Time steps."""
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ._errors import Error, InvalidArgumentError, check, last_error
+from ._handle import Handle
+from ._library import ffi, lib
+from ._numbers import UINT32_MAX, real, uint32
+from .progress import progress_of
+
+
+class Steps(Handle):
+    """How a solver steps."""
+
+    def step(self, steps: int = 1) -> None:
+        """Runs so many time steps. Ctrl-C ends a call of several between two of them; what is done
+        stands. A GPU works on after the call: whatever reads waits for it."""
+        steps = uint32("steps", steps)
+        if steps > 1 and threading.current_thread() is threading.main_thread():
+            self._step_interruptibly(steps)
+        else:
+            self._call(lib.pbf_step, steps)
+
+    def _step_interruptibly(self, steps: int) -> None:
+        """The library's own thread runs the steps, another waits for them in C, and this one where
+        Python's signal handlers run."""
+        failures: list[Error] = []
+        handle, ended = self.handle, threading.Event()
+
+        def wait() -> None:
+            status = lib.pbf_end_step(handle)
+            if status:
+                failures.append(last_error(status))
+            ended.set()
+
+        waiter = threading.Thread(target=wait, name="pbf-step", daemon=True)
+        self._call(lib.pbf_begin_step, steps)
+        try:
+            waiter.start()
+            ended.wait()  # Thread.join takes a thread that it is interrupted in for ended
+        except BaseException:
+            lib.pbf_cancel(handle)
+            if waiter.ident is None:  # it could not be started
+                wait()
+            ended.wait()
+            raise
+        if failures:
+            raise failures[0]
+        self._callbacks.reraise()
+
+    def begin_step(self, steps: int = 1) -> None:
+        """Has steps run beside what this thread does next; `end_step` waits for them."""
+        self._call(lib.pbf_begin_step, uint32("steps", steps))
+
+    def end_step(self) -> None:
+        self._call(lib.pbf_end_step)
+
+    @contextmanager
+    def stepping(self, steps: int = 1) -> Iterator[None]:
+        """Steps that run beside a `with` block, and have ended after it."""
+        self.begin_step(steps)
+        try:
+            yield
+        except BaseException:
+            self.cancel()
+            lib.pbf_end_step(self.handle)
+            raise
+        self.end_step()
+
+    def cancel(self) -> None:
+        """Has the call of steps that is inside the solver raise `CancelledError`; from any thread."""
+        check(lib.pbf_cancel(self.handle))
+
+    def frames(self, count: int, *, steps: int = 1, progress: bool = False) -> Iterator[int]:
+        """Frame after frame, `steps` steps before each.
+
+        >>> for frame in fluid.frames(60, steps=2, progress=True):
+        ...     pictures.append(fluid.render())
+        """
+        for frame in progress_of(range(uint32("count", count)), progress, "frame"):
+            self.step(steps)
+            yield frame
+
+    def run(self, seconds: float | None = None, *, steps: int | None = None,
+            progress: bool = False) -> None:
+        """Runs so long, or so many steps, perhaps with a progress bar (tqdm's)."""
+        if (seconds is None) == (steps is None):
+            raise TypeError("run wants either seconds or steps")
+        if steps is None:
+            seconds = real("seconds", seconds)
+            if not 0 <= seconds / self.time_step <= UINT32_MAX:
+                raise InvalidArgumentError(
+                    f"seconds is {seconds}; in steps of {self.time_step:g} it must be 0 … "
+                    f"{UINT32_MAX * self.time_step:g}")
+            steps = math.ceil(seconds / self.time_step - 1e-6)
+        steps = uint32("steps", steps)
+        if not progress:
+            self.step(steps)
+            return
+        batch = max(1, steps // 200)
+        starts = progress_of(range(0, steps, batch), True, "batch", steps)
+        for start in starts:
+            self.step(min(batch, steps - start))
+
+    @property
+    def step_limit(self) -> float:
+        """The longest `time_step` that the present state stands, undivided."""
+        limit = ffi.new("double *")
+        self._call(lib.pbf_get_step_limit, limit)
+        return float(limit[0])
