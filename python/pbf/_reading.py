@@ -1,7 +1,7 @@
 """Fields of the particles: read, seen without a copy, or in snapshots."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -13,6 +13,14 @@ from ._handle import Handle
 from ._library import ffi, lib, new_struct
 from ._numbers import real, uint32
 from .views import Snapshot, View
+
+
+class Anisotropies(NamedTuple):
+    """What renderers draw in place of balls: ellipsoids x + r A u, |u| <= 1, with r half of the
+    distance of particles, x a row of `positions` and A one of `stretches`."""
+
+    positions: NDArray[Any]  # (count, dimension), smoothed
+    stretches: NDArray[Any]  # (count, dimension, dimension), symmetric
 
 
 class Reading(Handle):
@@ -86,6 +94,31 @@ class Reading(Handle):
             raise InvalidArgumentError(
                 f"out has the shape {array.shape}: too small for {count} rows of {components}")
         return array, uint32("count", count), components or width
+
+    def anisotropies(self, *, smoothing: float = 0.9, radius: float = 0.0, max_ratio: float = 0.0,
+                     lone_scale: float = 0.0, min_neighbors: int = 0, first: int = 0,
+                     count: int | None = None) -> Anisotropies:
+        """Smoothed positions and anisotropies for renderers, after Yu & Turk 2013: see
+        pbf_get_anisotropies in pbf.h. Computed anew in each call.
+
+        smoothing   how far positions move to the mean of their surroundings, 0 … 1
+        radius      of the surroundings; 0: two smoothing radii
+        max_ratio   of the longest axis and any other; 0: 4
+        lone_scale  the size of a particle with fewer than `min_neighbors`; 0: 0.5
+        """
+        struct = new_struct("pbf_anisotropy_desc")
+        struct.first = uint32("first", first)
+        struct.min_neighbors = uint32("min_neighbors", min_neighbors)
+        for name, value in (("smoothing", smoothing), ("radius", radius), ("max_ratio", max_ratio),
+                            ("lone_scale", lone_scale)):
+            setattr(struct, name, real(name, value))
+        rows = max(0, self.count - struct.first) if count is None else uint32("count", count)
+        made = Anisotropies(np.empty((rows, self.dimension), self.dtype),
+                            np.empty((rows, self.dimension, self.dimension), self.dtype))
+        struct.count = rows
+        struct.positions, struct.stretches = pointer(made.positions), pointer(made.stretches)
+        self._call(lib.pbf_get_anisotropies, struct)
+        return made
 
     def keep_previous(self, enabled: bool = True) -> None:
         """Keeps the positions from before the last step, for `read(behind=…)`."""

@@ -218,12 +218,22 @@ class Surface:
         meshio.Mesh(self.vertices, [("triangle", self.triangles)], point_data=data).write(file)
 
 
+def _smoothed(fluid: Solver, smoothing: float) -> NDArray[Any]:
+    if not smoothing:
+        return fluid.positions
+    return fluid.anisotropies(smoothing=smoothing, radius=fluid.smoothing_radius).positions
+
+
 def surface(fluid: Solver, *, smoothing_length: float = 2.0, cube_size: float = 0.75,
-            threshold: float = 0.6, smoothing: int = 15, within_domain: bool = True) -> Surface:
+            threshold: float = 0.6, smoothing: int = 15, particle_smoothing: float = 0.0,
+            within_domain: bool = True) -> Surface:
     """The surface of a fluid in 3D, by splashsurf: marching cubes about the particles, smoothed.
 
     Lengths are in radii of a particle, which is half of the distance of particles. A smaller
     `cube_size` is finer and takes longer; `smoothing` is how often the mesh is smoothed.
+    `particle_smoothing`, 0 … 1, first moves particles so far to the mean of those within
+    `smoothing_radius` (Solver.anisotropies): bumps of single particles go, and at 1 some 0.4
+    distances of particles of the fluid's outside with them.
     `within_domain` takes triangles off that are outside of the domain's walls.
     """
     splash = _need("pysplashsurf", "pysplashsurf", "a surface")
@@ -233,7 +243,7 @@ def surface(fluid: Solver, *, smoothing_length: float = 2.0, cube_size: float = 
     if fluid.count == 0:
         return Surface(none, np.empty((0, 3), np.int64), none)
     # Of float64 the library takes arrays in the order of C alone.
-    points = np.ascontiguousarray(fluid.positions, np.float64)
+    points = np.ascontiguousarray(_smoothed(fluid, particle_smoothing), np.float64)
     limits: dict[str, Any] = {}
     if within_domain:
         limits = {"mesh_aabb_min": list(fluid.domain_min), "mesh_aabb_max": list(fluid.domain_max)}

@@ -81,6 +81,16 @@ def test_surface(make, tmp_path):
         assert len(meshio.read(tmp_path / name).cells[0].data) == len(mesh.triangles)
 
 
+def test_surface_of_smoothed_particles(make):
+    """Those of the outside move inwards by 0.4 of their distance, and bumps go."""
+    pytest.importorskip("pysplashsurf")
+    fluid = make(pbf.fill_ball((0.5, 0.5, 0.5), 0.4, 0.05))
+    distance = [np.linalg.norm(pbf.surface(fluid, smoothing=0, particle_smoothing=s).vertices - 0.5, axis=1)
+                for s in (0, 1)]
+    assert distance[0].mean() - distance[1].mean() == pytest.approx(0.4 * 0.05, rel=0.4)
+    assert distance[1].std() < 0.85 * distance[0].std()
+
+
 def test_surface_in_a_box_stays_in_it(dam):
     pytest.importorskip("pysplashsurf")
     mesh = pbf.surface(dam)

@@ -159,3 +159,23 @@ def test_add_shapes(make):
     ball = fluid.add_ball((0.5, 0.8, 0.5), 0.15, (0, -2, 0))
     assert ball.start == 1000 and len(ball) == fluid.count - 1000
     assert (fluid.velocities[ball.start:] == [0, -2, 0]).all()
+
+
+def test_anisotropies(make):
+    """Of a block, inside the identity, and on the middle of a face flat: what the sums over a half lattice give."""
+    fluid = make(pbf.fill_box((0.1, 0.1, 0.1), (0.9, 0.9, 0.9), 0.05))
+    positions, stretches = fluid.anisotropies(smoothing=0.5)
+    assert positions.shape == (fluid.count, 3) and stretches.shape == (fluid.count, 3, 3)
+    assert stretches.dtype == positions.dtype == np.float32
+    middle = np.abs(fluid.positions - 0.525).max(axis=1).argmin()
+    assert stretches[middle] == pytest.approx(np.eye(3), abs=1e-4)
+    assert positions[middle] == pytest.approx(fluid.positions[middle], abs=1e-5)
+    side = np.abs(fluid.positions - [0.525, 0.875, 0.525]).max(axis=1).argmin()
+    assert stretches[side] == pytest.approx(np.diag([1.03036, 0.38133, 1.03036]), abs=1e-4)
+    assert positions[side] == pytest.approx(
+        fluid.positions[side] - [0, 0.5 * 1.0258809 * 0.05, 0], abs=1e-5)
+    some = fluid.anisotropies(smoothing=0.5, first=7, count=3)
+    assert (some.positions == positions[7:10]).all() and (some.stretches == stretches[7:10]).all()
+    with pytest.raises(pbf.InvalidArgumentError, match="anisotropy.radius is 9"):
+        fluid.anisotropies(radius=9)
+    assert len(make(dimension=2).anisotropies().stretches) == 0
