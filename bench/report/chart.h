@@ -1,4 +1,4 @@
-/* Scatter plots with both axes logarithmic, as SVG whose colours are the page's. The fronts set the
+/* Scatter plots with both axes logarithmic, which chart.py draws by Matplotlib. The fronts set the
  * upper end: what is worse than all of them lies on the edge. */
 #ifndef PBF_BENCH_CHART_H
 #define PBF_BENCH_CHART_H
@@ -31,7 +31,8 @@ struct Chart {
   std::string floor_name;
 };
 
-std::string draw_chart(const Chart &chart);
+// An SVG text each, for a place in a page; without Matplotlib a sentence that says so.
+std::vector<std::string> draw_charts(const std::vector<Chart> &charts);
 
 }  // namespace bench
 

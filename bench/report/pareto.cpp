@@ -76,7 +76,7 @@ ChartSeries chart_series(const Study &study, const std::string &figure, const Se
   return drawn;
 }
 
-std::string chart_of(const Study &study, const ErrorFigure &error, bool large) {
+Chart chart_of(const Study &study, const ErrorFigure &error, bool large) {
   Chart chart;
   chart.width = large ? 820 : 620;
   chart.height = large ? 480 : 400;
@@ -94,7 +94,7 @@ std::string chart_of(const Study &study, const ErrorFigure &error, bool large) {
     (last ? on_top : chart.series).push_back(series);
   }
   chart.series.insert(chart.series.end(), on_top.begin(), on_top.end());
-  return draw_chart(chart);
+  return chart;
 }
 
 // ---- Tables ----
@@ -147,16 +147,24 @@ data hull_of(const Study &study, const std::string &figure) {
 }
 
 data errors_of(const Study &study) {
-  data errors{data::type::list};
+  std::vector<const ErrorFigure *> figures;
+  std::vector<Chart> charts;
   for (const ErrorFigure &error : study.sweep.errors) {
     if (front_of_all(study, error.figure).empty()) continue;
+    figures.push_back(&error);
+    charts.push_back(chart_of(study, error, &error == &study.sweep.errors.front()));
+  }
+  const std::vector<std::string> drawn = draw_charts(charts);
+  data errors{data::type::list};
+  for (size_t i = 0; i < figures.size(); ++i) {
+    const ErrorFigure &error = *figures[i];
     const bool first = &error == &study.sweep.errors.front();
     data entry;
     entry.set("first", first);
     entry.set("title", error.title);
     entry.set("explains", error.explains);
     entry.set("figure", error.figure);
-    entry.set("chart", chart_of(study, error, first));
+    entry.set("chart", drawn[i]);
     entry.set("rows", comparisons_of(study, error.figure));
     entry.set("hull", hull_of(study, error.figure));
     const auto floor = float32_floor(study, error.figure);
