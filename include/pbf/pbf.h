@@ -62,7 +62,7 @@ extern "C" {
 /* ---- Versions ------------------------------------------------------------------------------ */
 
 #define PBF_VERSION_MAJOR 0
-#define PBF_VERSION_MINOR 1
+#define PBF_VERSION_MINOR 2
 #define PBF_VERSION_PATCH 0
 
 /* What pbf_desc.api_version must hold: the header that the caller was compiled with. */

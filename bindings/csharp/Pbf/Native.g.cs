@@ -28,7 +28,7 @@ namespace Pbf
     public static class Constants
     {
         public const uint VersionMajor = 0;
-        public const uint VersionMinor = 1;
+        public const uint VersionMinor = 2;
         public const uint VersionPatch = 0;
         public const uint ApiVersion = 2;
         public const uint MaxCapacity = 1073741823;

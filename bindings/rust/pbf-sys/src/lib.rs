@@ -7,7 +7,7 @@ use std::os::raw::{c_char, c_void};
 pub type pbf_status = i32;
 
 pub const PBF_VERSION_MAJOR: u32 = 0;
-pub const PBF_VERSION_MINOR: u32 = 1;
+pub const PBF_VERSION_MINOR: u32 = 2;
 pub const PBF_VERSION_PATCH: u32 = 0;
 pub const PBF_API_VERSION: u32 = 2;
 pub const PBF_MAX_CAPACITY: u32 = 1073741823;
