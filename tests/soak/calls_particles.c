@@ -15,6 +15,8 @@ typedef struct rows {
   uint32_t found[TWINS];
   unsigned char *out[TWINS];
   pbf_read_desc read;
+  pbf_anisotropy_desc wanted;
+  uint32_t with_positions; /* where they go, in bytes; 0: not wanted */
 } rows;
 
 static rows *rows_of(actor *a) {
@@ -309,6 +311,41 @@ void call_read(actor *a) {
   pbf_status status = call_both(a, read_fields, r, CALL_READS);
   insist(a, memcmp(a->numbers[0], a->numbers[1], sizeof a->numbers[0]) == 0);
   for (size_t i = 0; i < sizeof a->numbers[0] && status != PBF_OK; ++i)
+    insist(a, a->numbers[0][i] == GUARD);
+}
+
+/* ---- For renderers ---- */
+
+static pbf_status get_anisotropies(pbf_solver *solver, int twin, void *context) {
+  rows *r = context;
+  pbf_anisotropy_desc wanted = r->wanted;
+  wanted.stretches = r->out[twin];
+  if (r->with_positions) wanted.positions = (char *)r->out[twin] + r->with_positions;
+  return pbf_get_anisotropies(solver, &wanted);
+}
+
+/* The same bits of both; positions go behind the matrices. */
+void call_get_anisotropies(actor *a) {
+  rows *r = rows_of(a);
+  dice *d = &a->dice;
+  const uint32_t dimension = a->subject->dimension, precision = a->subject->precision;
+  draw_rows(a, r);
+  r->wanted = (pbf_anisotropy_desc){.struct_size = sizeof r->wanted,
+                                    .first = r->first,
+                                    .count = r->count,
+                                    .min_neighbors = dice_below(d, 30),
+                                    .smoothing = dice_in(d, -0.1, 1.1)};
+  if (dice_one_in(d, 3)) r->wanted.radius = dice_in(d, 0, 0.5);
+  if (dice_one_in(d, 3)) r->wanted.max_ratio = dice_in(d, 0.9, 9);
+  if (dice_one_in(d, 8)) r->wanted.lone_scale = dice_in(d, -0.1, 1.1);
+  if (dice_one_in(d, 16)) r->wanted.struct_size = dice_below(d, sizeof r->wanted);
+  r->with_positions = dice_one_in(d, 2) ? r->count * dimension * dimension * precision : 0;
+  memset(a->numbers, GUARD, sizeof a->numbers);
+  pbf_status status = call_both(a, get_anisotropies, r, CALL_READS);
+  insist(a, memcmp(a->numbers[0], a->numbers[1], sizeof a->numbers[0]) == 0);
+  const size_t written =
+      (size_t)r->count * dimension * precision * (dimension + (r->with_positions > 0));
+  for (size_t i = status == PBF_OK ? written : 0; i < sizeof a->numbers[0]; ++i)
     insist(a, a->numbers[0][i] == GUARD);
 }
 

@@ -42,6 +42,7 @@ const entry table[] = {
     {"pbf_get_densities", 2, call_get_densities},
     {"pbf_get_pressures", 2, call_get_pressures},
     {"pbf_read", 4, call_read},
+    {"pbf_get_anisotropies", 2, call_get_anisotropies},
     {"pbf_keep_previous", 2, call_keep_previous},
     {"pbf_map", 2, call_map},
     {"pbf_unmap", 2, call_unmap},

@@ -62,6 +62,7 @@ void call_get_ids(actor *a);
 void call_get_densities(actor *a);
 void call_get_pressures(actor *a);
 void call_read(actor *a);
+void call_get_anisotropies(actor *a);
 void call_keep_previous(actor *a);
 
 void call_map(actor *a);
