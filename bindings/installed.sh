@@ -72,6 +72,7 @@ rust() {
 csharp() {
   need mcs mono python3
   fresh "$folder/csharp"
+  rm -f "$folder"/Pbf.*.nupkg # of another version
   cd "$folder/csharp" || return 1
   mcs -langversion:7.2 -warnaserror -noconfig -target:library -out:Pbf.dll "$source"/bindings/csharp/Pbf/*.cs &&
     python3 -B "$source/bindings/csharp/pack.py" Pbf.dll "$prefix" "$folder" || return 1
