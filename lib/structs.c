@@ -25,6 +25,7 @@ const pbf_struct_kind pbf_kind_timings = KIND(pbf_timings, stages);
 const pbf_struct_kind pbf_kind_plan = KIND(pbf_plan, arrays);
 const pbf_struct_kind pbf_kind_info = KIND(pbf_info, fallback_reason);
 const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, reason);
+const pbf_struct_kind pbf_kind_batch_info = KIND(pbf_batch_info, device_type);
 
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
   if (size >= kind->first_size && size <= MAX_SIZE) return PBF_OK;

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include <pbf/pbf.h>
+#include <pbf/batch.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {
@@ -26,6 +26,7 @@ extern const pbf_struct_kind pbf_kind_timings;
 extern const pbf_struct_kind pbf_kind_plan;
 extern const pbf_struct_kind pbf_kind_info;
 extern const pbf_struct_kind pbf_kind_backend_info;
+extern const pbf_struct_kind pbf_kind_batch_info;
 
 /* Fails unless `size` is one that a caller of this kind can have. */
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);

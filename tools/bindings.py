@@ -5,7 +5,7 @@
     tools/bindings.py --check     fails where a file is not as it would be written; without clang
                                   only sizes and offsets are compared with the header
 
-    bindings/abi.json             the description: what the compilers see in include/pbf/pbf.h
+    bindings/abi.json             the description: what the compilers see in include/pbf/pbf.h and batch.h
     bindings/rust/pbf-sys/src/lib.rs
     bindings/csharp/Pbf/Native.g.cs
     bindings/lua/pbf/cdef.lua
@@ -22,6 +22,7 @@ from abi import csharp, ctypes_mirror, describe, lua, rust
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ABI = "bindings/abi.json"
+HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h")]
 STRUCTS = r"(# structs: written by tools/bindings.py\n)(?:.*\n)*?(# end of structs\n)"
 
 
@@ -51,14 +52,14 @@ def outputs(description):
 
 def described(check):
     try:
-        return describe.describe(ROOT / "include/pbf/pbf.h")
+        return describe.describe(HEADERS)
     except describe.NoCompiler as error:
         if not check:
             sys.exit(f"{error}, and the description is its")
         print(f"{error}: of the header only sizes and offsets are compared")
         description = json.loads(read(ABI))
         fields = {name: value["fields"] for name, value in description["structs"].items()}
-        description["structs"] = describe.with_layout(fields, ROOT / "include/pbf/pbf.h")
+        description["structs"] = describe.with_layout(fields, HEADERS[-1])
         return description
 
 

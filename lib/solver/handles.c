@@ -210,7 +210,21 @@ void pbf_solver_publish(pbf_solver *solver) {
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
+static int belongs_to_batch(pbf_solver *solver) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  const int belongs = is_live(solver) && solver->in_batch;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return belongs;
+}
+
+void pbf_solver_set_in_batch(pbf_solver *solver, uint32_t in_batch) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  solver->in_batch = in_batch;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+}
+
 static void destroy(pbf_solver *solver) {
+  if (belongs_to_batch(solver)) return;
   end_begun(solver);
   pbf_lock_take(PBF_LOCK_SOLVERS);
   pbf_solver **link = bucket_of(solver);

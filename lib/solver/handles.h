@@ -26,6 +26,9 @@ void pbf_let_go(pbf_solver *solver);
 /* Makes the handle valid, with one reference: the handle itself. */
 void pbf_solver_publish(pbf_solver *solver);
 
+/* 1: pbf_destroy leaves the solver to its batch. */
+void pbf_solver_set_in_batch(pbf_solver *solver, uint32_t in_batch);
+
 /* An exported tensor keeps the solver's memory alive. */
 void pbf_solver_add_export(pbf_solver *solver);
 void pbf_solver_drop_export(pbf_solver *solver);

@@ -71,6 +71,7 @@ struct pbf_solver {
   struct pbf_snapshots *snapshots; /* for other threads; null: none are made */
   pbf_left left;
   pbf_begun begun;
+  uint32_t in_batch;          /* 1: it ends with its batch, not by pbf_destroy */
   _Atomic uint32_t cancelled; /* 1: the running call is to end after its present step */
 
   /* Belongs to the running call. */

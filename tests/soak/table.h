@@ -5,7 +5,7 @@
 #include "actor.h"
 
 typedef struct entry {
-  const char *name; /* of a function of pbf.h; a fault's has a space */
+  const char *name; /* of a function of the API; a fault's has a space */
   uint32_t weight;  /* how often it is drawn */
   void (*make)(actor *a);
 } entry;
@@ -74,6 +74,23 @@ void call_release_snapshot(actor *a);
 void call_save(actor *a);
 void call_load(actor *a);
 void call_hash(actor *a);
+
+void call_batch_create(actor *a);
+void call_batch_destroy(actor *a);
+void call_batch_get_info(actor *a);
+void call_batch_get_world(actor *a);
+void call_batch_get_statuses(actor *a);
+void call_batch_get_sentence(actor *a);
+void call_batch_step(actor *a);
+void call_batch_set_start(actor *a);
+void call_batch_reset(actor *a);
+void call_batch_set_gravity(actor *a);
+void call_batch_set_colliders(actor *a);
+void call_batch_move_colliders(actor *a);
+void call_batch_add_particles(actor *a);
+void call_batch_get_counts(actor *a);
+void call_batch_read(actor *a);
+void call_batch_export_dlpack(actor *a);
 
 void fault_fork(actor *a);
 void fault_kill(actor *a);

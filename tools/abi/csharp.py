@@ -1,7 +1,7 @@
 """bindings/csharp/Pbf/Native.g.cs: structs with sequential layout, constants and P/Invoke."""
 from .words import COMMENT, camel, is_status, is_text
 
-SCALARS = {"void": "void", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
+SCALARS = {"void": "void", "uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
            "uint64_t": "ulong", "double": "double", "pbf_status": "Status"}
 VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
 OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
@@ -51,7 +51,7 @@ def parameter_of(function, parameter):
             return f"out IntPtr {name}"
         if "struct" in target and not kind["const"]:
             return f"ref {struct_name(target['struct'])} {name}"
-        if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name != "ids":
+        if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name not in ("ids", "counts"):
             return f"ref {SCALARS[target['scalar']]} {name}"
     return f"IntPtr {name}"
 

@@ -1,4 +1,4 @@
-"""include/pbf/pbf.h as clang sees it, and sizes and offsets as the C compiler has them.
+"""The public headers as clang sees them, and sizes and offsets as the C compiler has them.
 
 A type is one of
     {"scalar": "uint32_t"}                      of the names in SCALARS
@@ -15,7 +15,7 @@ import shlex
 import subprocess
 import tempfile
 
-SCALARS = {"void", "char", "int32_t", "uint32_t", "int64_t", "uint64_t", "double", "pbf_status"}
+SCALARS = {"void", "char", "uint8_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "double", "pbf_status"}
 
 
 class NoCompiler(Exception):
@@ -31,7 +31,7 @@ def run(command, **keywords):
 
 def tree(header):
     clang = shlex.split(os.environ.get("CLANG", "clang"))
-    return json.loads(run(clang + ["-x", "c", "-std=c11", "-fsyntax-only", "-Xclang",
+    return json.loads(run(clang + ["-x", "c", "-std=c11", "-fsyntax-only", "-I", str(header.parents[1]), "-Xclang",
                                    "-ast-dump=json", str(header)]))["inner"]
 
 
@@ -108,10 +108,10 @@ def enumerators(nodes):
     return enums
 
 
-def numbers(header):
+def numbers(headers):
     """#define PBF_… with a number."""
-    found = re.findall(r"^#define (PBF_\w+) (0x[0-9a-f]+|\d+)u?$", header.read_text(encoding="utf-8"),
-                       re.MULTILINE)
+    text = "".join(header.read_text(encoding="utf-8") for header in headers)
+    found = re.findall(r"^#define (PBF_\w+) (0x[0-9a-f]+|\d+)u?$", text, re.MULTILINE)
     return {name: int(value, 0) for name, value in found}
 
 
@@ -136,8 +136,8 @@ def functions_of(nodes, names):
     return functions
 
 
-def layout_program(structs):
-    lines = ["#include <stddef.h>", "#include <stdio.h>", "#include <pbf/pbf.h>", "int main(void) {"]
+def layout_program(structs, header):
+    lines = ["#include <stddef.h>", "#include <stdio.h>", f"#include <pbf/{header.name}>", "int main(void) {"]
     for struct, fields in structs.items():
         lines.append(f'  printf("%zu\\n", sizeof({struct}));')
         for field in fields:
@@ -150,7 +150,7 @@ def with_layout(structs, header):
     """Adds size, and each field's offset and size, as a compiled program prints them."""
     with tempfile.TemporaryDirectory() as folder:
         source, program = pathlib.Path(folder) / "layout.c", pathlib.Path(folder) / "layout"
-        source.write_text(layout_program(structs), encoding="utf-8")
+        source.write_text(layout_program(structs, header), encoding="utf-8")
         run(shlex.split(os.environ.get("CC", "cc")) + ["-I", str(header.parents[1]), str(source), "-o", str(program)])
         printed = iter(run([str(program)]).splitlines())
     described = {}
@@ -162,14 +162,15 @@ def with_layout(structs, header):
     return described
 
 
-def describe(header):
-    header = pathlib.Path(header)
+def describe(headers):
+    """`headers`: each includes those before it."""
+    header = headers[-1]
     nodes = tree(header)
     names = Names(nodes)
     structs = with_layout(structs_of(nodes, names), header)
     functions = functions_of(nodes, names)
-    return {"comment": "include/pbf/pbf.h on a system with 64-bit pointers; written by tools/bindings.py",
-            "numbers": numbers(header), "enums": enumerators(nodes),
+    return {"comment": f"{' and '.join(f'include/pbf/{one.name}' for one in headers)} on a system with 64-bit pointers; written by tools/bindings.py",
+            "numbers": numbers(headers), "enums": enumerators(nodes),
             "opaque": sorted(names.pointed_to),
             "callbacks": names.callbacks, "structs": structs, "functions": functions}
 

@@ -37,6 +37,7 @@ namespace Pbf
         public const uint NameSize = 32;
         public const uint MaxStages = 24;
         public const uint MaxArrays = 40;
+        public const uint MaxWorlds = 65536;
         public const uint Float32 = 4;
         public const uint Float64 = 8;
         public const uint LogInfo = 1;
@@ -389,6 +390,15 @@ namespace Pbf
         public string Reason;
     }
 
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct BatchInfo
+    {
+        public uint StructSize;
+        public uint Worlds;
+        public uint Threads;
+        public uint DeviceType;
+    }
+
     internal static class Native
     {
 #if UNITY_IOS && !UNITY_EDITOR
@@ -500,6 +510,38 @@ namespace Pbf
         internal static extern Status pbf_get_backend_info(IntPtr desc, uint index, ref BackendInfo info);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_load_backend(IntPtr path);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_create(IntPtr desc, IntPtr parameters, uint worlds, out IntPtr batch);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void pbf_batch_destroy(IntPtr batch);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_get_info(IntPtr batch, ref BatchInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_get_world(IntPtr batch, uint world, out IntPtr solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_get_statuses(IntPtr batch, IntPtr statuses);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_get_sentence(IntPtr batch, uint world, out IntPtr sentence);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_step(IntPtr batch, IntPtr mask, uint steps);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_set_start(IntPtr batch, IntPtr mask, IntPtr state, ulong size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_reset(IntPtr batch, IntPtr mask);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_set_gravity(IntPtr batch, IntPtr mask, IntPtr gravity);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_set_colliders(IntPtr batch, IntPtr mask, uint count, IntPtr colliders);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_move_colliders(IntPtr batch, IntPtr mask, uint count, IntPtr positions, IntPtr orientations, double duration);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_add_particles(IntPtr batch, IntPtr counts, IntPtr positions, IntPtr velocities);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_get_counts(IntPtr batch, IntPtr counts);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_read(IntPtr batch, IntPtr mask, IntPtr read, ulong world_stride);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_batch_export_dlpack(IntPtr batch, uint field, uint rows, out IntPtr tensor);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -522,7 +564,8 @@ namespace Pbf
             { typeof(PlanArray), new[] { "48", "Name=0", "BytesPerParticle=32", "Bytes=40" } },
             { typeof(Plan), new[] { "2976", "StructSize=0", "StageCount=4", "ArrayCount=8", "Reserved=12", "Variant=16", "BytesPerParticle=80", "Bytes=88", "Stages=96", "Arrays=1056" } },
             { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
-            { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } }
+            { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } },
+            { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } }
         };
     }
 }

@@ -103,8 +103,10 @@ enum {
   PBF_NAME_SIZE = 32,
   PBF_MAX_STAGES = 24,
   PBF_MAX_ARRAYS = 40,
+  PBF_MAX_WORLDS = 65536,
 };
 struct DLManagedTensor;
+typedef struct pbf_batch pbf_batch;
 typedef struct pbf_solver pbf_solver;
 typedef void (*pbf_log_fn)(void *, int32_t, const char *);
 typedef void (*pbf_task_fn)(void *, uint32_t, uint32_t);
@@ -333,6 +335,12 @@ typedef struct pbf_backend_info {
   char path[256];
   char reason[256];
 } pbf_backend_info;
+typedef struct pbf_batch_info {
+  uint32_t struct_size;
+  uint32_t worlds;
+  uint32_t threads;
+  uint32_t device_type;
+} pbf_batch_info;
 uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
@@ -385,6 +393,22 @@ pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash);
 pbf_status pbf_get_backend_count(uint32_t *count);
 pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info);
 pbf_status pbf_load_backend(const char *path);
+pbf_status pbf_batch_create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds, pbf_batch * *batch);
+void pbf_batch_destroy(pbf_batch *batch);
+pbf_status pbf_batch_get_info(pbf_batch *batch, pbf_batch_info *info);
+pbf_status pbf_batch_get_world(pbf_batch *batch, uint32_t world, pbf_solver * *solver);
+pbf_status pbf_batch_get_statuses(pbf_batch *batch, pbf_status *statuses);
+pbf_status pbf_batch_get_sentence(pbf_batch *batch, uint32_t world, const char * *sentence);
+pbf_status pbf_batch_step(pbf_batch *batch, const uint8_t *mask, uint32_t steps);
+pbf_status pbf_batch_set_start(pbf_batch *batch, const uint8_t *mask, const void *state, uint64_t size);
+pbf_status pbf_batch_reset(pbf_batch *batch, const uint8_t *mask);
+pbf_status pbf_batch_set_gravity(pbf_batch *batch, const uint8_t *mask, const double *gravity);
+pbf_status pbf_batch_set_colliders(pbf_batch *batch, const uint8_t *mask, uint32_t count, const pbf_collider *colliders);
+pbf_status pbf_batch_move_colliders(pbf_batch *batch, const uint8_t *mask, uint32_t count, const double *positions, const double *orientations, double duration);
+pbf_status pbf_batch_add_particles(pbf_batch *batch, const uint32_t *counts, const void *positions, const void *velocities);
+pbf_status pbf_batch_get_counts(pbf_batch *batch, uint32_t *counts);
+pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *read, uint64_t world_stride);
+pbf_status pbf_batch_export_dlpack(pbf_batch *batch, uint32_t field, uint32_t rows, struct DLManagedTensor * *tensor);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {
@@ -404,4 +428,5 @@ return {
   pbf_plan = {size = 2976, struct_size = 0, stage_count = 4, array_count = 8, reserved = 12, variant = 16, bytes_per_particle = 80, bytes = 88, stages = 96, arrays = 1056},
   pbf_info = {size = 784, struct_size = 0, dimension = 4, precision = 8, capacity = 12, threads = 16, device = 20, device_type = 24, fell_back = 28, step = 32, time = 40, backend = 48, device_name = 80, build_id = 176, path = 272, fallback_reason = 528},
   pbf_backend_info = {size = 752, struct_size = 0, available = 4, score = 8, device_type = 12, name = 16, device_name = 48, build_id = 144, path = 240, reason = 496},
+  pbf_batch_info = {size = 16, struct_size = 0, worlds = 4, threads = 8, device_type = 12},
 }

@@ -1,4 +1,4 @@
-//! The C API of pbf (`include/pbf/pbf.h`), which says what each of these is. Written by tools/bindings.py from bindings/abi.json; do not edit.
+//! The C API of pbf (`include/pbf/pbf.h`, `batch.h`), which says what each of these is. Written by tools/bindings.py from bindings/abi.json; do not edit.
 #![allow(non_camel_case_types)]
 
 use std::os::raw::{c_char, c_void};
@@ -16,6 +16,7 @@ pub const PBF_MAX_SNAPSHOTS: u32 = 16;
 pub const PBF_NAME_SIZE: u32 = 32;
 pub const PBF_MAX_STAGES: u32 = 24;
 pub const PBF_MAX_ARRAYS: u32 = 40;
+pub const PBF_MAX_WORLDS: u32 = 65536;
 pub const PBF_OK: pbf_status = 0;
 pub const PBF_ERROR_INVALID_ARGUMENT: pbf_status = -1;
 pub const PBF_ERROR_STRUCT_SIZE: pbf_status = -2;
@@ -79,6 +80,12 @@ pub const PBF_LIMIT_COLLIDERS: u32 = 5;
 
 #[repr(C)]
 pub struct DLManagedTensor {
+    _opaque: [u8; 0],
+    _not_send: std::marker::PhantomData<*mut u8>,
+}
+
+#[repr(C)]
+pub struct pbf_batch {
     _opaque: [u8; 0],
     _not_send: std::marker::PhantomData<*mut u8>,
 }
@@ -376,6 +383,15 @@ pub struct pbf_backend_info {
     pub reason: [c_char; 256],
 }
 
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_batch_info {
+    pub struct_size: u32,
+    pub worlds: u32,
+    pub threads: u32,
+    pub device_type: u32,
+}
+
 extern "C" {
     pub fn pbf_version() -> u32;
     pub fn pbf_status_string(
@@ -605,6 +621,89 @@ extern "C" {
     ) -> pbf_status;
     pub fn pbf_load_backend(
         path: *const c_char,
+    ) -> pbf_status;
+    pub fn pbf_batch_create(
+        desc: *const pbf_desc,
+        params: *const pbf_params,
+        worlds: u32,
+        batch: *mut *mut pbf_batch,
+    ) -> pbf_status;
+    pub fn pbf_batch_destroy(
+        batch: *mut pbf_batch,
+    );
+    pub fn pbf_batch_get_info(
+        batch: *mut pbf_batch,
+        info: *mut pbf_batch_info,
+    ) -> pbf_status;
+    pub fn pbf_batch_get_world(
+        batch: *mut pbf_batch,
+        world: u32,
+        solver: *mut *mut pbf_solver,
+    ) -> pbf_status;
+    pub fn pbf_batch_get_statuses(
+        batch: *mut pbf_batch,
+        statuses: *mut pbf_status,
+    ) -> pbf_status;
+    pub fn pbf_batch_get_sentence(
+        batch: *mut pbf_batch,
+        world: u32,
+        sentence: *const *mut c_char,
+    ) -> pbf_status;
+    pub fn pbf_batch_step(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        steps: u32,
+    ) -> pbf_status;
+    pub fn pbf_batch_set_start(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        state: *const c_void,
+        size: u64,
+    ) -> pbf_status;
+    pub fn pbf_batch_reset(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+    ) -> pbf_status;
+    pub fn pbf_batch_set_gravity(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        gravity: *const f64,
+    ) -> pbf_status;
+    pub fn pbf_batch_set_colliders(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        count: u32,
+        colliders: *const pbf_collider,
+    ) -> pbf_status;
+    pub fn pbf_batch_move_colliders(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        count: u32,
+        positions: *const f64,
+        orientations: *const f64,
+        duration: f64,
+    ) -> pbf_status;
+    pub fn pbf_batch_add_particles(
+        batch: *mut pbf_batch,
+        counts: *const u32,
+        positions: *const c_void,
+        velocities: *const c_void,
+    ) -> pbf_status;
+    pub fn pbf_batch_get_counts(
+        batch: *mut pbf_batch,
+        counts: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_batch_read(
+        batch: *mut pbf_batch,
+        mask: *const u8,
+        read: *const pbf_read_desc,
+        world_stride: u64,
+    ) -> pbf_status;
+    pub fn pbf_batch_export_dlpack(
+        batch: *mut pbf_batch,
+        field: u32,
+        rows: u32,
+        tensor: *mut *mut DLManagedTensor,
     ) -> pbf_status;
 }
 
@@ -888,5 +987,14 @@ mod layout {
         assert_eq!(offset!(pbf_backend_info, build_id), 144);
         assert_eq!(offset!(pbf_backend_info, path), 240);
         assert_eq!(offset!(pbf_backend_info, reason), 496);
+    }
+
+    #[test]
+    fn pbf_batch_info_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_batch_info>(), 16);
+        assert_eq!(offset!(pbf_batch_info, struct_size), 0);
+        assert_eq!(offset!(pbf_batch_info, worlds), 4);
+        assert_eq!(offset!(pbf_batch_info, threads), 8);
+        assert_eq!(offset!(pbf_batch_info, device_type), 12);
     }
 }

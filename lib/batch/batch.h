@@ -1,0 +1,46 @@
+/* What the host keeps of a batch. */
+#ifndef PBF_LIB_BATCH_BATCH_H
+#define PBF_LIB_BATCH_BATCH_H
+
+#include <pbf/batch.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "check.h"
+#include "crew.h"
+
+/* The longest sentence that a world keeps. */
+enum { PBF_SENTENCE_SIZE = 480 };
+
+/* A saved state that worlds go back to. */
+typedef struct pbf_start {
+  _Atomic uint32_t worlds; /* that have it */
+  uint64_t size;
+  unsigned char state[];
+} pbf_start;
+
+typedef struct pbf_world {
+  pbf_solver *solver;
+  pbf_start *start; /* null: it has none */
+  pbf_status status;
+  char sentence[PBF_SENTENCE_SIZE];
+} pbf_world;
+
+struct pbf_batch {
+  /* Guarded by the lock of solvers. */
+  pbf_batch *next_live;
+  uint32_t references; /* the handle, a running call */
+  uint32_t in_call;    /* 1: a call is running, … */
+  pthread_t thread;    /* … in this thread */
+  uint32_t left;       /* 1: a fork has left it without the thread of its call */
+
+  /* Belongs to the running call. */
+  pbf_allocator allocator;
+  pbf_check_kind kind;
+  uint32_t device_type;
+  uint32_t world_count;
+  pbf_world *worlds;
+  pbf_crew crew;
+};
+
+#endif
