@@ -13,6 +13,7 @@ from ._errors import (BusyError, CancelledError, CapacityError, DataError, Devic
                       PluginError, StateError, StructSizeError, UnavailableError, UnsupportedError)
 from ._library import ffi, lib, version
 from ._reading import Anisotropies
+from .batch import Batch, BatchTensor
 from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
 from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
 from .fill import fill_ball, fill_box, fill_lattice
@@ -27,7 +28,7 @@ from .views import Snapshot, View
 __version__ = version()
 
 __all__ = [
-    "Anisotropies", "BackendInfo", "Box", "BusyError", "CancelledError", "CapacityError", "Capsule", "Collide",
+    "Anisotropies", "BackendInfo", "Batch", "BatchTensor", "Box", "BusyError", "CancelledError", "CapacityError", "Capsule", "Collide",
     "Collider", "DataError", "DeviceError", "Error", "Info", "InvalidArgumentError", "Kernel",
     "Limit", "Method", "MissingExtraError", "Movie", "NotFoundError", "OutOfMemoryError", "Params",
     "MotionPath", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError", "Scene", "SceneSolver",

@@ -24,7 +24,23 @@ if TYPE_CHECKING:
     from ._param_fields import ParamValues
 
 
-def _struct_of(params: Params) -> Any:
+def desc_struct(desc: Mapping[str, Any], stream: int, callbacks: Callbacks) -> tuple[Any, Any]:
+    """A pbf_desc, and what it points to."""
+    struct = ffi.new("pbf_desc *")
+    check(lib.pbf_desc_init(struct, ffi.sizeof("pbf_desc")))
+    for name in ("dimension", "capacity", "threads"):
+        setattr(struct, name, uint32(name, desc[name]))
+    struct.precision = PRECISIONS[desc["precision"]]
+    struct.device = uint32("device", desc["device"])
+    struct.strict = bool(desc["strict"])
+    struct.backend = backend = chars("backend", desc["backend"])
+    struct.isa = isa = chars("isa", desc["isa"])
+    struct.stream = ffi.cast("void *", stream)
+    struct.log = callbacks.function
+    return struct, (backend, isa)
+
+
+def params_struct(params: Params) -> Any:
     if not isinstance(params, Params):
         raise InvalidArgumentError(f"params is {params!r}; it must be a Params")
     return params.copy()._get_params()
@@ -37,33 +53,26 @@ class Handle(ParamFields):
 
     def _create(self, desc: dict[str, Any], stream: int, log: Log | None, params: Params | None,
                 values: Mapping[str, Any]) -> None:
-        precision = precision_of(desc["precision"])
-        desc = {**desc, "precision": precision}
+        desc = {**desc, "precision": precision_of(desc["precision"])}
         callbacks = Callbacks(log)
-        struct = ffi.new("pbf_desc *")
-        check(lib.pbf_desc_init(struct, ffi.sizeof("pbf_desc")))
-        for name in ("dimension", "capacity", "threads"):
-            setattr(struct, name, uint32(name, desc[name]))
-        struct.precision = PRECISIONS[precision]
-        struct.device = uint32("device", desc["device"])
-        struct.strict = bool(desc["strict"])
-        struct.backend = backend = chars("backend", desc["backend"])
-        struct.isa = isa = chars("isa", desc["isa"])
-        struct.stream = ffi.cast("void *", stream)
-        struct.log = callbacks.function
-        first = parameters.defaults() if params is None else _struct_of(params)
+        struct, kept = desc_struct(desc, stream, callbacks)
+        first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)
         made = ffi.new("pbf_solver **")
         check(lib.pbf_create(struct, first, made))
-        del backend, isa
+        del kept
         self._stream = stream
         self._adopt(made[0], desc, callbacks)
         callbacks.reraise()
 
-    def _adopt(self, handle: Any, desc: dict[str, Any], callbacks: Callbacks) -> None:
+    def _take(self, handle: Any, desc: dict[str, Any], callbacks: Callbacks) -> None:
         self._handle, self._desc, self._callbacks = handle, desc, callbacks
         self._snapshots = 0
         self._keeps_previous = False
+        self._batch: Any = None
+
+    def _adopt(self, handle: Any, desc: dict[str, Any], callbacks: Callbacks) -> None:
+        self._take(handle, desc, callbacks)
         # At the interpreter's exit, too, while its threads may still log.
         self._finalizer = weakref.finalize(self, destroy, handle, callbacks)
 
@@ -127,7 +136,7 @@ class Handle(ParamFields):
 
     @params.setter
     def params(self, params: Params) -> None:
-        self._call(lib.pbf_set_params, _struct_of(params))
+        self._call(lib.pbf_set_params, params_struct(params))
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):

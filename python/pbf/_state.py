@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from ._callbacks import log_to_logging
 from ._choices import PRECISIONS
-from ._errors import DataError
+from ._errors import DataError, StateError
 from ._library import ffi, lib
 from ._numbers import UINT32_MAX, uint32
 from ._reading import Reading
@@ -35,14 +35,14 @@ class State(Reading):
 
     def load(self, source: PathLike | bytes | bytearray | memoryview) -> None:
         """Replaces the whole state by a saved one, of the same dimension and precision."""
-        state = _state_of(source)
+        state = state_of(source)
         self._call(lib.pbf_load, ffi.from_buffer(state), len(state))
 
     @classmethod
     def restore(cls, source: PathLike | bytes | bytearray | memoryview, *,
                 capacity: int | None = None, **desc: Any) -> Self:
         """A new solver in a saved state, of its dimension and precision."""
-        state = _state_of(source)
+        state = state_of(source)
         dimension, precision, count = _kind_of(state)
         make: Any = cls
         solver: Self = make(dimension=dimension, precision=precision,
@@ -53,6 +53,9 @@ class State(Reading):
     def reserve(self, capacity: int) -> None:
         """Makes room for so many particles: a new solver in the same state takes this one's place,
         with the same bits. Views and snapshots that are held stay as they are."""
+        if self._batch is not None:
+            raise StateError("this solver is a world of a batch, whose capacity it has",
+                             lib.PBF_ERROR_STATE)
         state, snapshots, keeps = self.save(), self._snapshots, self._keeps_previous
         desc = {**self._desc, "capacity": uint32("capacity", capacity)}
         old = self._finalizer
@@ -97,7 +100,7 @@ class State(Reading):
     __copy__ = copy
 
 
-def _state_of(source: PathLike | bytes | bytearray | memoryview) -> bytes | bytearray | memoryview:
+def state_of(source: PathLike | bytes | bytearray | memoryview) -> bytes | bytearray | memoryview:
     if isinstance(source, (bytes, bytearray, memoryview)):
         return source
     return pathlib.Path(source).read_bytes()

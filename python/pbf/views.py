@@ -35,13 +35,19 @@ def _free_capsule(capsule: int) -> None:
         _delete(ffi.cast("DLManagedTensor *", _PyCapsule_GetPointer(capsule, b"dltensor")))
 
 
+def capsule_of(tensor: Any) -> Any:
+    """Which the consumer empties, or which frees the tensor."""
+    address = int(ffi.cast("uintptr_t", tensor))
+    return _PyCapsule_New(address, b"dltensor", ctypes.cast(_free_capsule, ctypes.c_void_p))
+
+
 def _export(solver: Handle, field: int) -> Any:
     tensor = ffi.new("struct DLManagedTensor **")
     check(lib.pbf_export_dlpack(solver.handle, field, tensor))
     return tensor[0]
 
 
-def _dtype_of(tensor: Any) -> np.dtype[Any]:
+def dtype_of(tensor: Any) -> np.dtype[Any]:
     return np.dtype(f"{'iuf'[tensor.dtype.code]}{tensor.dtype.bits // 8}")
 
 
@@ -59,7 +65,7 @@ class _Exported:
 
     def array(self) -> NDArray[Any]:
         tensor = self.managed.dl_tensor
-        dtype, dims = _dtype_of(tensor), range(tensor.ndim)
+        dtype, dims = dtype_of(tensor), range(tensor.ndim)
         shape = tuple(tensor.shape[k] for k in dims)
         strides = tuple(tensor.strides[k] * dtype.itemsize for k in dims)
         if shape[1] == 1:
@@ -137,10 +143,7 @@ class View:
             raise BufferError("the view's solver is closed")
         if device[0] != CPU:
             solver.synchronize()  # whatever stream the consumer works on
-        tensor = _export(solver, self._field)
-        address = int(ffi.cast("uintptr_t", tensor))
-        return _PyCapsule_New(address, b"dltensor",
-                              ctypes.cast(_free_capsule, ctypes.c_void_p))
+        return capsule_of(_export(solver, self._field))
 
     def __len__(self) -> int:
         return int(self._held().managed.dl_tensor.shape[0])

@@ -51,3 +51,39 @@ def test_export(tmp_path):
     assert "triangles" in run("export.py", tmp_path)
     names = {path.name for path in (tmp_path / "exported").iterdir()}
     assert {"fluid.pvd", "fluid_0014.vtu", "fluid.usdc", "particles.ply", "surface.ply"} <= names
+
+
+def test_pouring(tmp_path):
+    """Episodes have the same end each time, and those that never pour get what a mark of 0.3 … 0.8
+    is worth."""
+    lines = run("pouring.py", tmp_path, "1", "4").splitlines()
+    assert lines[0].startswith("4 worlds of ") and "steps of environments a second" in lines[1]
+    assert -0.8 < float(lines[-1].split()[2]) < -0.3
+    assert (tmp_path / "pouring.png").exists()
+
+
+@pytest.mark.slow
+def test_pouring_is_learnt(tmp_path):
+    words = run("pouring.py", tmp_path, "12", "32").splitlines()[-1].split()
+    assert float(words[4]) > float(words[2]) + 0.1
+
+
+def test_pouring_is_a_vector_environment(monkeypatch):
+    import numpy as np
+    vector = pytest.importorskip("gymnasium.vector")
+    if not EXAMPLES.exists():
+        pytest.skip("the examples are not here")
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    from pouring import Pouring
+    env = Pouring(2)
+    assert isinstance(env, vector.VectorEnv)
+    seen, _ = env.reset(seed=3)
+    assert seen in env.observation_space
+    for k in range(Pouring.LENGTH):
+        assert not env.ended.any()
+        seen, reward, terminated, truncated, _ = env.step(np.full(env.action_space.shape, 0.5))
+        assert seen in env.observation_space and not terminated.any()
+    assert truncated.all() and (reward < 0).all()
+    seen, reward, _, truncated, _ = env.step(np.zeros(env.action_space.shape))
+    assert (seen[:, 0] == 0).all() and (reward == 0).all() and not truncated.any()
+    env.close()

@@ -693,6 +693,7 @@ static void a_thousand_batches_leave_nothing(void **state) {
 /* A child of a fork has none of the threads, and starts its own. */
 static void a_child_goes_on(void **state) {
   (void)state;
+  if (TEST_INSTRUMENTED) test_skip("ThreadSanitizer has no threads in a child of threads");
   const pbf_desc desc = desc_for(3, PBF_FLOAT32, 3);
   pbf_batch *batch = furnished(&desc), *unused = furnished(&desc);
   if (threads_of(batch) == UINT32_MAX) test_skip("a device is its parent's");
