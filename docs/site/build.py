@@ -23,6 +23,7 @@ FENCE = re.compile(r"^(```|~~~).*?^\1[^\n]*$", re.MULTILINE | re.DOTALL)
 PICTURES = {".svg", ".png", ".webp", ".gif"}
 LANGUAGES = {".c": "c", ".h": "c", ".cpp": "cpp", ".cu": "cpp", ".def": "c", ".py": "python", ".json": "json",
              ".sh": "sh", ".cmake": "cmake", ".rs": "rust", ".cs": "csharp", ".lua": "lua", ".hpp": "cpp"}
+HEADERS = ["include/pbf/pbf.h", "include/pbf/batch.h"]
 ELSEWHERE = ["python.md", "bindings.md"]  # pages that the menu has where they are there
 
 
@@ -119,17 +120,25 @@ def menus(readme):
     return "\n" + "\n".join(toctree.format(title, entries(pages)) for title, pages in listed if pages)
 
 
-def reference():
-    """The page of the header: what stands at its head, then a section for each group of declarations."""
-    text = (ROOT / "include/pbf/pbf.h").read_text(encoding="utf-8")
+def reference_of(header):
+    """What stands at its head, then a section for each group of declarations."""
+    text = (ROOT / header).read_text(encoding="utf-8")
     rules = header_filter.without_stars(text[2:text.index("*/")])
     rules = re.sub(r"^ {2}(\w+) +", r"\n\1\n: ", rules, flags=re.MULTILINE)
     rules = re.sub(r"^ {10,}", "  ", rules, flags=re.MULTILINE).replace("<", "&lt;")
-    page = ["# API reference", "", "From [`include/pbf/pbf.h`](source/include/pbf/pbf.h.md), which includes nothing but `<stdint.h>`.", "",
-            rules.strip(), ""]
+    page = [f"From [`{header}`](source/{header}.md).", "", rules.strip(), ""]
     for title in header_filter.SECTION.findall(text):
         title = title.split(":")[0]
         page += [f"## {title}", "", f"```{{doxygengroup}} {header_filter.slug(title)}", ":content-only:", ":members:", ":undoc-members:", "```", ""]
+    return page
+
+
+def reference():
+    """The page of the headers."""
+    first, *others = HEADERS
+    page = ["# API reference", "", *reference_of(first)]
+    for header in others:
+        page += [f"## {pathlib.Path(header).name}", "", *reference_of(header)]
     return "\n".join(page)
 
 
@@ -141,7 +150,8 @@ def run(command, **more):
 
 def doxygen(work):
     settings = (SITE / "Doxyfile").read_text(encoding="utf-8")
-    settings += f'INPUT = "{ROOT}/include/pbf/pbf.h"\nOUTPUT_DIRECTORY = "{work}"\n'
+    inputs = " ".join(f'"{ROOT}/{header}"' for header in HEADERS)
+    settings += f'INPUT = {inputs}\nOUTPUT_DIRECTORY = "{work}"\n'
     settings += f'INPUT_FILTER = "{sys.executable} {SITE}/header_filter.py"\n'
     run(["doxygen", "-"], input=settings.encode())
     for page in (work / "xml").glob("struct*.xml"):  # Breathe makes a link of it, to nowhere
@@ -169,7 +179,8 @@ def main(work, out):
     stage = Stage(work / "pages")
     for page in sorted(ROOT.glob("docs/**/*.md")):
         stage.place(page)
-    stage.place(ROOT / "include/pbf/pbf.h")
+    for header in HEADERS:
+        stage.place(ROOT / header)
     stage.write_all()
     index = stage.folder / "index.md"
     index.write_text(index.read_text(encoding="utf-8") + menus((ROOT / "docs/README.md").read_text(encoding="utf-8")), encoding="utf-8")
