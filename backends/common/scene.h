@@ -9,10 +9,10 @@
 #ifndef PBF_COMMON_SCENE_H
 #define PBF_COMMON_SCENE_H
 
+#include "common/derived_tables.h"
 #include "common/host_only.h"
 #include "common/memory.h"
 #include "common/without.h"
-#include "physics/constants.h"
 #include "physics/project.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
@@ -60,14 +60,15 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
   pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
   if (status != PBF_OK) return status;
   pbf_derived derived = s->derived;
-  const int others = pbf_derive_again(&derived, params, PBF_DIM);
+  pbf_constants constants = s->constants;
+  derive_tables(params, &derived, &constants);
   pbf_schedule schedule =
       schedule_of(s, params, &derived, s->collider_count, s->colliders, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   int changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, params, &derived, others);
+  s->constants = constants;
   s->derived = derived;
   s->params = *params;
   s->schedule = schedule;
@@ -129,9 +130,9 @@ static bool project_at(Solver *s, double time, uint32_t iterations) {
   settle_pressures(s);
   wake_all(s);
   s->params = pbf_projection_of(&params, iterations);
-  const pbf_derived derived = pbf_derive(&s->params, PBF_DIM);
+  pbf_derived derived = s->derived;
+  derive_tables(&s->params, &derived, &s->constants);
   s->schedule = schedule_of(s, &s->params, &derived, s->collider_count, s->colliders, 0);
-  s->constants = pbf_constants_from(&s->params, &derived, NULL);
   s->residual_density = NULL;
   const bool done = step_of_no_time(s, time);
   s->params = params;

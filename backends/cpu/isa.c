@@ -18,11 +18,29 @@ const char *cpu_isa_name(cpu_isa isa) {
   return pbf_instruction_sets[isa];
 }
 
+/* Asked for once: under a hypervisor each question takes some twenty microseconds. */
+static char brand_there[64] = "CPU";
+
 #if defined(__x86_64__)
-/* Without it the same bytes are another instruction. */
-static int has_lzcnt(void) {
+static int has_lzcnt; /* without it the same bytes are another instruction */
+
+static void ask_for_brand(void) {
+  unsigned int words[13] = {0};
+  if ((unsigned)__get_cpuid_max(0x80000000u, NULL) < 0x80000004u) return;
+  for (unsigned int k = 0; k < 3; ++k)
+    __get_cpuid(0x80000002u + k, &words[4 * k], &words[4 * k + 1], &words[4 * k + 2],
+                &words[4 * k + 3]);
+  const char *text = (const char *)words;
+  text += strspn(text, " ");
+  size_t length = strlen(text);
+  while (length && text[length - 1] == ' ') --length;
+  if (length) snprintf(brand_there, sizeof brand_there, "%.*s", (int)length, text);
+}
+
+__attribute__((constructor)) static void ask_processor(void) {
   unsigned int a, b, c, d;
-  return __get_cpuid(0x80000001u, &a, &b, &c, &d) && c & bit_LZCNT;
+  has_lzcnt = __get_cpuid(0x80000001u, &a, &b, &c, &d) && c & bit_LZCNT;
+  ask_for_brand();
 }
 #endif
 
@@ -31,7 +49,7 @@ static int has(cpu_isa isa) {
   __builtin_cpu_init();
   if (isa == CPU_AVX2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt();
+           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt;
   if (isa == CPU_AVX512)
     return has(CPU_AVX2) && __builtin_cpu_supports("avx512f") &&
            __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
@@ -75,18 +93,4 @@ int cpu_isa_choose(const char *name, cpu_isa *isa, char *error, size_t size) {
   return 0;
 }
 
-void cpu_brand(char *brand, size_t size) {
-  snprintf(brand, size, "CPU");
-#if defined(__x86_64__)
-  unsigned int words[13] = {0};
-  if ((unsigned)__get_cpuid_max(0x80000000u, NULL) < 0x80000004u) return;
-  for (unsigned int k = 0; k < 3; ++k)
-    __get_cpuid(0x80000002u + k, &words[4 * k], &words[4 * k + 1], &words[4 * k + 2],
-                &words[4 * k + 3]);
-  const char *text = (const char *)words;
-  text += strspn(text, " ");
-  size_t length = strlen(text);
-  while (length && text[length - 1] == ' ') --length;
-  if (length) snprintf(brand, size, "%.*s", (int)length, text);
-#endif
-}
+void cpu_brand(char *brand, size_t size) { snprintf(brand, size, "%s", brand_there); }

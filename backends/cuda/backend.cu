@@ -1,4 +1,5 @@
 /* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
+#include "common/derived_tables.h"
 #include "common/without.h"
 #include "cuda/plugin.h"
 
@@ -81,7 +82,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
     return status;
   pbf_derived derived = s->derived;
-  const int others = pbf_derive_again(&derived, params, PBF_DIM);
+  pbf_constants constants = s->constants;
+  derive_tables(params, &derived, &constants);
   pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
                                           s->planned, s->capacity, s->overlaps);
   uint32_t chunks = list_chunks(params);
@@ -98,7 +100,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
     take_lists(s, chunks, false); /* if that fails, it has more than it needs */
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
-  pbf_update_constants(&s->constants, params, &derived, others);
+  s->constants = constants;
   s->derived = derived;
   s->params = *params;
   s->schedule = schedule;
@@ -298,10 +300,10 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
   s->params = pbf_projection_of(&params, iterations);
-  const pbf_derived derived = pbf_derive(&s->params, PBF_DIM);
+  pbf_derived derived = s->derived;
+  derive_tables(&s->params, &derived, &s->constants);
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
                                 s->planned, s->capacity);
-  s->constants = pbf_constants_from(&s->params, &derived, NULL);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
   s->params = params;

@@ -345,11 +345,4 @@ static inline int pbf_only_time_step_differs(const pbf_params *before, const pbf
   return memcmp(&other, after, sizeof other) == 0;
 }
 
-/* Of new parameters, with what pbf_derive_again has said of them: 1 where others are derived. */
-static inline void pbf_update_constants(pbf_constants *c, const pbf_params *params,
-                                        const pbf_derived *derived, int others) {
-  const pbf_constants same = *c;
-  *c = pbf_constants_from(params, derived, others ? NULL : &same);
-}
-
 #endif

@@ -382,14 +382,4 @@ static inline pbf_derived pbf_derive(const pbf_params *params, uint32_t dimensio
   return pbf_derive_from(&from, dimension);
 }
 
-/* Sums over lattices take a hundred times as long as all else in a change of the parameters: 0
- * where what has been derived from others before still holds. */
-static inline int pbf_derive_again(pbf_derived *derived, const pbf_params *params,
-                                   uint32_t dimension) {
-  const pbf_params from = pbf_params_to_derive_from(params);
-  if (memcmp(&derived->from, &from, sizeof from) == 0) return 0;
-  *derived = pbf_derive_from(&from, dimension);
-  return 1;
-}
-
 #endif

@@ -323,10 +323,40 @@ static void check_frames(double pressure_grid) {
   params.domain_max[0] = 1.2;
   set_for_a_frame(&f, "domain_max", &params, two);
   memset(entered, 0, sizeof entered);
-  params.smoothing_radius *= 1.01;
+  params.smoothing_radius *= asks ? 1.01 : 1.02;
   assert_int_equal(f.api->set_params(f.solver, &params), PBF_OK);
   assert_int_equal(entries_of("pbf_derive_from"), 1);
   drop(&f);
+}
+
+/* What has been derived from parameters once is not again, for another solver. */
+static void solvers_alike_share_what_is_derived(void **state) {
+  (void)state;
+  const int features = COLLIDERS | WALL_DENSITY | CHEBYSHEV;
+  fluid first = fluid_with(features);
+  drop(&first);
+  memset(entered, 0, sizeof entered);
+  fluid second = fluid_with(features);
+  assert_int_equal(entries_of("pbf_derive_from"), 0);
+  assert_int_equal(entries_of("pbf_set_walls"), 0);
+  drop(&second);
+}
+
+/* Nor for one that has it itself, however many others have come since. */
+static void solvers_keep_what_is_derived(void **state) {
+  (void)state;
+  const int features = COLLIDERS | WALL_DENSITY | CHEBYSHEV;
+  fluid own = fluid_with(features);
+  pbf_params params = params_with(features), changing = params;
+  for (int k = 0; k < 9; ++k) {
+    static pbf_derived derived;
+    static pbf_constants constants;
+    changing.smoothing_radius *= 1.003;
+    derive_tables(&changing, &derived, &constants);
+  }
+  params.gravity[0] = 0.1;
+  set_for_a_frame(&own, "gravity beside other solvers", &params, 0);
+  drop(&own);
 }
 
 static void a_frame_costs_what_changed(void **state) {
@@ -383,6 +413,8 @@ static int test_the_plan(void) {
       cmocka_unit_test(sleepers_cost_nothing),
       cmocka_unit_test(requests),
       cmocka_unit_test(a_frame_costs_what_changed),
+      cmocka_unit_test(solvers_alike_share_what_is_derived),
+      cmocka_unit_test(solvers_keep_what_is_derived),
       cmocka_unit_test(only_what_is_asked_for_is_held),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
