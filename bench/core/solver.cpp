@@ -21,7 +21,9 @@ ExitCode exit_code_of(pbf_status status) {
   }
 }
 
-void check(pbf_status status) {
+}  // namespace
+
+void check_call(pbf_status status) {
   if (status == PBF_OK) return;
   throw Error(exit_code_of(status),
               std::string(pbf_status_string(status)) + ": " + pbf_last_error());
@@ -29,7 +31,7 @@ void check(pbf_status status) {
 
 pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
   pbf_desc desc;
-  check(pbf_desc_init(&desc, sizeof desc));
+  check_call(pbf_desc_init(&desc, sizeof desc));
   desc.backend = options.backend.c_str();
   desc.precision = options.precision;
   desc.threads = options.threads;
@@ -41,6 +43,8 @@ pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
   }
   return desc;
 }
+
+namespace {
 
 // Whole steps, so that stretches that mirror each other bring a collider back to where it was. One
 // beyond any run's end may end there, so that the sum of all is a number of steps, too.
@@ -73,7 +77,7 @@ Solver::Solver(const Scene &scene, const SolverOptions &options)
       time_step_(scene.params.time_step) {
   const pbf_desc desc = desc_of(options, &scene);
   pbf_solver *solver = nullptr;
-  check(pbf_create(&desc, &scene.params, &solver));
+  check_call(pbf_create(&desc, &scene.params, &solver));
   solver_.reset(solver);
   add(fill_scene(scene));
   std::vector<pbf_collider> start;
@@ -84,12 +88,12 @@ Solver::Solver(const Scene &scene, const SolverOptions &options)
 void Solver::add(const Particles &particles) {
   const Bytes positions = to_precision(particles.positions, precision_);
   const Bytes velocities = to_precision(particles.velocities, precision_);
-  check(pbf_add_particles(solver_.get(), static_cast<uint32_t>(particles.count), positions.data(),
-                          velocities.data(), nullptr));
+  check_call(pbf_add_particles(solver_.get(), static_cast<uint32_t>(particles.count),
+                               positions.data(), velocities.data(), nullptr));
 }
 
 void Solver::set_colliders(const std::vector<pbf_collider> &colliders) {
-  check(
+  check_call(
       pbf_set_colliders(solver_.get(), static_cast<uint32_t>(colliders.size()), colliders.data()));
 }
 
@@ -120,73 +124,73 @@ void Solver::step(uint32_t steps) {
   while (steps > 0) {
     const uint32_t until_turn = steps_to_next_turn();
     const uint32_t now = std::min(steps, until_turn);
-    check(pbf_step(solver_.get(), now));
+    check_call(pbf_step(solver_.get(), now));
     step_ += now;
     steps -= now;
     if (now == until_turn) turn_colliders();
   }
 }
 
-void Solver::synchronize() { check(pbf_synchronize(solver_.get())); }
+void Solver::synchronize() { check_call(pbf_synchronize(solver_.get())); }
 
 pbf_info Solver::info() const {
   pbf_info info = {};
   info.struct_size = sizeof info;
-  check(pbf_get_info(solver_.get(), &info));
+  check_call(pbf_get_info(solver_.get(), &info));
   return info;
 }
 
 pbf_stats Solver::stats() const {
   pbf_stats stats = {};
   stats.struct_size = sizeof stats;
-  check(pbf_get_stats(solver_.get(), &stats));
+  check_call(pbf_get_stats(solver_.get(), &stats));
   return stats;
 }
 
-void Solver::set_timing(bool enabled) { check(pbf_set_timing(solver_.get(), enabled)); }
+void Solver::set_timing(bool enabled) { check_call(pbf_set_timing(solver_.get(), enabled)); }
 
 pbf_timings Solver::timings() const {
   pbf_timings timings = {};
   timings.struct_size = sizeof timings;
-  check(pbf_get_timings(solver_.get(), &timings));
+  check_call(pbf_get_timings(solver_.get(), &timings));
   return timings;
 }
 
 pbf_plan Solver::plan() const {
   pbf_plan plan = {};
   plan.struct_size = sizeof plan;
-  check(pbf_get_plan(solver_.get(), &plan));
+  check_call(pbf_get_plan(solver_.get(), &plan));
   return plan;
 }
 
 void Solver::place(const Bytes &positions, const Bytes &velocities) {
-  check(pbf_set_positions(solver_.get(), 0, count(), positions.data()));
-  check(pbf_set_velocities(solver_.get(), 0, count(), velocities.data()));
+  check_call(pbf_set_positions(solver_.get(), 0, count(), positions.data()));
+  check_call(pbf_set_velocities(solver_.get(), 0, count(), velocities.data()));
 }
 
 uint64_t Solver::hash() const {
   uint64_t hash = 0;
-  check(pbf_hash(solver_.get(), &hash));
+  check_call(pbf_hash(solver_.get(), &hash));
   return hash;
 }
 
 uint32_t Solver::count() const {
   uint32_t count = 0;
-  check(pbf_get_count(solver_.get(), &count));
+  check_call(pbf_get_count(solver_.get(), &count));
   return count;
 }
 
 pbf_collider Solver::collider(uint32_t index) const {
   pbf_collider collider = {};
   collider.struct_size = sizeof collider;
-  check(pbf_get_collider(solver_.get(), index, &collider));
+  check_call(pbf_get_collider(solver_.get(), index, &collider));
   return collider;
 }
 
 Bytes Solver::read(Getter getter) const {
   const uint32_t rows = count();
   Bytes bytes(size_t{rows} * dimension_ * precision_);
-  check(getter(solver_.get(), 0, rows, bytes.data()));
+  check_call(getter(solver_.get(), 0, rows, bytes.data()));
   return bytes;
 }
 
@@ -197,31 +201,31 @@ bool Solver::has_pressures() const {
 Bytes Solver::pressures() const {
   const uint32_t rows = count();
   Bytes bytes(size_t{rows} * precision_);
-  check(pbf_get_pressures(solver_.get(), 0, rows, bytes.data()));
+  check_call(pbf_get_pressures(solver_.get(), 0, rows, bytes.data()));
   return bytes;
 }
 
 Bytes Solver::save() const {
   uint64_t size = 0;
-  check(pbf_save(solver_.get(), nullptr, &size));
+  check_call(pbf_save(solver_.get(), nullptr, &size));
   Bytes state(size);
-  check(pbf_save(solver_.get(), state.data(), &size));
+  check_call(pbf_save(solver_.get(), state.data(), &size));
   return state;
 }
 
 void Solver::load(const Bytes &state) {
-  check(pbf_load(solver_.get(), state.data(), state.size()));
+  check_call(pbf_load(solver_.get(), state.data(), state.size()));
   step_ = info().step;
 }
 
 std::vector<pbf_backend_info> list_backends(const SolverOptions &options, const Scene *scene) {
   const pbf_desc desc = desc_of(options, scene);
   uint32_t count = 0;
-  check(pbf_get_backend_count(&count));
+  check_call(pbf_get_backend_count(&count));
   std::vector<pbf_backend_info> backends(count);
   for (uint32_t i = 0; i < count; ++i) {
     backends[i].struct_size = sizeof backends[i];
-    check(pbf_get_backend_info(&desc, i, &backends[i]));
+    check_call(pbf_get_backend_info(&desc, i, &backends[i]));
   }
   return backends;
 }
@@ -233,6 +237,6 @@ std::string reason_against(const SolverOptions &options, const Scene &scene) {
   return "there is no backend of this name; `pbf-bench list` shows them";
 }
 
-void load_plugin(const std::string &path) { check(pbf_load_backend(path.c_str())); }
+void load_plugin(const std::string &path) { check_call(pbf_load_backend(path.c_str())); }
 
 }  // namespace bench

@@ -20,6 +20,13 @@ struct SolverOptions {
   int32_t device = 0;
 };
 
+// Throws Error with the library's sentence.
+void check_call(pbf_status status);
+
+// Strict, with room for the scene's particles, or without a scene for as many as by default.
+// `options` must outlive it.
+pbf_desc desc_of(const SolverOptions &options, const Scene *scene);
+
 class Solver {
  public:
   // Always strict: a row of results is never of another backend than it says.
