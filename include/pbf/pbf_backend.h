@@ -70,6 +70,11 @@ typedef struct pbf_backend_desc {
   pbf_enqueue_task_fn enqueue_task; /* both or neither */
   pbf_finish_task_fn finish_task;
   void *task_user;
+  /* Of a batch (pbf/batch.h), of which this solver is one: they are alike, and a device's steps
+   * come world after world before it is waited for, to run at once. 0: it is alone. Changes no bit.
+   */
+  uint32_t worlds;
+  uint32_t reserved; /* 0 */
 } pbf_backend_desc;
 
 /* New particles. Their ids ascend and are above all ids that the solver has held. */

@@ -7,6 +7,7 @@
 #include "handles.h"
 #include "lock.h"
 #include "memory.h"
+#include "solver/create.h"
 #include "solver/handles.h"
 
 /* Of a world: one thread, which the batch has it stepped by. */
@@ -33,7 +34,7 @@ static pbf_status create_worlds(pbf_batch *batch, pbf_desc *desc, const pbf_para
   pbf_info info = {.struct_size = sizeof info};
   for (uint32_t k = 0; k < batch->world_count; ++k) {
     pbf_world *world = &batch->worlds[k];
-    pbf_status status = pbf_create(desc, params, &world->solver);
+    pbf_status status = pbf_create_world(desc, params, batch->world_count, &world->solver);
     if (status != PBF_OK) return k > 0 ? fail_as_world(status, k) : status;
     pbf_solver_set_in_batch(world->solver, 1);
     if (k > 0) continue;
@@ -41,6 +42,9 @@ static pbf_status create_worlds(pbf_batch *batch, pbf_desc *desc, const pbf_para
     if (status != PBF_OK) return status;
     batch->device_type = info.device_type;
     desc->backend = info.backend;
+    if (!info.fell_back) continue;
+    desc->device = info.device;
+    desc->stream = NULL;
   }
   return PBF_OK;
 }

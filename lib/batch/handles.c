@@ -29,9 +29,10 @@ static pbf_status enter_locked(pbf_batch *batch) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this batch; a batch belongs to one thread at a time");
   }
-  batch->in_call = 1;
   batch->thread = pthread_self();
   ++batch->references;
+  atomic_signal_fence(memory_order_release); /* a fork in between must not drop what is not held */
+  batch->in_call = 1;
   return PBF_OK;
 }
 

@@ -1,4 +1,6 @@
 /* Creation of a solver, with the best backend that works. */
+#include "create.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -57,6 +59,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
       .enqueue_task = desc->enqueue_task,
       .finish_task = desc->finish_task,
       .task_user = desc->task_user,
+      .worlds = checked->worlds,
   };
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;
@@ -133,12 +136,14 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
-static pbf_status create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
+static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
+                         pbf_solver **solver) {
   pbf_checked_desc checked;
   pbf_params ours;
   void *memory;
   pbf_status status = pbf_lock_check();
   if (status == PBF_OK) status = pbf_desc_check(desc, &checked);
+  checked.worlds = worlds;
   if (status == PBF_OK) status = check_params(params, &checked, &ours);
   if (status == PBF_OK)
     status = pbf_memory_allocate(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
@@ -154,14 +159,19 @@ static pbf_status create(const pbf_desc *desc, const pbf_params *params, pbf_sol
   return PBF_OK;
 }
 
+pbf_status pbf_create_world(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
+                            pbf_solver **solver) {
+  const int cancellation = pbf_uncancelled_begin();
+  pbf_fp_environment callers = pbf_fp_begin();
+  pbf_status status = create(desc, params, worlds, solver);
+  pbf_fp_end(callers);
+  pbf_uncancelled_end(cancellation);
+  return status;
+}
+
 pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
   if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
   if (!solver)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
-  const int cancellation = pbf_uncancelled_begin();
-  pbf_fp_environment callers = pbf_fp_begin();
-  pbf_status status = create(desc, params, solver);
-  pbf_fp_end(callers);
-  pbf_uncancelled_end(cancellation);
-  return status;
+  return pbf_create_world(desc, params, 0, solver);
 }

@@ -251,7 +251,7 @@ class Batch:
     # ---- Steps and starts ----------------------------------------------------------------------
 
     def step(self, steps: int = 1, mask: AnyArray | None = None) -> None:
-        """Runs so many time steps of each world."""
+        """Runs so many time steps of each world; Ctrl-C comes after them."""
         chosen, kept = self._mask(mask)
         self._call(lib.pbf_batch_step, chosen, uint32("steps", steps))
 

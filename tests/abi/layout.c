@@ -2,6 +2,7 @@
  * breaks compiled programs; a new member gets a new line, and its struct a new size. */
 #include <stddef.h>
 
+#include <pbf/batch.h>
 #include <pbf/pbf_backend.h>
 
 #define SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type)
@@ -242,7 +243,13 @@ AT(pbf_probe_result, reserved, 12);
 AT(pbf_probe_result, device_name, 16);
 AT(pbf_probe_result, reason, 112);
 
-SIZE(pbf_backend_desc, 120);
+SIZE(pbf_batch_info, 16);
+AT(pbf_batch_info, struct_size, 0);
+AT(pbf_batch_info, worlds, 4);
+AT(pbf_batch_info, threads, 8);
+AT(pbf_batch_info, device_type, 12);
+
+SIZE(pbf_backend_desc, 128);
 AT(pbf_backend_desc, struct_size, 0);
 AT(pbf_backend_desc, dimension, 4);
 AT(pbf_backend_desc, precision, 8);
@@ -258,6 +265,8 @@ AT(pbf_backend_desc, isa, 88);
 AT(pbf_backend_desc, enqueue_task, 96);
 AT(pbf_backend_desc, finish_task, 104);
 AT(pbf_backend_desc, task_user, 112);
+AT(pbf_backend_desc, worlds, 120);
+AT(pbf_backend_desc, reserved, 124);
 
 SIZE(pbf_particles, 32);
 AT(pbf_particles, struct_size, 0);

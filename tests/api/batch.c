@@ -653,6 +653,26 @@ static void worlds_are_the_batchs(void **state) {
   assert_int_equal(test_count.live_blocks, 0);
 }
 
+/* What serves instead of a named backend serves all worlds, without the device of that one. */
+static void all_worlds_fall_back(void **state) {
+  (void)state;
+  pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  pbf_batch *batch = NULL;
+  pbf_solver *alone = NULL;
+  pbf_info one = {.struct_size = sizeof one}, last = one;
+  desc.backend = "cuda";
+  desc.strict = 0;
+  desc.device = 99;
+  if (pbf_create(&desc, NULL, &alone) != PBF_OK) test_skip(pbf_last_error());
+  assert_ok(pbf_get_info(alone, &one));
+  assert_true(one.fell_back);
+  pbf_destroy(alone);
+  assert_ok(pbf_batch_create(&desc, NULL, WORLDS, &batch));
+  assert_ok(pbf_get_info(world_of(batch, WORLDS - 1), &last));
+  assert_string_equal(last.backend, one.backend);
+  pbf_batch_destroy(batch);
+}
+
 /* Whatever call of the allocator gets nothing. */
 static void memory_may_run_out(void **state) {
   (void)state;
@@ -780,6 +800,17 @@ static void worlds_are_stepped_at_once(void **state) {
   pbf_batch_destroy(batch);
 }
 
+static void backends_are_told_of_worlds(void **state) {
+  (void)state;
+  if (!test_is_stub()) return;
+  ballistic_control *control = test_stub_control();
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  pbf_batch_destroy(batch_of(&desc, WORLDS));
+  assert_int_equal(control->worlds, WORLDS);
+  pbf_destroy(test_create(&desc, NULL));
+  assert_int_equal(control->worlds, 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bits_are_those_of_a_world_alone),
@@ -799,11 +830,13 @@ int main(void) {
       cmocka_unit_test(wrong_actions_have_sentences),
       cmocka_unit_test(wrong_observations_have_sentences),
       cmocka_unit_test(worlds_are_the_batchs),
+      cmocka_unit_test(all_worlds_fall_back),
       cmocka_unit_test(memory_may_run_out),
       cmocka_unit_test(a_thousand_batches_leave_nothing),
       cmocka_unit_test(a_child_goes_on),
       cmocka_unit_test(a_second_call_is_refused),
       cmocka_unit_test(worlds_are_stepped_at_once),
+      cmocka_unit_test(backends_are_told_of_worlds),
   };
   return TEST_RUN(tests);
 }

@@ -113,6 +113,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   if (!s) return fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for the stub");
   memset(s, 0, sizeof *s);
   s->desc = *desc;
+  __atomic_store_n(&stub_control.worlds, desc->worlds, __ATOMIC_RELAXED);
   s->params = *params;
   s->ids = take(&desc->allocator, id_bytes(s));
   s->positions = take(&desc->allocator, field_bytes(s));

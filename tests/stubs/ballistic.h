@@ -32,6 +32,7 @@ typedef struct ballistic_control {
   uint32_t failure_is_silent;
   void (*inside_step)(void *user); /* while a step runs; may be null */
   void *user;
+  uint32_t worlds; /* that the last solver was told of */
 } ballistic_control;
 
 #endif
