@@ -215,6 +215,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->allocator = allocator;
   s->host = desc->host;
   s->capacity = desc->capacity;
+  s->worlds = desc->worlds;
   pbf_status status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
   if (status == PBF_OK) {
     pbf_cuda_scope scope(s->context);

@@ -42,6 +42,7 @@ struct solver {
 
   uint32_t capacity, count;
   uint32_t planned; /* particles that the schedule is for */
+  uint32_t worlds;  /* that run at once, this one of them; 0, 1: it is alone */
   point *points;    /* state */
   pbf_vec *velocities;
   uint32_t *ids;

@@ -35,8 +35,8 @@ static inline double small_reach(const pbf_params *params) { /* in spacings */
   return params->smoothing_radius / pbf_derive_spacing(params);
 }
 
-/* Particles of a block, one block a multiprocessor. */
-static inline uint32_t small_own(const solver *s) {
+/* Particles of a block, one block a multiprocessor, of a scene that is alone. */
+static inline uint32_t small_own_alone(const solver *s) {
   uint32_t own = (s->count + s->multiprocessors - 1) / s->multiprocessors;
   return own > SMALL_MIN_OWN ? own : (uint32_t)SMALL_MIN_OWN;
 }
@@ -44,7 +44,7 @@ static inline uint32_t small_own(const solver *s) {
 /* Threads of a particle: as many as a block has for each, but no more than short lists
  * are worth. */
 static inline uint32_t small_lanes(const solver *s) {
-  uint32_t own = small_own(s);
+  uint32_t own = small_own_alone(s);
   if (own <= SMALL_THREADS / 16) return 8;
   return own <= SMALL_THREADS / 4 ? 4 : own <= SMALL_THREADS / 2 ? 2 : 1;
 }
@@ -63,35 +63,52 @@ static inline double small_list_wanted(const solver *s) {
 }
 
 /* Particles of a compact block of the rest lattice, and of the cells around it. */
-static inline double small_slots_expected(const solver *s) {
-  return pow(pow(small_own(s), 1.0 / PBF_DIM) + 3 * small_reach(&s->params), PBF_DIM);
+static inline double small_slots_expected(const solver *s, uint32_t own) {
+  return pow(pow(own, 1.0 / PBF_DIM) + 3 * small_reach(&s->params), PBF_DIM);
 }
 
 /* Cells of a tile whose particles are on their own, unless they are many. */
-static inline uint32_t small_cells_wanted(const solver *s) {
+static inline uint32_t small_cells_wanted(uint32_t own) {
   uint32_t cells = PBF_DIM == 3 ? 27 : 9, maximum = 6400;
-  return cells * small_own(s) < maximum ? cells * small_own(s) / 2 * 2 : maximum;
+  return cells * own < maximum ? cells * own / 2 * 2 : maximum;
 }
 
 /* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
-static inline small_layout small_layout_of(const solver *s) {
+static inline small_layout small_layout_of(const solver *s, uint32_t own) {
   double list_capacity = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
-  small_layout layout = {(small_cells(s->count) + 31) / 32, small_cells_wanted(s), 0,
+  small_layout layout = {(small_cells(s->count) + 31) / 32, small_cells_wanted(own), 0,
                          ((uint32_t)list_capacity + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
   size_t none = layout.bytes();
   layout.slot_capacity = 2;
-  double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s) + 512);
+  double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s, own) + 512);
   double buffers = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
   layout.slot_capacity =
       (uint32_t)fmin(wanted, 2 * buffers / (double)(layout.bytes() - none)) / 2 * 2;
   return layout;
 }
 
+static inline bool small_fits(const solver *s, uint32_t own) {
+  return small_layout_of(s, own).slot_capacity >= 1.75 * small_slots_expected(s, own);
+}
+
 /* Of what determines the state's bits, only parameters and the particle count enter. */
 static inline bool small_serves(const solver *s) {
   return s->small_upload && !s->schedule.runs[PBF_STAGE_GRID] && s->count > 0 &&
          s->count <= small_max_particles(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
-         small_layout_of(s).slot_capacity >= 1.75 * small_slots_expected(s);
+         small_fits(s, small_own_alone(s));
+}
+
+/* Beside other worlds a block has as many as it has threads and memory for, so that several worlds
+ * are resident at once. Which block has a particle changes no bit; how many threads it has, which
+ * does, is as if it were alone. */
+static inline uint32_t small_own(const solver *s) {
+  const uint32_t alone = small_own_alone(s), most = SMALL_THREADS / small_lanes(s);
+  if (s->worlds < 2) return alone;
+  const uint32_t share = s->multiprocessors / s->worlds, blocks = share > 0 ? share : 1;
+  const uint32_t wanted = (s->count + blocks - 1) / blocks;
+  uint32_t own = wanted < most ? wanted : most;
+  while (own > alone && !small_fits(s, own)) own -= (own + 7) / 8;
+  return own > alone ? own : alone;
 }
 
 /* Of the next steps, those before one that corrects the shear stress, which it does not serve. */
@@ -234,7 +251,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.steps = steps;
   scene.iterations = s->params.iterations;
   scene.lanes = small_lanes(s);
-  scene.layout = small_layout_of(s);
+  scene.layout = small_layout_of(s, scene.own);
   scene.constants = s->constants;
   pbf_set_target_density(&scene.constants, &s->constants, &s->params, s->count, &has, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
