@@ -113,8 +113,9 @@ PBF_API pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const p
 
 /* The same as a DLPack tensor of shape (worlds, rows, components), in the order of adding; `rows`
  * 0: as many as the world has that has most. `field` is PBF_FIELD_POSITION, _VELOCITY, _ID,
- * _DENSITY or _PRESSURE; of one component are those with one. A copy, in host memory, that is the
- * tensor's: it does not change, and ends with its deleter, after pbf_batch_destroy, too. */
+ * _DENSITY or _PRESSURE; of one component are those with one. A copy that is the tensor's:
+ * it does not change, and ends with its deleter, after pbf_batch_destroy, too. Of a device
+ * positions and velocities stay there, ready for any stream; all else comes in host memory. */
 struct DLManagedTensor;
 PBF_API pbf_status pbf_batch_export_dlpack(pbf_batch *batch, uint32_t field, uint32_t rows,
                                            struct DLManagedTensor **tensor);

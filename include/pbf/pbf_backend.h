@@ -105,6 +105,16 @@ typedef struct pbf_backend_state {
   char device_name[96];
 } pbf_backend_state;
 
+/* Memory that outlives the solver by which it was taken. */
+typedef struct pbf_backend_array {
+  uint32_t struct_size;
+  uint32_t device_type; /* PBF_DEVICE_… */
+  int32_t device_id;
+  uint32_t reserved; /* 0 */
+  void *data;
+  void *owner; /* the backend's */
+} pbf_backend_array;
+
 /* Beside the PBF_FIELD_… of pbf.h: what a backend keeps of a particle while params.sleep_speed is
  * not 0, for saved states. Two numbers of the backend's own, the first -1 while it sleeps. */
 enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
@@ -206,6 +216,16 @@ struct pbf_backend_api {
 
   /* Optional: the speed of the fastest particle, pbf_stats.speed_max without the rest. */
   pbf_status (*max_speed)(pbf_backend_solver *solver, double *speed);
+
+  /* Optional, all or none: fields that stay on the device. `take_array` fills *array, whose
+   * struct_size is set, with memory there; `release_array` gives it back, in any thread, after
+   * `destroy`, too. `read_array` writes into such memory what `read` of PBF_FIELD_POSITION or
+   * PBF_FIELD_VELOCITY gives, and zeros behind that, up to row `room`: ready after `synchronize`.
+   */
+  pbf_status (*take_array)(pbf_backend_solver *solver, uint64_t bytes, pbf_backend_array *array);
+  void (*release_array)(const pbf_backend_array *array);
+  pbf_status (*read_array)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows,
+                           uint32_t room, void *data);
 };
 
 /* What the plugin answers. */

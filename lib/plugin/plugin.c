@@ -64,6 +64,14 @@ static pbf_status check_table(const pbf_backend_api *api, char *reason, size_t s
   const char *half = NULL;
   if (!api->set_timing != !api->get_timings) half = "set_timing and get_timings";
   if (!api->read_pressures != !api->map_pressures) half = "read_pressures and map_pressures";
+  const int arrays =
+      (api->take_array != NULL) + (api->release_array != NULL) + (api->read_array != NULL);
+  if (arrays % 3 != 0) {
+    snprintf(reason, size,
+             "its table has some of take_array, release_array and read_array; all or none must be "
+             "set");
+    return PBF_ERROR_PLUGIN;
+  }
   if (!half) return PBF_OK;
   snprintf(reason, size, "its table has one of %s; both or neither must be set", half);
   return PBF_ERROR_PLUGIN;

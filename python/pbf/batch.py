@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from . import params as parameters
-from ._arrays import AnyArray, numpy_of, pointer, readonly_array
+from ._arrays import CPU, AnyArray, numpy_of, pointer, readonly_array
 from ._callbacks import Callbacks, Log, log_to_logging
 from ._choices import FIELDS, TYPES, W, choice, precision_of
-from ._errors import InvalidArgumentError, StateError, check
+from ._errors import InvalidArgumentError, StateError, UnsupportedError, check
 from ._handle import desc_struct, params_struct
 from ._library import ffi, lib, new_struct, text
 from ._numbers import real, uint32
@@ -62,6 +62,10 @@ class BatchTensor:
     def array(self) -> NDArray[Any]:
         """As a NumPy array without a copy."""
         tensor = self._held()
+        if tensor.device.device_type != CPU:
+            raise UnsupportedError(
+                "the tensor is in a GPU's memory, which NumPy can't see: torch.from_dlpack(tensor) "
+                "takes it there, Batch.read copies it to the host")
         self._shown = True
         shape = tuple(tensor.shape[k] for k in range(tensor.ndim))
         return readonly_array(self, tensor.data, shape, dtype_of(tensor))

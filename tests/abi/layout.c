@@ -297,7 +297,15 @@ AT(pbf_overlap, last_id, 12);
 AT(pbf_overlap, colliders, 16);
 AT(pbf_overlap, part, 24);
 
-SIZE(pbf_backend_api, 208);
+SIZE(pbf_backend_array, 32);
+AT(pbf_backend_array, struct_size, 0);
+AT(pbf_backend_array, device_type, 4);
+AT(pbf_backend_array, device_id, 8);
+AT(pbf_backend_array, reserved, 12);
+AT(pbf_backend_array, data, 16);
+AT(pbf_backend_array, owner, 24);
+
+SIZE(pbf_backend_api, 232);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -325,6 +333,9 @@ AT(pbf_backend_api, project, 176);
 AT(pbf_backend_api, set_overlap, 184);
 AT(pbf_backend_api, plan_for, 192);
 AT(pbf_backend_api, max_speed, 200);
+AT(pbf_backend_api, take_array, 208);
+AT(pbf_backend_api, release_array, 216);
+AT(pbf_backend_api, read_array, 224);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

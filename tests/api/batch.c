@@ -811,6 +811,37 @@ static void backends_are_told_of_worlds(void **state) {
   assert_int_equal(control->worlds, 0);
 }
 
+static void fields_stay_where_the_backend_has_them(void **state) {
+  (void)state;
+  enum { ROWS = COUNT + 2 };
+  if (!test_is_stub()) return;
+  ballistic_control *control = test_stub_control();
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  pbf_batch *batch = furnished(&desc);
+  static float expected[WORLDS][ROWS][3];
+  DLManagedTensor *x = NULL, *none = NULL;
+  const pbf_read_desc read = {
+      .struct_size = sizeof read, .field = PBF_FIELD_POSITION, .count = ROWS, .data = expected};
+  assert_ok(pbf_batch_step(batch, NULL, 3));
+  assert_ok(pbf_batch_read(batch, NULL, &read, 0));
+  assert_ok(pbf_batch_export_dlpack(batch, PBF_FIELD_POSITION, ROWS, &x));
+  assert_int_equal(control->arrays, 1);
+  assert_int_equal(x->dl_tensor.shape[1], ROWS);
+  for (int failing = 1; failing <= WORLDS + 1; ++failing) {
+    control->calls_until_failure = failing;
+    control->failure_status = PBF_ERROR_DEVICE;
+    assert_fails(pbf_batch_export_dlpack(batch, PBF_FIELD_VELOCITY, ROWS, &none), PBF_ERROR_DEVICE,
+                 failing > 1 ? "world " : "the test ordered");
+    assert_null(none);
+    assert_int_equal(control->arrays, 1);
+  }
+  pbf_batch_destroy(batch);
+  assert_memory_equal(x->dl_tensor.data, expected, sizeof expected);
+  x->deleter(x);
+  assert_int_equal(control->arrays, 0);
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bits_are_those_of_a_world_alone),
@@ -837,6 +868,7 @@ int main(void) {
       cmocka_unit_test(a_second_call_is_refused),
       cmocka_unit_test(worlds_are_stepped_at_once),
       cmocka_unit_test(backends_are_told_of_worlds),
+      cmocka_unit_test(fields_stay_where_the_backend_has_them),
   };
   return TEST_RUN(tests);
 }

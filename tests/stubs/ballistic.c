@@ -253,6 +253,33 @@ static pbf_status read(pbf_backend_solver *s, uint32_t field, const pbf_rows *ro
   return PBF_OK;
 }
 
+/* ---- What would stay on a device ---- */
+
+static pbf_status take_array(pbf_backend_solver *s, uint64_t bytes, pbf_backend_array *array) {
+  enum { ALIGNED = 64 };
+  (void)s;
+  pbf_status status = ordered_failure();
+  if (status != PBF_OK) return status;
+  array->data = aligned_alloc(ALIGNED, (bytes + ALIGNED - 1) / ALIGNED * ALIGNED);
+  if (!array->data) return fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for the stub's array");
+  array->device_type = PBF_DEVICE_CPU;
+  ++stub_control.arrays;
+  return PBF_OK;
+}
+
+static void release_array(const pbf_backend_array *array) {
+  --stub_control.arrays;
+  free(array->data);
+}
+
+static pbf_status read_array(pbf_backend_solver *s, uint32_t field, const pbf_rows *rows,
+                             uint32_t room, void *data) {
+  pbf_status status = ordered_failure();
+  if (status != PBF_OK) return status;
+  memset((char *)data + rows->count * row_bytes(s), 0, (room - rows->count) * row_bytes(s));
+  return rows->count ? read(s, field, rows, data) : PBF_OK;
+}
+
 static pbf_status write(pbf_backend_solver *s, uint32_t field, const pbf_rows *rows,
                         const void *in) {
   pbf_status status = check_rows(s, rows);
@@ -348,6 +375,9 @@ static const pbf_backend_api table = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
+    .take_array = take_array,
+    .release_array = release_array,
+    .read_array = read_array,
 };
 
 EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_answer *answer);

@@ -33,6 +33,7 @@ typedef struct ballistic_control {
   void (*inside_step)(void *user); /* while a step runs; may be null */
   void *user;
   uint32_t worlds; /* that the last solver was told of */
+  uint32_t arrays; /* taken, and not given back */
 } ballistic_control;
 
 #endif
