@@ -370,6 +370,29 @@ static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_row
   return population_read(of(handle), field, rows, out);
 }
 
+static pbf_status take_array(pbf_backend_solver *handle, uint64_t bytes,
+                             pbf_backend_array *array) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status = pbf_cuda_check(cudaMalloc(&array->data, bytes), "cudaMalloc"))
+    return status;
+  array->device_type = PBF_DEVICE_CUDA;
+  array->device_id = s->device;
+  array->owner = s->context;
+  return PBF_OK;
+}
+
+static void release_array(const pbf_backend_array *array) {
+  pbf_cuda_scope scope(static_cast<pbf_cuda_context>(array->owner));
+  cudaFree(array->data);
+}
+
+static pbf_status read_array(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
+                             uint32_t room, void *data) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return population_read_array(of(handle), field, rows, room, static_cast<pbf_vec *>(data));
+}
+
 static pbf_status write(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
                         const void *in) {
   pbf_cuda_scope scope(of(handle)->context);
@@ -481,4 +504,7 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     PBF_BUILT &PBF_FEATURE_CHEBYSHEV ? set_overlap : nullptr,
     plan_for,
     max_speed,
+    take_array,
+    release_array,
+    read_array,
 };

@@ -232,6 +232,27 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
   return copy_out(s, out, staged, rows->count * sizeof(pbf_vec));
 }
 
+/* The same of a vector, into an array of `room` rows on the device; zeros behind it. */
+static inline pbf_status population_read_array(solver *s, uint32_t field, const pbf_rows *rows,
+                                               uint32_t room, pbf_vec *out) {
+  row_range range;
+  uint32_t blocks = blocks_for(s->count);
+  if (room > rows->count)
+    if (pbf_status status = pbf_cuda_check(
+            cudaMemsetAsync(out + rows->count, 0, (room - rows->count) * sizeof *out, s->stream),
+            "cudaMemsetAsync"))
+      return status;
+  if (!rows->count) return PBF_OK;
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  if (field == PBF_FIELD_POSITION)
+    read_points_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->points, s->ids, s->count, range,
+                                                            out);
+  else
+    read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->velocities, s->ids, s->count, range,
+                                                            out);
+  return pbf_cuda_check_launch("read kernel");
+}
+
 /* In the order of the particles. */
 static inline pbf_status find_pressures(solver *s, pbf_real *out) {
   cell_grid grid = present_grid(s, pbf_domain_at(&s->params, s->time));
