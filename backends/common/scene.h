@@ -5,7 +5,9 @@
  *   keep_arrays, wake_all, wake_near_moving, init_new   as they declare them
  *   void settle_pressures(Solver *)                 before what pressures come from changes
  *   bool step_of_no_time(Solver *, double time)     whether there was memory for it
- *   pbf_vec velocity_of(const Solver *, uint32_t i) */
+ *   pbf_vec velocity_of(const Solver *, uint32_t i)
+ *   const char *refusal_of(const Solver *, const pbf_params *, const pbf_schedule *)
+ *                                                   what it can't do of these, or null */
 #ifndef PBF_COMMON_SCENE_H
 #define PBF_COMMON_SCENE_H
 
@@ -37,6 +39,10 @@ static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_d
  * where what they come from is not needed any more: they would be wanted for each particle. */
 template <class Solver>
 static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const pbf_params *params) {
+  if (const char *sentence = refusal_of(s, params, schedule)) {
+    s->host->set_error(sentence);
+    return PBF_ERROR_UNSUPPORTED;
+  }
   const bool drops_topology = s->schedule.solids && !schedule->solids;
   if (!schedule->may_have_grid || drops_topology || !schedule->accelerated) settle_pressures(s);
   if (!keep_arrays(s, *schedule, *params)) {

@@ -25,15 +25,15 @@ static memory_taken take_memory(pbf_memory *m, const char *name, uint64_t count,
 
 static field take_field(solver *s, const char *name) {
   field f;
-  pbf_real *base = take_memory(&s->memory, name, PBF_DIM * padded(s->capacity), sizeof *base);
+  pbf_real *base = take_memory(&s->memory, name, PBF_DIM * padded(s->local_capacity), sizeof *base);
   for (uint64_t k = 0; k < PBF_DIM; ++k)
-    f.c[k] = base ? base + FIELD_FRONT + k * padded(s->capacity) : NULL;
+    f.c[k] = base ? base + FIELD_FRONT + k * padded(s->local_capacity) : NULL;
   return f;
 }
 
 /* Read by whole vectors from before its first element on, as a field is. */
 static pbf_real *take_reals(solver *s, const char *name) {
-  pbf_real *base = take_memory(&s->memory, name, padded(s->capacity), sizeof *base);
+  pbf_real *base = take_memory(&s->memory, name, padded(s->local_capacity), sizeof *base);
   return base ? base + FIELD_FRONT : NULL;
 }
 
@@ -45,7 +45,7 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
 static int take_packed(solver *s) {
   for (int k = 0; k < 2 && s->kernels->pack; ++k) {
     pbf_real *base = take_memory(&s->memory, k ? "quads of lambda" : "quads",
-                                 4 * padded(s->capacity), sizeof *base);
+                                 4 * padded(s->local_capacity), sizeof *base);
     if (!base) return 0;
     s->packed[k] = base + 4 * FIELD_FRONT;
   }
@@ -71,7 +71,7 @@ static int take_tasks(solver *s) {
 
 /* 0 when one is lacking. */
 static int take_arrays(solver *s) {
-  uint64_t n = padded(s->capacity), chunks = chunks_of(s->capacity);
+  uint64_t n = padded(s->local_capacity), chunks = chunks_of(s->local_capacity);
   buffers *b = &s->buffers;
   b->x = take_field(s, "position");
   b->v = take_field(s, "velocity");
@@ -85,7 +85,7 @@ static int take_arrays(solver *s) {
   s->cells = take_indices(s, "cell", n);
   s->sorted_cells = take_indices(s, "sorted cell", n);
   s->order = take_indices(s, "order", n);
-  s->cell_end = take_indices(s, "cell end", cell_limit(s->capacity) + 1);
+  s->cell_end = take_indices(s, "cell end", cell_limit(s->local_capacity) + 1);
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
@@ -120,17 +120,24 @@ struct extent {
 };
 
 /* Read by whole vectors from before the first element to behind the last, as a field is. */
-static extent reals(const solver *s) { return {padded(s->capacity), FIELD_FRONT}; }
+static extent reals(const solver *s) { return {padded(s->local_capacity), FIELD_FRONT}; }
 
-static extent vectors(const solver *s) { return {PBF_DIM * padded(s->capacity), FIELD_FRONT}; }
+/* Of what ranks hold before it is sorted; without ranks none. */
+static extent held_reals(const solver *s) { return s->ranks.count ? reals(s) : extent{0, 0}; }
+
+static extent vectors(const solver *s) {
+  return {PBF_DIM * padded(s->local_capacity), FIELD_FRONT};
+}
 
 /* None where loops over pairs read no quads. */
 static extent quads(const solver *s) {
   if (!s->kernels->pack) return {0, 0};
-  return {4 * padded(s->capacity), 4 * FIELD_FRONT};
+  return {4 * padded(s->local_capacity), 4 * FIELD_FRONT};
 }
 
-static extent chunks(const solver *s) { return {padded(s->capacity) / ACTIVITY_CHUNK + 1, 0}; }
+static extent chunks(const solver *s) {
+  return {padded(s->local_capacity) / ACTIVITY_CHUNK + 1, 0};
+}
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 

@@ -38,7 +38,16 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 static void settle_pressures(solver *s) { add_weight(s); }
+static const char *refusal_of(const solver *s, const pbf_params *params,
+                              const pbf_schedule *schedule) {
+  return has_ranks(s) ? refusal_on_ranks(params, schedule) : NULL;
+}
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
+
+/* On ranks of others' failures, too. */
+static pbf_status fail_to_find_neighbors(solver *s) {
+  return s->ranks.failed ? end_on_ranks(s) : no_memory_for_neighbors(s);
+}
 
 static bool step_of_no_time(solver *s, double time) {
   step_job job = {.s = s, .times = {time, 0, 0}, .steps = 1};
@@ -56,6 +65,10 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   cpu_isa isa;
   char error[160];
   if (pbf_status status = pbf_refuse_stream(desc)) return status;
+  if (desc->ranks && (team_size(desc->threads) > 1 || desc->enqueue_task)) {
+    desc->host->set_error("a rank has one thread: desc.threads 1, or the backend \"serial\"");
+    return PBF_ERROR_UNSUPPORTED;
+  }
   if (!cpu_isa_choose(desc->isa, &isa, error, sizeof error)) {
     desc->host->set_error(error);
     return PBF_ERROR_UNSUPPORTED;
@@ -68,14 +81,15 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   memset(s, 0, sizeof *s);
   s->memory.allocator = desc->allocator;
   s->host = desc->host;
-  s->capacity = desc->capacity;
+  s->capacity = s->local_capacity = desc->capacity;
+  describe_ranks(s, desc->ranks);
   s->threads = team_size(desc->threads);
   s->threads_by_choice = !desc->threads && team_resizes;
   s->tasks = {desc->enqueue_task, desc->finish_task, desc->task_user};
   s->isa = isa;
   s->kernels = kernels_for(isa);
   team_begin();
-  if (!take_arrays(s)) {
+  if (!take_arrays(s) || (has_ranks(s) && !take_rank_tables(s))) {
     pbf_status status = out_of_memory(s, "the arrays");
     destroy(s);
     return status;
@@ -94,50 +108,61 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, uint32_t *done) {
   const pbf_step_times times = {time, before, s->params.time_step};
-  step_job job = {.s = s, .times = times, .steps = steps, .done = s->count ? 0 : steps};
-  if (s->count)
+  const uint32_t count = particles_of_all(s);
+  step_job job = {.s = s, .times = times, .steps = steps, .done = count ? 0 : steps};
+  if (has_ranks(s) && !meet_to_step(s, &times, steps)) return end_on_ranks(s);
+  if (count)
     run_job(&job);
   else
     s->now = pbf_time_after(&times, steps);
   *done = job.done;
   if (job.done) s->found.struct_size = 0;
+  if (s->ranks.failed) return end_on_ranks(s);
   return job.done == steps ? PBF_OK : no_memory_for_neighbors(s);
 }
 
 static pbf_status project(solver *s, double time, uint32_t iterations) {
-  return project_at(s, time, iterations) ? PBF_OK : no_memory_for_neighbors(s);
+  if (has_ranks(s) && !meet(s, "a projection", &time, sizeof time)) return end_on_ranks(s);
+  return project_at(s, time, iterations) ? PBF_OK : fail_to_find_neighbors(s);
 }
 
 /* ---- Particles ----------------------------------------------------------------------------- */
 
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
+  pbf_particles share = *particles;
   add_weight(s);
-  append(s, particles);
-  init_new(s, s->count - particles->count);
+  if (has_ranks(s) && !share_of_added(s, &share)) return end_on_ranks(s);
+  append(s, &share);
+  init_new(s, s->count - share.count);
   return PBF_OK;
 }
 
 static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
   add_weight(s);
   wake_all(s);
+  if (has_ranks(s)) note_removed(s, count, ids);
   remove_by_id(s, count, ids);
   return PBF_OK;
 }
 
 static pbf_status remove_all(solver *s) {
-  s->count = s->asleep = 0;
+  s->count = s->asleep = s->ranks.total = 0;
   return PBF_OK;
 }
 
-static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
+static pbf_status read_own(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   if (which == PBF_BACKEND_FIELD_REST) {
     read_rest(s, rows, (pbf_real *)out);
   } else if (which == PBF_BACKEND_FIELD_OVERLAP) {
     read_overlap(s, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-    if (!diagnose(s, diagnose_densities)) return no_memory_for_neighbors(s);
+    if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
     read_densities(s, rows, (pbf_real *)out);
+  } else if (which == PBF_FIELD_PRESSURE) {
+    add_weight(s);
+    if (!diagnose(s, diagnose_pressures)) return fail_to_find_neighbors(s);
+    read_pressure_rows(s, rows, (pbf_real *)out);
   } else {
     read_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
                  (pbf_real *)out);
@@ -145,8 +170,32 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
   return PBF_OK;
 }
 
+/* What each rank has read of its particles, all get. */
+static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
+  const uint32_t asked[3] = {which, rows->first, rows->count};
+  const uint32_t components =
+      which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ? PBF_DIM : 1;
+  const uint32_t *ids = s->buffers.ids;
+  uint32_t count = s->count;
+  if (!meet(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
+  pbf_status status = read_own(s, which, rows, out);
+  if (status != PBF_OK) return status;
+  if (which == PBF_FIELD_DENSITY || which == PBF_FIELD_PRESSURE) {
+    ids = s->buffers.sorted_ids + own_places(s).first;
+    count = own_places(s).last - own_places(s).first;
+  }
+  share_rows(s, rows, ids, count, out, components * sizeof(pbf_real));
+  return end_on_ranks(s);
+}
+
+static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
+  return has_ranks(s) ? read_on_ranks(s, which, rows, out) : read_own(s, which, rows, out);
+}
+
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
+  const bool is_vector = which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY;
   add_weight(s);
+  if (has_ranks(s)) note_written(s, which, rows, in, (is_vector ? PBF_DIM : 1) * sizeof(pbf_real));
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);
     return PBF_OK;
@@ -163,51 +212,59 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
 
 static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   int is_id = which == PBF_FIELD_ID;
+  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   const field *f = which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v;
   view->device_type = PBF_DEVICE_CPU;
   view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
   view->components = is_id ? 1 : PBF_DIM;
   view->particle_stride = is_id ? sizeof(uint32_t) : sizeof(pbf_real);
   view->component_stride =
-      is_id ? (int64_t)sizeof(uint32_t) : (int64_t)(padded(s->capacity) * sizeof(pbf_real));
+      is_id ? (int64_t)sizeof(uint32_t) : (int64_t)(padded(s->local_capacity) * sizeof(pbf_real));
   view->count = s->count;
   view->ids = s->buffers.ids;
   view->data = is_id ? (const void *)s->buffers.ids : f->c[0];
   return PBF_OK;
 }
 
-static pbf_status find_pressures(solver *s) {
-  add_weight(s);
-  return diagnose(s, diagnose_pressures) ? PBF_OK : no_memory_for_neighbors(s);
-}
-
 static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
-  pbf_status status = find_pressures(s);
-  if (status == PBF_OK) read_pressure_rows(s, rows, (pbf_real *)out);
-  return status;
+  return read_field(s, PBF_FIELD_PRESSURE, rows, out);
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
-  if (!pbf_memory_keep(&s->memory, true, "pressure", padded(s->capacity), 0, &s->pressure))
+  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
+  if (!pbf_memory_keep(&s->memory, true, "pressure", padded(s->local_capacity), 0, &s->pressure))
     return out_of_memory(s, "a view of the pressures");
-  pbf_status status = find_pressures(s);
-  if (status != PBF_OK) return status;
+  add_weight(s);
+  if (!diagnose(s, diagnose_pressures)) return no_memory_for_neighbors(s);
   for (uint32_t k = 0; k < s->count; ++k)
     s->pressure[s->order[k]] = pbf_pressure(s->pressure_scale, s->buffers.fitted_lambda()[k]);
   pbf_view_numbers(view, s->count, s->buffers.ids, s->pressure);
   return PBF_OK;
 }
 
+static pbf_status max_speed_of_all(solver *s, double *speed) {
+  if (!has_ranks(s)) return max_speed(s, speed);
+  if (!meet(s, "a look at the fastest particle", NULL, 0)) return end_on_ranks(s);
+  max_speed(s, speed);
+  *speed = max_of_ranks(s, *speed);
+  return end_on_ranks(s);
+}
+
 /* ---- Reports ------------------------------------------------------------------------------- */
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  if (!diagnose(s, diagnose_densities)) return no_memory_for_neighbors(s);
-  stats->count = s->count;
+  if (has_ranks(s) && !meet(s, "pbf_get_stats", NULL, 0)) return end_on_ranks(s);
+  if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
+  stats->count = particles_of_all(s);
   stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
   stats->asleep = s->asleep;
-  sum_stats(s, stats);
-  return PBF_OK;
+  if (!has_ranks(s)) {
+    sum_stats(s, stats);
+    return PBF_OK;
+  }
+  sum_stats_of_ranks(s, stats);
+  return end_on_ranks(s);
 }
 
 static pbf_status get_plan(solver *s, pbf_plan *plan) {
@@ -215,7 +272,7 @@ static pbf_status get_plan(solver *s, pbf_plan *plan) {
   pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(variant, sizeof variant, s->schedule.features, PBF_DIM, sizeof(pbf_real));
   snprintf(plan->variant, sizeof plan->variant, "%s-%s", variant, cpu_isa_name(s->isa));
-  pbf_memory_plan(&s->memory, s->capacity, plan);
+  pbf_memory_plan(&s->memory, s->local_capacity, plan);
   plan->bytes += sizeof *s;
   return PBF_OK;
 }
@@ -248,6 +305,12 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
   return PBF_OK;
 }
 
+/* That it works on ranks: pbf_backend_desc.ranks. */
+static const void *get_extension(const char *name) {
+  static const uint32_t works = 1;
+  return strcmp(name, PBF_BACKEND_RANKS) ? NULL : &works;
+}
+
 extern "C" const pbf_backend_api PBF_VARIANT_API;
 
 const pbf_backend_api PBF_VARIANT_API = {
@@ -270,10 +333,11 @@ const pbf_backend_api PBF_VARIANT_API = {
     .describe = describe,
     .set_timing = PBF_BUILT & PBF_FEATURE_TIMING ? set_timing : NULL,
     .get_timings = PBF_BUILT & PBF_FEATURE_TIMING ? get_timings : NULL,
+    .get_extension = get_extension,
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,
     .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap<solver> : NULL,
     .plan_for = plan_for,
-    .max_speed = max_speed,
+    .max_speed = max_speed_of_all,
 };

@@ -6,6 +6,7 @@
 #include "cpu/sleep.h"
 #include "cpu/solve.h"
 #include "cpu/sort.h"
+#include "cpu/step_ranks.h"
 #include "cpu/velocities.h"
 #include "physics/passes/predict.h"
 #include "physics/step.h"
@@ -30,8 +31,9 @@ namespace {
 /* All threads of the team come to all of its loops. */
 struct executor {
   worker *w;
-  bool sorted;  /* the step has come as far as that */
+  bool sorted;  /* the step has come as far as that, … */
   uint64_t nth; /* step of its length */
+  bool solved;  /* … or to where x* is x */
 
   void over_pairs(task_function task, completion_function last = NULL) {
     parallel_for(w->self, pair_task_count(w), task, last, w);
@@ -44,6 +46,7 @@ struct executor {
   /* What loops over pairs read is packed for them (neighbors.h): positions and lambda by the tasks
    * that find them, while they are in the cache, the others here. */
   void exchange(int fields) {
+    if (has_ranks(w->s)) exchange_with_ranks(w, fields, solved);
     if (fields & FIELD_VELOCITY) pack_vectors(w, velocities_task);
     if (fields & FIELD_MEAN_VELOCITY) pack_vectors(w, flows_and_lambda_task);
     if (fields & FIELD_DEVIATOR) pack_vectors(w, deviators_task);
@@ -63,7 +66,7 @@ struct executor {
     stage_end(w, PBF_STAGE_PREDICT);
   }
   bool find_neighbors() {
-    if (!sorted) sort_particles(w);
+    if (!sorted && !sort_step(w)) return false;
     w->activity = w->b.sorted_activity;
     w->sleeping_lambda = w->b.sorted_sleeping_lambda;
     if (!::find_neighbors(w, has_pressure_grid(w) ? end_search_with_grid : end_search))
@@ -94,7 +97,10 @@ struct executor {
     stage_end(w, PBF_STAGE_MOVE);
     w->iteration = k + 1;
   }
-  void velocity() { update_velocity(w); }
+  void velocity() {
+    update_velocity(w);
+    solved = true;
+  }
   bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
   void shear_push() { over_pairs(shear_push_task, PBF_STAGE_SHEAR_PUSH); }
@@ -118,7 +124,9 @@ struct executor {
   }
   void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }
   bool update_sleep() { return ::update_sleep(w); }
-  void end() {}
+  void end() {
+    if (has_ranks(w->s)) keep_own(w);
+  }
 };
 
 }  // namespace

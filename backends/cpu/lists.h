@@ -2,6 +2,7 @@
 #ifndef PBF_CPU_LISTS_H
 #define PBF_CPU_LISTS_H
 
+#include "cpu/ranks.h"
 #include "cpu/sleepers.h"
 
 static void free_lists(solver *s) {
@@ -25,6 +26,12 @@ static int grow_lists(solver *s) {
       (uint8_t *)pbf_memory_take(&s->memory, "neighbor list", slabs * s->slab_units, LIST_UNIT);
   if (s->list_data) s->slabs = (uint32_t)slabs;
   return s->list_data != NULL;
+}
+
+/* The same; on ranks for those that lack it, and 1 when all have it. */
+static int grow_lists_of_all(solver *s) {
+  if (!s->ranks.count) return grow_lists(s);
+  return on_all_ranks(s, !s->ranks.lacks || grow_lists(s));
 }
 
 /* The next slab, of those near the thread first; 0 when there is none. */
@@ -63,7 +70,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
       .lists = {.groups = s->groups,
                 .data = s->list_data ? s->list_data : none,
                 .far = s->grid.far,
-                .count = s->count},
+                .count = held_places(s).last},
       .x = x,
       .quads = quads,
       .vectors = packed_vectors(s),
@@ -79,7 +86,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
                       .x = *w->sorted_positions,
                       .cells = s->sorted_cells,
                       .cell_end = s->cell_end,
-                      .count = s->count,
+                      .count = held_places(s).last,
                       .groups = s->groups,
                       .data = s->list_data};
   list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->arena));
@@ -96,7 +103,7 @@ static void find_sleeping_boundary(const worker *w, range groups) {
 static void search_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = part_of(groups_of(s), task, search_task_count(w));
+  range r = search_groups(w, task);
   list_size all = {0};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last)) {
@@ -110,7 +117,7 @@ static void search_task(void *context, uint32_t task) {
 static void sleeping_boundary_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = part_of(groups_of(s), task, search_task_count(w));
+  range r = search_groups(w, task);
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
@@ -128,19 +135,20 @@ enum { GROUP_COST = 3 };
 static void divide_groups(const worker *w) {
   solver *s = w->s;
   uint32_t searched = search_task_count(w), tasks = pair_task_count(w), next = 1;
-  uint64_t groups = groups_of(s);
+  const uint64_t groups = groups_of(s);
+  const range own = own_groups(s);
   double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / tasks, before = 0;
   for (uint32_t k = 0; k < searched; ++k) {
-    range r = part_of(groups, k, searched);
+    range r = search_groups(w, k);
     double cost = (double)s->list_sizes[k].units + GROUP_COST * (double)(r.last - r.first);
     double groups_a_cost = (r.last - r.first) / cost;
     for (; next < tasks && each * next < before + cost; ++next)
       s->first_group[next] = r.first + (uint32_t)((each * next - before) * groups_a_cost);
     before += cost;
   }
-  while (next < tasks) s->first_group[next++] = (uint32_t)groups;
-  s->first_group[0] = 0;
-  s->first_group[tasks] = (uint32_t)groups;
+  while (next < tasks) s->first_group[next++] = own.last;
+  s->first_group[0] = own.first;
+  s->first_group[tasks] = own.last;
 }
 
 static void end_search(void *context) {
@@ -151,6 +159,8 @@ static void end_search(void *context) {
   for (uint32_t t = 0; t < w->self->threads; ++t)
     atomic_store_explicit(&s->slab_counters[t].taken, 0, memory_order_relaxed);
   divide_groups(w);
+  s->ranks.lacks = s->wanted.lacking;
+  if (s->ranks.count) s->wanted.lacking = !on_all_ranks(s, !s->wanted.lacking);
   if (!s->wanted.lacking) return;
   s->stopped_at = w->step;
   atomic_store_explicit(&s->stopped, 1, memory_order_release);
@@ -181,7 +191,7 @@ static void find_densities(const worker *w, uint32_t task, const pbf_obstacles *
 
 static void velocities_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, task_sorted(w, task));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.v, NULL, task_held(w, task));
 }
 
 /* The sentinel's vector is 0. The next sort puts the sentinel far away again. */

@@ -3,7 +3,7 @@
 #define PBF_CPU_PARTICLES_H
 
 #include "common/rows.h"
-#include "cpu/solver.h"
+#include "cpu/worker.h"
 #include "physics/passes/lambda.h"
 
 static void append(solver *s, const pbf_particles *p) {
@@ -94,15 +94,17 @@ static void write_overlap(solver *s, const pbf_rows *rows, const pbf_real *in) {
 
 /* After a diagnostics. */
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
-  for (uint32_t k = 0; k < s->count; ++k) {
-    uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
+  const range own = own_places(s);
+  for (uint32_t k = own.first; k < own.last; ++k) {
+    uint32_t row = wanted_row(rows, s->buffers.sorted_ids[k]);
     if (row < rows->count) out[row] = surveyed_densities(s)[k];
   }
 }
 
 static void read_pressure_rows(const solver *s, const pbf_rows *rows, pbf_real *out) {
-  for (uint32_t k = 0; k < s->count; ++k) {
-    uint32_t row = wanted_row(rows, s->buffers.ids[s->order[k]]);
+  const range own = own_places(s);
+  for (uint32_t k = own.first; k < own.last; ++k) {
+    uint32_t row = wanted_row(rows, s->buffers.sorted_ids[k]);
     if (row < rows->count)
       out[row] = pbf_pressure(s->pressure_scale, s->buffers.fitted_lambda()[k]);
   }

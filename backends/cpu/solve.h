@@ -26,7 +26,7 @@ static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
 
 static void backtrack_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = task_sorted(w, task);
+  range r = task_held(w, task);
   w->s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
                            w->b.step_start(), r.first, r.last);
   fill_packed(w->s, packed_vectors(w->s), &w->b.step_start(), NULL, r);
@@ -62,7 +62,7 @@ static int finds_overlap(const worker *w) { return w->step == 0 && w->s->found.s
 static void placed_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = task_sorted(w, task);
+  range r = task_held(w, task);
   pbf_real *placed = w->b.is_placed();
   s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
                         w->b.step_start(), r.first, r.last);
@@ -138,7 +138,7 @@ static momentum_pass turns_of(const worker *w) {
 static void start_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
-  range r = task_sorted(w, task);
+  range r = task_held(w, task);
   s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity, s->start,
                         r.first, r.last);
   fill_packed(s, s->packed_start, &s->start, NULL, r);
@@ -203,8 +203,9 @@ static void end_when_converged(void *context) {
   int64_t sum = 0;
   if (is_converged(w)) return;
   for (uint32_t task = 0; task < pair_task_count(w); ++task) sum += s->error_units[task];
+  if (has_ranks(s)) sum = sum_of_ranks(s, sum);
   s->iterations = w->iteration + 1;
-  s->over = sum <= pbf_error_units_limit(&s->params, s->count);
+  s->over = sum <= pbf_error_units_limit(&s->params, particles_of_all(s));
 }
 
 static void checked_move_task(void *context, uint32_t task) {

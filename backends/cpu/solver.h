@@ -4,6 +4,8 @@
 
 #include "cpu/atomics.h"
 
+#include <pbf/ranks.h>
+
 #include "common/pressure_grid.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
@@ -36,6 +38,56 @@ typedef struct pressure_grid_solve {
   atomic_uint lacking;             /* 1: a node was missing more than enough */
 } pressure_grid_solve;
 
+/* Memory of no fixed size. */
+typedef struct rank_memory {
+  void *data;
+  uint64_t bytes;
+} rank_memory;
+
+typedef struct rank_messages {
+  pbf_rank_message *list;
+  uint32_t count;
+} rank_messages;
+
+/* What a rank has in a step, by places in the order of all: its own particles, and what it holds,
+ * which is they and all in reach of them. */
+typedef struct rank_share {
+  uint32_t own_first, own_last;
+  uint32_t held_first, held_last;
+  uint32_t bin_first, bin_last;   /* of cells that are held, … */
+  uint32_t cell_first, cell_last; /* … and these */
+} rank_share;
+
+/* Of one of some ranks: ranks.h. All 0 without. */
+typedef struct ranks_state {
+  pbf_ranks link;
+  uint32_t count, rank;
+  pbf_status failed; /* the running call */
+  bool lost;         /* with the others, for good; told: and a call has said so */
+  bool told;
+  char reason[256];
+
+  uint64_t particles; /* a digest of all that callers gave */
+  uint32_t total;     /* particles of all ranks */
+  uint32_t before;    /* own ones, before the running step */
+  bool lacks;         /* this rank has no memory for its neighbours */
+  bool shares_are_fixed;
+  double *portions;   /* of the particles, by rank */
+  double busy, since; /* seconds */
+  uint64_t bytes_sent;
+
+  /* Of the sort: places are those of this solver's arrays. */
+  uint32_t pad;                 /* places without a particle before the first one */
+  uint32_t own_first, own_last; /* the places of its own */
+  rank_share *shares;
+  uint32_t *histogram, *counts;
+  uint32_t *ids; /* of what it holds, before the sort */
+
+  void *gathered; /* from all ranks, one thing after another */
+  rank_messages sends, receives;
+  rank_memory sent, cell_ends;
+} ranks_state;
+
 struct pbf_backend_solver {
   pbf_memory memory;
   const pbf_backend_host *host;
@@ -53,6 +105,8 @@ struct pbf_backend_solver {
   pbf_basins basins; /* that the schedule has asked about last */
 
   uint32_t capacity, count;
+  uint32_t local_capacity; /* particles that arrays have room for: capacity without ranks */
+  ranks_state ranks;
   uint32_t planned;    /* particles that the schedule is for */
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */

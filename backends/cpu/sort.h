@@ -4,6 +4,7 @@
 #ifndef PBF_CPU_SORT_H
 #define PBF_CPU_SORT_H
 
+#include "cpu/halo.h"
 #include "cpu/sleepers.h"
 #include "physics/passes/overlap.h"
 
@@ -17,6 +18,21 @@ static void find_bounds(void *context, uint32_t task) {
   w->s->boxes[task] = b;
 }
 
+/* What all ranks' particles are in. */
+static box box_of_ranks(solver *s, box around) {
+  const rank_news mine = {around, s->ranks.busy, s->count};
+  rank_news *news = static_cast<rank_news *>(s->ranks.gathered);
+  if (!gather_on_ranks(s, &mine, news, sizeof mine)) return around;
+  for (uint32_t r = 0; r < s->ranks.count; ++r)
+    for (int k = 0; k < PBF_DIM; ++k) {
+      around.lower.c[k] = pbf_real_min(around.lower.c[k], news[r].around.lower.c[k]);
+      around.upper.c[k] = pbf_real_max(around.upper.c[k], news[r].around.upper.c[k]);
+    }
+  balance(s, news);
+  s->ranks.busy = 0;
+  return around;
+}
+
 /* The grid's box is that of the particles, as far as it lies in the domain, wherever its walls have
  * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. */
 static void make_grid(void *context) {
@@ -28,6 +44,7 @@ static void make_grid(void *context) {
       all.lower.c[k] = pbf_real_min(all.lower.c[k], w->s->boxes[task].lower.c[k]);
       all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[task].upper.c[k]);
     }
+  if (has_ranks(w->s)) all = box_of_ranks(w->s, all);
   double size[PBF_DIM];
   int axis[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -38,7 +55,7 @@ static void make_grid(void *context) {
   }
   grid_axes(size, axis);
   w->s->grid = grid_around(axis, all.lower, all.upper, w->s->params.smoothing_radius,
-                           cell_limit(w->s->count));
+                           cell_limit(particles_of_all(w->s)));
   for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
 }
 
@@ -50,6 +67,7 @@ static uint32_t range_tasks(const worker *w) {
 static void take_sample(const worker *w, range particles) {
   solver *s = w->s;
   uint64_t samples = (uint64_t)range_tasks(w) * SAMPLES_A_RANGE;
+  if (!s->count) return; /* on some rank */
   uint64_t k = (particles.first * samples + s->count - 1) / s->count, i;
   for (; k < samples && (i = s->count * k / samples) < particles.last; ++k)
     s->sample[k] = s->cells[i];
@@ -68,6 +86,13 @@ static void find_cells(void *context, uint32_t task) {
   take_sample(w, task_particles(w, task));
 }
 
+/* Those whose particles it holds: without ranks all. */
+static range held_cells(const solver *s) {
+  if (!has_ranks(s)) return (range){0, s->grid.total};
+  const rank_share *share = &s->ranks.shares[s->ranks.rank];
+  return (range){share->cell_first, share->cell_last};
+}
+
 /* Ranges of cells such that all have about as many particles: quantiles of the sample. */
 static void divide_cells(void *context) {
   worker *w = static_cast<worker *>(context);
@@ -79,8 +104,9 @@ static void divide_cells(void *context) {
     sample[at] = cell;
   }
   for (uint32_t k = 1; k < ranges; ++k) s->first_cell[k] = sample[k * SAMPLES_A_RANGE];
-  s->first_cell[0] = 0;
-  s->first_cell[ranges] = s->grid.total;
+  const range cells = held_cells(s);
+  s->first_cell[0] = cells.first;
+  s->first_cell[ranges] = cells.last;
 }
 
 static range task_cells(const worker *w, uint32_t task) {
@@ -112,7 +138,7 @@ static void count_cells(void *context, uint32_t task) {
 /* Turns numbers of particles into where they begin. */
 static void divide_places(void *context) {
   worker *w = static_cast<worker *>(context);
-  uint32_t next = 0;
+  uint32_t next = w->s->ranks.pad;
   for (uint32_t task = 0; task < range_tasks(w); ++task) {
     uint32_t count = w->s->first_place[task];
     w->s->first_place[task] = next;
@@ -166,7 +192,7 @@ static void sort_range(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range places = {s->first_place[task], s->first_place[task + 1]};
-  place_particles(s, task_cells(w, task), places, w->b.ids, w->b.sorted_ids);
+  place_particles(s, task_cells(w, task), places, w->sort_ids, w->b.sorted_ids);
   order_by_id(s, places, w->b.sorted_ids);
   gather(s->order, places, w->sort_positions, w->sorted_positions);
   if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
@@ -175,18 +201,45 @@ static void sort_range(void *context, uint32_t task) {
     gather_reals(s->order, places, w->b.activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
-  if (w->b.overlap && w->sort_payload)
+  if (w->sort_overlap && w->sort_payload)
     for (uint32_t i = places.first; i < places.last; ++i)
       w->b.sorted_overlap[i] =
-          pbf_overlap_left(w->constants.overlap_decay, w->b.overlap[s->order[i]]);
+          pbf_overlap_left(w->constants.overlap_decay, w->sort_overlap[s->order[i]]);
   mark_sleepers(w, places);
 }
 
-/* Sorts by the positions whose grid has been made. */
-static void sort_particles(worker *w) {
-  parallel_for(w->self, particle_task_count(w), find_cells, divide_cells, w);
+/* Takes what this rank is to hold, with its ids and these arrays, which from then on are those that
+ * are sorted. */
+static bool hold_to_sort(worker *w, const field *x, const field *to, const field *payload,
+                         const field *payload_to) {
+  solver *s = w->s;
+  carried what[MAX_CARRIED];
+  int arrays = 0;
+  for (int k = 0; k < PBF_DIM; ++k) what[arrays++] = {x->c[k], to->c[k], sizeof(pbf_real)};
+  for (int k = 0; k < PBF_DIM && payload; ++k)
+    what[arrays++] = {payload->c[k], payload_to->c[k], sizeof(pbf_real)};
+  what[arrays++] = {w->b.ids, s->ranks.ids, sizeof(uint32_t)};
+  if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
+  if (!hold_share(s, what, arrays)) return false;
+  w->sort_positions = to;
+  w->sort_payload = payload ? payload_to : NULL;
+  w->sort_ids = s->ranks.ids;
+  if (w->b.overlap) w->sort_overlap = s->held_overlap;
+  parallel_for(w->self, particle_task_count(w), find_cells, NULL, w);
+  return true;
+}
+
+/* Sorts by the positions whose grid has been made. False where ranks have failed. */
+static bool sort_particles(worker *w, const field *to, const field *payload_to) {
+  parallel_for(w->self, particle_task_count(w), find_cells, has_ranks(w->s) ? NULL : divide_cells,
+               w);
+  if (has_ranks(w->s)) {
+    if (!hold_to_sort(w, w->sort_positions, to, w->sort_payload, payload_to)) return false;
+    divide_cells(w);
+  }
   parallel_for(w->self, range_tasks(w), count_cells, divide_places, w);
   parallel_for(w->self, range_tasks(w), sort_range, NULL, w);
+  return true;
 }
 
 #endif

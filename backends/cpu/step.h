@@ -24,15 +24,18 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   w->moving_obstacles = moving_obstacles_at(s, begin);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)))
     place_obstacles(s, begin, &w->before);
-  pbf_set_target_density(&w->constants, &s->constants, &s->params, s->count, &s->schedule, end);
+  pbf_set_target_density(&w->constants, &s->constants, &s->params, particles_of_all(s),
+                         &s->schedule, end);
   w->sort_positions = &w->b.predicted();
   w->sorted_positions = &w->b.sorted_predicted;
   w->sort_payload = &w->b.predicted_velocity();
   w->sorted_payload = &w->b.sorted_velocity;
+  w->sort_ids = w->b.ids;
+  w->sort_overlap = w->b.overlap;
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
-  executor e = {w, sorted != 0, nth};
+  executor e = {w, sorted != 0, nth, false};
   return run_step(e, s->schedule);
 }
 
@@ -54,7 +57,7 @@ static void run_steps(void *context, team_thread *self) {
 }
 
 static uint32_t steps_at_once(const solver *s, uint32_t left) {
-  const uint64_t max_steps = team_run_length / (s->count + 1) + 1;
+  const uint64_t max_steps = team_run_length / (particles_of_all(s) + UINT64_C(1)) + 1;
   return max_steps < left ? (uint32_t)max_steps : left;
 }
 
@@ -80,7 +83,8 @@ static void run_job(step_job *job) {
     if (job->reached > job->done) note_grid_pressure(s);
     job->done = job->reached;
     job->sorted = job->last == STEP_SHORT_OF_MEMORY;
-  } while (job->done < job->steps && (!job->sorted || grow_lists(s)));
+  } while (job->done < job->steps && !s->ranks.failed && (!job->sorted || grow_lists_of_all(s)));
+  if (job->sorted && has_ranks(s)) s->count = s->ranks.before;
   if (job->done > before) s->pressure_scale = s->constants.pressure;
   s->now = pbf_time_after(&job->times, job->done);
 }

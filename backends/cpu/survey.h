@@ -5,6 +5,7 @@
 #define PBF_CPU_SURVEY_H
 
 #include "common/report.h"
+#include "cpu/calls_on_ranks.h"
 #include "cpu/lists.h"
 #include "cpu/sort.h"
 
@@ -18,8 +19,9 @@ static void density_task(void *context, uint32_t task) {
 /* The sorted lambda, for who looks it up. */
 static void sort_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
-  range r = task_particles(w, task);
-  gather_reals(w->s->order, r, w->s->lambda, sorted_lambda(w->s));
+  range r = has_ranks(w->s) ? held_places(w->s) : task_particles(w, task);
+  const pbf_real *lambda = has_ranks(w->s) ? w->sort_payload->c[0] : w->s->lambda;
+  gather_reals(w->s->order, r, lambda, sorted_lambda(w->s));
   fill_packed(w->s, packed_positions(w->s), &w->b.sorted_x(), sorted_lambda(w->s), r);
 }
 
@@ -30,34 +32,57 @@ static void fit_lambda_task(void *context, uint32_t task) {
   w->s->kernels->fit(&pairs, sorted_lambda(w->s), w->b.fitted_lambda(), r.first, r.last);
 }
 
-static worker begin_diagnostics(solver *s, team_thread *self) {
+/* On ranks `payload` goes along, too. */
+static worker begin_diagnostics(solver *s, team_thread *self, const field *payload) {
   worker w = worker_of(s, self);
   w.sort_positions = &s->buffers.x;
   w.sorted_positions = &s->buffers.sorted_x();
   place_obstacles(s, s->now, &w.obstacles);
   parallel_for(self, particle_task_count(&w), find_bounds, make_grid, &w);
-  sort_particles(&w);
+  if (has_ranks(s)) {
+    w.sort_payload = payload;
+    w.sorted_payload = &s->buffers.sorted_velocity;
+  }
+  sort_particles(&w, &s->buffers.scratch[0], &s->buffers.scratch[1]);
   return w;
 }
 
 static void diagnose_densities(void *context, team_thread *self) {
-  worker w = begin_diagnostics((solver *)context, self);
-  if (find_neighbors(&w, end_search))
+  solver *s = static_cast<solver *>(context);
+  worker w = begin_diagnostics(s, self, &s->buffers.v);
+  if (!s->ranks.failed && find_neighbors(&w, end_search))
     parallel_for(self, pair_task_count(&w), density_task, NULL, &w);
 }
 
 static void diagnose_pressures(void *context, team_thread *self) {
-  worker w = begin_diagnostics((solver *)context, self);
+  solver *s = static_cast<solver *>(context);
+  field lambda;
+  for (int k = 0; k < PBF_DIM; ++k) lambda.c[k] = s->lambda;
+  worker w = begin_diagnostics(s, self, &lambda);
+  if (s->ranks.failed) return;
   parallel_for(self, particle_task_count(&w), sort_lambda_task, NULL, &w);
   if (find_neighbors(&w, end_search))
     parallel_for(self, pair_task_count(&w), fit_lambda_task, NULL, &w);
+}
+
+/* The same on ranks, where the sorted places are s->ranks's. */
+static int diagnose_on_ranks(solver *s, team_function what) {
+  const uint32_t own = s->count;
+  do {
+    s->count = own;
+    atomic_store(&s->stopped, 0);
+    team_run(&s->tasks, s->team, s->threads, what, s);
+  } while (!s->ranks.failed && atomic_load(&s->stopped) && grow_lists_of_all(s));
+  s->count = own;
+  return !s->ranks.failed && !atomic_load(&s->stopped);
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
  * surveyed_densities(s)[k] and neighbor_counts(s)[k] neighbours, or the fitted lambda of k. 0 when
  * the memory for the neighbours is lacking. */
 static int diagnose(solver *s, team_function what) {
-  if (!s->count) return 1;
+  if (!particles_of_all(s)) return 1;
+  if (has_ranks(s)) return diagnose_on_ranks(s, what);
   do {
     atomic_store(&s->stopped, 0);
     team_run(&s->tasks, s->team, threads_now(s), what, s);
@@ -76,6 +101,24 @@ static void sum_stats(const solver *s, pbf_stats *stats) {
     stats->squeezed += pbf_is_squeezed_by(obstacles, field_at(&s->buffers.x, i));
   }
   if (s->count) pbf_stats_finish(stats);
+}
+
+/* The same sums on ranks, each of which adds its own particles to what those before it have. */
+static void sum_stats_of_ranks(solver *s, pbf_stats *stats) {
+  pbf_obstacles obstacles;
+  const range own = own_places(s);
+  const bool begins = s->ranks.shares[s->ranks.rank].own_first == 0;
+  place_obstacles(s, s->now, &obstacles);
+  if (!s->ranks.total) return;
+  pass_along(s, stats, [&] {
+    for (uint32_t k = own.first; k < own.last; ++k) {
+      const pbf_vec x = field_at(&s->buffers.sorted_x(), k);
+      pbf_stats_add(stats, begins && k == own.first, x, field_at(&s->buffers.sorted_velocity, k),
+                    (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
+      stats->squeezed += pbf_is_squeezed_by(obstacles, x);
+    }
+  });
+  pbf_stats_finish(stats);
 }
 
 #endif

@@ -42,7 +42,7 @@ static void deviator_task(void *context, uint32_t task) {
 static void deviators_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_real *const rest[2] = {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)};
-  const range r = task_sorted(w, task);
+  const range r = task_held(w, task);
   if (PBF_DEVIATOR_DIM > PBF_DIM) fill_packed(w->s, packed_positions(w->s), &w->b.x, rest[0], r);
   fill_packed(w->s, packed_vectors(w->s), &w->b.deviator(),
               PBF_DEVIATOR_DIM > PBF_DIM ? rest[1] : NULL, r);
@@ -56,7 +56,7 @@ static void shear_push_task(void *context, uint32_t task) {
 
 static void shear_pushes_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.shear_push(), NULL, task_sorted(w, task));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.shear_push(), NULL, task_held(w, task));
 }
 
 static void shear_stress_task(void *context, uint32_t task) {
@@ -114,14 +114,14 @@ static void compensate_damping_task(void *context, uint32_t task) {
 /* Of mean velocities, and lambda beside the positions. */
 static void flows_and_lambda_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->lambda, task_sorted(w, task));
-  fill_packed(w->s, packed_vectors(w->s), &w->b.mean_velocity(), NULL, task_sorted(w, task));
+  fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->lambda, task_held(w, task));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.mean_velocity(), NULL, task_held(w, task));
 }
 
 /* Of rates of rotation. */
 static void rates_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.rotation_rate(), NULL, task_sorted(w, task));
+  fill_packed(w->s, packed_vectors(w->s), &w->b.rotation_rate(), NULL, task_held(w, task));
 }
 
 static void turn_rate_task(void *context, uint32_t task) {
@@ -153,7 +153,7 @@ static void curl_task(void *context, uint32_t task) {
 /* Positions, and the sizes of curls. */
 static void sizes_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_curl_sizes(w->s), &w->b.x, curl_sizes(w->s), task_sorted(w, task));
+  fill_packed(w->s, packed_curl_sizes(w->s), &w->b.x, curl_sizes(w->s), task_held(w, task));
 }
 
 static void confine_task(void *context, uint32_t task) {

@@ -24,11 +24,18 @@ typedef struct worker {
   uint32_t viscosity_stage;                       /* of this step */
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
+  const uint32_t *sort_ids;                       /* of the particles to be sorted, */
+  const pbf_real *sort_overlap;                   /* and what is left of their overlap */
   double stage_begin;
 } worker;
 
 static inline worker worker_of(solver *s, team_thread *self) {
-  return (worker){.s = s, .self = self, .b = s->buffers, .constants = s->constants};
+  return (worker){.s = s,
+                  .self = self,
+                  .b = s->buffers,
+                  .constants = s->constants,
+                  .sort_ids = s->buffers.ids,
+                  .sort_overlap = s->buffers.overlap};
 }
 
 static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {
@@ -63,8 +70,27 @@ static inline range task_particles(const worker *w, uint32_t task) {
   return (range){r.first * CHUNK, last < w->s->count ? (uint32_t)last : w->s->count};
 }
 
+/* Where its own particles begin and end in sorted order. Without ranks all are its own. */
+static inline range own_places(const solver *s) {
+  if (s->ranks.count) return (range){s->ranks.own_first, s->ranks.own_last};
+  return (range){0, s->count};
+}
+
+/* Those that it holds, with its neighbours' on other ranks. */
+static inline range held_places(const solver *s) {
+  return (range){s->ranks.pad, s->ranks.pad + s->count};
+}
+
+/* The groups of its own particles: a share begins with a group. */
+static inline range own_groups(const solver *s) {
+  const range own = own_places(s);
+  const uint64_t width = s->kernels->width, first = own.first / width;
+  return (range){(uint32_t)first, (uint32_t)((own.last + width - 1) / width)};
+}
+
 static inline uint64_t groups_of(const solver *s) {
-  return ((uint64_t)s->count + s->kernels->width - 1) / s->kernels->width;
+  const range groups = own_groups(s);
+  return groups.last - groups.first;
 }
 
 static inline uint32_t search_task_count(const worker *w) {
@@ -77,6 +103,13 @@ static inline uint32_t pair_task_count(const worker *w) {
   return tasks_of(w, groups_of(w->s), MIN_PARTICLES / w->s->kernels->width, PAIR_TASKS);
 }
 
+/* The groups of a task of the search. */
+static inline range search_groups(const worker *w, uint32_t task) {
+  const uint32_t first = own_groups(w->s).first;
+  const range part = part_of(groups_of(w->s), task, search_task_count(w));
+  return (range){first + part.first, first + part.last};
+}
+
 /* The groups of a task of a pass over pairs. */
 static inline range task_groups(const worker *w, uint32_t task) {
   return (range){w->s->first_group[task], w->s->first_group[task + 1]};
@@ -87,7 +120,18 @@ static inline range task_sorted(const worker *w, uint32_t task) {
   uint32_t width = w->s->kernels->width;
   range r = task_groups(w, task);
   uint64_t last = (uint64_t)r.last * width;
-  return (range){r.first * width, last < w->s->count ? (uint32_t)last : w->s->count};
+  const uint32_t end = own_places(w->s).last;
+  return (range){r.first * width, last < end ? (uint32_t)last : end};
+}
+
+/* The same, and with the first and the last of them what others' particles are held before and
+ * behind. */
+static inline range task_held(const worker *w, uint32_t task) {
+  range r = task_sorted(w, task);
+  if (!w->s->ranks.count) return r;
+  if (task == 0) r.first = held_places(w->s).first;
+  if (task + 1 == pair_task_count(w)) r.last = held_places(w->s).last;
+  return r;
 }
 
 static inline void stage_end(worker *w, pbf_stage stage) {

@@ -83,6 +83,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.shear_push();
     e.exchange(FIELD_SHEAR_PUSH);
     e.correct_shear_stress();
+    e.exchange(FIELD_POSITION);
   }
   if (runs<PBF_STAGE_DAMPING_COMPENSATION>(has)) {
     e.exchange(FIELD_VELOCITY);

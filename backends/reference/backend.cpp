@@ -10,6 +10,9 @@
 #include "reference/step.h"
 
 static void settle_pressures(solver *) {} /* a step's end adds the grid's */
+static const char *refusal_of(const solver *, const pbf_params *, const pbf_schedule *) {
+  return NULL;
+}
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return s->v[i]; }
 
 static void bounded_step(solver *s, double begin, double end, uint64_t nth) {

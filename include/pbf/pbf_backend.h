@@ -12,6 +12,7 @@
 #define PBF_PBF_BACKEND_H
 
 #include <pbf/pbf.h>
+#include <pbf/ranks.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -75,7 +76,13 @@ typedef struct pbf_backend_desc {
    */
   uint32_t worlds;
   uint32_t reserved; /* 0 */
+  const pbf_ranks *ranks; /* complete, valid during the call; null: alone. Only given to backends
+                             with the extension PBF_BACKEND_RANKS */
 } pbf_backend_desc;
+
+/* The extension of a backend that works on ranks. It is given all particles, as all ranks are, and
+ * gives all; what it is to refuse ranks.h says. */
+#define PBF_BACKEND_RANKS "pbf.ranks/1"
 
 /* New particles. Their ids ascend and are above all ids that the solver has held. */
 typedef struct pbf_particles {

@@ -2,6 +2,7 @@
 #include "create.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -40,9 +41,17 @@ static double work_at_once(const pbf_solver *solver) {
   return one_thread * (state.threads > 1 ? state.threads : 1);
 }
 
+static int works_on_ranks(const pbf_plugin *plugin) {
+  return plugin->api.get_extension && plugin->api.get_extension(PBF_BACKEND_RANKS);
+}
+
 static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
                               const pbf_checked_desc *checked, char *why, size_t size) {
   const pbf_desc *desc = &checked->desc;
+  if (solver->ranks.count && !works_on_ranks(plugin)) {
+    snprintf(why, size, "the backend \"%s\" does not work on ranks; \"serial\" does", plugin->name);
+    return PBF_ERROR_UNSUPPORTED;
+  }
   const pbf_backend_desc backend_desc = {
       .struct_size = sizeof backend_desc,
       .dimension = desc->dimension,
@@ -60,6 +69,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
       .finish_task = desc->finish_task,
       .task_user = desc->task_user,
       .worlds = checked->worlds,
+      .ranks = solver->ranks.count ? &solver->ranks : NULL,
   };
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);
   const pbf_backend_api *table = NULL;
@@ -116,15 +126,18 @@ static pbf_status create_backend(pbf_solver *solver, const pbf_checked_desc *che
 }
 
 static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
-                       const pbf_params *params) {
+                       const pbf_params *params, const pbf_ranks *ranks) {
   const pbf_desc *desc = &checked->desc;
   memset(solver, 0, sizeof *solver);
+  if (ranks) solver->ranks = *ranks;
   pbf_callbacks_wrap(solver, &checked->allocator, desc->log, desc->log_user);
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;
   solver->params = *params;
   solver->time_step_there = params->time_step;
-  return create_backend(solver, checked);
+  const pbf_status status = create_backend(solver, checked);
+  solver->ranks.shares = NULL;
+  return status;
 }
 
 static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc *checked,
@@ -136,19 +149,46 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
+/* The first thing that is wrong with them. */
+static pbf_status check_ranks(const pbf_ranks *ranks) {
+  if (ranks->struct_size != sizeof *ranks)
+    return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",
+                    ranks->struct_size, (uint32_t)sizeof *ranks);
+  if (ranks->count < 1 || ranks->count > PBF_MAX_RANKS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->count is %u; it must be 1 … %u",
+                    ranks->count, PBF_MAX_RANKS);
+  if (ranks->rank >= ranks->count)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "ranks->rank is %u; it must be below ranks->count, %u", ranks->rank,
+                    ranks->count);
+  if (ranks->local_capacity > PBF_MAX_CAPACITY)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->local_capacity is %u; it must be 0 … %u",
+                    ranks->local_capacity, PBF_MAX_CAPACITY);
+  if (!ranks->all_gather || !ranks->sum || !ranks->exchange || !ranks->reason)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "a function of ranks is null; all but release are needed");
+  for (uint32_t k = 0; k < ranks->count && ranks->shares; ++k)
+    if (!(ranks->shares[k] > 0 && isfinite(ranks->shares[k])))
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "ranks->shares[%u] is %.9g; it must be above 0 and finite", k,
+                      ranks->shares[k]);
+  return PBF_OK;
+}
+
 static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
-                         pbf_solver **solver) {
+                         const pbf_ranks *ranks, pbf_solver **solver) {
   pbf_checked_desc checked;
   pbf_params ours;
   void *memory;
-  pbf_status status = pbf_lock_check();
+  pbf_status status = ranks ? check_ranks(ranks) : PBF_OK;
+  if (status == PBF_OK) status = pbf_lock_check();
   if (status == PBF_OK) status = pbf_desc_check(desc, &checked);
   checked.worlds = worlds;
   if (status == PBF_OK) status = check_params(params, &checked, &ours);
   if (status == PBF_OK)
     status = pbf_memory_allocate(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
   if (status != PBF_OK) return status;
-  status = fill(memory, &checked, &ours);
+  status = fill(memory, &checked, &ours, ranks);
   if (status != PBF_OK) {
     pbf_memory_free(&checked.allocator, memory, sizeof(pbf_solver));
     return status;
@@ -159,19 +199,31 @@ static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_
   return PBF_OK;
 }
 
-pbf_status pbf_create_world(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
-                            pbf_solver **solver) {
+static pbf_status create_checked(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
+                                 const pbf_ranks *ranks, pbf_solver **solver) {
+  if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
+  if (!solver)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
   const int cancellation = pbf_uncancelled_begin();
   pbf_fp_environment callers = pbf_fp_begin();
-  pbf_status status = create(desc, params, worlds, solver);
+  pbf_status status = create(desc, params, worlds, ranks, solver);
   pbf_fp_end(callers);
   pbf_uncancelled_end(cancellation);
   return status;
 }
 
 pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver) {
-  if (!desc) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "desc is null; pbf_desc_init fills one");
-  if (!solver)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "solver is null; it receives the new one");
-  return pbf_create_world(desc, params, 0, solver);
+  return create_checked(desc, params, 0, NULL, solver);
+}
+
+pbf_status pbf_create_world(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
+                            pbf_solver **solver) {
+  return create_checked(desc, params, worlds, NULL, solver);
+}
+
+pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
+                               const pbf_ranks *ranks, pbf_solver **solver) {
+  if (!ranks)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks is null; pbf_create makes one alone");
+  return create_checked(desc, params, 0, ranks, solver);
 }

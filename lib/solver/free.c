@@ -10,6 +10,7 @@
 
 void pbf_solver_free(pbf_solver *solver) {
   const pbf_allocator allocator = solver->callbacks.allocator;
+  const pbf_ranks ranks = solver->ranks;
   pbf_worker_free(solver);
   solver->api.destroy(solver->backend);
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
@@ -19,4 +20,5 @@ void pbf_solver_free(pbf_solver *solver) {
                   pbf_colliders_bytes(solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);
   pbf_memory_free(&allocator, solver, sizeof *solver);
+  if (ranks.release) ranks.release(ranks.user);
 }

@@ -82,6 +82,7 @@ struct pbf_solver {
   pbf_log_fn log;
   void *log_user;
   pbf_callbacks callbacks;
+  pbf_ranks ranks; /* count 0: alone */
   const pbf_plugin *plugin;
   pbf_backend_api api; /* the table of this solver's variant */
   pbf_backend_solver *backend;

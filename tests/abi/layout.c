@@ -249,7 +249,7 @@ AT(pbf_batch_info, worlds, 4);
 AT(pbf_batch_info, threads, 8);
 AT(pbf_batch_info, device_type, 12);
 
-SIZE(pbf_backend_desc, 128);
+SIZE(pbf_backend_desc, 136);
 AT(pbf_backend_desc, struct_size, 0);
 AT(pbf_backend_desc, dimension, 4);
 AT(pbf_backend_desc, precision, 8);
@@ -267,6 +267,7 @@ AT(pbf_backend_desc, finish_task, 104);
 AT(pbf_backend_desc, task_user, 112);
 AT(pbf_backend_desc, worlds, 120);
 AT(pbf_backend_desc, reserved, 124);
+AT(pbf_backend_desc, ranks, 128);
 
 SIZE(pbf_particles, 32);
 AT(pbf_particles, struct_size, 0);

@@ -1,0 +1,192 @@
+/* Part of sort.h and executor.h: how particles come to the rank that has them in its share, and to
+ * those that need them as neighbours; and how what stages change of them follows. */
+#ifndef PBF_CPU_HALO_H
+#define PBF_CPU_HALO_H
+
+#include "cpu/shares.h"
+
+/* An array of what goes along with particles, from where it is to where it is wanted. */
+typedef struct carried {
+  const void *from;
+  void *to;
+  uint32_t element; /* bytes */
+} carried;
+
+enum { MAX_CARRIED = 2 * PBF_DIM + 2 };
+
+static void count_bins(solver *s) {
+  uint32_t *histogram = s->ranks.histogram, each = cells_a_bin(&s->grid);
+  memset(histogram, 0, (RANK_BINS + 1) * sizeof *histogram);
+  for (uint32_t i = 0; i < s->count; ++i) ++histogram[s->cells[i] / each];
+}
+
+/* All ranks find the same. */
+static bool shares_fit(solver *s) {
+  uint32_t most = 0, rank = 0;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) {
+    const uint32_t wanted = room_wanted(s, &s->ranks.shares[k]);
+    if (wanted > most) most = wanted, rank = k;
+  }
+  if (most <= s->local_capacity) return true;
+  char text[200];
+  snprintf(text, sizeof text,
+           "rank %u would hold %u particles, those near its own included, and local_capacity is "
+           "%u; a larger one would do, or fewer ranks",
+           rank, most, s->local_capacity);
+  refuse_on_ranks(s, PBF_ERROR_CAPACITY, text);
+  return false;
+}
+
+static bool is_held_by(const rank_share *share, uint32_t bin) {
+  return bin - share->bin_first < share->bin_last - share->bin_first;
+}
+
+/* How many of this rank's particles each rank is to hold. */
+static void count_for_ranks(const solver *s, uint32_t *counts) {
+  const uint32_t each = cells_a_bin(&s->grid);
+  memset(counts, 0, s->ranks.count * sizeof *counts);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const uint32_t bin = s->cells[i] / each;
+    for (uint32_t k = 0; k < s->ranks.count; ++k) counts[k] += is_held_by(&s->ranks.shares[k], bin);
+  }
+}
+
+/* Array by array, those that rank k is to hold. */
+static char *pack_for(const solver *s, uint32_t k, const carried *what, int arrays, char *to) {
+  const uint32_t each = cells_a_bin(&s->grid);
+  for (int a = 0; a < arrays; ++a)
+    for (uint32_t i = 0; i < s->count; ++i) {
+      if (!is_held_by(&s->ranks.shares[k], s->cells[i] / each)) continue;
+      const uint32_t size = what[a].element;
+      memcpy(to, static_cast<const char *>(what[a].from) + (uint64_t)i * size, size);
+      to += size;
+    }
+  return to;
+}
+
+static uint64_t bytes_a_particle(const carried *what, int arrays) {
+  uint64_t bytes = 0;
+  for (int a = 0; a < arrays; ++a) bytes += what[a].element;
+  return bytes;
+}
+
+/* counts[r * ranks + k]: particles of rank r that rank k is to hold. */
+static bool gather_counts(solver *s, uint32_t *counts) {
+  uint32_t *mine = s->ranks.counts + s->ranks.count * s->ranks.count;
+  count_for_ranks(s, mine);
+  return gather_on_ranks(s, mine, counts, s->ranks.count * sizeof *mine);
+}
+
+/* Memory for what this rank sends, and for the ends of the cells that it is to hold. */
+static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) {
+  const ranks_state *r = &s->ranks;
+  const rank_share *share = &r->shares[r->rank];
+  uint64_t sent = 0;
+  for (uint32_t k = 0; k < r->count; ++k) sent += counts[r->rank * r->count + k];
+  const bool ok =
+      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent * each) &&
+      keep_bytes(s, "cell end", &s->ranks.cell_ends,
+                 ((uint64_t)share->cell_last - share->cell_first + 1) * sizeof(uint32_t));
+  if (on_all_ranks(s, ok)) return true;
+  refuse_on_ranks(s, PBF_ERROR_OUT_OF_MEMORY,
+                  "a rank has no memory for the particles near its own; more ranks would do");
+  return false;
+}
+
+/* What this rank is to hold comes array by array, in the order of the ranks that had it. */
+static void receive_from(solver *s, uint32_t r, uint32_t count, uint32_t at, const carried *what,
+                         int arrays) {
+  for (int a = 0; a < arrays; ++a)
+    add_message(&s->ranks.receives, r,
+                static_cast<char *>(what[a].to) + (uint64_t)at * what[a].element,
+                (uint64_t)count * what[a].element);
+}
+
+static void unpack_own(const char *from, uint32_t count, uint32_t at, const carried *what,
+                       int arrays) {
+  for (int a = 0; a < arrays; ++a) {
+    const uint64_t size = what[a].element;
+    memcpy(static_cast<char *>(what[a].to) + at * size, from, count * size);
+    from += count * size;
+  }
+}
+
+static bool send_and_receive(solver *s, const uint32_t *counts, const carried *what, int arrays) {
+  ranks_state *r = &s->ranks;
+  char *packed = static_cast<char *>(r->sent.data), *own = packed;
+  uint32_t at = 0, own_at = 0;
+  r->sends.count = r->receives.count = 0;
+  for (uint32_t k = 0; k < r->count; ++k) {
+    const uint64_t count = counts[r->rank * r->count + k];
+    const char *array = packed;
+    if (k == r->rank) own = packed;
+    packed = pack_for(s, k, what, arrays, packed);
+    for (int a = 0; a < arrays && k != r->rank; ++a) {
+      add_message(&r->sends, k, array, count * what[a].element);
+      array += count * what[a].element;
+    }
+  }
+  for (uint32_t k = 0; k < r->count; ++k) {
+    const uint32_t count = counts[k * r->count + r->rank];
+    if (k == r->rank)
+      own_at = at;
+    else
+      receive_from(s, k, count, at, what, arrays);
+    at += count;
+  }
+  unpack_own(own, counts[r->rank * r->count + r->rank], own_at, what, arrays);
+  return exchange_on_ranks(s);
+}
+
+/* From the cells of its particles on, each rank comes to hold its share and its neighbours, still
+ * unsorted: s->count of them. */
+static bool hold_share(solver *s, const carried *what, int arrays) {
+  ranks_state *r = &s->ranks;
+  count_bins(s);
+  if (!sum_on_ranks(s, r->histogram, RANK_BINS)) return false;
+  sum_up(r->histogram);
+  find_shares(s);
+  uint32_t *counts = r->counts;
+  if (!shares_fit(s) || !gather_counts(s, counts) ||
+      !take_room_to_hold(s, counts, bytes_a_particle(what, arrays)) ||
+      !send_and_receive(s, counts, what, arrays))
+    return false;
+  const rank_share *share = &r->shares[r->rank];
+  r->pad = pad_of(s, share);
+  r->own_first = local_place(s, share->own_first);
+  r->own_last = local_place(s, share->own_last);
+  uint32_t *ends = static_cast<uint32_t *>(r->cell_ends.data);
+  ends[0] = r->pad;
+  s->cell_end = ends + 1 - (ptrdiff_t)share->cell_first;
+  s->count = share->held_last - share->held_first;
+  return true;
+}
+
+/* ---- What stages change -------------------------------------------------------------------- */
+
+static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
+static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+/* Adds messages for an array of reals in sorted order: each rank's own to those that hold them. */
+static void add_array(solver *s, pbf_real *values) {
+  ranks_state *r = &s->ranks;
+  const rank_share *mine = &r->shares[r->rank];
+  for (uint32_t k = 0; k < r->count; ++k) {
+    const rank_share *other = &r->shares[k];
+    if (k == r->rank) continue;
+    uint32_t first = larger(mine->own_first, other->held_first);
+    uint32_t last = smaller(mine->own_last, other->held_last);
+    if (first < last)
+      add_message(&r->sends, k, values + local_place(s, first), (last - first) * sizeof *values);
+    first = larger(other->own_first, mine->held_first);
+    last = smaller(other->own_last, mine->held_last);
+    if (first < last)
+      add_message(&r->receives, k, values + local_place(s, first), (last - first) * sizeof *values);
+  }
+}
+
+static void add_field(solver *s, const field *f) {
+  for (int k = 0; k < PBF_DIM; ++k) add_array(s, f->c[k]);
+}
+
+#endif

@@ -1,0 +1,236 @@
+/* What a solver that is one of some ranks (pbf/ranks.h) knows of the others, and how it asks them.
+ * A failure is kept: what comes after it asks nobody, and the call fails when it ends. */
+#ifndef PBF_CPU_RANKS_H
+#define PBF_CPU_RANKS_H
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include <pbf/ranks.h>
+
+#include "common/number.h"
+#include "cpu/worker.h"
+
+static inline bool has_ranks(const solver *s) { return s->ranks.count > 0; }
+
+/* Particles of the scene. */
+static inline uint32_t particles_of_all(const solver *s) {
+  return has_ranks(s) ? s->ranks.total : s->count;
+}
+
+/* ---- Time ---------------------------------------------------------------------------------- */
+
+/* Of the calling thread's processor: what others do on the same one is no work of this rank's. */
+static inline double rank_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static inline void note_work(solver *s) {
+  const double now = rank_seconds();
+  s->ranks.busy += now - s->ranks.since;
+  s->ranks.since = now;
+}
+
+/* ---- Failures ------------------------------------------------------------------------------ */
+
+/* Of this call: nothing has changed. */
+static inline void refuse_on_ranks(solver *s, pbf_status status, const char *sentence) {
+  if (s->ranks.failed) return;
+  s->ranks.failed = status;
+  snprintf(s->ranks.reason, sizeof s->ranks.reason, "%s", sentence);
+}
+
+/* Of the others: what they hold is out of reach, for good. */
+static inline void note_communication(solver *s, pbf_status status) {
+  s->ranks.since = rank_seconds();
+  if (status == PBF_OK) return;
+  refuse_on_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));
+  s->ranks.lost = true;
+}
+
+/* Begins a call that needs all. */
+static inline bool begin_on_ranks(solver *s) {
+  s->ranks.since = rank_seconds();
+  if (!s->ranks.lost) s->ranks.failed = PBF_OK;
+  return !s->ranks.lost;
+}
+
+/* What the call returns. */
+static inline pbf_status end_on_ranks(solver *s) {
+  if (!s->ranks.failed) return PBF_OK;
+  char text[sizeof s->ranks.reason + 96];
+  snprintf(text, sizeof text, "%s%s", s->ranks.reason,
+           s->ranks.told ? "; nothing but pbf_destroy is possible since" : "");
+  s->host->set_error(text);
+  const pbf_status status = s->ranks.told ? PBF_ERROR_STATE : s->ranks.failed;
+  s->ranks.told = s->ranks.lost;
+  return status;
+}
+
+/* ---- Questions ----------------------------------------------------------------------------- */
+
+static inline bool gather_on_ranks(solver *s, const void *mine, void *all, uint64_t bytes) {
+  if (s->ranks.failed) return false;
+  note_work(s);
+  note_communication(s, s->ranks.link.all_gather(s->ranks.link.user, mine, all, bytes));
+  return !s->ranks.failed;
+}
+
+static inline bool sum_on_ranks(solver *s, uint32_t *values, uint64_t count) {
+  if (s->ranks.failed) return false;
+  note_work(s);
+  note_communication(s, s->ranks.link.sum(s->ranks.link.user, values, count));
+  return !s->ranks.failed;
+}
+
+/* Messages are added up before. */
+static inline void add_message(rank_messages *m, uint32_t rank, const void *data, uint64_t bytes) {
+  if (bytes) m->list[m->count++] = {rank, 0, bytes, const_cast<void *>(data)};
+}
+
+static inline bool exchange_on_ranks(solver *s) {
+  ranks_state *r = &s->ranks;
+  if (r->failed) return false;
+  note_work(s);
+  for (uint32_t k = 0; k < r->sends.count; ++k) r->bytes_sent += r->sends.list[k].bytes;
+  note_communication(s, r->link.exchange(r->link.user, r->sends.count, r->sends.list,
+                                         r->receives.count, r->receives.list));
+  return !r->failed;
+}
+
+/* Whether it is so on all; false when that is not to be learnt. */
+static inline bool on_all_ranks(solver *s, bool yes) {
+  const uint32_t mine = yes;
+  uint32_t *all = static_cast<uint32_t *>(s->ranks.gathered);
+  if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) yes = yes && all[k];
+  return yes;
+}
+
+static inline int64_t sum_of_ranks(solver *s, int64_t value) {
+  int64_t *all = static_cast<int64_t *>(s->ranks.gathered), sum = 0;
+  if (!gather_on_ranks(s, &value, all, sizeof value)) return value;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) sum += all[k];
+  return sum;
+}
+
+static inline double max_of_ranks(solver *s, double value) {
+  double *all = static_cast<double *>(s->ranks.gathered), largest = value;
+  if (!gather_on_ranks(s, &value, all, sizeof value)) return value;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) largest = all[k] > largest ? all[k] : largest;
+  return largest;
+}
+
+/* Memory whose content is not kept. */
+static inline bool keep_bytes(solver *s, const char *name, rank_memory *m, uint64_t bytes) {
+  if (m->bytes >= bytes) return true;
+  pbf_memory_free(&s->memory, m->data);
+  bytes += bytes / 8;
+  m->data = pbf_memory_take(&s->memory, name, bytes, 1);
+  m->bytes = m->data ? bytes : 0;
+  return m->data != NULL;
+}
+
+/* ---- Agreement ----------------------------------------------------------------------------- */
+
+static inline uint64_t digest(uint64_t before, const void *data, uint64_t bytes) {
+  const uint8_t *of = static_cast<const uint8_t *>(data);
+  uint64_t hash = before;
+  for (uint64_t k = 0; k < bytes; ++k) hash = (hash ^ of[k]) * UINT64_C(1099511628211);
+  return hash;
+}
+
+enum { DIGEST_OF_NOTHING = 1469598103 };
+
+/* What ranks must have in common when they meet in a call. */
+struct rank_meeting {
+  char call[32];
+  uint64_t room; /* capacity and local capacity */
+  uint64_t kind; /* variant, instruction set, shares */
+  uint64_t params, colliders, particles, arguments;
+};
+
+static inline const char *differing_part(const rank_meeting &a, const rank_meeting &b) {
+  if (a.room != b.room) return "desc.capacity, or local_capacity";
+  if (a.kind != b.kind) return "dimension, precision, instruction set or shares";
+  if (memcmp(a.call, b.call, sizeof a.call)) return "the call";
+  if (a.params != b.params) return "the parameters";
+  if (a.colliders != b.colliders) return "the colliders";
+  if (a.particles != b.particles) return "the particles that were added, set or removed";
+  return a.arguments != b.arguments ? "the arguments of the call, or the time" : NULL;
+}
+
+/* The first parameter in which these differ, with both values; the parameters in both otherwise. */
+static inline void differing_param(const pbf_params &a, const pbf_params &b, char *text,
+                                   size_t size) {
+  char first[PBF_NUMBER_SIZE], second[PBF_NUMBER_SIZE];
+#define PBF_PARAM_INTEGER(offset, name, ...)                             \
+  if (a.name != b.name) {                                                \
+    snprintf(text, size, "params." #name ": %u and %u", a.name, b.name); \
+    return;                                                              \
+  }
+#define PBF_PARAM_REAL(offset, name, ...)                                               \
+  if (memcmp(&a.name, &b.name, sizeof a.name)) {                                        \
+    snprintf(text, size, "params." #name ": %s and %s", pbf_number_text(first, a.name), \
+             pbf_number_text(second, b.name));                                          \
+    return;                                                                             \
+  }
+#define PBF_PARAM_REALS(offset, name, count, ...)                                      \
+  for (int k = 0; k < count; ++k)                                                      \
+    if (memcmp(&a.name[k], &b.name[k], sizeof a.name[k])) {                            \
+      snprintf(text, size, "params." #name "[%d]: %s and %s", k,                       \
+               pbf_number_text(first, a.name[k]), pbf_number_text(second, b.name[k])); \
+      return;                                                                          \
+    }
+#include "physics/params.def"
+  snprintf(text, size, "the parameters");
+}
+
+static inline uint64_t kind_digest(const solver *s) {
+  const uint32_t kind[4] = {PBF_DIM, sizeof(pbf_real), (uint32_t)s->isa, s->kernels->width};
+  uint64_t hash = digest(DIGEST_OF_NOTHING, kind, sizeof kind);
+  return s->ranks.shares_are_fixed
+             ? digest(hash, s->ranks.portions, s->ranks.count * sizeof(double))
+             : hash;
+}
+
+static inline void say_what_differs(solver *s, uint32_t other, const char *part,
+                                    const rank_meeting *all) {
+  char text[192], sentence[256];
+  snprintf(text, sizeof text, "%s", part);
+  if (!strcmp(part, "the call"))
+    snprintf(text, sizeof text, "the call: %s and %s", all[0].call, all[other].call);
+  pbf_params *params = static_cast<pbf_params *>(s->ranks.gathered);
+  if (!strcmp(part, "the parameters") && gather_on_ranks(s, &s->params, params, sizeof *params))
+    differing_param(params[0], params[other], text, sizeof text);
+  snprintf(sentence, sizeof sentence, "ranks 0 and %u differ in %s", other, text);
+  refuse_on_ranks(s, PBF_ERROR_INVALID_ARGUMENT, sentence);
+}
+
+/* Begins a call that all ranks make alike; false where they do not, or one does not come. */
+static inline bool meet(solver *s, const char *call, const void *arguments, uint64_t bytes) {
+  rank_meeting mine, *all = static_cast<rank_meeting *>(s->ranks.gathered);
+  if (!begin_on_ranks(s)) return false;
+  const uint32_t room[2] = {s->capacity, s->local_capacity};
+  memset(&mine, 0, sizeof mine);
+  snprintf(mine.call, sizeof mine.call, "%s", call);
+  mine.room = digest(DIGEST_OF_NOTHING, room, sizeof room);
+  mine.kind = kind_digest(s);
+  mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
+  mine.colliders =
+      digest(DIGEST_OF_NOTHING, s->colliders, s->collider_count * sizeof *s->colliders);
+  mine.particles = s->ranks.particles;
+  mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
+  if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
+  for (uint32_t k = 1; k < s->ranks.count; ++k)
+    if (const char *part = differing_part(all[0], all[k])) {
+      say_what_differs(s, k, part, all);
+      return false;
+    }
+  return true;
+}
+
+#endif
