@@ -113,7 +113,9 @@ struct rank_news {
 /* Slowly, for times are uncertain, to where all would need as long. Where space is cut changes no
  * bit. */
 static inline void balance(solver *s, const rank_news *news) {
-  const double part = 0.1, least = 0.05;
+  const double part = 0.1, least = 0.05 / s->ranks.count;
+  const double fair = 1.0 / s->ranks.count, room = 0.8 * s->local_capacity / s->ranks.total;
+  const double most = room > fair ? room : fair; /* of which some is for neighbours */
   double all = 0;
   if (s->ranks.shares_are_fixed) return;
   for (uint32_t k = 0; k < s->ranks.count; ++k)
@@ -123,7 +125,8 @@ static inline void balance(solver *s, const rank_news *news) {
     const double wanted = news[k].own / news[k].seconds / all;
     double *portion = &s->ranks.portions[k];
     *portion += part * (wanted - *portion);
-    if (*portion < least / s->ranks.count) *portion = least / s->ranks.count;
+    if (*portion < least) *portion = least;
+    if (*portion > most) *portion = most;
   }
 }
 

@@ -1,0 +1,295 @@
+/* What ranks refuse, and what they say when they differ or one of them is gone. */
+#include "support.h"
+
+#include "thread_ranks.h"
+
+enum { COUNT = 2000, SIDE = 10 };
+
+static pbf_params params_of(void) {
+  pbf_params params = test_params();
+  params.pressure_grid = 0;
+  params.smoothing_radius = 0.1;
+  params.prestabilization = 0;
+  params.domain_max[0] = 2;
+  params.domain_max[1] = 3;
+  return params;
+}
+
+static pbf_desc desc_of(void) {
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, COUNT);
+  desc.allocator = NULL;
+  return desc;
+}
+
+/* A column with a gap between any two. */
+static void fill(pbf_solver *s, float off) {
+  float *x = calloc((size_t)COUNT * 3, sizeof *x);
+  if (!EXPECT(x)) return;
+  for (uint32_t i = 0; i < COUNT; ++i) {
+    const uint32_t at[3] = {i % SIDE, i / SIDE / SIDE, i / SIDE % SIDE};
+    for (int k = 0; k < 3; ++k)
+      x[3 * i + (uint32_t)k] = 0.05f * ((float)at[k] + 0.5f) + (float)(i * 7 % 11) * 1e-4f;
+  }
+  x[0] += off;
+  EXPECT_OK(pbf_add_particles(s, COUNT, x, NULL, NULL));
+  free(x);
+}
+
+static pbf_solver *solver_on(const pbf_ranks *ranks, const pbf_params *params) {
+  const pbf_desc desc = desc_of();
+  pbf_solver *s = NULL;
+  EXPECT_OK(pbf_create_on_ranks(&desc, params, ranks, &s));
+  return s;
+}
+
+/* Only where there is no rank whose failure is the test's. */
+static void run(uint32_t count, uint32_t local_capacity, thread_rank_fn function, void *context) {
+  thread_ranks_run(count, local_capacity, NULL, NULL, function, context);
+  assert_int_equal(ranks_failures(), 0);
+}
+
+/* ---- Refusals ------------------------------------------------------------------------------ */
+
+static void refuse(const pbf_ranks *ranks, void *context) {
+  (void)context;
+  pbf_params params = params_of(), sleeps = params, deep = params;
+  pbf_desc desc = desc_of();
+  pbf_solver *s = NULL;
+  pbf_view view = {.struct_size = sizeof view};
+  sleeps.sleep_speed = 0.01;
+  sleeps.sleep_time = 1;
+  deep.pressure_grid = 2;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.sleep_speed is not 0");
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &deep, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.pressure_grid is -1 or above 0");
+  s = solver_on(ranks, &params);
+  if (!s) return;
+  EXPECT_FAILS(pbf_set_params(s, &sleeps), PBF_ERROR_UNSUPPORTED, "sleep_speed");
+  fill(s, 0);
+  EXPECT_FAILS(pbf_map(s, PBF_FIELD_POSITION, &view), PBF_ERROR_UNSUPPORTED, "on ranks");
+  EXPECT_OK(pbf_step(s, 2));
+  pbf_destroy(s);
+}
+
+static void what_ranks_do_not_have_is_refused(void **state) {
+  (void)state;
+  run(2, 0, refuse, NULL);
+}
+
+static void wrong_ranks_are_told(void **state) {
+  (void)state;
+  const pbf_desc desc = desc_of();
+  const pbf_params params = params_of();
+  pbf_solver *s;
+  pbf_ranks ranks = {.struct_size = sizeof ranks, .count = 2, .rank = 2};
+  assert_fails(pbf_create_on_ranks(&desc, &params, NULL, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks is null");
+  assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks->rank is 2");
+  ranks.rank = 0;
+  assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "a function of ranks is null");
+  ranks.count = 0;
+  assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks->count is 0");
+  ranks.struct_size = 4;
+  assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_STRUCT_SIZE,
+               "ranks->struct_size is 4");
+}
+
+/* ---- Ranks that differ --------------------------------------------------------------------- */
+
+static void differ_in_a_parameter(const pbf_ranks *ranks, void *context) {
+  (void)context;
+  pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  uint64_t before = 0, after = 0;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_hash(s, &before));
+  params.viscosity = ranks->rank == 1 ? 0.01 : 0;
+  EXPECT_OK(pbf_set_params(s, &params));
+  EXPECT_FAILS(pbf_step(s, 3), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks 0 and 1 differ in params.viscosity: 0 and 0.01");
+  params.viscosity = 0;
+  EXPECT_OK(pbf_set_params(s, &params));
+  EXPECT_OK(pbf_hash(s, &after));
+  EXPECT(before == after);
+  EXPECT_FAILS(pbf_step(s, 1 + ranks->rank), PBF_ERROR_INVALID_ARGUMENT, "arguments of the call");
+  EXPECT_OK(pbf_step(s, 2));
+  pbf_destroy(s);
+}
+
+static void differ_in_particles(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  float x[3] = {0.5f, 0.5f, 0.5f};
+  (void)context;
+  if (!s) return;
+  x[0] += ranks->rank == 1 ? 1e-3f : 0;
+  EXPECT_FAILS(pbf_add_particles(s, 1, x, NULL, NULL), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks 0 and 1 differ in the arguments of the call");
+  pbf_destroy(s);
+}
+
+static void differ_in_colliders(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_collider ball;
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = ranks->rank == 1 ? 0.1 : 0.2;
+  EXPECT_OK(pbf_set_colliders(s, 1, &ball));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT, "ranks 0 and 1 differ in the colliders");
+  pbf_destroy(s);
+}
+
+static void make_other_calls(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_stats stats = {.struct_size = sizeof stats};
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  if (ranks->rank == 1)
+    EXPECT_FAILS(pbf_get_stats(s, &stats), PBF_ERROR_INVALID_ARGUMENT,
+                 "the call: pbf_step and pbf_get_stats");
+  else
+    EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT,
+                 "the call: pbf_step and pbf_get_stats");
+  EXPECT_OK(pbf_step(s, 1));
+  pbf_destroy(s);
+}
+
+static void ranks_that_differ_are_told_in_what(void **state) {
+  (void)state;
+  run(3, 0, differ_in_a_parameter, NULL);
+  run(2, 0, differ_in_particles, NULL);
+  run(2, 0, differ_in_colliders, NULL);
+  run(2, 0, make_other_calls, NULL);
+}
+
+/* ---- Memory -------------------------------------------------------------------------------- */
+
+/* Room for a share, and not for its neighbours. */
+static void hold_too_many(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  uint64_t before = 0, after = 1;
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_hash(s, &before));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_CAPACITY, "local_capacity is 1010");
+  EXPECT_OK(pbf_hash(s, &after));
+  EXPECT(before == after);
+  pbf_destroy(s);
+}
+
+static void a_rank_that_is_full_ends_the_step_on_all(void **state) {
+  (void)state;
+  run(2, COUNT / 2 + 10, hold_too_many, NULL);
+}
+
+/* ---- Ranks that are gone ------------------------------------------------------------------- */
+
+/* Rank 1 is gone in the midst of a step. */
+static void die(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  uint64_t hash;
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  if (ranks->rank == 1) {
+    EXPECT_FAILS(pbf_step(s, 20), PBF_ERROR_UNAVAILABLE, "this rank is dead");
+  } else {
+    EXPECT_FAILS(pbf_step(s, 20), PBF_ERROR_UNAVAILABLE, "a rank has not answered");
+    EXPECT_FAILS(pbf_hash(s, &hash), PBF_ERROR_STATE, "nothing but pbf_destroy");
+    EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_STATE, "nothing but pbf_destroy");
+  }
+  pbf_destroy(s);
+}
+
+static void a_rank_that_dies_ends_the_call_on_all(void **state) {
+  static const uint64_t after[] = {9, 12, 16, 40};
+  (void)state;
+  for (size_t k = 0; k < sizeof after / sizeof after[0]; ++k) {
+    const uint64_t dies_after[3] = {0, after[k], 0};
+    thread_ranks_run(3, 0, NULL, dies_after, die, NULL);
+    assert_int_equal(ranks_failures(), 0);
+  }
+}
+
+/* ---- States -------------------------------------------------------------------------------- */
+
+typedef struct saved {
+  void *bytes;
+  uint64_t size, hash;
+} saved;
+
+static void save_one(pbf_solver *s, saved *to, int keeps) {
+  uint64_t size = 0, hash = 0;
+  EXPECT_OK(pbf_save(s, NULL, &size));
+  void *bytes = malloc(size);
+  if (!EXPECT(bytes)) return;
+  EXPECT_OK(pbf_save(s, bytes, &size));
+  EXPECT_OK(pbf_step(s, 10));
+  EXPECT_OK(pbf_hash(s, &hash));
+  if (keeps)
+    *to = (saved){bytes, size, hash};
+  else
+    free(bytes);
+}
+
+static void save_on_ranks(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_step(s, 10));
+  save_one(s, context, ranks->rank == 0);
+  pbf_destroy(s);
+}
+
+static void load_on_ranks(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const saved *from = context;
+  pbf_solver *s = solver_on(ranks, &params);
+  uint64_t hash = 0;
+  if (!s) return;
+  EXPECT_OK(pbf_load(s, from->bytes, from->size));
+  EXPECT_OK(pbf_step(s, 10));
+  EXPECT_OK(pbf_hash(s, &hash));
+  EXPECT(hash == from->hash);
+  pbf_destroy(s);
+}
+
+static void a_state_goes_on_with_other_numbers_of_ranks(void **state) {
+  (void)state;
+  saved of_two = {0}, of_one = {0};
+  run(2, 0, save_on_ranks, &of_two);
+  run(1, 0, save_on_ranks, &of_one);
+  assert_int_equal(of_one.size, of_two.size);
+  assert_memory_equal(of_one.bytes, of_two.bytes, of_one.size);
+  assert_true(of_one.hash == of_two.hash);
+  run(3, 0, load_on_ranks, &of_two);
+  run(1, 0, load_on_ranks, &of_two);
+  free(of_one.bytes);
+  free(of_two.bytes);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(what_ranks_do_not_have_is_refused),
+      cmocka_unit_test(wrong_ranks_are_told),
+      cmocka_unit_test(ranks_that_differ_are_told_in_what),
+      cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
+      cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),
+      cmocka_unit_test(a_state_goes_on_with_other_numbers_of_ranks),
+  };
+  return TEST_RUN(tests);
+}

@@ -1,0 +1,141 @@
+/* mpi_scene same|differ|stall: a scene on the ranks of MPI_COMM_WORLD. Prints "good" from rank 0,
+ * or what is wrong, for the tests ranks.mpi.*. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <pbf/mpi.h>
+
+enum { COUNT = 8000, SIDE = 20, STEPS = 20 };
+
+static int rank, size;
+
+static void fail(const char *what) {
+  printf("rank %d of %d: %s: %s\n", rank, size, what, pbf_last_error());
+  fflush(stdout);
+  MPI_Abort(MPI_COMM_WORLD, 1);
+}
+
+#define TRY(call)                      \
+  do {                                 \
+    if ((call) != PBF_OK) fail(#call); \
+  } while (0)
+
+static pbf_params params_of(void) {
+  pbf_params params;
+  TRY(pbf_params_init(&params, sizeof params));
+  params.smoothing_radius = 0.1;
+  params.pressure_grid = 0;
+  params.viscosity = 0.001;
+  params.domain_max[0] = 3;
+  params.domain_max[1] = 2;
+  return params;
+}
+
+static void set_up(pbf_solver *s) {
+  pbf_collider ball;
+  float *x = calloc((size_t)COUNT * 3, sizeof *x);
+  if (!x) fail("calloc");
+  for (int i = 0; i < COUNT; ++i) {
+    const int at[3] = {i % SIDE, i / SIDE / SIDE, i / SIDE % SIDE};
+    for (int k = 0; k < 3; ++k)
+      x[3 * i + k] = 0.05f * ((float)at[k] + 0.3f) + (float)(i * 13 % 17) * 1e-3f;
+  }
+  TRY(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.position[0] = 1.2;
+  ball.position[1] = ball.position[2] = 0.4;
+  ball.radius = 0.2;
+  ball.velocity[0] = -0.5;
+  TRY(pbf_set_colliders(s, 1, &ball));
+  TRY(pbf_add_particles(s, COUNT, x, NULL, NULL));
+  free(x);
+}
+
+static pbf_desc desc_of(void) {
+  pbf_desc desc;
+  TRY(pbf_desc_init(&desc, sizeof desc));
+  desc.capacity = COUNT;
+  desc.backend = "serial";
+  return desc;
+}
+
+static pbf_solver *create(const pbf_params *params, double timeout) {
+  const pbf_desc desc = desc_of();
+  pbf_mpi_options options;
+  pbf_solver *s;
+  TRY(pbf_mpi_options_init(&options, sizeof options));
+  options.timeout = timeout;
+  if (pbf_mpi_create(MPI_COMM_WORLD, &options, &desc, params, &s) != PBF_OK)
+    fail(pbf_mpi_last_error());
+  return s;
+}
+
+static void same(void) {
+  const pbf_params params = params_of();
+  const pbf_desc desc = desc_of();
+  uint64_t on_ranks, by_one;
+  pbf_solver *s = create(&params, 60), *alone;
+  set_up(s);
+  TRY(pbf_step(s, STEPS));
+  TRY(pbf_hash(s, &on_ranks));
+  pbf_destroy(s);
+  TRY(pbf_create(&desc, &params, &alone));
+  set_up(alone);
+  TRY(pbf_step(alone, STEPS));
+  TRY(pbf_hash(alone, &by_one));
+  pbf_destroy(alone);
+  if (on_ranks != by_one) fail("other bits than those of one solver");
+}
+
+/* Added on all alike, the particles are the first that all must agree on. */
+static void differ(void) {
+  pbf_params params = params_of();
+  if (rank == size - 1) params.time_step = 0.001;
+  pbf_solver *s = create(&params, 60);
+  float x[3] = {0.5f, 0.5f, 0.5f};
+  if (pbf_add_particles(s, 1, x, NULL, NULL) != PBF_ERROR_INVALID_ARGUMENT ||
+      !strstr(pbf_last_error(), "params.time_step: 0.00833333333 and 0.001"))
+    fail("the difference was not named");
+  pbf_destroy(s);
+}
+
+/* The last rank stops for longer than the others wait. None can then end as it should. */
+static void stall(void) {
+  const pbf_params params = params_of();
+  pbf_solver *s = create(&params, 1);
+  set_up(s);
+  if (rank == size - 1) {
+    sleep(20);
+    _exit(0);
+  }
+  const double before = MPI_Wtime();
+  const pbf_status status = pbf_step(s, 1);
+  const double took = MPI_Wtime() - before;
+  if (status != PBF_ERROR_UNAVAILABLE || took > 10 || !strstr(pbf_last_error(), "has not answered"))
+    fail("a rank that stands still was not noticed");
+  if (pbf_step(s, 1) != PBF_ERROR_STATE) fail("a step after that");
+  pbf_destroy(s);
+  if (rank == 0) printf("good\n");
+  fflush(stdout);
+  sleep(1);
+  MPI_Abort(MPI_COMM_WORLD, 0);
+}
+
+int main(int count, char **words) {
+  const char *what = count > 1 ? words[1] : "same";
+  MPI_Init(&count, &words);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  if (!strcmp(what, "stall"))
+    stall();
+  else if (!strcmp(what, "differ"))
+    differ();
+  else
+    same();
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank == 0) printf("good\n");
+  MPI_Finalize();
+  return 0;
+}
