@@ -85,7 +85,7 @@ static int take_arrays(solver *s) {
   s->cells = take_indices(s, "cell", n);
   s->sorted_cells = take_indices(s, "sorted cell", n);
   s->order = take_indices(s, "order", n);
-  s->cell_end = take_indices(s, "cell end", cell_limit(s->local_capacity) + 1);
+  s->cell_end = take_indices(s, "cell end", s->ranks.count ? 1 : cell_limit(s->capacity) + 1);
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);

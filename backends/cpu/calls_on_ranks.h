@@ -22,7 +22,7 @@ static uint64_t largest_news(void) {
 /* One array holds what there is of each rank. 0 when there is no memory. */
 static int take_rank_tables(solver *s) {
   ranks_state *r = &s->ranks;
-  const uint64_t n = r->count, messages = n * (MAX_CARRIED + 4) + 4;
+  const uint64_t n = r->count, messages = n * (MAX_CARRIED + PBF_DEVIATOR_DIM);
   const uint64_t sizes[] = {n * largest_news(),
                             messages * sizeof(pbf_rank_message),
                             messages * sizeof(pbf_rank_message),

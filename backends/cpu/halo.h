@@ -82,7 +82,8 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
   const ranks_state *r = &s->ranks;
   const rank_share *share = &r->shares[r->rank];
   uint64_t sent = 0;
-  for (uint32_t k = 0; k < r->count; ++k) sent += counts[r->rank * r->count + k];
+  for (uint32_t k = 0; k < r->count; ++k)
+    if (k != r->rank) sent += counts[r->rank * r->count + k];
   const bool ok =
       keep_bytes(s, "sent to ranks", &s->ranks.sent, sent * each) &&
       keep_bytes(s, "cell end", &s->ranks.cell_ends,
@@ -93,48 +94,52 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
   return false;
 }
 
-/* What this rank is to hold comes array by array, in the order of the ranks that had it. */
-static void receive_from(solver *s, uint32_t r, uint32_t count, uint32_t at, const carried *what,
-                         int arrays) {
-  for (int a = 0; a < arrays; ++a)
-    add_message(&s->ranks.receives, r,
-                static_cast<char *>(what[a].to) + (uint64_t)at * what[a].element,
-                (uint64_t)count * what[a].element);
-}
-
-static void unpack_own(const char *from, uint32_t count, uint32_t at, const carried *what,
-                       int arrays) {
+/* What this rank is to hold comes array by array: its own particles, in their place, … */
+static uint32_t keep_held(const solver *s, const carried *what, int arrays) {
+  const uint32_t each = cells_a_bin(&s->grid);
+  const rank_share *share = &s->ranks.shares[s->ranks.rank];
+  uint32_t kept = 0;
   for (int a = 0; a < arrays; ++a) {
     const uint64_t size = what[a].element;
-    memcpy(static_cast<char *>(what[a].to) + at * size, from, count * size);
-    from += count * size;
+    const char *from = static_cast<const char *>(what[a].from);
+    char *to = static_cast<char *>(what[a].to);
+    kept = 0;
+    for (uint32_t i = 0; i < s->count; ++i)
+      if (is_held_by(share, s->cells[i] / each)) memmove(to + kept++ * size, from + i * size, size);
+  }
+  return kept;
+}
+
+/* … and then those that other ranks had, in the order of the ranks. */
+static void receive_from(solver *s, uint32_t r, uint32_t count, uint32_t at, const carried *what,
+                         int arrays) {
+  for (int a = 0; a < arrays; ++a) {
+    const uint64_t size = what[a].element;
+    add_message(&s->ranks.receives, r, static_cast<char *>(what[a].to) + at * size, count * size);
   }
 }
 
 static bool send_and_receive(solver *s, const uint32_t *counts, const carried *what, int arrays) {
   ranks_state *r = &s->ranks;
-  char *packed = static_cast<char *>(r->sent.data), *own = packed;
-  uint32_t at = 0, own_at = 0;
+  char *packed = static_cast<char *>(r->sent.data);
   r->sends.count = r->receives.count = 0;
   for (uint32_t k = 0; k < r->count; ++k) {
     const uint64_t count = counts[r->rank * r->count + k];
     const char *array = packed;
-    if (k == r->rank) own = packed;
+    if (k == r->rank) continue;
     packed = pack_for(s, k, what, arrays, packed);
-    for (int a = 0; a < arrays && k != r->rank; ++a) {
+    for (int a = 0; a < arrays; ++a) {
       add_message(&r->sends, k, array, count * what[a].element);
       array += count * what[a].element;
     }
   }
+  uint32_t at = keep_held(s, what, arrays);
   for (uint32_t k = 0; k < r->count; ++k) {
+    if (k == r->rank) continue;
     const uint32_t count = counts[k * r->count + r->rank];
-    if (k == r->rank)
-      own_at = at;
-    else
-      receive_from(s, k, count, at, what, arrays);
+    receive_from(s, k, count, at, what, arrays);
     at += count;
   }
-  unpack_own(own, counts[r->rank * r->count + r->rank], own_at, what, arrays);
   return exchange_on_ranks(s);
 }
 
@@ -157,7 +162,7 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
   r->own_last = local_place(s, share->own_last);
   uint32_t *ends = static_cast<uint32_t *>(r->cell_ends.data);
   ends[0] = r->pad;
-  s->cell_end = ends + 1 - (ptrdiff_t)share->cell_first;
+  s->cell_end = ends + 1 - static_cast<ptrdiff_t>(share->cell_first);
   s->count = share->held_last - share->held_first;
   return true;
 }
