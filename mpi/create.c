@@ -46,10 +46,10 @@ static pbf_status check(const pbf_mpi_options *options, const pbf_desc *desc, pb
   return PBF_OK;
 }
 
-/* What a rank has room for where the caller does not say: half as much again as its share, and two
+/* What a rank has room for where the caller does not say: a quarter more than its share, and two
  * layers of a cube of all particles, each 4 spacings thick. */
 static uint32_t default_room(uint32_t capacity, uint32_t ranks) {
-  const double all = capacity, room = 1.5 * all / ranks + 8 * pow(all, 2.0 / 3) + 1024;
+  const double all = capacity, room = 1.25 * all / ranks + 8 * pow(all, 2.0 / 3) + 1024;
   return room < all ? (uint32_t)room : capacity;
 }
 

@@ -14,10 +14,16 @@ typedef struct carried {
 
 enum { MAX_CARRIED = 2 * PBF_DIM + 2 };
 
+/* The bin of each particle, in the place of the order that the sort will give them. */
+static uint32_t *bins_of(const solver *s) { return s->order; }
+
 static void count_bins(solver *s) {
-  uint32_t *histogram = s->ranks.histogram, each = cells_a_bin(&s->grid);
+  uint32_t *histogram = s->ranks.histogram, *bins = bins_of(s), each = cells_a_bin(&s->grid);
   memset(histogram, 0, (RANK_BINS + 1) * sizeof *histogram);
-  for (uint32_t i = 0; i < s->count; ++i) ++histogram[s->cells[i] / each];
+  for (uint32_t i = 0; i < s->count; ++i) {
+    bins[i] = s->cells[i] / each;
+    ++histogram[bins[i]];
+  }
 }
 
 /* All ranks find the same. */
@@ -43,26 +49,42 @@ static bool is_held_by(const rank_share *share, uint32_t bin) {
 
 /* How many of this rank's particles each rank is to hold. */
 static void count_for_ranks(const solver *s, uint32_t *counts) {
-  const uint32_t each = cells_a_bin(&s->grid);
-  memset(counts, 0, s->ranks.count * sizeof *counts);
-  for (uint32_t i = 0; i < s->count; ++i) {
-    const uint32_t bin = s->cells[i] / each;
-    for (uint32_t k = 0; k < s->ranks.count; ++k) counts[k] += is_held_by(&s->ranks.shares[k], bin);
+  const uint32_t *bins = bins_of(s);
+  for (uint32_t k = 0; k < s->ranks.count; ++k) {
+    const rank_share share = s->ranks.shares[k];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->count; ++i) count += is_held_by(&share, bins[i]);
+    counts[k] = count;
   }
 }
 
-/* Array by array, those that rank k is to hold. */
-static char *pack_for(const solver *s, uint32_t k, const carried *what, int arrays, char *to) {
-  const uint32_t each = cells_a_bin(&s->grid);
-  for (int a = 0; a < arrays; ++a)
-    for (uint32_t i = 0; i < s->count; ++i) {
-      if (!is_held_by(&s->ranks.shares[k], s->cells[i] / each)) continue;
-      const uint32_t size = what[a].element;
-      memcpy(to, static_cast<const char *>(what[a].from) + (uint64_t)i * size, size);
-      to += size;
-    }
-  return to;
+/* Those of an array that a rank is to hold, one after another; `to` may be the array itself.
+ * Returns how many. */
+template <class Element>
+static uint32_t take_held(const solver *s, const rank_share *share, const void *from, void *to) {
+  const uint32_t *bins = bins_of(s);
+  const Element *source = static_cast<const Element *>(from);
+  Element *sink = static_cast<Element *>(to);
+  uint32_t taken = 0;
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (is_held_by(share, bins[i])) sink[taken++] = source[i];
+  return taken;
 }
+
+static uint32_t take_array(const solver *s, const rank_share *share, const carried &what,
+                           void *to) {
+  return what.element == sizeof(uint32_t) ? take_held<uint32_t>(s, share, what.from, to)
+                                          : take_held<uint64_t>(s, share, what.from, to);
+}
+
+/* Array by array, those that rank k is to hold. */
+static void pack_for(const solver *s, uint32_t k, const carried *what, int arrays, char *to) {
+  for (int a = 0; a < arrays; ++a)
+    to += (uint64_t)take_array(s, &s->ranks.shares[k], what[a], to) * what[a].element;
+}
+
+/* What a rank gets begins where any number may: the arrays of larger ones come first. */
+static uint64_t aligned_for_any(uint64_t bytes) { return (bytes + 7) / 8 * 8; }
 
 static uint64_t bytes_a_particle(const carried *what, int arrays) {
   uint64_t bytes = 0;
@@ -83,9 +105,9 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
   const rank_share *share = &r->shares[r->rank];
   uint64_t sent = 0;
   for (uint32_t k = 0; k < r->count; ++k)
-    if (k != r->rank) sent += counts[r->rank * r->count + k];
+    if (k != r->rank) sent += aligned_for_any(counts[r->rank * r->count + k] * each);
   const bool ok =
-      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent * each) &&
+      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent) &&
       keep_bytes(s, "cell end", &s->ranks.cell_ends,
                  ((uint64_t)share->cell_last - share->cell_first + 1) * sizeof(uint32_t));
   if (on_all_ranks(s, ok)) return true;
@@ -96,17 +118,9 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
 
 /* What this rank is to hold comes array by array: its own particles, in their place, … */
 static uint32_t keep_held(const solver *s, const carried *what, int arrays) {
-  const uint32_t each = cells_a_bin(&s->grid);
-  const rank_share *share = &s->ranks.shares[s->ranks.rank];
   uint32_t kept = 0;
-  for (int a = 0; a < arrays; ++a) {
-    const uint64_t size = what[a].element;
-    const char *from = static_cast<const char *>(what[a].from);
-    char *to = static_cast<char *>(what[a].to);
-    kept = 0;
-    for (uint32_t i = 0; i < s->count; ++i)
-      if (is_held_by(share, s->cells[i] / each)) memmove(to + kept++ * size, from + i * size, size);
-  }
+  for (int a = 0; a < arrays; ++a)
+    kept = take_array(s, &s->ranks.shares[s->ranks.rank], what[a], what[a].to);
   return kept;
 }
 
@@ -127,7 +141,8 @@ static bool send_and_receive(solver *s, const uint32_t *counts, const carried *w
     const uint64_t count = counts[r->rank * r->count + k];
     const char *array = packed;
     if (k == r->rank) continue;
-    packed = pack_for(s, k, what, arrays, packed);
+    pack_for(s, k, what, arrays, packed);
+    packed += aligned_for_any(count * bytes_a_particle(what, arrays));
     for (int a = 0; a < arrays; ++a) {
       add_message(&r->sends, k, array, count * what[a].element);
       array += count * what[a].element;

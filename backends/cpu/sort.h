@@ -218,8 +218,8 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   for (int k = 0; k < PBF_DIM; ++k) what[arrays++] = {x->c[k], to->c[k], sizeof(pbf_real)};
   for (int k = 0; k < PBF_DIM && payload; ++k)
     what[arrays++] = {payload->c[k], payload_to->c[k], sizeof(pbf_real)};
-  what[arrays++] = {w->b.ids, s->ranks.ids, sizeof(uint32_t)};
   if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
+  what[arrays++] = {w->b.ids, s->ranks.ids, sizeof(uint32_t)};
   if (!hold_share(s, what, arrays)) return false;
   w->sort_positions = to;
   w->sort_payload = payload ? payload_to : NULL;

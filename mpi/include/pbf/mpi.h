@@ -19,7 +19,7 @@ extern "C" {
 typedef struct pbf_mpi_options {
   uint32_t struct_size;
   uint32_t local_capacity; /* particles that a rank has room for, copies of its neighbours'
-                              included; 0: half as much again as an equal share of desc.capacity,
+                              included; 0: a quarter more than an equal share of desc.capacity,
                               and what lies near the ends of it in a cube. On all ranks the same */
   double timeout;          /* seconds after which a rank that has not answered counts as gone; 60 */
   const double *shares;    /* as in pbf_ranks; null: by measured time */
