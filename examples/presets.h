@@ -63,15 +63,14 @@ static inline void preset_thick(pbf_params *params, double d, double H) {
 /* end */
 
 /* code: replay */
-/* The same bits on machines that differ: one build, CPUs, the instruction set that all have. No
- * limit of time decides how far a solve goes, nor does the number of threads. */
+/* The same bits on machines that differ: CPUs, whatever their instruction sets. No limit of time
+ * decides how far a solve goes, nor does the number of threads. */
 static inline void preset_replay(pbf_desc *desc, pbf_params *params, double d, double H) {
   preset_begin(params, d, H);
   params->max_substeps = 8; /* found from the state alone: the same in each run */
   pbf_desc_init(desc, sizeof *desc);
   desc->backend = "threads";
-  desc->strict = 1;   /* no other backend instead */
-  desc->isa = "sse2"; /* or "avx2", if all machines have it */
+  desc->strict = 1; /* no other backend instead */
 }
 /* end */
 

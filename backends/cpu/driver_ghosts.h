@@ -64,7 +64,7 @@ PBF_FN void add_weighted(Sums *sums, lane weight, const Sums &ghosts) {
   lane *to = reinterpret_cast<lane *>(sums);
   const lane *from = reinterpret_cast<const lane *>(&ghosts);
   for (size_t k = 0; k < sizeof(Sums) / sizeof(lane); ++k)
-    to[k] = ops<lane>::fma(weight, from[k], to[k]);
+    to[k] = ops<lane>::multiply_add(weight, from[k], to[k]);
 }
 
 /* What it knows of its particle a pass looks up of neighbours, too. */

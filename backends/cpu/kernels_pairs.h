@@ -160,8 +160,8 @@ PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed
                              uint32_t lanes) {
   const lane inv_time_step = ops<lane>::set(m->inv_time_step);
   for (int k = 0; k < PBF_DIM; ++k) {
-    const lane v =
-        ops<lane>::fma(inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), pushed.c[k]);
+    const lane v = ops<lane>::multiply_add(
+        inv_time_step, lane_load(after->c[k]) - lane_load(moved->c[k]), pushed.c[k]);
     if (lanes == WIDTH) {
       lane_store(m->velocity.c[k] + first, v);
     } else {

@@ -45,7 +45,7 @@ static inline u32_lanes near_mask(const search *s, const run *r, uint32_t first,
     lane r2 = ops<lane>::set(0);
     for (int k = 0; k < PBF_DIM; ++k) {
       lane d = r->x[k] - ops<lane>::set(s->x.c[k][first + slot - 1]);
-      r2 = k ? ops<lane>::fma(d, d, r2) : d * d;
+      r2 = k ? ops<lane>::multiply_add(d, d, r2) : d * d;
     }
     near = u32_mark(near, r2, h2, 0x80000000u >> slot);
   }
@@ -137,22 +137,6 @@ static void put_window(builder *b, const neighbor_window *w) {
   if (b->waiting == PARTS) put_waiting(b);
 }
 
-/* Two sequences of windows, put together by twos. */
-static void search_rows(const search *s, const run *r, candidates a, const run *other, candidates c,
-                        builder *b) {
-  neighbor_window pair[2];
-  for (;;) {
-    int in_a = next_window(s, r, &a, &pair[0]), in_c = next_window(s, other, &c, &pair[1]);
-    if (in_a && in_c && PARTS == 2) {
-      put_block(b, pair, 2);
-      continue;
-    }
-    if (in_a) put_window(b, &pair[0]);
-    if (in_c) put_window(b, &pair[1]);
-    if (!in_a && !in_c) return;
-  }
-}
-
 /* The candidates in each row around a run. */
 typedef struct row_candidates {
   candidates in[GRID_ROWS_AROUND];
@@ -173,20 +157,48 @@ static row_candidates candidates_of(const search *s, const run *r) {
   return c;
 }
 
-/* Windows of opposite rows share a block: a particle near the one is far from the other, so that
- * all have about as many neighbours in both. */
+/* The windows of a run. Their order is that of a particle's neighbours, and so of all sums over
+ * them: it must not depend on which particles share a group, for groups differ with the width of
+ * lanes. So one row comes after another. Opposite rows come in turn: a particle near the one is far
+ * from the other, so that all in a group have about as many neighbours in both. */
+typedef struct run_windows {
+  const search *s;
+  const run *r;
+  row_candidates rows;
+  int next; /* row, in this order */
+} run_windows;
+
+static run_windows windows_of(const search *s, const run *r) {
+  return (run_windows){s, r, candidates_of(s, r), 0};
+}
+
+static int next_of_run(run_windows *all, neighbor_window *w) {
+  for (; all->next < GRID_ROWS_AROUND; ++all->next) {
+    const int pair = all->next / 2, row = all->next % 2 ? GRID_ROWS_AROUND - 1 - pair : pair;
+    if (next_window(all->s, all->r, &all->rows.in[row], w)) return 1;
+  }
+  return 0;
+}
+
 static void search_run(const search *s, const run *r, builder *b) {
-  const row_candidates c = candidates_of(s, r);
-  for (int k = 0; k < GRID_ROWS_AROUND / 2; ++k)
-    search_rows(s, r, c.in[k], r, c.in[GRID_ROWS_AROUND - 1 - k], b);
-  search_rows(s, r, c.in[GRID_ROWS_AROUND / 2], r, (candidates){0, 0}, b);
+  run_windows all = windows_of(s, r);
+  for (neighbor_window w; next_of_run(&all, &w);) put_window(b, &w);
 }
 
 /* Where a group lies in two runs, windows of both share blocks: each lane has neighbours in one of
  * them alone. */
 static void search_runs(const search *s, const run *one, const run *two, builder *b) {
-  const row_candidates c = candidates_of(s, one), d = candidates_of(s, two);
-  for (int k = 0; k < GRID_ROWS_AROUND; ++k) search_rows(s, one, c.in[k], two, d.in[k], b);
+  run_windows all[2] = {windows_of(s, one), windows_of(s, two)};
+  int found = 1;
+  while (found) {
+    found = 0;
+    for (int k = 0; k < 2; ++k) {
+      neighbor_window w;
+      if (!next_of_run(&all[k], &w)) continue;
+      put_window(b, &w);
+      found = 1;
+    }
+  }
 }
 
 static void search_group(const search *s, uint32_t g, builder *b) {

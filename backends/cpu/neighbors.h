@@ -21,7 +21,7 @@ struct pair_lanes {
 
 PBF_FN lane dot(const lane_vector<lane> &a, const lane_vector<lane> &b) {
   lane sum = a.c[0] * b.c[0];
-  for (int k = 1; k < PBF_DIM; ++k) sum = ops<lane>::fma(a.c[k], b.c[k], sum);
+  for (int k = 1; k < PBF_DIM; ++k) sum = ops<lane>::multiply_add(a.c[k], b.c[k], sum);
   return sum;
 }
 

@@ -152,7 +152,7 @@ PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint3
     at[k] = view.own[k] + (uint32_t)step;
   }
   if (!(left2 > 0)) return false;
-  pbf_real left = left2 * ops<pbf_real>::rsqrt(left2); /* `reach` has room for its rounding */
+  pbf_real left = ops<pbf_real>::root(left2); /* `reach` has room for its rounding */
   uint32_t start = grid_row(g, at);
   *first = start + grid_column(g, view.along - left);
   *last = start + grid_column(g, view.along + left);

@@ -67,7 +67,7 @@ PBF_FN L ghost_in(int walls, const L (&doubled)[2][PBF_DIM], const lane_vector<L
       apart = ops<L>::max(ops<L>::max(apart, -apart), ops<L>::max(x_ij.c[k], -x_ij.c[k]));
       ghost->c[k] = lower ? apart : -apart;
     }
-    r2 = ops<L>::fma(ghost->c[k], ghost->c[k], r2);
+    r2 = ops<L>::multiply_add(ghost->c[k], ghost->c[k], r2);
   }
   return r2;
 }

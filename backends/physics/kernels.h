@@ -35,7 +35,7 @@ PBF_FN L poly6(const pbf_constants *c, L scale, L r2) {
 template <class L>
 PBF_FN L wendland(L scale, L u) {
   L u2 = u * u;
-  return scale * (u2 * u2) * ops<L>::fma(ops<L>::set(-4), u, ops<L>::set(5));
+  return scale * (u2 * u2) * ops<L>::multiply_add(ops<L>::set(-4), u, ops<L>::set(5));
 }
 
 /* V W_ij alone, for passes that need no gradient. */
@@ -52,11 +52,10 @@ template <class L>
 PBF_FN void kernel_and_slope(int features, const pbf_constants *c, pbf_real value_scale,
                              pbf_real slope_scale, L r2, L *value, L *slope) {
   L safe2 = ops<L>::max(r2, ops<L>::set(c->tiny2));
-  L inv_r = ops<L>::rsqrt(safe2);
-  L u = closeness(c, safe2 * inv_r);
+  L u = closeness(c, ops<L>::root(safe2));
   if (features & PBF_FEATURE_POLY6) {
     *value = poly6(c, ops<L>::set(value_scale), r2);
-    *slope = ops<L>::set(slope_scale) * (u * u) * inv_r;
+    *slope = ops<L>::over_root(ops<L>::set(slope_scale) * (u * u), safe2);
   } else {
     *value = wendland(ops<L>::set(value_scale), u);
     *slope = ops<L>::set(slope_scale) * (u * u * u);

@@ -8,7 +8,11 @@
 /* Internal linkage: units built for other instruction sets have others of the same names. */
 namespace {
 
-/* set(real), max(a, b), fma(a, b, c) = a b + c, sqrt(a) and rsqrt(a), as static functions. */
+/* As static functions: set(real), max(a, b), multiply_add(a, b, c) = a b + c, sqrt(a), and what a
+ * device has faster forms of where a > 0: root(a) = sqrt(a) and over_root(b, a) = b / sqrt(a).
+ *
+ * On CPUs each rounds as IEEE 754 says, product and sum apart: so all instruction sets give the
+ * same bits, those without a fused multiply-add and without estimates of roots too. */
 template <class L>
 struct ops;
 
@@ -19,27 +23,30 @@ template <>
 struct ops<float> {
   static PBF_IN float set(float a) { return a; }
   static PBF_IN float max(float a, float b) { return fmaxf(a, b); }
-  static PBF_IN float fma(float a, float b, float c) { return fmaf(a, b, c); }
+  static PBF_IN float multiply_add(float a, float b, float c) { return fmaf(a, b, c); }
   static PBF_IN float sqrt(float a) { return sqrtf(a); }
-  static PBF_IN float rsqrt(float a) { return rsqrtf(a); }
+  static PBF_IN float root(float a) { return a * rsqrtf(a); }
+  static PBF_IN float over_root(float b, float a) { return b * rsqrtf(a); }
 };
 
 template <>
 struct ops<double> {
   static PBF_IN double set(double a) { return a; }
   static PBF_IN double max(double a, double b) { return a > b ? a : b; }
-  static PBF_IN double fma(double a, double b, double c) { return ::fma(a, b, c); }
+  static PBF_IN double multiply_add(double a, double b, double c) { return ::fma(a, b, c); }
   static PBF_IN double sqrt(double a) { return ::sqrt(a); }
-  static PBF_IN double rsqrt(double a) { return ::rsqrt(a); }
+  static PBF_IN double root(double a) { return a * ::rsqrt(a); }
+  static PBF_IN double over_root(double b, double a) { return b * ::rsqrt(a); }
 };
 #else
 template <>
 struct ops<pbf_real> {
   static PBF_IN pbf_real set(pbf_real a) { return a; }
   static PBF_IN pbf_real max(pbf_real a, pbf_real b) { return pbf_real_max(a, b); }
-  static PBF_IN pbf_real fma(pbf_real a, pbf_real b, pbf_real c) { return a * b + c; }
+  static PBF_IN pbf_real multiply_add(pbf_real a, pbf_real b, pbf_real c) { return a * b + c; }
   static PBF_IN pbf_real sqrt(pbf_real a) { return pbf_real_sqrt(a); }
-  static PBF_IN pbf_real rsqrt(pbf_real a) { return 1 / pbf_real_sqrt(a); }
+  static PBF_IN pbf_real root(pbf_real a) { return pbf_real_sqrt(a); }
+  static PBF_IN pbf_real over_root(pbf_real b, pbf_real a) { return b / pbf_real_sqrt(a); }
 };
 #endif
 
@@ -53,7 +60,7 @@ PBF_FN L ramp(L a, L b) {
     return kept;
   } else
 #endif
-    return ops<L>::max(ops<L>::fma(a, b, ops<L>::set(1)), ops<L>::set(0));
+    return ops<L>::max(ops<L>::multiply_add(a, b, ops<L>::set(1)), ops<L>::set(0));
 }
 
 /* A vector of lanes. */
@@ -67,7 +74,7 @@ struct lane_vector {
     return a;
   }
   PBF_IN void add_scaled(L s, const lane_vector &b) {
-    for (int k = 0; k < PBF_DIM; ++k) c[k] = ops<L>::fma(s, b.c[k], c[k]);
+    for (int k = 0; k < PBF_DIM; ++k) c[k] = ops<L>::multiply_add(s, b.c[k], c[k]);
   }
   PBF_IN void scale(L s) {
     for (int k = 0; k < PBF_DIM; ++k) c[k] = c[k] * s;

@@ -1,6 +1,11 @@
-/* Prints a hash of the state after some steps for each of 80 scenes, which together run every
+/* scenes [PINNED VARIANT...]
+ *
+ * Prints a hash of the state after some steps for each of 80 scenes, which together run every
  * stage: two builds that print the same lines compute the same bits. `run` compares two builds; the
- * backend comes from PBF_TEST_BACKEND, the instruction set from PBF_ISA. */
+ * backend comes from PBF_TEST_BACKEND, the instruction set from PBF_ISA.
+ *
+ * With a file of such lines it runs the small scenes of these variants ("3d-f32"), and fails where
+ * a hash is not that of the file; 77 where the machine has not got the instruction set. */
 #include <math.h>
 #include <pbf/pbf.h>
 #include <stdio.h>
@@ -20,8 +25,13 @@ typedef struct scene {
   pbf_collider colliders[2];
 } scene;
 
+/* The file's text; null: nothing is compared. */
+static char *pinned;
+static int differing;
+
 static void check(pbf_status status) {
   if (status == PBF_OK) return;
+  if (status == PBF_ERROR_UNAVAILABLE && strstr(pbf_last_error(), "this machine")) exit(77);
   fprintf(stderr, "same_bits: %s: %s\n", pbf_status_string(status), pbf_last_error());
   exit(1);
 }
@@ -69,8 +79,12 @@ static void run_scene(const scene *s, const char *backend) {
   check(pbf_step(solver, s->steps));
   check(pbf_hash(solver, &hash));
   pbf_destroy(solver);
-  printf("%ud-f%u %-24s %016llx\n", s->dimension, 8 * s->precision, s->name,
-         (unsigned long long)hash);
+  char line[96];
+  snprintf(line, sizeof line, "%ud-f%u %-24s %016llx\n", s->dimension, 8 * s->precision, s->name,
+           (unsigned long long)hash);
+  const int differs = pinned && !strstr(pinned, line);
+  differing += differs;
+  printf("%s%s", differs ? "other bits than pinned: " : "", line);
   fflush(stdout);
 }
 
@@ -242,14 +256,38 @@ static void run_large(const char *backend) {
   run_scene(&s, backend);
 }
 
-int main(void) {
+static void run_variant(uint32_t dimension, uint32_t precision, const char *backend) {
+  run_kernels(dimension, precision, backend);
+  run_others(dimension, precision, backend);
+  run_corrections(dimension, precision, backend);
+}
+
+static char *text_of(const char *path) {
+  static char text[1 << 16];
+  FILE *file = fopen(path, "r");
+  const size_t size = file ? fread(text, 1, sizeof text - 1, file) : 0;
+  if (file) fclose(file);
+  if (!size) fprintf(stderr, "same_bits: can't read %s\n", path);
+  return size ? text : NULL;
+}
+
+static int compare(int count, char **arguments, const char *backend) {
+  pinned = text_of(arguments[0]);
+  if (!pinned) return 1;
+  for (int k = 1; k < count; ++k) {
+    unsigned dimension, bits;
+    if (sscanf(arguments[k], "%ud-f%u", &dimension, &bits) != 2) return 1;
+    run_variant(dimension, bits / 8, backend);
+  }
+  return differing > 0;
+}
+
+int main(int count, char **arguments) {
   const char *backend = getenv("PBF_TEST_BACKEND");
+  if (count > 1) return compare(count - 1, arguments + 1, backend);
   for (uint32_t dimension = 2; dimension <= 3; ++dimension)
-    for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4) {
-      run_kernels(dimension, precision, backend);
-      run_others(dimension, precision, backend);
-      run_corrections(dimension, precision, backend);
-    }
+    for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4)
+      run_variant(dimension, precision, backend);
   if (backend && strcmp(backend, "reference") != 0) run_large(backend);
   return 0;
 }

@@ -1,5 +1,11 @@
-/* Part of lanes.h: vectors of 128 bits in the compiler's own extension: SSE2, or whatever else has
- * them. */
+/* Part of lanes.h: vectors of 128 bits in the compiler's own extension: SSE2, or NEON on AArch64.
+ * What the extension lacks and compilers make poorly of loops, roots, is the processor's own. */
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
 typedef pbf_real lane __attribute__((vector_size(16)));
 enum { WIDTH = 16 / sizeof(pbf_real) };
 typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
@@ -28,6 +34,21 @@ PBF_FN lane lane_load(const pbf_real *p) {
 }
 PBF_FN void lane_store(pbf_real *p, lane a) { memcpy(p, &a, sizeof a); }
 
+PBF_FN lane roots_of(lane a) {
+#if defined(__SSE2__) && PBF_BITS == 32
+  return (lane)_mm_sqrt_ps((__m128)a);
+#elif defined(__SSE2__)
+  return (lane)_mm_sqrt_pd((__m128d)a);
+#elif defined(__aarch64__) && PBF_BITS == 32
+  return (lane)vsqrtq_f32((float32x4_t)a);
+#elif defined(__aarch64__)
+  return (lane)vsqrtq_f64((float64x2_t)a);
+#else
+  for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
+  return a;
+#endif
+}
+
 namespace {
 template <>
 struct ops<lane> {
@@ -40,12 +61,10 @@ struct ops<lane> {
     lane_mask m = a > b;
     return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
   }
-  static PBF_IN lane fma(lane a, lane b, lane c) { return a * b + c; }
-  static PBF_IN lane sqrt(lane a) {
-    for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
-    return a;
-  }
-  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
+  static PBF_IN lane sqrt(lane a) { return roots_of(a); }
+  static PBF_IN lane root(lane a) { return sqrt(a); }
+  static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
 }  // namespace
 

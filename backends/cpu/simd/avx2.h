@@ -21,15 +21,11 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm256_set1_ps(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__m256)b); }
-  static PBF_IN lane fma(lane a, lane b, lane c) {
-    return (lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
-  }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
   /* An estimate of 12 bits and one Newton step: 2e-7. */
-  static PBF_IN lane rsqrt(lane a) {
-    lane y = (lane)_mm256_rsqrt_ps((__m256)a);
-    return y * fma(a * y, y * set(-0.5f), set(1.5f));
-  }
+  static PBF_IN lane root(lane a) { return sqrt(a); }
+  static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
 }  // namespace
 
@@ -124,11 +120,10 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm256_set1_pd(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_pd((__m256d)a, (__m256d)b); }
-  static PBF_IN lane fma(lane a, lane b, lane c) {
-    return (lane)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
-  }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_pd((__m256d)a); }
-  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+  static PBF_IN lane root(lane a) { return sqrt(a); }
+  static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
 }  // namespace
 

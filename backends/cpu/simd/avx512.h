@@ -22,15 +22,11 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm512_set1_ps(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm512_max_ps((__m512)a, (__m512)b); }
-  static PBF_IN lane fma(lane a, lane b, lane c) {
-    return (lane)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
-  }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm512_sqrt_ps((__m512)a); }
   /* An estimate of 14 bits and one Newton step: within an ulp or two. */
-  static PBF_IN lane rsqrt(lane a) {
-    lane y = (lane)_mm512_rsqrt14_ps((__m512)a);
-    return y * fma(a * y, y * set(-0.5f), set(1.5f));
-  }
+  static PBF_IN lane root(lane a) { return sqrt(a); }
+  static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
 }  // namespace
 
@@ -130,11 +126,10 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm512_set1_pd(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm512_max_pd((__m512d)a, (__m512d)b); }
-  static PBF_IN lane fma(lane a, lane b, lane c) {
-    return (lane)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-  }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm512_sqrt_pd((__m512d)a); }
-  static PBF_IN lane rsqrt(lane a) { return set(1) / sqrt(a); }
+  static PBF_IN lane root(lane a) { return sqrt(a); }
+  static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
 }  // namespace
 

@@ -34,7 +34,7 @@ enum { BUILT_FOR_SIZE = 0 };
 #include "cpu/simd/avx512.h"
 #elif defined(PBF_LANES_AVX2)
 #include "cpu/simd/avx2.h"
-#elif defined(PBF_LANES_SSE2)
+#elif defined(PBF_LANES_SSE2) || defined(PBF_LANES_NEON)
 #include "cpu/simd/128.h"
 #else
 #include "cpu/simd/scalar.h"
@@ -55,18 +55,21 @@ PBF_FN void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t
   u32_list(masks, rounds, list);
 }
 #else
-/* Unpacks the bits of two windows, the last one first, into every WIDTH-th byte; returns where the
- * next ones begin. A loop of as many rounds as a lane has neighbours is mispredicted in each lane:
- * so some at once, be there as many or not, which leaves behind the end what is no neighbour. */
+/* Unpacks the bits of two windows, the first slot first, into every WIDTH-th byte; returns where
+ * the next ones begin. A loop of as many rounds as a lane has neighbours is mispredicted in each
+ * lane: so some at once, be there as many or not, which leaves behind the end what is no neighbour.
+ */
 enum { BITS_AT_ONCE = 8 };
+
+PBF_FN uint32_t leading_zeros(uint64_t m) { return (uint32_t)__builtin_clzll(m); }
 
 PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
   uint8_t *end = next + (uint32_t)__builtin_popcountll(m) * WIDTH;
   do {
     for (int k = 0; k < BITS_AT_ONCE; ++k, next += WIDTH) {
-      uint32_t bit = (uint32_t)__builtin_ctzll(m | UINT64_C(0x8000000000000000));
-      *next = (uint8_t)((part + 2) * SLOTS - 1 - bit);
-      m &= m - 1;
+      const uint32_t slot = leading_zeros(m | 1);
+      *next = (uint8_t)(part * SLOTS + slot);
+      m &= ~(UINT64_C(0x8000000000000000) >> slot);
     }
   } while (m);
   return end;
@@ -74,8 +77,8 @@ PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
 
 /* Built for size: one at a time. */
 PBF_FN uint8_t *list_each_bit(uint64_t m, uint32_t part, uint8_t *next) {
-  for (; m; m &= m - 1, next += WIDTH)
-    *next = (uint8_t)((part + 2) * SLOTS - 1 - (uint32_t)__builtin_ctzll(m));
+  for (; m; m &= ~(UINT64_C(0x8000000000000000) >> leading_zeros(m)), next += WIDTH)
+    *next = (uint8_t)(part * SLOTS + leading_zeros(m));
   return next;
 }
 

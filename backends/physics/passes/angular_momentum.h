@@ -69,7 +69,8 @@ struct rotation_rate_pass {
     const L weight = rotation_weight(c, j.r2);
     for (int k = 0, entry = 0; k < PBF_DIM; ++k)
       for (int m = 0; m <= k; ++m, ++entry)
-        s->moments[entry] = ops<L>::fma(weight * j.x_ij.c[k], j.x_ij.c[m], s->moments[entry]);
+        s->moments[entry] =
+            ops<L>::multiply_add(weight * j.x_ij.c[k], j.x_ij.c[m], s->moments[entry]);
   }
 
   template <class L>

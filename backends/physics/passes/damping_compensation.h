@@ -65,12 +65,13 @@ struct damping_compensation_pass {
     const lane_vector<L> flow_ij = i.flow - j.vector;
     L way2 = ops<L>::set(0), r2 = ops<L>::set(0);
     for (int k = 0; k < PBF_DIM; ++k)
-      way2 = ops<L>::fma(time * flow_ij.c[k], time * flow_ij.c[k], way2);
-    const L root = ops<L>::rsqrt(way2 + most2), back = time * (most2 * root * root);
+      way2 = ops<L>::multiply_add(time * flow_ij.c[k], time * flow_ij.c[k], way2);
+    const L root = ops<L>::over_root(ops<L>::set(1), way2 + most2),
+            back = time * (most2 * root * root);
     lane_vector<L> start;
     for (int k = 0; k < PBF_DIM; ++k) {
       start.c[k] = j.x_ij.c[k] - back * flow_ij.c[k];
-      r2 = ops<L>::fma(start.c[k], start.c[k], r2);
+      r2 = ops<L>::multiply_add(start.c[k], start.c[k], r2);
     }
     add_push(&s->end, lambdas, j.x_ij, j.r2);
     const L push = add_push(&s->start, lambdas, start, r2);

@@ -104,7 +104,7 @@ struct lambda_pass {
     L value, slope;
     kernel_and_slope(features, c, value_scale(), slope_scale(), j.r2, &value, &slope);
     s->density = s->density + weight * value;
-    s->slope2 = ops<L>::fma(weight * slope * j.r2, slope, s->slope2);
+    s->slope2 = ops<L>::multiply_add(weight * slope * j.r2, slope, s->slope2);
     s->gradient.add_scaled(weight * slope, j.x_ij);
     return {value, slope};
   }

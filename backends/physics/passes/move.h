@@ -94,7 +94,7 @@ struct move_pass_of {
     const L omega = ops<L>::set(c->omega), push = ops<L>::set(inv_time_step * c->omega);
     for (int k = 0; k < PBF_DIM; ++k) {
       x->c[k] = x->c[k] + omega * s.change.c[k];
-      v->c[k] = ops<L>::fma(push, s.change.c[k], v->c[k]);
+      v->c[k] = ops<L>::multiply_add(push, s.change.c[k], v->c[k]);
     }
   }
 };

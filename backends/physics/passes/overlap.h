@@ -33,7 +33,7 @@ struct placed_density_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j) const {
-    s->density = ops<L>::fma(kernel_value(features, c, j.r2), j.number, s->density);
+    s->density = ops<L>::multiply_add(kernel_value(features, c, j.r2), j.number, s->density);
   }
 
   template <class L>

@@ -39,13 +39,13 @@ struct pressure_fit_pass {
     const L known = -ops<L>::max(-size, ops<L>::set(-1)), per_h = ops<L>::set(-c->inv_h);
     const L weight = wendland(known, closeness(c, ops<L>::sqrt(j.r2)));
     s->weight = s->weight + weight;
-    s->value = ops<L>::fma(weight, j.number, s->value);
+    s->value = ops<L>::multiply_add(weight, j.number, s->value);
     for (int k = 0, moment = 0; k < PBF_DIM; ++k) {
       const L at = weight * j.x_ij.c[k] * per_h;
       s->at.c[k] = s->at.c[k] + at;
-      s->value_at.c[k] = ops<L>::fma(at, j.number, s->value_at.c[k]);
+      s->value_at.c[k] = ops<L>::multiply_add(at, j.number, s->value_at.c[k]);
       for (int m = 0; m <= k; ++m, ++moment)
-        s->square[moment] = ops<L>::fma(at, j.x_ij.c[m] * per_h, s->square[moment]);
+        s->square[moment] = ops<L>::multiply_add(at, j.x_ij.c[m] * per_h, s->square[moment]);
     }
   }
 

@@ -44,7 +44,7 @@ struct viscosity_pass {
     const L value = kernel_value(features, c, j.r2);
     s->weight = s->weight + value;
     for (int k = 0; k < PBF_DIM; ++k)
-      s->sum.c[k] = ops<L>::fma(value, j.vector.c[k] - i.v.c[k], s->sum.c[k]);
+      s->sum.c[k] = ops<L>::multiply_add(value, j.vector.c[k] - i.v.c[k], s->sum.c[k]);
   }
 
   template <class L>

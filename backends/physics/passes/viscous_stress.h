@@ -37,8 +37,8 @@ struct viscous_stress_pass {
     const L value = kernel_value(features, c, j.r2);
     L parting = ops<L>::set(0);
     for (int k = 0; k < PBF_DIM; ++k)
-      parting = ops<L>::fma(j.vector.c[k] - i.v.c[k], j.x_ij.c[k], parting);
-    s->spread = ops<L>::fma(value, j.r2, s->spread);
+      parting = ops<L>::multiply_add(j.vector.c[k] - i.v.c[k], j.x_ij.c[k], parting);
+    s->spread = ops<L>::multiply_add(value, j.r2, s->spread);
     s->change.add_scaled(value * parting, j.x_ij);
   }
 
