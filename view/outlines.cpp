@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rotation.h"
+
 namespace view {
 namespace {
 
@@ -18,17 +20,6 @@ uniform vec3 color;
 out vec4 pixel;
 void main() { pixel = vec4(color, 1); }
 )";
-
-// By a unit quaternion: v + 2 q × (q × v + w v).
-Vector turned(const double q[4], const Vector &v) {
-  const auto cross = [](const double *a, const Vector &b) -> Vector {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  Vector inner = cross(q, v);
-  for (unsigned k = 0; k < 3; ++k) inner[k] += q[3] * v[k];
-  const Vector outer = cross(q, inner);
-  return {v[0] + 2 * outer[0], v[1] + 2 * outer[1], v[2] + 2 * outer[2]};
-}
 
 // Pairs of points, from a shape's own axes into space.
 class Lines {
@@ -99,10 +90,7 @@ void across(const Vector &up, Vector &a, Vector &b) {
 
 // A sphere is a capsule whose ends are in one place.
 void capsule(Lines &lines, const pbf_collider &collider, double half_length, bool flat) {
-  Vector up{collider.axis[0], collider.axis[1], collider.axis[2]};
-  const double length = std::sqrt(up[0] * up[0] + up[1] * up[1] + up[2] * up[2]);
-  for (double &number : up) number = length > 0 ? number / length : 0;
-  if (length <= 0) up = {0, 1, 0};
+  const Vector up = unit({collider.axis[0], collider.axis[1], collider.axis[2]});
   Vector sides[2];
   across(up, sides[0], sides[1]);
   for (const double sign : {-1.0, 1.0}) {

@@ -21,7 +21,8 @@ double percentile(const Reading &reading) {
 
 void Painter::set(const Reading &reading) {
   top_ = std::max({percentile(reading), 0.98 * top_, 1e-9});
-  spheres_.set(reading);
+  spheres_.set(reading.particles, reading.radius);
+  solids_.set(reading);
   outlines_.set(reading);
 }
 
@@ -36,6 +37,7 @@ void Painter::draw(const Camera &camera, int width, int height, double top) cons
       camera.projection(static_cast<float>(width) / static_cast<float>(height));
   const Matrix to_eye = camera.to_eye();
   spheres_.draw(to_eye, projection, height, static_cast<float>(top > 0 ? top : top_));
+  solids_.draw(to_eye, projection, height);
   outlines_.draw(to_eye, projection);
 }
 

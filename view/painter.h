@@ -4,6 +4,7 @@
 
 #include "camera.h"
 #include "outlines.h"
+#include "round_solids.h"
 #include "simulation.h"
 #include "spheres.h"
 
@@ -21,6 +22,7 @@ class Painter {
 
  private:
   Spheres spheres_;
+  RoundSolids solids_;
   Outlines outlines_;
   double top_ = 0;
 };

@@ -21,7 +21,7 @@ void main() {
   thickness = depth - (0.5 + 0.5 * front.z / front.w);
   float at = 5 * clamp(particle.w / top, 0, 1);
   int below = min(int(at), 4);
-  color = mix(stops[below], stops[below + 1], at - float(below));
+  color = particle.w < 0 ? vec3(0.62, 0.6, 0.58) : mix(stops[below], stops[below + 1], at - float(below));
 }
 )";
 
@@ -63,13 +63,12 @@ Spheres::~Spheres() {
   glDeleteVertexArrays(1, &array_);
 }
 
-void Spheres::set(const Reading &reading) {
-  count_ = static_cast<GLsizei>(reading.particles.size());
-  radius_ = reading.radius;
+void Spheres::set(const std::vector<std::array<float, 4>> &points, float radius) {
+  count_ = static_cast<GLsizei>(points.size());
+  radius_ = radius;
   glBindBuffer(GL_ARRAY_BUFFER, buffer_);
-  glBufferData(GL_ARRAY_BUFFER,
-               static_cast<GLsizeiptr>(reading.particles.size() * sizeof reading.particles[0]),
-               reading.particles.data(), GL_STREAM_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points.size() * sizeof points[0]),
+               points.data(), GL_STREAM_DRAW);
 }
 
 void Spheres::draw(const Matrix &to_eye, const Matrix &projection, int height, float top) const {
