@@ -370,8 +370,7 @@ static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_row
   return population_read(of(handle), field, rows, out);
 }
 
-static pbf_status take_array(pbf_backend_solver *handle, uint64_t bytes,
-                             pbf_backend_array *array) {
+static pbf_status take_array(pbf_backend_solver *handle, uint64_t bytes, pbf_backend_array *array) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   if (pbf_status status = pbf_cuda_check(cudaMalloc(&array->data, bytes), "cudaMalloc"))

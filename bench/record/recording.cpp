@@ -10,13 +10,10 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/solver.h"
 
 namespace bench {
 namespace {
-
-void check_call(pbf_status status) {
-  if (status != PBF_OK) throw Error(exit_failure, pbf_last_error());
-}
 
 pbf_info info_of(pbf_solver *solver) {
   pbf_info info = {};
