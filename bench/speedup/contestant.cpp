@@ -29,7 +29,7 @@ std::vector<Contestant> line_up(const LineUpOptions &options) {
       contestant.solver.precision = PBF_FLOAT32;
       contestant.repetitions = options.naive_repetitions;
     }
-    if (name != "openmp") {
+    if (name != "threads" && name != "openmp") {
       contestants.push_back(contestant);
       continue;
     }

@@ -17,7 +17,7 @@ struct Contestant {
 };
 
 struct LineUpOptions {
-  std::vector<std::string> backends = {"naive", "serial", "openmp", "cuda"};
+  std::vector<std::string> backends = {"naive", "serial", "threads", "openmp", "cuda"};
   std::vector<unsigned> threads;  // of openmp; empty: powers of two up to the machine's CPUs
   uint32_t precision = PBF_FLOAT32;
   int32_t device = 0;

@@ -258,6 +258,20 @@ void speedup_writes_google_benchmarks_json(void **) {
   expect_contains(absent.at("error_message"), "no backend of this name");
 }
 
+void backends_with_threads_take_part_with_each_number(void **) {
+  const std::string folder = work_folder("speedup_threads");
+  skip_unless_available(folder, "threads");
+  const Outcome speedup =
+      run_program(folder,
+                  "speedup --scene dam-break-2d --steps 2 --backends serial,threads --threads 1,2 "
+                  "--repetitions 1 --json s.json");
+  assert_int_equal(speedup.exit_code, 0);
+  const json document = json::parse(read_text(folder + "/s.json"));
+  assert_int_equal(document.at("benchmarks").size(), 3);
+  entry(document, "dam-break-2d/threads/threads:1");
+  entry(document, "dam-break-2d/threads/threads:2");
+}
+
 void the_page_needs_nothing_beside_it(void **) {
   const std::string folder = work_folder("page");
   skip_unless_available(folder, "reference");
@@ -288,6 +302,7 @@ int main() {
       cmocka_unit_test(a_trace_to_standard_output_is_alone_there),
       cmocka_unit_test(batches_do_not_change_the_result),
       cmocka_unit_test(speedup_writes_google_benchmarks_json),
+      cmocka_unit_test(backends_with_threads_take_part_with_each_number),
       cmocka_unit_test(the_page_needs_nothing_beside_it),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
