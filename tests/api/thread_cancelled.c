@@ -157,6 +157,34 @@ static void signals_are_for_the_program(void **state) {
   assert_false(takes_signals);
 }
 
+enum { SIGNALS = 32 }; /* those that may be looked at everywhere */
+
+static void look_at_handlers(struct sigaction actions[SIGNALS], sigset_t *blocked) {
+  for (int k = 1; k < SIGNALS; ++k) assert_int_equal(sigaction(k, NULL, &actions[k]), 0);
+  assert_int_equal(pthread_sigmask(SIG_SETMASK, NULL, blocked), 0);
+}
+
+static void ignore(int number) { (void)number; }
+
+static void handlers_stay_as_they_are(void **state) {
+  (void)state;
+  struct sigaction before[SIGNALS], own = {.sa_handler = ignore}, crash, after[SIGNALS];
+  sigset_t blocked_before, blocked;
+  assert_int_equal(sigaction(SIGSEGV, &own, &crash), 0);
+  look_at_handlers(before, &blocked_before);
+  pbf_solver *s = block(3);
+  assert_ok(pbf_step(s, 2));
+  assert_ok(pbf_begin_step(s, 1));
+  assert_ok(pbf_end_step(s));
+  pbf_destroy(s);
+  look_at_handlers(after, &blocked);
+  for (int k = 1; k < SIGNALS; ++k) {
+    assert_true(after[k].sa_handler == before[k].sa_handler);
+    assert_int_equal(sigismember(&blocked, k), sigismember(&blocked_before, k));
+  }
+  assert_int_equal(sigaction(SIGSEGV, &crash, NULL), 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(in_a_step),
@@ -164,6 +192,7 @@ int main(void) {
       cmocka_unit_test(in_steps_that_have_begun),
       cmocka_unit_test(while_solvers_are_made),
       cmocka_unit_test(signals_are_for_the_program),
+      cmocka_unit_test(handlers_stay_as_they_are),
   };
   return TEST_RUN(tests);
 }
