@@ -31,7 +31,8 @@ struct pbf_batch {
   pbf_batch *next_live;
   uint32_t references; /* the handle, a running call */
   uint32_t in_call;    /* 1: a call is running, … */
-  pthread_t thread;    /* … in this thread */
+  pthread_t thread;    /* … in this thread, … */
+  int cancellation;    /* … which gets that back */
   uint32_t left;       /* 1: a fork has left it without the thread of its call */
 
   /* Belongs to the running call. */

@@ -9,6 +9,7 @@
 #include "memory.h"
 #include "solver/create.h"
 #include "solver/handles.h"
+#include "uncancelled.h"
 
 /* Of a world: one thread, which the batch has it stepped by. */
 static pbf_desc desc_of_world(const pbf_checked_desc *checked) {
@@ -96,5 +97,8 @@ pbf_status pbf_batch_create(const pbf_desc *desc, const pbf_params *params, uint
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "worlds is %u; it must be 1 … %u", worlds,
                     PBF_MAX_WORLDS);
   }
-  return create(desc, params, worlds, batch);
+  const int cancellation = pbf_uncancelled_begin();
+  pbf_status status = create(desc, params, worlds, batch);
+  pbf_uncancelled_end(cancellation);
+  return status;
 }

@@ -4,6 +4,7 @@
 #include "error.h"
 #include "free.h"
 #include "lock.h"
+#include "uncancelled.h"
 
 static pbf_batch *first_live;
 
@@ -41,9 +42,12 @@ pbf_status pbf_batch_enter(pbf_batch *batch) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "batch is null; pbf_batch_create makes one");
   pbf_status status = pbf_lock_check();
   if (status != PBF_OK) return status;
+  const int cancellation = pbf_uncancelled_begin();
   pbf_lock_take(PBF_LOCK_SOLVERS);
   status = enter_locked(batch);
+  if (status == PBF_OK) batch->cancellation = cancellation;
   pbf_lock_release(PBF_LOCK_SOLVERS);
+  if (status != PBF_OK) pbf_uncancelled_end(cancellation);
   return status;
 }
 
@@ -55,9 +59,11 @@ static void drop_reference(pbf_batch *batch) {
 }
 
 pbf_status pbf_batch_leave(pbf_batch *batch, pbf_status status) {
+  const int cancellation = batch->cancellation;
   pbf_lock_take(PBF_LOCK_SOLVERS);
   batch->in_call = 0;
   drop_reference(batch);
+  pbf_uncancelled_end(cancellation);
   return status;
 }
 
@@ -69,8 +75,7 @@ void pbf_batch_publish(pbf_batch *batch) {
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
-void pbf_batch_destroy(pbf_batch *batch) {
-  if (!batch || pbf_lock_check() != PBF_OK) return;
+static void destroy(pbf_batch *batch) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   pbf_batch **link = &first_live;
   while (*link && *link != batch) link = &(*link)->next_live;
@@ -80,6 +85,13 @@ void pbf_batch_destroy(pbf_batch *batch) {
   }
   *link = batch->next_live;
   drop_reference(batch);
+}
+
+void pbf_batch_destroy(pbf_batch *batch) {
+  if (!batch || pbf_lock_check() != PBF_OK) return;
+  const int cancellation = pbf_uncancelled_begin();
+  destroy(batch);
+  pbf_uncancelled_end(cancellation);
 }
 
 /* ---- In the child of a fork ------------------------------------------------------------------ */

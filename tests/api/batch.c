@@ -842,6 +842,40 @@ static void fields_stay_where_the_backend_has_them(void **state) {
   assert_int_equal(test_count.live_blocks, 0);
 }
 
+/* A thread that is cancelled in a call ends after it: with asynchronous cancellation, at once. */
+static void *step_and_be_cancelled(void *user) {
+  visitor *v = user;
+  pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, NULL);
+  v->step = pbf_batch_step(v->batch, NULL, 1);
+  pthread_testcancel();
+  v->named = 1;
+  return NULL;
+}
+
+static void cancel_caller(void *user) { pthread_cancel(*(pthread_t *)user); }
+
+static void a_call_is_done_before_its_thread_is_cancelled(void **state) {
+  (void)state;
+  if (!test_is_stub() || TEST_INSTRUMENTED) return;
+  ballistic_control *control = test_stub_control();
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  visitor v = {.batch = furnished(&desc), .step = PBF_ERROR_STATE};
+  static pthread_t caller;
+  control->user = &caller;
+  control->inside_step = cancel_caller;
+  assert_int_equal(pthread_create(&caller, NULL, step_and_be_cancelled, &v), 0);
+  assert_int_equal(pthread_join(caller, NULL), 0);
+  test_stub_control();
+  assert_int_equal(v.named, 0);
+  assert_ok(pbf_batch_step(v.batch, NULL, 1));
+  for (uint32_t k = 0; k < WORLDS; ++k) {
+    pbf_info info = {.struct_size = sizeof info};
+    assert_ok(pbf_get_info(world_of(v.batch, k), &info));
+    assert_int_equal(info.step, 2);
+  }
+  pbf_batch_destroy(v.batch);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bits_are_those_of_a_world_alone),
@@ -869,6 +903,7 @@ int main(void) {
       cmocka_unit_test(worlds_are_stepped_at_once),
       cmocka_unit_test(backends_are_told_of_worlds),
       cmocka_unit_test(fields_stay_where_the_backend_has_them),
+      cmocka_unit_test(a_call_is_done_before_its_thread_is_cancelled),
   };
   return TEST_RUN(tests);
 }
