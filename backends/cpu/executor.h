@@ -34,6 +34,7 @@ struct executor {
   bool sorted;  /* the step has come as far as that, … */
   uint64_t nth; /* step of its length */
   bool solved;  /* … or to where x* is x */
+  bool moved;   /* and others' x has not followed it */
 
   void over_pairs(task_function task, completion_function last = NULL) {
     parallel_for(w->self, pair_task_count(w), task, last, w);
@@ -46,7 +47,7 @@ struct executor {
   /* What loops over pairs read is packed for them (neighbors.h): positions and lambda by the tasks
    * that find them, while they are in the cache, the others here. */
   void exchange(int fields) {
-    if (has_ranks(w->s)) exchange_with_ranks(w, fields, solved);
+    if (has_ranks(w->s)) exchange_with_ranks(w, fields, solved, moved);
     if (fields & FIELD_VELOCITY) pack_vectors(w, velocities_task);
     if (fields & FIELD_MEAN_VELOCITY) pack_vectors(w, flows_and_lambda_task);
     if (fields & FIELD_DEVIATOR) pack_vectors(w, deviators_task);
@@ -100,6 +101,7 @@ struct executor {
   void velocity() {
     update_velocity(w);
     solved = true;
+    moved = velocity_moves(w->s);
   }
   bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
@@ -108,6 +110,7 @@ struct executor {
     over_pairs(shear_stress_task);
     over_pairs(shear_way_task);
     w->b.accept_sheared_x();
+    moved = true;
     stage_end(w, PBF_STAGE_SHEAR_STRESS);
   }
   void mean_velocity() { over_pairs(flow_task, PBF_STAGE_MEAN_VELOCITY); }

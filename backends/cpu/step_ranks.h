@@ -40,10 +40,11 @@ static void add_fields(const worker *w, int fields, const field &x) {
   }
 }
 
-/* What a stage has changed of particles that other ranks hold. `solved`: x* is x. */
-static void exchange_with_ranks(worker *w, int fields, bool solved) {
+/* What a stage has changed of particles that other ranks hold. `solved`: x* is x, and `moved` since
+ * others have heard of it. */
+static void exchange_with_ranks(worker *w, int fields, bool solved, bool moved) {
   solver *s = w->s;
-  if (fields == FIELD_POSITION && solved && !velocity_moves(s)) return;
+  if (fields == FIELD_POSITION && solved && !moved) return;
   if (!solved && has_convergence_check(s) && is_converged(w)) return;
   const field &x = solved ? w->b.x : x_star(w);
   s->ranks.sends.count = s->ranks.receives.count = 0;

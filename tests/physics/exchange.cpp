@@ -39,7 +39,8 @@ struct watcher {
   bool shear_stress_is_due() const { return true; }
   void shear_push() { stage_of("shear_push", FIELD_POSITION | FIELD_DEVIATOR, FIELD_SHEAR_PUSH); }
   void correct_shear_stress() {
-    stage_of("correct_shear_stress", FIELD_POSITION | FIELD_SHEAR_PUSH, FIELD_VELOCITY);
+    stage_of("correct_shear_stress", FIELD_POSITION | FIELD_SHEAR_PUSH,
+             FIELD_POSITION | FIELD_VELOCITY);
   }
   void mean_velocity() {
     stage_of("mean_velocity", FIELD_POSITION | FIELD_VELOCITY, FIELD_MEAN_VELOCITY);
