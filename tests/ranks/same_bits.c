@@ -294,6 +294,7 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
 static void nor_how_wide_groups_are(void **state) {
   (void)state;
   scene c = plain(3, PBF_FLOAT32);
+  if (!BUILT_WITH_SCALAR) test_skip("built without the instruction set \"scalar\"");
   c.isa = "scalar";
   check("one lane", &c);
 }
