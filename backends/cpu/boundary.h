@@ -146,11 +146,19 @@ static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values 
   return bounds_between(lower, upper, pbf_real_sqrt(way2));
 }
 
-PBF_FN int surfaces_contribute(const pbf_constants *c, const pbf_obstacles *o, pbf_vec x) {
-  pbf_vec normal;
-  for (int k = 0; k < o->count; ++k)
-    if (!(pbf_surface_distance(&o->surfaces[k], x, &normal) > contribution_reach(c))) return 1;
-  return 0;
+/* pbf_boundary_at of those surfaces alone that are near the particle itself, not only near its
+ * group: what others in the group are near must not show in its density. 0: there are none. */
+static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c,
+                                                          const pbf_obstacles *near, pbf_vec x,
+                                                          pbf_boundary *boundary) {
+  int met = 0;
+  for (int k = 0; k < near->count; ++k) {
+    pbf_vec normal;
+    if (pbf_surface_distance(&near->surfaces[k], x, &normal) > contribution_reach(c)) continue;
+    if (!met++) *boundary = pbf_boundary_of_domain(c, &near->domain, x);
+    pbf_accumulate_surface(c, &near->surfaces[k], x, boundary);
+  }
+  return met;
 }
 
 /* pbf_boundary_at in all lanes. */
@@ -165,18 +173,15 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
   }
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
+  const int met = obstacles_within(o, &these, contribution_reach(c), &near);
   pbf_real distances[WIDTH];
-  if (!obstacles_within(o, &these, contribution_reach(c), &near)) {
-    if (domain_distances(&near, x, distances) < contribution_reach(c))
-      boundary_of_domain(c, &o->domain, x, boundary);
-    return;
-  }
-  domain_distances(&near, x, distances);
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    if (!(distances[l] < contribution_reach(c)) && !surfaces_contribute(c, &near, lane_value(x, l)))
-      continue;
+  if (domain_distances(&near, x, distances) < contribution_reach(c))
+    boundary_of_domain(c, &o->domain, x, boundary);
+  for (uint32_t l = 0; l < WIDTH && met; ++l) {
+    pbf_boundary by_all;
     pbf_vec gradient = {{0}};
-    pbf_boundary by_all = pbf_boundary_at(c, near, lane_value(x, l));
+    if (!boundary_by_surfaces(c, &near, lane_value(x, l), &by_all)) continue;
+    boundary->density[l] = 0;
     pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
     boundary->rest[l] = by_all.rest;
     set_lane(&boundary->gradient, l, gradient);
