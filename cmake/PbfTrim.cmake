@@ -5,6 +5,8 @@ set(PBF_VARIANTS "3d-f32;3d-f64;2d-f32;2d-f64" CACHE STRING
 set(isas scalar)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND isas sse2 avx2 avx512)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
+  list(APPEND isas neon)
 endif()
 set(PBF_ISAS "${isas}" CACHE STRING "Instruction sets that the CPU backends' pair loops are built for")
 

@@ -88,7 +88,7 @@ static pbf_status copy_isa(const char *theirs, pbf_checked_desc *checked) {
   if (known == PBF_INSTRUCTION_SET_COUNT) {
     return pbf_fail(
         PBF_ERROR_INVALID_ARGUMENT,
-        "%s is \"%.*s\"; it must be \"scalar\", \"sse2\", \"avx2\" or \"avx512\", or %s",
+        "%s is \"%.*s\"; it must be \"scalar\", \"sse2\", \"neon\", \"avx2\" or \"avx512\", or %s",
         theirs ? "desc.isa" : "PBF_ISA in the environment", PBF_NAME_SIZE, name,
         theirs ? "null for the best one" : "unset");
   }

@@ -54,7 +54,9 @@ static int has(cpu_isa isa) {
     return has(CPU_AVX2) && __builtin_cpu_supports("avx512f") &&
            __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
            __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-  return 1;
+  return isa != CPU_NEON;
+#elif defined(__aarch64__)
+  return isa == CPU_SCALAR || isa == CPU_NEON; /* of which every AArch64 has it */
 #else
   return isa == CPU_SCALAR;
 #endif

@@ -8,7 +8,14 @@
 extern "C" {
 #endif
 
-typedef enum cpu_isa { CPU_SCALAR, CPU_SSE2, CPU_AVX2, CPU_AVX512, CPU_ISA_COUNT } cpu_isa;
+typedef enum cpu_isa {
+  CPU_SCALAR,
+  CPU_SSE2,
+  CPU_NEON,
+  CPU_AVX2,
+  CPU_AVX512,
+  CPU_ISA_COUNT
+} cpu_isa;
 
 const char *cpu_isa_name(cpu_isa isa);
 
