@@ -270,14 +270,10 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
     if (pbf_status status = place_surfaces(s, left, ahead)) return status;
     if (small_serves(s)) {
       ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, &left, ahead);
-      const uint32_t small = small_steps_ahead(s, left, ahead);
-      if (small) {
-        if (pbf_status status = small_steps(s, left, small)) return status;
-        *done += small;
-        s->pressure_scale = s->constants.pressure;
-        continue;
-      }
-      ahead = 1;
+      if (pbf_status status = small_steps(s, left, ahead)) return status;
+      *done += ahead;
+      s->pressure_scale = s->constants.pressure;
+      continue;
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s, pbf_time_after(&times, *done)); ++k, ++*done) {
       if (pbf_status status =

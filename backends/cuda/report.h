@@ -102,11 +102,8 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
     snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
     stage->runs_per_step = s->schedule.runs[k];
     stage->launches_per_step = s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
-    /* One launch does all the steps of a call, up to SMALL_STEPS, but those that correct the shear
-     * stress. */
-    const bool corrects =
-        k == PBF_STAGE_DEVIATOR || k == PBF_STAGE_SHEAR_PUSH || k == PBF_STAGE_SHEAR_STRESS;
-    if (small_serves(s) && !corrects) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
+    /* One launch does all the steps of a call, up to SMALL_STEPS. */
+    if (small_serves(s)) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
   }
   pbf_variant_name(plan->variant, sizeof plan->variant, s->schedule.features, PBF_DIM,
                    sizeof(pbf_real));

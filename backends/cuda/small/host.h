@@ -20,12 +20,13 @@ static inline uint32_t small_max_particles(const solver *s) {
 }
 
 /* Whether the solver has the memory for it: where few particles, or some day fewer than now, have
- * no other stages in most steps. */
+ * no other stages. */
 static inline bool small_wanted(const pbf_params *params, const pbf_schedule &now) {
   pbf_schedule has = now;
   if (params->pressure_grid < 0) has.runs[PBF_STAGE_GRID] = 0;
-  for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
-    has.runs[stage] = 0;
+  if (params->shear_stress_correction < 0) /* with the grid */
+    for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
+      has.runs[stage] = 0;
   return sizeof(pbf_real) == sizeof(float) && has_only(has, SMALL_STAGES) &&
          !has.checks_convergence && !pbf_may_have_ghosts(params) &&
          params->iterations <= SMALL_ITERATIONS;
@@ -109,15 +110,6 @@ static inline uint32_t small_own(const solver *s) {
   uint32_t own = wanted < most ? wanted : most;
   while (own > alone && !small_fits(s, own)) own -= (own + 7) / 8;
   return own > alone ? own : alone;
-}
-
-/* Of the next steps, those before one that corrects the shear stress, which it does not serve. */
-static inline uint32_t small_steps_ahead(const solver *s, const pbf_step_times &times,
-                                         uint32_t steps) {
-  if (!s->schedule.runs[PBF_STAGE_SHEAR_STRESS]) return steps;
-  uint32_t k = 0;
-  while (k < steps && !pbf_shear_stress_is_due(pbf_nth_after(&times, k + 1))) ++k;
-  return k;
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
