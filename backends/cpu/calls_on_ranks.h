@@ -1,4 +1,4 @@
-/* Part of backend.cpp: calls of a solver that is one of some ranks: joining, refusals, what comes
+/* Part of survey.h: calls of a solver that is one of some ranks: joining, refusals, what comes
  * in, which all are given whole, and what goes out, which all get whole. */
 #ifndef PBF_CPU_CALLS_ON_RANKS_H
 #define PBF_CPU_CALLS_ON_RANKS_H

@@ -1,7 +1,7 @@
-/* Which particles each rank has in a step: an equal part of those in the order of the sort, or one
- * by how fast it has been. Sums over pairs are found for whole groups of them, so a share begins
- * with a group: then every group, and with it every bit, is that of a solver without ranks. All
- * ranks know all shares from one histogram of cells. */
+/* Part of halo.h: which particles each rank has in a step: an equal part of those in the order of
+ * the sort, or one by how fast it has been. Sums over pairs are found for whole groups of them, so
+ * a share begins with a group: then every group, and with it every bit, is that of a solver without
+ * ranks. All ranks know all shares from one histogram of cells. */
 #ifndef PBF_CPU_SHARES_H
 #define PBF_CPU_SHARES_H
 

@@ -1,4 +1,4 @@
-/* The CPU solver of one variant. */
+/* Part of worker.h: the CPU solver of one variant. */
 #ifndef PBF_CPU_SOLVER_H
 #define PBF_CPU_SOLVER_H
 

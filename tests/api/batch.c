@@ -456,7 +456,8 @@ static void tensors_hold_what_was(void **state) {
   assert_int_equal(x->dl_tensor.shape[0], WORLDS);
   assert_int_equal(x->dl_tensor.shape[1], COUNT);
   assert_int_equal(x->dl_tensor.shape[2], 3);
-  assert_int_equal(x->dl_tensor.device.device_type, kDLCPU);
+  const int on_host = x->dl_tensor.device.device_type == kDLCPU;
+  assert_int_equal(on_host, strcmp(test_backend(), "cuda") != 0);
   assert_int_equal(x->dl_tensor.dtype.code, kDLFloat);
   assert_int_equal(x->dl_tensor.dtype.bits, 32);
   assert_int_equal((uintptr_t)x->dl_tensor.data % 64, 0);
@@ -465,9 +466,11 @@ static void tensors_hold_what_was(void **state) {
   assert_int_equal(ids->dl_tensor.dtype.code, kDLUInt);
   assert_ok(pbf_batch_step(batch, NULL, 3));
   pbf_batch_destroy(batch);
-  assert_memory_equal((float *)x->dl_tensor.data + (COUNT + 4) * 3, first, sizeof first);
-  assert_int_equal(((uint32_t *)ids->dl_tensor.data)[2 * 7 + 6], 6);
-  assert_int_equal(test_count.live_blocks, 2);
+  if (on_host) {
+    assert_memory_equal((float *)x->dl_tensor.data + (COUNT + 4) * 3, first, sizeof first);
+    assert_int_equal(((uint32_t *)ids->dl_tensor.data)[2 * 7 + 6], 6);
+    assert_int_equal(test_count.live_blocks, 2);
+  }
   x->deleter(x);
   ids->deleter(ids);
   assert_int_equal(test_count.live_blocks, 0);

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <pbf/ranks.h>
+
 #include "table.h"
 
 void call_version(actor *a) {
@@ -168,6 +170,24 @@ void call_create(actor *a) {
   }
   drop(a);
   subject_make(a, a->subject);
+}
+
+/* Ranks that can't be: without functions, and with whatever numbers. */
+void call_create_on_ranks(actor *a) {
+  pbf_desc desc;
+  pbf_ranks ranks = {.struct_size = sizeof ranks};
+  pbf_solver *solver = NULL;
+  insist(a, pbf_desc_init(&desc, sizeof desc) == PBF_OK);
+  desc.backend = a->with->backends[dice_below(&a->dice, a->with->backend_count)];
+  desc.capacity = 16;
+  count_fault(FAULT_ARGUMENT);
+  ranks.rank = dice_below(&a->dice, 4);
+  ranks.count = dice_below(&a->dice, 4);
+  if (dice_one_in(&a->dice, 4)) ranks.struct_size = (uint32_t)dice_next(&a->dice);
+  pbf_status status =
+      pbf_create_on_ranks(&desc, NULL, dice_one_in(&a->dice, 8) ? NULL : &ranks, &solver);
+  check_status(a, status, pbf_last_error());
+  insist(a, status != PBF_OK && solver == NULL);
 }
 
 /* What is gone is refused. Its address may be another solver's by now. */

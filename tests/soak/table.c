@@ -8,6 +8,7 @@ const entry table[] = {
     {"pbf_params_init", 1, call_params_init},
     {"pbf_collider_init", 1, call_collider_init},
     {"pbf_create", 2, call_create},
+    {"pbf_create_on_ranks", 1, call_create_on_ranks},
     {"pbf_destroy", 1, call_destroy},
     {"pbf_get_backend_count", 1, call_get_backend_count},
     {"pbf_get_backend_info", 1, call_get_backend_info},

@@ -25,6 +25,7 @@ void call_desc_init(actor *a);
 void call_params_init(actor *a);
 void call_collider_init(actor *a);
 void call_create(actor *a);
+void call_create_on_ranks(actor *a);
 void call_destroy(actor *a);
 void call_get_backend_count(actor *a);
 void call_get_backend_info(actor *a);
