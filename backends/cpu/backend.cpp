@@ -308,7 +308,8 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
 /* That it works on ranks: pbf_backend_desc.ranks. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
-  return strcmp(name, PBF_BACKEND_RANKS) ? NULL : &works;
+  const bool asked = strcmp(name, PBF_BACKEND_RANKS) == 0;
+  return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : NULL;
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API;

@@ -12,7 +12,9 @@
 #include "common/number.h"
 #include "cpu/worker.h"
 
-static inline bool has_ranks(const solver *s) { return s->ranks.count > 0; }
+static inline bool has_ranks(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_RANKS) && s->ranks.count > 0;
+}
 
 /* Particles of the scene. */
 static inline uint32_t particles_of_all(const solver *s) {

@@ -30,17 +30,20 @@
  *             So on Linux, on the stack that the thread was made with, and for exceptions where C
  *             has unwind tables (as compilers make them on x86-64 and AArch64, not in a MinSizeRel
  *             build); elsewhere the solver is busy for good.
- *   pthread_cancel ends no call halfway, but the thread after it (cuda: unless it is asynchronous).
- * One that has left a callback as above is not cancelled until it allows that
- * (pthread_setcancelstate). fork      in the child solvers go on from where they are, on `openmp`
- * with one thread: those of OpenMP do not come along. One in which another thread was returns
- * PBF_ERROR_STATE and can be destroyed. A device is the parent's. rounding  every call computes
- * with rounding to nearest, subnormal numbers and exceptions masked, whatever the calling thread
- * has set, and gives that back as it was, flags included. Callbacks run in between. arrays    hold
- * the solver's element type (pbf_desc.precision), row-major, shape (count, dimension), in the order
- * in which the particles were added. units     any consistent set; lengths, times and accelerations
- * are the caller's own. In units that are larger or smaller by powers of two the numbers are the
- * same to the last bit (seen on CPUs so far).
+ *   pthread_cancel ends no call halfway, but the thread after it (on `cuda` unless it is
+ *             asynchronous). One that has left a callback as above is not cancelled until it
+ *             allows that (pthread_setcancelstate).
+ *   fork      in the child solvers go on from where they are, on `openmp` with one thread: those of
+ *             OpenMP do not come along. One in which another thread was returns PBF_ERROR_STATE
+ *             and can be destroyed. A device is the parent's.
+ *   rounding  every call computes with rounding to nearest, subnormal numbers and exceptions
+ *             masked, whatever the calling thread has set, and gives that back as it was, flags
+ *             included. Callbacks run in between.
+ *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
+ *             (count, dimension), in the order in which the particles were added.
+ *   units     any consistent set; lengths, times and accelerations are the caller's own. In units
+ *             that are larger or smaller by powers of two the numbers are the same to the last bit
+ *             (seen on CPUs so far).
  */
 #ifndef PBF_PBF_H
 #define PBF_PBF_H
