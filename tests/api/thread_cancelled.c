@@ -109,8 +109,9 @@ static void in_a_step(void **state) {
 
 static void at_any_time(void **state) {
   (void)state;
-  /* A thread that is cancelled asynchronously ends inside CUDA's driver, whatever it is told. */
-  if (strcmp(test_backend(), "cuda") == 0) test_skip("CUDA's driver lets a thread be cancelled");
+  /* Seen on an H100: the thread ends inside a step, which leaves the solver busy. */
+  if (strcmp(test_backend(), "cuda") == 0)
+    test_skip("asynchronous cancellation ends a step on cuda");
   cancel(steps_at_any_time);
 }
 
