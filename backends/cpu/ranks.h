@@ -158,7 +158,7 @@ struct rank_meeting {
 static inline const char *differing_part(const rank_meeting &a, const rank_meeting &b) {
   if (a.room != b.room) return "desc.capacity, or local_capacity";
   if (a.kind != b.kind) return "dimension, precision, instruction set or shares";
-  if (memcmp(a.call, b.call, sizeof a.call)) return "the call";
+  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
   if (a.params != b.params) return "the parameters";
   if (a.colliders != b.colliders) return "the colliders";
   if (a.particles != b.particles) return "the particles that were added, set or removed";
@@ -175,14 +175,14 @@ static inline void differing_param(const pbf_params &a, const pbf_params &b, cha
     return;                                                              \
   }
 #define PBF_PARAM_REAL(offset, name, ...)                                               \
-  if (memcmp(&a.name, &b.name, sizeof a.name)) {                                        \
+  if (memcmp(&a.name, &b.name, sizeof a.name) != 0) {                                   \
     snprintf(text, size, "params." #name ": %s and %s", pbf_number_text(first, a.name), \
              pbf_number_text(second, b.name));                                          \
     return;                                                                             \
   }
 #define PBF_PARAM_REALS(offset, name, count, ...)                                      \
   for (int k = 0; k < count; ++k)                                                      \
-    if (memcmp(&a.name[k], &b.name[k], sizeof a.name[k])) {                            \
+    if (memcmp(&a.name[k], &b.name[k], sizeof a.name[k]) != 0) {                       \
       snprintf(text, size, "params." #name "[%d]: %s and %s", k,                       \
                pbf_number_text(first, a.name[k]), pbf_number_text(second, b.name[k])); \
       return;                                                                          \
