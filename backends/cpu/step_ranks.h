@@ -7,7 +7,7 @@
 
 /* On ranks this also has each take what it is to hold, in place of what it had. */
 static bool sort_step(worker *w) {
-  w->s->ranks.before = w->s->count;
+  if (has_ranks(w->s)) w->s->ranks.before = w->s->count;
   return sort_particles(w, &w->b.predicted(), &w->b.predicted_velocity());
 }
 
