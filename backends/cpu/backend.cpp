@@ -95,6 +95,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
     return status;
   }
   team_run(&s->tasks, s->team, s->threads, clear_arrays, s);
+  if (has_ranks(s)) begin_portions(s);
   ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
   pbf_status status = set_params(s, params);
   if (status != PBF_OK) {

@@ -47,10 +47,15 @@ static int take_rank_tables(solver *s) {
   r->shares = reinterpret_cast<rank_share *>(at[4]);
   r->histogram = reinterpret_cast<uint32_t *>(at[5]);
   r->counts = reinterpret_cast<uint32_t *>(at[6]);
-  for (uint64_t k = 0; k < n; ++k)
-    r->portions[k] = r->shares_are_fixed ? r->link.shares[k] : 1 / (double)n;
-  r->link.shares = NULL;
   return 1;
+}
+
+/* Once the tables have been cleared. */
+static void begin_portions(solver *s) {
+  ranks_state *r = &s->ranks;
+  for (uint32_t k = 0; k < r->count; ++k)
+    r->portions[k] = r->shares_are_fixed ? r->link.shares[k] : 1 / (double)r->count;
+  r->link.shares = NULL;
 }
 
 static void describe_ranks(solver *s, const pbf_ranks *ranks) {
