@@ -31,21 +31,22 @@ static pbf_status fail_as_world(pbf_status status, uint32_t world) {
 }
 
 /* The backend of the first world serves all. */
-static pbf_status create_worlds(pbf_batch *batch, pbf_desc *desc, const pbf_params *params) {
+static pbf_status create_worlds(pbf_batch *batch, const pbf_desc *first, const pbf_params *params) {
   pbf_info info = {.struct_size = sizeof info};
+  pbf_desc desc = *first;
   for (uint32_t k = 0; k < batch->world_count; ++k) {
     pbf_world *world = &batch->worlds[k];
-    pbf_status status = pbf_create_world(desc, params, batch->world_count, &world->solver);
+    pbf_status status = pbf_create_world(&desc, params, batch->world_count, &world->solver);
     if (status != PBF_OK) return k > 0 ? fail_as_world(status, k) : status;
     pbf_solver_set_in_batch(world->solver, 1);
     if (k > 0) continue;
     status = pbf_get_info(world->solver, &info);
     if (status != PBF_OK) return status;
     batch->device_type = info.device_type;
-    desc->backend = info.backend;
+    desc.backend = info.backend;
     if (!info.fell_back) continue;
-    desc->device = info.device;
-    desc->stream = NULL;
+    desc.device = info.device;
+    desc.stream = NULL;
   }
   return PBF_OK;
 }
