@@ -1,5 +1,5 @@
 /* What a solver that is one of some ranks (pbf/ranks.h) knows of the others, and how it asks them.
- * A failure is kept: what comes after it asks nobody, and the call fails when it ends. */
+ * A failure is kept: nothing after it communicates, and the call fails when it ends. */
 #ifndef PBF_CPU_RANKS_H
 #define PBF_CPU_RANKS_H
 
@@ -126,7 +126,7 @@ static inline double max_of_ranks(solver *s, double value) {
   return largest;
 }
 
-/* Memory whose content is not kept. */
+/* Memory that may lose its content. */
 static inline bool keep_bytes(solver *s, const char *name, rank_memory *m, uint64_t bytes) {
   if (m->bytes >= bytes) return true;
   pbf_memory_free(&s->memory, m->data);

@@ -86,7 +86,7 @@ static void find_cells(void *context, uint32_t task) {
   take_sample(w, task_particles(w, task));
 }
 
-/* Those whose particles it holds: without ranks all. */
+/* The cells of the particles that are held here: without ranks all. */
 static range held_cells(const solver *s) {
   if (!has_ranks(s)) return (range){0, s->grid.total};
   const rank_share *share = &s->ranks.shares[s->ranks.rank];
@@ -229,7 +229,7 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   return true;
 }
 
-/* Sorts by the positions whose grid has been made. False where ranks have failed. */
+/* Sorts by the positions that the grid has been made around. False where ranks have failed. */
 static bool sort_particles(worker *w, const field *to, const field *payload_to) {
   parallel_for(w->self, particle_task_count(w), find_cells, has_ranks(w->s) ? NULL : divide_cells,
                w);

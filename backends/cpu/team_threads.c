@@ -12,10 +12,10 @@
 #include <math.h>
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include "common/fp_environment.h"
+#include "common/signalless_thread.h"
 #include "cpu/atomics.h"
 #include "cpu/team_loops.h"
 
@@ -147,20 +147,12 @@ static void in_child(void) {
   pool.size = pool.sleeping = pool.refused = 0;
 }
 
-/* With the lock held. A signal is for the program's threads. */
+/* With the lock held. */
 static int add_thread(void) {
-  sigset_t all, before;
-  pthread_attr_t attributes;
-  if (pthread_attr_init(&attributes) != 0) return 0;
-  pthread_attr_setstacksize(&attributes, STACK_BYTES);
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  int failed =
-      pthread_create(&pool.threads[pool.size], &attributes, work, (void *)(uintptr_t)pool.era);
-  pthread_sigmask(SIG_SETMASK, &before, NULL);
-  pthread_attr_destroy(&attributes);
-  pool.size += !failed;
-  return !failed;
+  const int runs = pbf_start_signalless(&pool.threads[pool.size], STACK_BYTES, work,
+                                        (void *)(uintptr_t)pool.era);
+  pool.size += runs;
+  return runs;
 }
 
 /* With the lock held: up to so many threads, as far as the system gives them. */

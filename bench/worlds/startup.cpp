@@ -84,11 +84,7 @@ std::vector<StartupRow> measure_startup(const Scene &scene, const WorldsOptions 
   std::vector<StartupRow> rows;
   list_backends(SolverOptions(), nullptr);  // the search for plugins is none of these
   for (const std::string &backend : options.backends) {
-    SolverOptions own;
-    own.backend = backend;
-    own.precision = options.precision;
-    own.threads = options.threads;
-    own.device = options.device;
+    const SolverOptions own = solver_options(backend, options);
     StartupRow row;
     row.backend = backend;
     row.particles = count_particles(scene);

@@ -12,9 +12,6 @@
 #include "core/progress.h"
 
 namespace bench {
-namespace {
-
-using WorldsClock = std::chrono::steady_clock;
 
 SolverOptions solver_options(const std::string &backend, const WorldsOptions &options) {
   SolverOptions own;
@@ -24,6 +21,10 @@ SolverOptions solver_options(const std::string &backend, const WorldsOptions &op
   own.device = options.device;
   return own;
 }
+
+namespace {
+
+using WorldsClock = std::chrono::steady_clock;
 
 // A way to step all worlds, at the state in which each repetition starts.
 class Way {

@@ -19,6 +19,9 @@ struct WorldsOptions {
   uint32_t repetitions = 5;
 };
 
+// Of a solver of one of the backends.
+SolverOptions solver_options(const std::string &backend, const WorldsOptions &options);
+
 // One way to step them all. `reason` is why it could not run, else empty.
 struct WorldsRow {
   std::string backend, way, device, reason;

@@ -2,11 +2,11 @@
 #include "crew.h"
 
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "common/signalless_thread.h"
 #include "memory.h"
 
 /* What a call into a solver needs, many times over. */
@@ -81,19 +81,10 @@ static void take_room(pbf_crew *crew, const pbf_allocator *allocator) {
   crew->room = wanted;
 }
 
-/* Signals are for the program's threads. */
 static int start_thread(pbf_crew *crew) {
-  sigset_t all, before;
-  pthread_attr_t attributes;
-  if (pthread_attr_init(&attributes) != 0) return 0;
-  pthread_attr_setstacksize(&attributes, STACK_BYTES);
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  const int failed = pthread_create(&crew->threads[crew->started], &attributes, work, crew);
-  pthread_sigmask(SIG_SETMASK, &before, NULL);
-  pthread_attr_destroy(&attributes);
-  crew->started += !failed;
-  return !failed;
+  const int runs = pbf_start_signalless(&crew->threads[crew->started], STACK_BYTES, work, crew);
+  crew->started += runs;
+  return runs;
 }
 
 static void start_threads(pbf_crew *crew, const pbf_allocator *allocator) {

@@ -1,4 +1,4 @@
-/* Points sorted by cells, for those who look for neighbours on the host. */
+/* Points sorted by cells, to look for neighbours on the host. */
 #ifndef PBF_LIB_PARTICLES_CELLS_H
 #define PBF_LIB_PARTICLES_CELLS_H
 

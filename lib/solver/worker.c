@@ -1,10 +1,10 @@
 #include "worker.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "common/signalless_thread.h"
 #include "error.h"
 #include "memory.h"
 
@@ -70,16 +70,6 @@ static pbf_status take_worker(pbf_solver *solver) {
   return PBF_OK;
 }
 
-/* A signal is for the program's threads. */
-static int start_thread(pbf_solver *solver) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  const int failed = pthread_create(&solver->worker->thread, NULL, work, solver);
-  pthread_sigmask(SIG_SETMASK, &before, NULL);
-  return !failed;
-}
-
 pbf_status pbf_worker_start(pbf_solver *solver) {
   pbf_status status = take_worker(solver);
   if (status != PBF_OK || solver->worker->process == getpid()) return status;
@@ -87,7 +77,7 @@ pbf_status pbf_worker_start(pbf_solver *solver) {
   solver->worker->process = 0;
   pthread_mutex_init(&solver->worker->mutex, NULL);
   pthread_cond_init(&solver->worker->changed, NULL);
-  if (!start_thread(solver))
+  if (!pbf_start_signalless(&solver->worker->thread, 0, work, solver))
     return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no thread for pbf_begin_step can be started");
   solver->worker->process = getpid();
   return PBF_OK;

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Mapping
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,15 +10,16 @@ import numpy as np
 from . import params as parameters
 from ._callbacks import Callbacks, Log, destroy
 from ._choices import PRECISIONS, chars, precision_of
-from ._errors import Error, InvalidArgumentError, StateError, check
+from ._errors import Error, InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
 from ._numbers import uint32
+from ._owned import Owned
 from ._param_fields import ParamFields
 from .params import Params
 from .reports import Info
 
 if TYPE_CHECKING:
-    from typing_extensions import Self, Unpack
+    from typing_extensions import Unpack
 
     from ._param_fields import ParamValues
 
@@ -46,8 +46,10 @@ def params_struct(params: Params) -> Any:
     return params.copy()._get_params()
 
 
-class Handle(ParamFields):
+class Handle(Owned, ParamFields):
     """A pbf_solver, which is freed when nothing refers to it."""
+
+    _what = "solver"
 
     # ---- Life ----------------------------------------------------------------------------------
 
@@ -75,35 +77,6 @@ class Handle(ParamFields):
         self._take(handle, desc, callbacks)
         # At the interpreter's exit, too, while its threads may still log.
         self._finalizer = weakref.finalize(self, destroy, handle, callbacks)
-
-    @property
-    def handle(self) -> Any:
-        """The pbf_solver of the C API, for calls through `pbf.lib`."""
-        if self.closed:
-            raise StateError("this solver has been closed", lib.PBF_ERROR_STATE)
-        return self._handle
-
-    @property
-    def closed(self) -> bool:
-        finalizer = getattr(self, "_finalizer", None)
-        return finalizer is None or not finalizer.alive
-
-    def close(self) -> None:
-        """Frees the solver; steps that run are cancelled. A second call does nothing."""
-        if not self.closed:
-            self._finalizer()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
-        self.close()
-
-    def _call(self, function: Any, *arguments: Any) -> None:
-        """One call of the library; what the log has raised in it comes after it."""
-        check(function(self.handle, *arguments))
-        self._callbacks.reraise()
 
     def synchronize(self) -> None:
         """Waits for a GPU; raises what a step met after the call had returned."""

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Iterable, Iterator
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +12,11 @@ from . import params as parameters
 from ._arrays import CPU, AnyArray, numpy_of, pointer, readonly_array
 from ._callbacks import Callbacks, Log, log_to_logging
 from ._choices import FIELDS, TYPES, W, choice, precision_of
-from ._errors import InvalidArgumentError, StateError, UnsupportedError, check
+from ._errors import InvalidArgumentError, UnsupportedError, check
 from ._handle import desc_struct, params_struct
 from ._library import ffi, lib, new_struct, text
 from ._numbers import real, uint32
+from ._owned import Owned
 from ._state import state_of
 from .colliders import Collider, struct_array
 from .params import Params
@@ -24,7 +24,7 @@ from .solver import PathLike, Solver
 from .views import capsule_of, dtype_of
 
 if TYPE_CHECKING:
-    from typing_extensions import Self, Unpack
+    from typing_extensions import Unpack
 
     from ._param_fields import ParamValues
 
@@ -87,7 +87,7 @@ class BatchTensor:
         return capsule_of(self._managed)
 
 
-class Batch:
+class Batch(Owned):
     """`worlds` fluids alike in kind and capacity, stepped in one call, each as it would be alone.
 
     >>> batch = pbf.Batch(64, pbf.fill_box((0, 0), (0.5, 0.3), 0.025), spacing=0.025)
@@ -105,6 +105,8 @@ class Batch:
     world fails the others go on; the call then raises what the first one met, and `failures` has
     the sentences of all.
     """
+
+    _what = "batch"
 
     def __init__(self, worlds: int, positions: AnyArray | None = None,
                  velocities: AnyArray | None = None, *, dimension: int | None = None,
@@ -149,34 +151,6 @@ class Batch:
         self._worlds: Any = weakref.WeakValueDictionary()
         self._finalizer = weakref.finalize(self, _destroy, made[0], callbacks, self._worlds)
         callbacks.reraise()
-
-    @property
-    def handle(self) -> Any:
-        """The pbf_batch of the C API, for calls through `pbf.lib`."""
-        if self.closed:
-            raise StateError("this batch has been closed", lib.PBF_ERROR_STATE)
-        return self._handle
-
-    @property
-    def closed(self) -> bool:
-        finalizer = getattr(self, "_finalizer", None)
-        return finalizer is None or not finalizer.alive
-
-    def close(self) -> None:
-        """Frees all worlds. A second call does nothing."""
-        if not self.closed:
-            self._finalizer()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
-        self.close()
-
-    def _call(self, function: Any, *arguments: Any) -> None:
-        check(function(self.handle, *arguments))
-        self._callbacks.reraise()
 
     # ---- Worlds --------------------------------------------------------------------------------
 

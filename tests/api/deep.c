@@ -1,71 +1,5 @@
 /* The pressure grid: deep water stands with few iterations, and what falls freely is left alone. */
-#include "support.h"
-
-#include <math.h>
-
-enum { LAYERS = 60, COLUMNS = 6, MOST = LAYERS * COLUMNS * 3 };
-
-static const double spacing = 0.05, gravity = 9.81;
-
-static pbf_params column_params(double grid) {
-  pbf_params params = test_params();
-  params.iterations = 4;
-  params.pressure_grid = grid;
-  params.domain_max[0] = spacing * COLUMNS;
-  params.domain_max[1] = spacing * (LAYERS + 12);
-  params.domain_max[2] = spacing * 3;
-  return params;
-}
-
-/* Fluid on its lattice above a point, squeezed towards the floor. */
-static pbf_solver *block(const pbf_desc *desc, const pbf_params *params, uint32_t columns,
-                         uint32_t layers, double left, double low, double squeeze) {
-  uint32_t thick = desc->dimension == 3 ? 3 : 1, count = columns * layers * thick;
-  pbf_solver *s = test_create(desc, params);
-  void *x = calloc((size_t)count * desc->dimension, desc->precision);
-  assert_non_null(x);
-  for (uint32_t i = 0; i < count; ++i) {
-    uint32_t at[3] = {i % columns, i / columns % layers, i / columns / layers};
-    const double from[3] = {left, low, 0};
-    for (uint32_t k = 0; k < desc->dimension; ++k)
-      test_put(x, (uint64_t)i * desc->dimension + k, desc->precision,
-               from[k] + (k == 1 ? squeeze : 1) * spacing * (at[k] + 0.5));
-  }
-  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
-  free(x);
-  return s;
-}
-
-static pbf_solver *column(uint32_t dimension, uint32_t precision, double grid, double squeeze) {
-  pbf_desc desc = test_desc(dimension, precision, MOST);
-  pbf_params params = column_params(grid);
-  return block(&desc, &params, COLUMNS, LAYERS, 0, 0, squeeze);
-}
-
-static pbf_stats stats_of(pbf_solver *s) {
-  pbf_stats stats = {.struct_size = sizeof stats};
-  assert_ok(pbf_get_stats(s, &stats));
-  return stats;
-}
-
-/* The column's room as the inside of a box in a domain a hundred times as wide. */
-static pbf_collider bottle(const pbf_params *column, pbf_params *params) {
-  pbf_collider box;
-  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
-  box.inverted = 1;
-  *params = *column;
-  for (int k = 0; k < 3; ++k) {
-    box.position[k] = box.half_extents[k] = 0.5 * column->domain_max[k];
-    params->domain_min[k] = -50 * spacing * COLUMNS;
-    params->domain_max[k] = 50 * spacing * COLUMNS;
-  }
-  return box;
-}
-
-/* Of the mean height, at first half the column's. */
-static double lost_height(pbf_solver *s) {
-  return 1 - stats_of(s).center_of_mass[1] / (0.5 * spacing * LAYERS);
-}
+#include "deep_column.h"
 
 /* Largest distance of the pressure from that of water at rest, over that on the floor, where the
  * surface is two cells away. */
@@ -201,101 +135,6 @@ static void switched_on_and_off(void **state) {
   assert_true(test_hash(s) == test_hash(plain));
   pbf_destroy(s);
   pbf_destroy(plain);
-}
-
-static int keeps_grid(pbf_solver *s) {
-  int found = 0;
-  pbf_plan plan = {.struct_size = sizeof plan};
-  assert_ok(pbf_get_plan(s, &plan));
-  for (uint32_t k = 0; k < plan.stage_count; ++k)
-    found |= strcmp(plan.stages[k].name, "pressure grid") == 0;
-  return found;
-}
-
-static int has_grid(uint32_t layers, const pbf_params *params) {
-  pbf_desc desc = test_desc(3, PBF_FLOAT32, MOST);
-  pbf_solver *s = block(&desc, params, COLUMNS, layers, 0, 0, 0.1);
-  int found = keeps_grid(s);
-  pbf_destroy(s);
-  return found;
-}
-
-/* With the correction of the shear stress, which is the default there, from 18 layers on, however
- * short steps are (pbf.h). */
-static void where_eddies_want_it(void **state) {
-  (void)state;
-  if (test_is_stub()) test_skip("the stub solves nothing");
-  pbf_params params = column_params(-1);
-  params.time_step /= 3;
-  assert_false(has_grid(17, &params));
-  assert_true(has_grid(18, &params));
-  params.shear_stress_correction = 0;
-  assert_false(has_grid(18, &params));
-}
-
-/* Left to the solver, it is there where g H dt² > 0.06 iterations d² for the depth H that the
- * particles would settle to. */
-static void where_water_could_be_deep(void **state) {
-  (void)state;
-  if (test_is_stub()) test_skip("the stub solves nothing");
-  pbf_params params = column_params(-1);
-  params.shear_stress_correction = 0;
-  double dt = params.time_step, d = spacing;
-  double depth = 0.06 * params.iterations * d * d / (gravity * dt * dt);
-  uint32_t layers = (uint32_t)(depth / d);
-  assert_false(has_grid(layers, &params));
-  assert_true(has_grid(layers + 1, &params));
-  params.domain_max[1] = 0.99 * depth;
-  assert_false(has_grid(LAYERS, &params));
-  params.domain_max[1] = 1.01 * depth;
-  assert_true(has_grid(LAYERS, &params));
-  params.iterations *= 2;
-  assert_false(has_grid(LAYERS, &params));
-  params.time_step *= 2;
-  assert_true(has_grid(LAYERS, &params));
-  params.gravity[1] = 0;
-  assert_false(has_grid(LAYERS, &params));
-  params.gravity[0] = gravity; /* 6 layers */
-  assert_false(has_grid(LAYERS, &params));
-  params = column_params(-1);
-  params.solver = PBF_SOLVER_JACOBI;
-  assert_false(has_grid(LAYERS, &params));
-}
-
-/* What holds the water may be a collider, in a domain in which it would be a puddle. */
-static void check_bottle(uint32_t dimension, uint32_t precision) {
-  const pbf_params column = column_params(-1);
-  pbf_params params;
-  pbf_collider box = bottle(&column, &params), ball;
-  pbf_desc desc = test_desc(dimension, precision, MOST);
-  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
-  assert_false(keeps_grid(s));
-  assert_ok(pbf_set_colliders(s, 1, &box));
-  assert_true(keeps_grid(s));
-  assert_ok(pbf_step(s, 200));
-  double speed = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
-  if (!(fabs(lost_height(s)) < 0.01))
-    fail_msg("%uD: %g of the height lost", dimension, lost_height(s));
-  if (!(speed < 0.1)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, speed);
-  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
-  for (int wide = 0; wide < 2; ++wide) {
-    ball.inverted = wide;
-    ball.radius = wide ? 1000 * spacing : 0.1 * spacing;
-    assert_ok(pbf_set_colliders(s, 1, &ball));
-    assert_false(keeps_grid(s));
-  }
-  ball.radius = 12 * spacing; /* half full */
-  assert_ok(pbf_set_colliders(s, 1, &ball));
-  assert_int_equal(keeps_grid(s), dimension == 2);
-  assert_ok(pbf_set_colliders(s, 0, NULL));
-  assert_false(keeps_grid(s));
-  pbf_destroy(s);
-}
-
-static void bottles_are_deep(void **state) {
-  (void)state;
-  if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_long_kinds(check_bottle);
 }
 
 /* A pressure is that of the last step, whatever becomes of the grid since. */
@@ -703,11 +542,8 @@ int main(void) {
       cmocka_unit_test(where_there_is_no_room),
       cmocka_unit_test(it_sleeps),
       cmocka_unit_test(as_the_reference),
-      cmocka_unit_test(where_water_could_be_deep),
-      cmocka_unit_test(where_eddies_want_it),
       cmocka_unit_test(disorder_settles),
       cmocka_unit_test(long_steps_do_not_stir),
-      cmocka_unit_test(bottles_are_deep),
       cmocka_unit_test(pressures_outlive_the_grid),
   };
   return TEST_RUN(deep);

@@ -236,17 +236,26 @@ static void unused_costs_nothing(void **state) {
   assert_int_equal(hashes[0], hashes[1]);
 }
 
-static uint64_t hash_after(int across, double correction, double gravity, double grid) {
+/* After so many steps, of every other one `shorter` times as long. */
+static uint64_t hash_of(tank t, pbf_params params, uint32_t steps, double shorter) {
   uint64_t hash;
+  const double dt = params.time_step;
+  for (uint32_t k = 0; k < steps; ++k) {
+    params.time_step = k % 2 ? dt : shorter * dt;
+    assert_ok(pbf_set_params(t.solver, &params));
+    assert_ok(pbf_step(t.solver, 1));
+  }
+  assert_ok(pbf_hash(t.solver, &hash));
+  destroy(&t);
+  return hash;
+}
+
+static uint64_t hash_after(int across, double correction, double gravity, double grid) {
   tank t = tank_across(across, 2, PBF_FLOAT32, 0);
   pbf_params params = params_of(&t, correction);
   params.gravity[1] = -gravity;
   params.pressure_grid = grid;
-  assert_ok(pbf_set_params(t.solver, &params));
-  assert_ok(pbf_step(t.solver, 20));
-  assert_ok(pbf_hash(t.solver, &hash));
-  destroy(&t);
-  return hash;
+  return hash_of(t, params, 20, 1);
 }
 
 /* -1: 0.75 in water of 18 layers and more that may have a pressure grid (pbf.h). */
@@ -259,44 +268,31 @@ static void the_default_depends_on_depth(void **state) {
   assert_int_equal(hash_after(32, -1, 9.81, 0), hash_after(32, 0, 9.81, 0));
 }
 
+/* Without a pressure grid, which the correction wants. */
+static uint64_t hash_with(double correction, double time_step, double shorter) {
+  tank t = tank_of(2, PBF_FLOAT32, 0);
+  pbf_params params = params_of(&t, correction);
+  params.pressure_grid = 0;
+  if (time_step > 0) params.time_step = time_step;
+  return hash_of(t, params, 20, shorter);
+}
+
 /* A correction stands for three steps that are alike. */
 static void steps_that_alternate_have_none(void **state) {
   (void)state;
   /* Small scenes without it are one launch there, whose sums are in another order. */
   if (strcmp(test_backend(), "cuda") == 0) test_skip("with and without are other launches on cuda");
-  uint64_t hashes[2];
-  for (int on = 0; on < 2; ++on) {
-    tank t = tank_of(2, PBF_FLOAT32, 0);
-    pbf_params params = params_of(&t, 0.75 * on);
-    const double dt = params.time_step;
-    params.pressure_grid = 0;
-    for (int k = 0; k < 20; ++k) {
-      params.time_step = k % 2 ? dt : 0.9 * dt;
-      assert_ok(pbf_set_params(t.solver, &params));
-      assert_ok(pbf_step(t.solver, 1));
-    }
-    assert_ok(pbf_hash(t.solver, &hashes[on]));
-    destroy(&t);
-  }
-  assert_int_equal(hashes[0], hashes[1]);
+  assert_int_equal(hash_with(0.75, 0, 0.9), hash_with(0, 0, 0.9));
+  assert_true(hash_with(0.75, 0, 1) != hash_with(0, 0, 1));
 }
 
 /* What weighs down by more than half a spacing in a step has none. */
 static void long_steps_have_none(void **state) {
   (void)state;
+  const double longest = sqrt(0.5 * spacing / 9.81);
   if (strcmp(test_backend(), "cuda") == 0) test_skip("with and without are other launches on cuda");
-  uint64_t hashes[2];
-  for (int on = 0; on < 2; ++on) {
-    tank t = tank_of(2, PBF_FLOAT32, 0);
-    pbf_params params = params_of(&t, 0.75 * on);
-    params.pressure_grid = 0;
-    params.time_step = 1.01 * sqrt(0.5 * spacing / fabs(params.gravity[1]));
-    assert_ok(pbf_set_params(t.solver, &params));
-    assert_ok(pbf_step(t.solver, 6));
-    assert_ok(pbf_hash(t.solver, &hashes[on]));
-    destroy(&t);
-  }
-  assert_int_equal(hashes[0], hashes[1]);
+  assert_int_equal(hash_with(0.75, 1.01 * longest, 1), hash_with(0, 1.01 * longest, 1));
+  assert_true(hash_with(0.75, 0.99 * longest, 1) != hash_with(0, 0.99 * longest, 1));
 }
 
 /* The stub has no fluid. */

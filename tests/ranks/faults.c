@@ -42,7 +42,7 @@ static pbf_solver *solver_on(const pbf_ranks *ranks, const pbf_params *params) {
   return s;
 }
 
-/* Only where there is no rank whose failure is the test's. */
+/* Only where no rank is to fail. */
 static void run(uint32_t count, uint32_t local_capacity, thread_rank_fn function, void *context) {
   thread_ranks_run(count, local_capacity, NULL, NULL, function, context);
   assert_int_equal(ranks_failures(), 0);

@@ -1,0 +1,106 @@
+/* Which water is so deep that the solver gives it a pressure grid. */
+#include "deep_column.h"
+
+static int keeps_grid(pbf_solver *s) {
+  int found = 0;
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_ok(pbf_get_plan(s, &plan));
+  for (uint32_t k = 0; k < plan.stage_count; ++k)
+    found |= strcmp(plan.stages[k].name, "pressure grid") == 0;
+  return found;
+}
+
+static int has_grid(uint32_t layers, const pbf_params *params) {
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, MOST);
+  pbf_solver *s = block(&desc, params, COLUMNS, layers, 0, 0, 0.1);
+  int found = keeps_grid(s);
+  pbf_destroy(s);
+  return found;
+}
+
+/* With the correction of the shear stress, which is the default there, from 18 layers on, however
+ * short steps are (pbf.h). */
+static void where_eddies_want_it(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_params params = column_params(-1);
+  params.time_step /= 3;
+  assert_false(has_grid(17, &params));
+  assert_true(has_grid(18, &params));
+  params.shear_stress_correction = 0;
+  assert_false(has_grid(18, &params));
+}
+
+/* Left to the solver, it is there where g H dt² > 0.06 iterations d² for the depth H that the
+ * particles would settle to. */
+static void where_water_could_be_deep(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  pbf_params params = column_params(-1);
+  params.shear_stress_correction = 0;
+  double dt = params.time_step, d = spacing;
+  double depth = 0.06 * params.iterations * d * d / (gravity * dt * dt);
+  uint32_t layers = (uint32_t)(depth / d);
+  assert_false(has_grid(layers, &params));
+  assert_true(has_grid(layers + 1, &params));
+  params.domain_max[1] = 0.99 * depth;
+  assert_false(has_grid(LAYERS, &params));
+  params.domain_max[1] = 1.01 * depth;
+  assert_true(has_grid(LAYERS, &params));
+  params.iterations *= 2;
+  assert_false(has_grid(LAYERS, &params));
+  params.time_step *= 2;
+  assert_true(has_grid(LAYERS, &params));
+  params.gravity[1] = 0;
+  assert_false(has_grid(LAYERS, &params));
+  params.gravity[0] = gravity; /* 6 layers */
+  assert_false(has_grid(LAYERS, &params));
+  params = column_params(-1);
+  params.solver = PBF_SOLVER_JACOBI;
+  assert_false(has_grid(LAYERS, &params));
+}
+
+/* What holds the water may be a collider, in a domain in which it would be a puddle. */
+static void check_bottle(uint32_t dimension, uint32_t precision) {
+  const pbf_params column = column_params(-1);
+  pbf_params params;
+  pbf_collider box = bottle(&column, &params), ball;
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
+  assert_false(keeps_grid(s));
+  assert_ok(pbf_set_colliders(s, 1, &box));
+  assert_true(keeps_grid(s));
+  assert_ok(pbf_step(s, 200));
+  double speed = sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+  if (!(fabs(lost_height(s)) < 0.01))
+    fail_msg("%uD: %g of the height lost", dimension, lost_height(s));
+  if (!(speed < 0.1)) fail_msg("%uD: moves at %g sqrt(g d)", dimension, speed);
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  for (int wide = 0; wide < 2; ++wide) {
+    ball.inverted = wide;
+    ball.radius = wide ? 1000 * spacing : 0.1 * spacing;
+    assert_ok(pbf_set_colliders(s, 1, &ball));
+    assert_false(keeps_grid(s));
+  }
+  ball.radius = 12 * spacing; /* half full */
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  assert_int_equal(keeps_grid(s), dimension == 2);
+  assert_ok(pbf_set_colliders(s, 0, NULL));
+  assert_false(keeps_grid(s));
+  pbf_destroy(s);
+}
+
+static void bottles_are_deep(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_bottle);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(where_eddies_want_it),
+      cmocka_unit_test(where_water_could_be_deep),
+      cmocka_unit_test(bottles_are_deep),
+  };
+  return TEST_RUN(tests);
+}
