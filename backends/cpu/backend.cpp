@@ -111,7 +111,7 @@ static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, 
   const pbf_step_times times = {time, before, s->params.time_step};
   const uint32_t count = particles_of_all(s);
   step_job job = {.s = s, .times = times, .steps = steps, .done = count ? 0 : steps};
-  if (has_ranks(s) && !meet_to_step(s, &times, steps)) return end_on_ranks(s);
+  if (has_ranks(s) && !agree_on_step(s, &times, steps)) return end_on_ranks(s);
   if (count)
     run_job(&job);
   else
@@ -123,7 +123,7 @@ static pbf_status step(solver *s, double time, uint64_t before, uint32_t steps, 
 }
 
 static pbf_status project(solver *s, double time, uint32_t iterations) {
-  if (has_ranks(s) && !meet(s, "a projection", &time, sizeof time)) return end_on_ranks(s);
+  if (has_ranks(s) && !agree_on_call(s, "a projection", &time, sizeof time)) return end_on_ranks(s);
   return project_at(s, time, iterations) ? PBF_OK : fail_to_find_neighbors(s);
 }
 
@@ -178,7 +178,7 @@ static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows,
       which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ? PBF_DIM : 1;
   const uint32_t *ids = s->buffers.ids;
   uint32_t count = s->count;
-  if (!meet(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
+  if (!agree_on_call(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
   pbf_status status = read_own(s, which, rows, out);
   if (status != PBF_OK) return status;
   if (which == PBF_FIELD_DENSITY || which == PBF_FIELD_PRESSURE) {
@@ -245,7 +245,7 @@ static pbf_status map_pressures(solver *s, pbf_view *view) {
 
 static pbf_status max_speed_of_all(solver *s, double *speed) {
   if (!has_ranks(s)) return max_speed(s, speed);
-  if (!meet(s, "a look at the fastest particle", NULL, 0)) return end_on_ranks(s);
+  if (!agree_on_call(s, "a look at the fastest particle", NULL, 0)) return end_on_ranks(s);
   max_speed(s, speed);
   *speed = max_of_ranks(s, *speed);
   return end_on_ranks(s);
@@ -255,7 +255,7 @@ static pbf_status max_speed_of_all(solver *s, double *speed) {
 
 static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  if (has_ranks(s) && !meet(s, "pbf_get_stats", NULL, 0)) return end_on_ranks(s);
+  if (has_ranks(s) && !agree_on_call(s, "pbf_get_stats", NULL, 0)) return end_on_ranks(s);
   if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
   stats->count = particles_of_all(s);
   stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;

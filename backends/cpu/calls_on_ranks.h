@@ -11,8 +11,8 @@
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 /* Bytes that a rank may tell all others at once. */
-static uint64_t largest_news(void) {
-  const uint64_t sizes[] = {sizeof(rank_meeting), sizeof(rank_news), sizeof(pbf_params),
+static uint64_t largest_gathered(void) {
+  const uint64_t sizes[] = {sizeof(rank_call), sizeof(rank_summary), sizeof(pbf_params),
                             sizeof(pbf_stats)};
   uint64_t largest = 0;
   for (uint64_t size : sizes) largest = size > largest ? size : largest;
@@ -23,7 +23,7 @@ static uint64_t largest_news(void) {
 static int take_rank_tables(solver *s) {
   ranks_state *r = &s->ranks;
   const uint64_t n = r->count, messages = n * (MAX_CARRIED + PBF_DEVIATOR_DIM);
-  const uint64_t sizes[] = {n * largest_news(),
+  const uint64_t sizes[] = {n * largest_gathered(),
                             messages * sizeof(pbf_rank_message),
                             messages * sizeof(pbf_rank_message),
                             n * sizeof(double),
@@ -87,9 +87,9 @@ static pbf_status refuse_call_on_ranks(const solver *s, const char *what) {
   return PBF_ERROR_UNSUPPORTED;
 }
 
-static bool meet_to_step(solver *s, const pbf_step_times *times, uint32_t steps) {
+static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps) {
   const double arguments[4] = {times->time, (double)times->before, times->time_step, (double)steps};
-  return meet(s, "pbf_step", arguments, sizeof arguments);
+  return agree_on_call(s, "pbf_step", arguments, sizeof arguments);
 }
 
 /* ---- In ------------------------------------------------------------------------------------ */
@@ -110,7 +110,7 @@ static bool share_of_added(solver *s, pbf_particles *p) {
   const uint64_t all = (uint64_t)r->total + p->count;
   const uint32_t each = (uint32_t)((all + r->count - 1) / r->count);
   const uint64_t hash = digest_of_added(s, p);
-  if (!meet(s, "pbf_add_particles", &hash, sizeof hash) ||
+  if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
       !gather_on_ranks(s, &s->count, counts, sizeof s->count))
     return false;
   for (uint32_t k = 0; k < r->count; ++k) {

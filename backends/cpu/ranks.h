@@ -147,15 +147,15 @@ static inline uint64_t digest(uint64_t before, const void *data, uint64_t bytes)
 
 enum { DIGEST_OF_NOTHING = 1469598103 };
 
-/* What ranks must have in common when they meet in a call. */
-struct rank_meeting {
+/* What ranks must have in common in a call. */
+struct rank_call {
   char call[32];
   uint64_t room; /* capacity and local capacity */
   uint64_t kind; /* variant, instruction set, shares */
   uint64_t params, colliders, particles, arguments;
 };
 
-static inline const char *differing_part(const rank_meeting &a, const rank_meeting &b) {
+static inline const char *differing_part(const rank_call &a, const rank_call &b) {
   if (a.room != b.room) return "desc.capacity, or local_capacity";
   if (a.kind != b.kind) return "dimension, precision, instruction set or shares";
   if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
@@ -200,7 +200,7 @@ static inline uint64_t kind_digest(const solver *s) {
 }
 
 static inline void say_what_differs(solver *s, uint32_t other, const char *part,
-                                    const rank_meeting *all) {
+                                    const rank_call *all) {
   char text[192], sentence[256];
   snprintf(text, sizeof text, "%s", part);
   if (!strcmp(part, "the call"))
@@ -213,8 +213,9 @@ static inline void say_what_differs(solver *s, uint32_t other, const char *part,
 }
 
 /* Begins a call that all ranks make alike; false where they do not, or one does not come. */
-static inline bool meet(solver *s, const char *call, const void *arguments, uint64_t bytes) {
-  rank_meeting mine, *all = static_cast<rank_meeting *>(s->ranks.gathered);
+static inline bool agree_on_call(solver *s, const char *call, const void *arguments,
+                                 uint64_t bytes) {
+  rank_call mine, *all = static_cast<rank_call *>(s->ranks.gathered);
   if (!begin_on_ranks(s)) return false;
   const uint32_t room[2] = {s->capacity, s->local_capacity};
   memset(&mine, 0, sizeof mine);

@@ -104,7 +104,7 @@ static inline uint32_t local_place(const solver *s, uint32_t place) {
 /* ---- How large they are -------------------------------------------------------------------- */
 
 /* What ranks tell each other at the start of a sort. */
-struct rank_news {
+struct rank_summary {
   box around;     /* its particles */
   double seconds; /* that it has worked in the last step, … */
   uint32_t own;   /* … at so many particles; 0: not yet */
@@ -112,17 +112,17 @@ struct rank_news {
 
 /* Slowly, for times are uncertain, to where all would need as long. Where space is cut changes no
  * bit. */
-static inline void balance(solver *s, const rank_news *news) {
+static inline void balance(solver *s, const rank_summary *summaries) {
   const double part = 0.1, least = 0.05 / s->ranks.count;
   const double fair = 1.0 / s->ranks.count, room = 0.8 * s->local_capacity / s->ranks.total;
   const double most = room > fair ? room : fair; /* of which some is for neighbours */
   double all = 0;
   if (s->ranks.shares_are_fixed) return;
   for (uint32_t k = 0; k < s->ranks.count; ++k)
-    if (!news[k].own || !(news[k].seconds > 0)) return;
-  for (uint32_t k = 0; k < s->ranks.count; ++k) all += news[k].own / news[k].seconds;
+    if (!summaries[k].own || !(summaries[k].seconds > 0)) return;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) all += summaries[k].own / summaries[k].seconds;
   for (uint32_t k = 0; k < s->ranks.count; ++k) {
-    const double wanted = news[k].own / news[k].seconds / all;
+    const double wanted = summaries[k].own / summaries[k].seconds / all;
     double *portion = &s->ranks.portions[k];
     *portion += part * (wanted - *portion);
     if (*portion < least) *portion = least;

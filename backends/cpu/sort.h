@@ -20,15 +20,15 @@ static void find_bounds(void *context, uint32_t task) {
 
 /* What all ranks' particles are in. */
 static box box_of_ranks(solver *s, box around) {
-  const rank_news mine = {around, s->ranks.busy, s->count};
-  rank_news *news = static_cast<rank_news *>(s->ranks.gathered);
-  if (!gather_on_ranks(s, &mine, news, sizeof mine)) return around;
+  const rank_summary mine = {around, s->ranks.busy, s->count};
+  rank_summary *summaries = static_cast<rank_summary *>(s->ranks.gathered);
+  if (!gather_on_ranks(s, &mine, summaries, sizeof mine)) return around;
   for (uint32_t r = 0; r < s->ranks.count; ++r)
     for (int k = 0; k < PBF_DIM; ++k) {
-      around.lower.c[k] = pbf_real_min(around.lower.c[k], news[r].around.lower.c[k]);
-      around.upper.c[k] = pbf_real_max(around.upper.c[k], news[r].around.upper.c[k]);
+      around.lower.c[k] = pbf_real_min(around.lower.c[k], summaries[r].around.lower.c[k]);
+      around.upper.c[k] = pbf_real_max(around.upper.c[k], summaries[r].around.upper.c[k]);
     }
-  balance(s, news);
+  balance(s, summaries);
   s->ranks.busy = 0;
   return around;
 }

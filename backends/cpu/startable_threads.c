@@ -10,13 +10,13 @@
 #include <sys/syscall.h>
 #endif
 
-enum { MAX_GUESTS = 256 };
+enum { MAX_PROBES = 256 };
 
-typedef struct guest {
+typedef struct probe {
   pthread_t thread;
-  pthread_mutex_t *door; /* closed until all are there */
+  pthread_mutex_t *gate; /* closed until all are there */
   long number;           /* as the kernel has it */
-} guest;
+} probe;
 
 #if defined(__linux__)
 
@@ -33,16 +33,16 @@ int thread_is_there(long number) { return number == 0; }
 
 #endif
 
-static void *wait_at_door(void *user) {
-  guest *own = (guest *)user;
+static void *wait_at_gate(void *user) {
+  probe *own = (probe *)user;
   own->number = thread_number();
-  pthread_mutex_lock(own->door);
-  pthread_mutex_unlock(own->door);
+  pthread_mutex_lock(own->gate);
+  pthread_mutex_unlock(own->gate);
   return NULL;
 }
 
 /* A thread counts until the kernel has forgotten it, a little after it can be joined. */
-static void wait_until_forgotten(const guest *gone) {
+static void wait_until_forgotten(const probe *gone) {
 #if defined(__linux__)
   while (thread_is_there(gone->number)) sched_yield();
 #else
@@ -51,18 +51,18 @@ static void wait_until_forgotten(const guest *gone) {
 }
 
 static uint32_t start_and_end(uint32_t wanted) {
-  guest guests[MAX_GUESTS];
-  pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
+  probe probes[MAX_PROBES];
+  pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
   uint32_t here = 0;
-  pthread_mutex_lock(&door);
+  pthread_mutex_lock(&gate);
   while (here < wanted) {
-    guests[here].door = &door;
-    if (pthread_create(&guests[here].thread, NULL, wait_at_door, &guests[here]) != 0) break;
+    probes[here].gate = &gate;
+    if (pthread_create(&probes[here].thread, NULL, wait_at_gate, &probes[here]) != 0) break;
     ++here;
   }
-  pthread_mutex_unlock(&door);
-  for (uint32_t k = 0; k < here; ++k) pthread_join(guests[k].thread, NULL);
-  for (uint32_t k = 0; k < here; ++k) wait_until_forgotten(&guests[k]);
+  pthread_mutex_unlock(&gate);
+  for (uint32_t k = 0; k < here; ++k) pthread_join(probes[k].thread, NULL);
+  for (uint32_t k = 0; k < here; ++k) wait_until_forgotten(&probes[k]);
   return here;
 }
 
@@ -70,7 +70,7 @@ static uint32_t start_and_end(uint32_t wanted) {
 uint32_t startable_threads(uint32_t wanted) {
   sigset_t all, before;
   sigfillset(&all);
-  if (wanted > MAX_GUESTS) wanted = MAX_GUESTS;
+  if (wanted > MAX_PROBES) wanted = MAX_PROBES;
   if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0) return 0;
   uint32_t startable = start_and_end(wanted);
   pthread_sigmask(SIG_SETMASK, &before, NULL);

@@ -122,7 +122,7 @@ static pbf_status emit(pbf_batch *batch, const uint32_t *counts, const void *pos
     before += counts[k];
   }
   emission e = {counts, firsts, positions, velocities};
-  status = pbf_batch_for_worlds(batch, NULL, PBF_BY_CREW, add_particles, &e);
+  status = pbf_batch_for_worlds(batch, NULL, PBF_BY_THREADS, add_particles, &e);
   pbf_memory_free(&batch->allocator, memory, bytes);
   return status;
 }

@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 
 #include "check.h"
-#include "crew.h"
+#include "thread_pool.h"
 
 /* The longest sentence that a world keeps. */
 enum { PBF_SENTENCE_SIZE = 480 };
@@ -41,7 +41,7 @@ struct pbf_batch {
   uint32_t device_type;
   uint32_t world_count;
   pbf_world *worlds;
-  pbf_crew crew;
+  pbf_thread_pool pool;
 };
 
 #endif

@@ -62,10 +62,10 @@ static pbf_status fill(pbf_batch *batch, const pbf_checked_desc *checked, const 
   batch->worlds = memory;
   batch->world_count = worlds;
   batch->kind = (pbf_check_kind){desc.dimension, desc.precision};
-  batch->crew.size = pbf_crew_size(checked->desc.threads, worlds);
-  batch->crew.enqueue_task = checked->desc.enqueue_task;
-  batch->crew.finish_task = checked->desc.finish_task;
-  batch->crew.task_user = checked->desc.task_user;
+  batch->pool.size = pbf_thread_pool_size(checked->desc.threads, worlds);
+  batch->pool.enqueue_task = checked->desc.enqueue_task;
+  batch->pool.finish_task = checked->desc.finish_task;
+  batch->pool.task_user = checked->desc.task_user;
   return create_worlds(batch, &desc, params);
 }
 

@@ -6,7 +6,7 @@
 
 void pbf_batch_free(pbf_batch *batch) {
   const pbf_allocator allocator = batch->allocator;
-  pbf_crew_free(&batch->crew, &allocator);
+  pbf_thread_pool_free(&batch->pool, &allocator);
   for (uint32_t k = 0; k < batch->world_count; ++k) {
     pbf_world *world = &batch->worlds[k];
     pbf_start_drop(batch, &world->start);

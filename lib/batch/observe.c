@@ -105,7 +105,7 @@ pbf_status pbf_batch_observe(pbf_batch *batch, const uint8_t *mask, const pbf_re
   if (!r.world_stride) r.world_stride = r.desc.count * r.desc.stride;
   status = check_world_stride(&r, element);
   if (status != PBF_OK) return status;
-  return pbf_batch_for_worlds(batch, mask, PBF_BY_CREW, read_world, &r);
+  return pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, read_world, &r);
 }
 
 pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *read,

@@ -9,7 +9,7 @@ static pbf_status get_info(const pbf_batch *batch, pbf_batch_info *theirs) {
   const pbf_batch_info info = {
       .struct_size = sizeof info,
       .worlds = batch->world_count,
-      .threads = batch->device_type == PBF_DEVICE_CPU ? batch->crew.size : 0,
+      .threads = batch->device_type == PBF_DEVICE_CPU ? batch->pool.size : 0,
       .device_type = batch->device_type,
   };
   pbf_struct_out(&pbf_kind_batch_info, &info, theirs, theirs->struct_size);

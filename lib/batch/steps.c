@@ -13,7 +13,8 @@ static pbf_status step_world(pbf_batch *batch, uint32_t world, void *context) {
 pbf_status pbf_batch_step(pbf_batch *batch, const uint8_t *mask, uint32_t steps) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  return pbf_batch_leave(batch, pbf_batch_for_worlds(batch, mask, PBF_BY_CREW, step_world, &steps));
+  return pbf_batch_leave(batch,
+                         pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, step_world, &steps));
 }
 
 /* ---- Starts --------------------------------------------------------------------------------- */
@@ -50,7 +51,7 @@ static pbf_status set_start(pbf_batch *batch, const uint8_t *mask, const void *s
   if (!state && size > 0)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "state is null and size %.0f; it must be 0 then",
                     (double)size);
-  if (!state) return pbf_batch_for_worlds(batch, mask, PBF_BY_CREW, keep_present, NULL);
+  if (!state) return pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, keep_present, NULL);
   pbf_status status = pbf_start_take(batch, size, &start);
   if (status != PBF_OK) return status;
   memcpy(start->state, state, size);
@@ -78,5 +79,6 @@ static pbf_status reset_world(pbf_batch *batch, uint32_t world, void *context) {
 pbf_status pbf_batch_reset(pbf_batch *batch, const uint8_t *mask) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  return pbf_batch_leave(batch, pbf_batch_for_worlds(batch, mask, PBF_BY_CREW, reset_world, NULL));
+  return pbf_batch_leave(batch,
+                         pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, reset_world, NULL));
 }

@@ -36,8 +36,8 @@ static pbf_status first_failure(const pbf_batch *batch) {
 pbf_status pbf_batch_for_worlds(pbf_batch *batch, const uint8_t *mask, pbf_worlds_by by,
                                 pbf_world_fn function, void *context) {
   journey j = {batch, mask, function, context};
-  if (by == PBF_BY_CREW && batch->device_type == PBF_DEVICE_CPU) {
-    pbf_crew_run(&batch->crew, &batch->allocator, batch->world_count, visit, &j);
+  if (by == PBF_BY_THREADS && batch->device_type == PBF_DEVICE_CPU) {
+    pbf_thread_pool_run(&batch->pool, &batch->allocator, batch->world_count, visit, &j);
   } else {
     for (uint32_t k = 0; k < batch->world_count; ++k) visit(&j, k);
   }

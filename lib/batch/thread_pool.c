@@ -1,0 +1,163 @@
+#define _GNU_SOURCE /* sched_getaffinity */
+#include "thread_pool.h"
+
+#include <sched.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/signalless_thread.h"
+#include "memory.h"
+
+/* What a call into a solver needs, many times over. */
+enum { STACK_BYTES = 1 << 20 };
+
+/* On the stack of the thread that runs it. */
+struct pbf_thread_pool_job {
+  pbf_item_fn item;
+  void *context;
+  uint32_t items;
+  _Atomic uint32_t next; /* first item that no thread has taken */
+  uint32_t places;       /* for threads of the pool that may still come */
+  uint32_t inside;       /* threads of the pool that are at it */
+};
+
+uint32_t pbf_thread_pool_size(uint32_t wanted, uint32_t items) {
+  cpu_set_t set;
+  if (!wanted && sched_getaffinity(0, sizeof set, &set) == 0) wanted = (uint32_t)CPU_COUNT(&set);
+  if (!wanted) wanted = 1;
+  if (wanted > PBF_MAX_POOL_THREADS) wanted = PBF_MAX_POOL_THREADS;
+  return wanted < items ? wanted : items;
+}
+
+static void work_on(pbf_thread_pool_job *job) {
+  for (;;) {
+    const uint32_t k = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed);
+    if (k >= job->items) return;
+    job->item(job->context, k);
+  }
+}
+
+/* ---- Its own threads ------------------------------------------------------------------------ */
+
+/* A job stays where it is until all that are inside have left, and none comes once it is closed. */
+static void *work(void *user) {
+  pbf_thread_pool *pool = user;
+  pthread_mutex_lock(&pool->mutex);
+  while (!pool->quit) {
+    pbf_thread_pool_job *job = pool->job;
+    if (!job || job->places == 0) {
+      pthread_cond_wait(&pool->begun, &pool->mutex);
+      continue;
+    }
+    --job->places;
+    ++job->inside;
+    pthread_mutex_unlock(&pool->mutex);
+    work_on(job);
+    pthread_mutex_lock(&pool->mutex);
+    if (--job->inside == 0) pthread_cond_signal(&pool->ended);
+  }
+  pthread_mutex_unlock(&pool->mutex);
+  return NULL;
+}
+
+/* In the child of a fork there is none of the threads; the memory for their names stays. */
+static void begin_here(pbf_thread_pool *pool) {
+  if (pool->process == getpid()) return;
+  pthread_mutex_init(&pool->mutex, NULL);
+  pthread_cond_init(&pool->begun, NULL);
+  pthread_cond_init(&pool->ended, NULL);
+  pool->process = getpid();
+  pool->started = pool->refused = pool->quit = 0;
+  pool->job = NULL;
+}
+
+static void take_room(pbf_thread_pool *pool, const pbf_allocator *allocator) {
+  const uint32_t wanted = pool->size - 1;
+  if (pool->room >= wanted) return;
+  void *memory = allocator->allocate(allocator->user, wanted * sizeof *pool->threads, 64);
+  if (!memory) return;
+  pool->threads = memory;
+  pool->room = wanted;
+}
+
+static int start_thread(pbf_thread_pool *pool) {
+  const int runs = pbf_start_signalless(&pool->threads[pool->started], STACK_BYTES, work, pool);
+  pool->started += runs;
+  return runs;
+}
+
+static void start_threads(pbf_thread_pool *pool, const pbf_allocator *allocator) {
+  begin_here(pool);
+  take_room(pool, allocator);
+  while (pool->started < pool->room && !pool->refused) pool->refused = !start_thread(pool);
+}
+
+static void open_job(pbf_thread_pool *pool, pbf_thread_pool_job *job) {
+  pthread_mutex_lock(&pool->mutex);
+  pool->job = job;
+  pthread_cond_broadcast(&pool->begun);
+  pthread_mutex_unlock(&pool->mutex);
+}
+
+/* Where a callback has forked, the child has no thread to wait for. */
+static void close_job(pbf_thread_pool *pool, const pbf_thread_pool_job *job) {
+  if (pool->process != getpid()) return;
+  pthread_mutex_lock(&pool->mutex);
+  pool->job = NULL;
+  while (job->inside > 0) pthread_cond_wait(&pool->ended, &pool->mutex);
+  pthread_mutex_unlock(&pool->mutex);
+}
+
+static void run_in_threads(pbf_thread_pool *pool, const pbf_allocator *allocator,
+                           pbf_thread_pool_job *job) {
+  start_threads(pool, allocator);
+  open_job(pool, job);
+  work_on(job);
+  close_job(pool, job);
+}
+
+/* ---- A task system of the caller's ---------------------------------------------------------- */
+
+static void run_task(void *task, uint32_t first, uint32_t last) {
+  (void)first, (void)last; /* which thread it is does not matter */
+  work_on(task);
+}
+
+/* What comes late finds nothing to take. */
+static void run_as_task(const pbf_thread_pool *pool, pbf_thread_pool_job *job) {
+  void *handle = pool->enqueue_task(pool->task_user, run_task, job, job->places, 1);
+  work_on(job);
+  if (handle) pool->finish_task(pool->task_user, handle);
+}
+
+/* ---- Runs ----------------------------------------------------------------------------------- */
+
+void pbf_thread_pool_run(pbf_thread_pool *pool, const pbf_allocator *allocator, uint32_t items,
+                         pbf_item_fn item, void *context) {
+  const uint32_t threads = pool->size < items ? pool->size : items;
+  pbf_thread_pool_job job = {.item = item, .context = context, .items = items};
+  atomic_init(&job.next, 0);
+  job.places = threads > 0 ? threads - 1 : 0;
+  if (job.places == 0)
+    work_on(&job);
+  else if (pool->enqueue_task)
+    run_as_task(pool, &job);
+  else
+    run_in_threads(pool, allocator, &job);
+}
+
+void pbf_thread_pool_free(pbf_thread_pool *pool, const pbf_allocator *allocator) {
+  if (pool->process == getpid()) {
+    pthread_mutex_lock(&pool->mutex);
+    pool->quit = 1;
+    pthread_cond_broadcast(&pool->begun);
+    pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t k = 0; k < pool->started; ++k) pthread_join(pool->threads[k], NULL);
+    pthread_cond_destroy(&pool->ended);
+    pthread_cond_destroy(&pool->begun);
+    pthread_mutex_destroy(&pool->mutex);
+  }
+  if (pool->threads)
+    allocator->release(allocator->user, pool->threads, pool->room * sizeof *pool->threads, 64);
+}
