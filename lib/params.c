@@ -1,9 +1,11 @@
 #include "params.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "error.h"
 #include "physics/motion.h"
+#include "structs.h"
 
 /* A support of more spacings has thousands of neighbours a particle: a unit gone wrong. */
 enum { MAX_SPACINGS = 10 };
@@ -177,6 +179,17 @@ static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, do
                   "params.wall_…: at the present time %.9g the walls of axis %u stand at %.9g and "
                   "%.9g; the upper one must be above the lower one",
                   time, closed, box.lower[closed], box.upper[closed]);
+}
+
+pbf_status pbf_params_in(const pbf_params *theirs, pbf_params *params) {
+  pbf_params defaults;
+  pbf_status status = pbf_struct_in(&pbf_kind_params, theirs, params);
+  if (status == PBF_OK) status = pbf_params_init(&defaults, sizeof defaults);
+  if (status != PBF_OK) return status;
+  const uint32_t known = pbf_struct_size(theirs);
+  if (known < sizeof defaults)
+    memcpy((char *)params + known, (const char *)&defaults + known, sizeof defaults - known);
+  return PBF_OK;
 }
 
 pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, double time) {

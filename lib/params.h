@@ -3,6 +3,9 @@
 
 #include "check.h"
 
+/* A caller's parameters, of whatever size. What an older caller does not know has its default. */
+pbf_status pbf_params_in(const pbf_params *theirs, pbf_params *params);
+
 /* Fails with a sentence unless these parameters can run at time `time`. */
 pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, double time);
 

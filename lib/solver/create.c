@@ -142,8 +142,8 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
 
 static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc *checked,
                                pbf_params *params) {
-  pbf_status status = theirs ? pbf_struct_in(&pbf_kind_params, theirs, params)
-                             : pbf_params_init(params, sizeof *params);
+  pbf_status status =
+      theirs ? pbf_params_in(theirs, params) : pbf_params_init(params, sizeof *params);
   if (status != PBF_OK) return status;
   pbf_check_kind kind = {checked->desc.dimension, checked->desc.precision};
   return pbf_params_check(params, kind, 0);

@@ -16,7 +16,7 @@ pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
 
 static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   pbf_params params;
-  pbf_status status = pbf_struct_in(&pbf_kind_params, theirs, &params);
+  pbf_status status = pbf_params_in(theirs, &params);
   if (status == PBF_OK) status = pbf_params_check(&params, solver->kind, pbf_solver_time(solver));
   if (status == PBF_OK) status = pbf_params_to_backend(solver, &params);
   if (status != PBF_OK) return status;

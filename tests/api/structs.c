@@ -65,6 +65,34 @@ static void a_newer_caller(void **state) {
   pbf_destroy(s);
 }
 
+/* What an older caller does not know has its default, as once it is compiled anew; an explicit 0 is
+ * a 0. */
+static void an_older_caller(void **state) {
+  (void)state;
+  pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
+  pbf_params params, back = {.struct_size = sizeof back};
+  const uint32_t without = offsetof(pbf_params, shear_stress_correction);
+  assert_ok(pbf_params_init(&params, sizeof params));
+  params.shear_stress_correction = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_get_params(s, &back));
+  assert_true(back.shear_stress_correction == 0);
+  memset(&params, 0xee, sizeof params);
+  assert_ok(pbf_params_init(&params, without));
+  params.iterations = 7;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_get_params(s, &back));
+  assert_int_equal(back.iterations, 7);
+  assert_true(back.shear_stress_correction == -1);
+  pbf_destroy(s);
+  const pbf_desc desc = test_desc(3, PBF_FLOAT32, 10);
+  assert_ok(pbf_create(&desc, &params, &s));
+  assert_ok(pbf_get_params(s, &back));
+  assert_int_equal(back.iterations, 7);
+  assert_true(back.shear_stress_correction == -1);
+  pbf_destroy(s);
+}
+
 /* What a caller asks of an out-struct of its own size; the byte behind it is not touched. */
 static void outputs_keep_to_the_size(void **state) {
   (void)state;
@@ -126,9 +154,9 @@ static void an_allocator_is_complete(void **state) {
 
 int main(void) {
   const struct CMUnitTest structs[] = {
-      cmocka_unit_test(sizes_out_of_range),       cmocka_unit_test(a_newer_caller),
-      cmocka_unit_test(outputs_keep_to_the_size), cmocka_unit_test(colliders_of_another_size),
-      cmocka_unit_test(an_allocator_is_complete),
+      cmocka_unit_test(sizes_out_of_range),        cmocka_unit_test(a_newer_caller),
+      cmocka_unit_test(an_older_caller),           cmocka_unit_test(outputs_keep_to_the_size),
+      cmocka_unit_test(colliders_of_another_size), cmocka_unit_test(an_allocator_is_complete),
   };
   return TEST_RUN(structs);
 }
