@@ -186,7 +186,8 @@ typedef struct kernels {
 
   /* The pressure grid's, over particles … */
   void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
-                  const pbf_real *densities, uint32_t first, uint32_t last);
+                  const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
+                  uint32_t last);
   void (*apply_correction)(const pbf_pressure_grid_storage *storage, const pbf_obstacles *obstacles,
                            pbf_real inv_time_step, field x, field v, uint32_t first, uint32_t last);
   /* … and over nodes: kernels_pressure_grid.h. */

@@ -66,7 +66,8 @@ PBF_FN void add_entries(const pbf_pressure_grid_storage *storage, const uint32_t
 }
 
 static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
-                    const pbf_real *densities, uint32_t first, uint32_t last) {
+                    const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
+                    uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
@@ -75,7 +76,8 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
     find_places(&c, &x, first, count, &places);
     if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
     for (uint32_t l = 0; l < count; ++l)
-      entries[l] = pbf_pressure_grid_entry(target, densities[first + l]);
+      entries[l] =
+          pbf_pressure_grid_entry(target, densities[first + l], overlaps ? overlaps[first + l] : 0);
     for (uint32_t l = 0; l < count; ++l) {
       double at[PBF_DIM];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];

@@ -17,7 +17,8 @@ static void end_search_with_grid(void *context) {
   end_search(w);
   if (!s->wanted.lacking)
     pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                            s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles);
+                            s->schedule.shear_correction > 0, s->capacity, s->planned,
+                            &w->obstacles);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */
@@ -31,7 +32,7 @@ static void deposit_task(void *context, uint32_t task) {
        r = inactive_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) grid_densities(s)[i] = w->constants.target;
   s->kernels->deposit(&s->pressure_grid, w->constants.target, w->b.sorted_predicted,
-                      grid_densities(s), all.first, all.last);
+                      grid_densities(s), w->b.sorted_overlap, all.first, all.last);
 }
 
 static void end_deposit(void *context) {

@@ -1,4 +1,5 @@
 /* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
+#include "common/adopt_schedule.h"
 #include "common/derived_tables.h"
 #include "common/without.h"
 #include "cuda/plugin.h"
@@ -103,7 +104,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
-  s->schedule = schedule;
+  adopt_schedule(s, schedule);
   if (!schedule.accelerated) s->pressure_scale = 0;
   return schedule.runs[PBF_STAGE_SLEEP] ? allow_sleep(s, changes, slept) : PBF_OK;
 }
@@ -332,7 +333,7 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
-  s->schedule = schedule;
+  adopt_schedule(s, schedule);
   return PBF_OK;
 }
 

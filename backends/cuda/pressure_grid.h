@@ -88,7 +88,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
   if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
-  atomicAdd(&a.sums[cell], (unsigned long long)pbf_pressure_grid_entry(c->target, density));
+  const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
+  atomicAdd(&a.sums[cell],
+            (unsigned long long)pbf_pressure_grid_entry(c->target, density, overlap));
   atomicAdd(&a.places[cell], (unsigned long long)pbf_pressure_grid_place_entry(at));
 }
 

@@ -5,11 +5,11 @@
 #include "common/pressure_grid.h"
 
 static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_real target,
-                                     pbf_real density) {
+                                     pbf_real density, pbf_real overlap) {
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_find(storage, x, at);
   if (cell == PBF_NO_INDEX) return;
-  storage->sums[cell] += pbf_pressure_grid_entry(target, density);
+  storage->sums[cell] += pbf_pressure_grid_entry(target, density, overlap);
   storage->places[cell] += pbf_pressure_grid_place_entry(at);
 }
 

@@ -52,7 +52,8 @@ typedef struct pbf_pressure_grid {
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
-  double max_left;              /* to the iterations, of an error */
+  double max_left;              /* to the iterations, of an error, … */
+  double left_cells;            /* … or else the weight of so many cells' heights */
   int axis;                     /* along which the forces push most */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
@@ -88,7 +89,7 @@ static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double 
 /* The grid between walls, in a limited number of indices. */
 static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
                                                           const pbf_domain *domain,
-                                                          int corrects_shear, uint64_t limit) {
+                                                          bool corrects_shear, uint64_t limit) {
   pbf_pressure_grid c;
   memset(&c, 0, sizeof c); /* so that two can be compared */
   double dt2 = params->time_step * params->time_step;
@@ -99,6 +100,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
   c.max_left = corrects_shear ? PBF_DEPTH_SHEARED_LEFT : 1;
+  c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * pbf_derive_spacing(params) / width;
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
@@ -155,11 +157,15 @@ PBF_FN uint32_t pbf_pressure_grid_cell(const pbf_pressure_grid *c, pbf_vec x, do
 }
 
 /* What a particle adds to its cell's sum: one to the count in the upper 24 bits, its density
- * error to what is below. The sum of integers is the same in any order. Room counts where it is a
- * ripple, not where fluid ends. */
-PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density) {
+ * error to what is below, less what is allowed for an overlap (passes/overlap.h), which would be
+ * thrown apart here as in the iterations. The sum of integers is the same in any order. Room counts
+ * where it is a ripple, not where fluid ends. */
+PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_real overlap) {
   double error = pbf_lesser((double)(density - target), 1);
-  if (error < 0) error *= pbf_greater(0, 1 + 10 * error);
+  if (error > 0)
+    error = pbf_greater(error - (double)overlap, 0);
+  else
+    error *= pbf_greater(0, 1 + 10 * error);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }
 
@@ -309,7 +315,7 @@ pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure
   }
   double error = c->error * head, cell = c->error * fastest;
   double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
-  left = pbf_lesser(left, c->max_left * error);
+  left = pbf_lesser(left, pbf_greater(c->max_left * error, c->left_cells * cell));
   left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
   if (!(error > left && fastest < 0.5)) return source_scale;
   source_scale.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
