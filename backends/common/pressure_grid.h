@@ -107,7 +107,7 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
  * they divide it into. */
 static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
                                                 const pbf_topology_memory *memory,
-                                                const pbf_params *params, bool corrects_shear,
+                                                const pbf_params *params, int corrects_shear,
                                                 const pbf_domain *domain, uint32_t capacity,
                                                 uint32_t count, const pbf_obstacles *o) {
   uint64_t limit = pbf_pressure_grid_limit(count);
@@ -143,7 +143,7 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
 /* Before particles add to the sums, in a grid for `count` of them. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
-                                           const pbf_params *params, bool corrects_shear,
+                                           const pbf_params *params, int corrects_shear,
                                            uint32_t capacity, uint32_t count,
                                            const pbf_obstacles *o) {
   pbf_domain domain = o->domain;

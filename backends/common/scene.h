@@ -11,7 +11,6 @@
 #ifndef PBF_COMMON_SCENE_H
 #define PBF_COMMON_SCENE_H
 
-#include "common/adopt_schedule.h"
 #include "common/derived_tables.h"
 #include "common/host_only.h"
 #include "common/memory.h"
@@ -78,7 +77,7 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
-  adopt_schedule(s, schedule);
+  s->schedule = schedule;
   if (!schedule.accelerated) s->pressure_scale = 0;
   if (schedule.runs[PBF_STAGE_SLEEP]) allow_sleep(s, changes, slept);
   return PBF_OK;
@@ -99,7 +98,7 @@ static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *c
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
-  adopt_schedule(s, schedule);
+  s->schedule = schedule;
   s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
   wake_near_moving(s, changed, time);
   return PBF_OK;
@@ -111,7 +110,7 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
       schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, overlap != NULL);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
-  adopt_schedule(s, schedule);
+  s->schedule = schedule;
   s->overlaps = overlap != NULL;
   if (overlap) s->found = *overlap;
   return PBF_OK;
@@ -121,8 +120,8 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
 template <class Solver>
 static pbf_status plan_for(Solver *s, uint32_t count) {
   s->planned = count;
-  adopt_schedule(
-      s, schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps));
+  s->schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps);
   return PBF_OK;
 }
 

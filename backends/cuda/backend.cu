@@ -1,5 +1,4 @@
 /* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
-#include "common/adopt_schedule.h"
 #include "common/derived_tables.h"
 #include "common/without.h"
 #include "cuda/plugin.h"
@@ -104,7 +103,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
-  adopt_schedule(s, schedule);
+  s->schedule = schedule;
   if (!schedule.accelerated) s->pressure_scale = 0;
   return schedule.runs[PBF_STAGE_SLEEP] ? allow_sleep(s, changes, slept) : PBF_OK;
 }
@@ -333,7 +332,7 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
-  adopt_schedule(s, schedule);
+  s->schedule = schedule;
   return PBF_OK;
 }
 

@@ -174,7 +174,7 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
     domain = pbf_domain_within(domain, &surface);
   }
   s->pressure_grid =
-      pbf_pressure_grid_between(&s->params, &domain, s->schedule.shear_correction > 0, limit);
+      pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear, limit);
   s->pressure_grid_domain = walls;
   for (uint32_t k = 0; k < s->collider_count; ++k) {
     pbf_surface surface =
@@ -183,7 +183,7 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
   }
   s->pressure_grid_solids = thin && s->topology_memory ? (int)s->collider_count : 0;
   if (s->pressure_grid_solids)
-    s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, s->schedule.shear_correction > 0,
+    s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear,
                                                  pbf_pressure_grid_first_further(limit));
 }
 

@@ -203,13 +203,13 @@ static inline void pbf_set_tension(pbf_constants *c, const pbf_params *params,
  * last until the next, and correct nothing. What presses pairs more than a domain full of fluid
  * weighs is no fluid under its weight: what is squeezed so would boil. */
 static inline void pbf_set_shear_stress(pbf_constants *c, const pbf_params *params,
-                                        const pbf_derived *d, double correction) {
-  const double dt = params->time_step;
+                                        const pbf_derived *d) {
+  const double part = pbf_shear_stress_correction(params), dt = params->time_step;
   double head = 0, weight = pbf_gravity_of(params);
   for (int k = 0; k < PBF_DIM; ++k)
     head += fabs(params->gravity[k]) * (params->domain_max[k] - params->domain_min[k]);
   const int acts = dt > 0 && weight * dt * dt <= 0.5 * pbf_derive_spacing(params);
-  c->shear_stress_part = (pbf_real)(acts ? PBF_SHEAR_STRESS_STEPS * correction / dt : 0);
+  c->shear_stress_part = (pbf_real)(acts ? PBF_SHEAR_STRESS_STEPS * part / dt : 0);
   c->shear_stress_max_lambda =
       (pbf_real)(head > 0 && d->pressure > 0 ? head * dt * dt / d->pressure : INFINITY);
 }
@@ -322,7 +322,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.torque_part = (pbf_real)(params->time_step > 0
                                  ? 0.5 * pbf_angular_momentum_correction(params) / params->time_step
                                  : 0);
-  pbf_set_shear_stress(&c, params, &d, pbf_shear_stress_correction(params));
+  pbf_set_shear_stress(&c, params, &d);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_tension(&c, params, &d);

@@ -20,14 +20,14 @@ typedef struct pbf_schedule {
   uint32_t runs[PBF_STAGE_COUNT]; /* a step, at most */
   int features;
   int colliders;
-  int solids;              /* of them that water can be on two sides of */
-  double min_volume;       /* of the smallest container, see physics/containers.h */
-  int accelerated;         /* lambda adds up over the iterations */
-  int wall_density;        /* walls and colliders contribute density */
-  double shear_correction; /* shear_stress.h: of the stress, now; 0: none, … */
-  int may_correct_shear;   /* … though with more particles there may be */
-  int checks_convergence;  /* the solve ends when its density error is small enough */
-  int may_have_grid;       /* a pressure grid, now or with more particles */
+  int solids;             /* of them that water can be on two sides of */
+  double min_volume;      /* of the smallest container, see physics/containers.h */
+  int accelerated;        /* lambda adds up over the iterations */
+  int wall_density;       /* walls and colliders contribute density */
+  int corrects_shear;     /* shear_stress.h, now, … */
+  int may_correct_shear;  /* … or with more particles */
+  int checks_convergence; /* the solve ends when its density error is small enough */
+  int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
@@ -51,17 +51,17 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
-  const int may_correct = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated;
-  if (may_correct)
-    s.shear_correction = pbf_depth_shear_correction(params, basins, colliders, list, count);
-  const int accelerated = s.accelerated, corrects_shear = s.shear_correction > 0;
+  s.corrects_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
+                     pbf_depth_corrects_shear(params, basins, colliders, list, count);
+  const int accelerated = s.accelerated, corrects_shear = s.corrects_shear;
 #define PBF_STAGE(ID, name, feature, times, launches) \
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
                     pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity)) > 0;
-  s.may_correct_shear = may_correct && pbf_depth_shear_correction(params, basins, colliders, list,
-                                                                  pbf_max_planned(capacity)) > 0;
+  s.may_correct_shear =
+      (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
+      pbf_depth_corrects_shear(params, basins, colliders, list, pbf_max_planned(capacity));
   return s;
 }
 

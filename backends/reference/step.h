@@ -112,7 +112,7 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.shear_correction > 0, s->capacity, s->planned, o);
+                          s->schedule.corrects_shear, s->capacity, s->planned, o);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,

@@ -311,8 +311,8 @@ typedef struct pbf_params {
                            particles would settle so deep, H, in the domain, in an inverted sphere,
                            capsule or box, or between other colliders, that
                            g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or, with
-                           shear_stress_correction, which is the default, 6 layers, where there are
-                           colliders 18, or 0.
+                           shear_stress_correction, 6 layers, where that is -1, the default, 18, or
+                           0.
                            Decided at the begin of each pbf_step by as many particles as there are,
                            or as the last step was for, unless a quarter of these is gone: it would
                            flicker where particles come and go. Solids of up to two cells part the
@@ -365,14 +365,15 @@ typedef struct pbf_params {
                        the shear stress that pushes along pairs have under pressure, since sheared
                        arrangements are not isotropic, is taken back as velocity. At 0 pressed fluid
                        resists slow shear like an elastic solid, and slow eddies swing back; at 0.75
-                       they turn on. From 0.9 on water at rest boils in short steps, and less than
-                       18 layers of it tremble from 0.5 on. With it water of 6 layers and more,
-                       where there are colliders 18, has a pressure grid, unless pressure_grid says
-                       otherwise, and it needs one. Three passes over pairs every third step. -1,
-                       the default: with PBF_SOLVER_CHEBYSHEV where particles would settle so deep
-                       under gravity (decided as for pressure_grid) and a pressure grid may be,
-                       0.75 less what smoothing_radius / spacing is above 2, at least 0.25, and at
-                       most 0.5 where they settle less than 18 layers deep; or 0 */
+                       they turn on, and waves in shallow water, gone after two periods, slosh on
+                       with 0.5, which costs a third of a step and more on a CPU, 1 to 5 steps on a
+                       GPU. From 0.9 on water at rest boils in short steps, and less than 18 layers
+                       of it tremble with 0.75. With it water of 6 layers and more has a pressure
+                       grid, unless pressure_grid says otherwise, and it needs one. Three passes
+                       over pairs every third step. -1, the default: 0.75, less what
+                       smoothing_radius / spacing is above 2, and at least 0.25, with
+                       PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
+                       gravity (decided as for pressure_grid) and a pressure grid may be, or 0 */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

@@ -131,8 +131,8 @@ class ParamFields(Holder):
     shear_stress_correction = Number(
         "How much of the shear stress that pushes along pairs have under pressure is taken back, "
         "so that slow eddies live on; -1: with PBF_SOLVER_CHEBYSHEV 0.75 where water could be 18 "
-        "layers deep, 0.5 from 6 layers on where there are no colliders, less with wide kernels, "
-        "0 elsewhere. Range: -1, 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
+        "layers deep, less with wide kernels, 0 elsewhere. Range: -1, 0 … 1; 0 unless "
+        "`PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
 
 
 class ParamValues(TypedDict, total=False):

@@ -250,15 +250,12 @@ static uint64_t hash_after(int across, double correction, double gravity, double
   return hash_of(t, params, 20, 1);
 }
 
-/* -1: 0.75 in water of 18 layers and more that may have a pressure grid, 0.5 from 6 on (pbf.h). */
+/* -1: 0.75 in water of 18 layers and more that may have a pressure grid (pbf.h). */
 static void the_default_depends_on_depth(void **state) {
   (void)state;
   assert_int_equal(hash_after(18, -1, 9.81, -1), hash_after(18, 0.75, 9.81, -1));
   assert_true(hash_after(18, -1, 9.81, -1) != hash_after(18, 0, 9.81, -1));
-  assert_int_equal(hash_after(17, -1, 9.81, -1), hash_after(17, 0.5, 9.81, -1));
-  assert_int_equal(hash_after(6, -1, 9.81, -1), hash_after(6, 0.5, 9.81, -1));
-  assert_true(hash_after(6, -1, 9.81, -1) != hash_after(6, 0, 9.81, -1));
-  assert_int_equal(hash_after(5, -1, 9.81, -1), hash_after(5, 0, 9.81, -1));
+  assert_int_equal(hash_after(17, -1, 9.81, -1), hash_after(17, 0, 9.81, -1));
   assert_int_equal(hash_after(32, -1, 0, -1), hash_after(32, 0, 0, -1));
   assert_int_equal(hash_after(32, -1, 9.81, 0), hash_after(32, 0, 9.81, 0));
 }

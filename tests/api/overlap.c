@@ -174,9 +174,19 @@ typedef struct burst {
   double gain;  /* of energy, over that of lifting what is added to the surface */
 } burst;
 
-static burst add_upon_others(uint32_t dimension, uint32_t precision, double time_step) {
+static void set_grid(pbf_solver *s, double cells) {
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(s, &params));
+  params.pressure_grid = cells;
+  params.shear_stress_correction = cells > 0 ? 0.5 : 0;
+  assert_ok(pbf_set_params(s, &params));
+}
+
+static burst add_upon_others(uint32_t dimension, uint32_t precision, double time_step,
+                             double grid) {
   const double depth = 5.5 * spacing, seconds = 0.25;
   pbf_solver *s = tank(dimension, precision, time_step);
+  set_grid(s, grid);
   assert_ok(pbf_step(s, (uint32_t)lround(0.5 / time_step)));
   const block where = {{0.31, depth - 0.02, 0.11}, {4, 1, 4}};
   add(s, dimension, precision, &where, (double[]){0, 0, 0});
@@ -193,15 +203,19 @@ static burst add_upon_others(uint32_t dimension, uint32_t precision, double time
 }
 
 /* What appears in water at rest gives it no more energy than lifting it takes (Archimedes), half
- * more for what moves, no speed beyond Torricelli's of the depth, at any step. */
+ * more for what moves, no speed beyond Torricelli's of the depth, at any step, with a pressure grid
+ * or without. */
 static void check_added(uint32_t dimension, uint32_t precision) {
   const double torricelli = sqrt(2 * gravity * 10 * spacing);
-  const burst a = add_upon_others(dimension, precision, 1.0 / 120),
-              b = add_upon_others(dimension, precision, 1.0 / 480);
-  if (!(fmax(a.speed, b.speed) <= torricelli))
-    fail_msg("%uD: %g and %g m/s, at most %g", dimension, a.speed, b.speed, torricelli);
-  if (!(fmax(a.gain, b.gain) <= 1.5))
-    fail_msg("%uD: gain %g and %g times the lifted weight", dimension, a.gain, b.gain);
+  for (double grid = 0; grid <= 2; grid += 2) {
+    const burst a = add_upon_others(dimension, precision, 1.0 / 120, grid),
+                b = add_upon_others(dimension, precision, 1.0 / 480, grid);
+    if (!(fmax(a.speed, b.speed) <= torricelli))
+      fail_msg("%uD: %g and %g m/s, at most %g", dimension, a.speed, b.speed, torricelli);
+    if (!(fmax(a.gain, b.gain) <= 1.5))
+      fail_msg("%uD, a grid of %g h: gain %g and %g times the lifted weight", dimension, grid,
+               a.gain, b.gain);
+  }
 }
 
 static void what_is_added_upon_others_is_not_thrown(void **state) {

@@ -260,7 +260,7 @@ static void check_walls(uint32_t dimension, uint32_t precision) {
   for (int k = 0; k < 2; ++k, on.wall_density = off.wall_density = 0) {
     double thrown = squeezed(dimension, precision, off, half, &hash[0]);
     double moved = squeezed(dimension, precision, on, half, &hash[1]);
-    if (!(thrown > 100 && moved < 5))
+    if (!(thrown > 100 && moved < 4))
       fail_msg("a narrower box, %uD: thrown at %g g d, and %g", dimension, thrown, moved);
     squeezed(dimension, precision, off, little, &hash[0]);
     squeezed(dimension, precision, on, little, &hash[1]);

@@ -167,7 +167,6 @@ static void the_grid_follows_the_particles(void **state) {
   pbf_params params = test_params();
   uint32_t layers = 0, gone = 0;
   for (int k = 0; k < 3; ++k) params.domain_max[k] = spacing * (k == 1 ? 40 : COLUMNS);
-  params.shear_stress_correction = 0; /* which wants one sooner */
   pbf_solver *solver = test_create(&desc, &params);
   for (; layers < 20; ++layers) {
     assert_int_equal(has_grid(solver), layers >= DEEP);

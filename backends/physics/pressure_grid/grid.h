@@ -89,7 +89,7 @@ static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double 
 /* The grid between walls, in a limited number of indices. */
 static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
                                                           const pbf_domain *domain,
-                                                          bool corrects_shear, uint64_t limit) {
+                                                          int corrects_shear, uint64_t limit) {
   pbf_pressure_grid c;
   memset(&c, 0, sizeof c); /* so that two can be compared */
   double dt2 = params->time_step * params->time_step;
