@@ -20,7 +20,8 @@ endfunction()
 function(pbf_add_plugin name)
   set(target pbf_backend_${name})
   add_library(${target} MODULE ${ARGN})
-  target_link_options(${target} PRIVATE -Wl,--no-undefined -Wl,--exclude-libs,ALL)
+  pbf_carry_runtime(${target})
+  pbf_link_options(${target} -Wl,--no-undefined -Wl,--exclude-libs,ALL)
   if(PBF_SANITIZE_ADDRESS OR PBF_SANITIZE_THREAD)
     # clang leaves the sanitizer's runtime to the program.
     if(CMAKE_C_COMPILER_ID MATCHES Clang)
@@ -28,9 +29,9 @@ function(pbf_add_plugin name)
     endif()
   endif()
   set_target_properties(${target} PROPERTIES
-    PREFIX "" OUTPUT_NAME ${target}
-    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/pbf/backends)
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/pbf/backends COMPONENT runtime)
+    PREFIX "" OUTPUT_NAME ${target} SUFFIX ${PBF_PLUGIN_SUFFIX}
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${PBF_PLUGIN_FOLDER}/pbf/backends)
+  install(TARGETS ${target} LIBRARY DESTINATION ${PBF_PLUGIN_DESTINATION} COMPONENT runtime)
 endfunction()
 
 # An archive of the backend's objects, of which lib/ makes one object.

@@ -29,6 +29,9 @@ target_compile_options(pbf_compile INTERFACE
     -Wpointer-arith -Wvla -ffp-contract=off -fno-math-errno -fno-trapping-math>
   $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wno-missing-field-initializers -Wshadow
     -ffp-contract=off -fno-math-errno -fno-trapping-math>) # what a C++ initialiser leaves out is 0
+if(MINGW) # the formats of C99, and a point in them
+  target_compile_definitions(pbf_compile INTERFACE __USE_MINGW_ANSI_STDIO=1)
+endif()
 if(PBF_WERROR)
   target_compile_options(pbf_compile INTERFACE
     $<$<COMPILE_LANGUAGE:C,CXX>:-Werror> $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)

@@ -1,15 +1,14 @@
-#define _GNU_SOURCE /* secure_getenv */
 #include "desc.h"
 
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
 #include "common/instruction_sets.h"
 #include "error.h"
 #include "memory.h"
+#include "os.h"
 #include "structs.h"
 
 /* More threads than any machine has: a larger number is a negative one, or garbage. */
@@ -80,7 +79,7 @@ static pbf_status copy_backend_name(const char *name, char copy[PBF_NAME_SIZE]) 
 }
 
 static pbf_status copy_isa(const char *theirs, pbf_checked_desc *checked) {
-  const char *name = theirs ? theirs : secure_getenv("PBF_ISA");
+  const char *name = theirs ? theirs : pbf_environment("PBF_ISA");
   checked->isa[0] = 0;
   checked->isa_by_environment = !theirs;
   if (!name || (!theirs && !name[0])) return PBF_OK;

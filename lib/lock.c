@@ -1,23 +1,18 @@
 #include "lock.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdint.h>
-#include <time.h>
 
 #include "error.h"
-#include "uncancelled.h"
+#include "os.h"
 
 /* The thread that holds each, 0: none. A mutex that is taken first and says by whom after it has a
  * moment between, in which a signal handler would wait for its own thread; thread-local memory
  * is allocated where it is first looked at, which a signal handler must not do. */
 static _Atomic uintptr_t holders[PBF_LOCK_COUNT];
 
-static uintptr_t this_thread(void) { return (uintptr_t)pthread_self(); }
-
 static int is_held_here(int lock) {
-  return atomic_load_explicit(&holders[lock], memory_order_relaxed) == this_thread();
+  return atomic_load_explicit(&holders[lock], memory_order_relaxed) == pbf_this_thread();
 }
 
 pbf_status pbf_lock_check(void) {
@@ -32,13 +27,12 @@ pbf_status pbf_lock_check(void) {
 
 /* Most calls hold one for nanoseconds, and a search for backends for milliseconds. */
 static void wait_a_little(unsigned looks) {
-  enum { PATIENCE = 100 };
-  const struct timespec nap = {0, 50000};
+  enum { PATIENCE = 100, NAP = 50 /* microseconds */ };
   if (looks < PATIENCE) {
-    sched_yield();
+    pbf_yield();
   } else {
     const int cancellation = pbf_uncancelled_begin();
-    nanosleep(&nap, NULL);
+    pbf_os_sleep(NAP);
     pbf_uncancelled_end(cancellation);
   }
 }
@@ -46,7 +40,7 @@ static void wait_a_little(unsigned looks) {
 void pbf_lock_take(pbf_lock lock) {
   uintptr_t none = 0;
   for (unsigned looks = 0; !atomic_compare_exchange_strong_explicit(
-           &holders[lock], &none, this_thread(), memory_order_acquire, memory_order_relaxed);
+           &holders[lock], &none, pbf_this_thread(), memory_order_acquire, memory_order_relaxed);
        ++looks) {
     wait_a_little(looks);
     none = 0;
@@ -86,5 +80,5 @@ int pbf_lock_forget_others(pbf_lock lock) {
 }
 
 __attribute__((constructor)) static void prepare_for_forks(void) {
-  pthread_atfork(before_fork, after_fork, after_fork);
+  pbf_at_fork(before_fork, after_fork, after_fork);
 }

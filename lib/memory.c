@@ -1,9 +1,9 @@
 #include "memory.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 
 #include "error.h"
+#include "os.h"
 
 enum { ALIGNMENT = 64 };
 
@@ -11,12 +11,12 @@ static void *default_allocate(void *user, uint64_t size, uint64_t alignment) {
   (void)user;
   if (size > SIZE_MAX - alignment) return NULL;
   if (alignment < sizeof(void *)) alignment = sizeof(void *);
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  return pbf_os_allocate((size + alignment - 1) / alignment * alignment, alignment);
 }
 
 static void default_release(void *user, void *memory, uint64_t size, uint64_t alignment) {
   (void)user, (void)size, (void)alignment;
-  free(memory);
+  pbf_os_release(memory);
 }
 
 const pbf_allocator pbf_default_allocator = {sizeof(pbf_allocator), 0, NULL, default_allocate,

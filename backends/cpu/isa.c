@@ -1,12 +1,10 @@
-#define _GNU_SOURCE /* secure_getenv */
-
 #include "cpu/isa.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "common/instruction_sets.h"
+#include "common/system.h"
 #include "pbf_build.h"
 
 #if defined(__x86_64__)
@@ -81,7 +79,7 @@ int cpu_isa_choose(const char *name, cpu_isa *isa, char *error, size_t size) {
   cpu_isa best;
   if (!cpu_isa_best(&best, error, size)) return 0;
   *isa = best;
-  if (!name) name = secure_getenv("PBF_ISA");
+  if (!name) name = pbf_environment("PBF_ISA");
   if (!name || !*name) return 1;
   *isa = (cpu_isa)pbf_instruction_set_of(name);
   if (*isa < CPU_ISA_COUNT && has(*isa) && is_built(*isa)) return 1;

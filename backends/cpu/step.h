@@ -18,7 +18,7 @@ typedef struct step_job {
 
 static step_outcome step_once(worker *w, double begin, double end, uint64_t nth, int sorted) {
   solver *s = w->s;
-  if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = seconds_now();
+  if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = pbf_seconds();
   w->forces = pbf_forces_of(&s->params, begin);
   place_obstacles(s, end, &w->obstacles);
   w->moving_obstacles = moving_obstacles_at(s, begin);

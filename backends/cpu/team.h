@@ -4,11 +4,11 @@
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 
-#include <sched.h>
 #include <stdint.h>
-#include <time.h>
 
 #include <pbf/pbf.h>
+
+#include "common/system.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,7 +21,7 @@ typedef struct team team;
 static inline void wait_a_little(unsigned *looks) {
   enum { PATIENCE = 2000 };
   if (++*looks >= PATIENCE) {
-    sched_yield();
+    pbf_yield();
     return;
   }
 #if defined(__x86_64__)
@@ -38,12 +38,6 @@ typedef struct team_thread {
   uint64_t done;  /* of them, by this thread */
   double waited;  /* seconds, in loops that took long to end */
 } team_thread;
-
-static inline double seconds_now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 typedef void (*team_function)(void *context, team_thread *self);
 

@@ -109,10 +109,10 @@ static void end_loop(const team_thread *self, completion_function last, void *co
                                                memory_order_relaxed, memory_order_relaxed))
     return;
   if (last) {
-    const double begin = seconds_now();
+    const double begin = pbf_seconds();
     last(context);
     atomic_fetch_add_explicit(&self->team->alone,
-                              (unsigned long long)(1e9 * (seconds_now() - begin)),
+                              (unsigned long long)(1e9 * (pbf_seconds() - begin)),
                               memory_order_relaxed);
   }
   atomic_store_explicit(&self->team->over, self->loops, memory_order_release);
@@ -128,10 +128,10 @@ static void wait_for_end(team_thread *self, completion_function last, void *cont
   double since = 0;
   for (unsigned looks = 1; !is_converged(self); wait_a_little(&looks)) {
     if ((self->thread == 0 || looks % TRUST == 0) && all_done(self)) end_loop(self, last, context);
-    if (looks == LONG) since = seconds_now();
+    if (looks == LONG) since = pbf_seconds();
   }
   if (since == 0) return;
-  const double waited = seconds_now() - since - (seconds_alone(self) - alone);
+  const double waited = pbf_seconds() - since - (seconds_alone(self) - alone);
   if (waited > 0) self->waited += waited;
 }
 

@@ -1,11 +1,13 @@
 /* Threads by OpenMP. */
-#include <dlfcn.h>
 #include <omp.h>
-#include <unistd.h>
 
 #include "common/fp_environment.h"
 #include "cpu/team_loops.h"
 #include "cpu/startable_threads.h"
+
+#if defined(__GLIBC__)
+#include <dlfcn.h>
+#endif
 
 uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
@@ -28,7 +30,7 @@ void team_end(void) {}
 
 /* Where OpenMP's threads are: they do not go along with a fork, and the runtime would wait for them
  * in the child for ever, also for those that the program's own loops have left it. 0: nowhere. */
-static pid_t home;
+static uint32_t home;
 
 /* GCC's runtime ends threads by pthread_exit, for which the C library then loads the unwinder, and
  * ends the process where there is no memory for that: it has to be there before. */
@@ -41,7 +43,7 @@ static int has_unwinder(void) {
 }
 
 __attribute__((constructor)) static void remember_home(void) {
-  home = has_unwinder() ? getpid() : 0;
+  home = has_unwinder() ? pbf_process() : 0;
 }
 
 /* Threads of the last run that this thread began, and their numbers: the runtime keeps them for the
@@ -51,7 +53,7 @@ static _Thread_local uint32_t kept, max_threads;
 static _Thread_local long numbers[TEAM_MAX_THREADS];
 
 uint32_t team_threads(uint32_t threads) {
-  if (getpid() != home) return 1;
+  if (pbf_process() != home) return 1;
   return max_threads && max_threads < threads ? max_threads : threads;
 }
 
@@ -64,7 +66,7 @@ static uint32_t threads_there(void) {
 
 /* OpenMP's runtime ends the process when it can't start a thread. */
 static uint32_t threads_to_be_had(uint32_t threads) {
-  if (threads == 1 || getpid() != home) return 1;
+  if (threads == 1 || pbf_process() != home) return 1;
   uint32_t there = threads_there();
   uint32_t had = threads > there ? there + startable_threads(threads - there) : threads;
   max_threads = had < threads ? had : 0;

@@ -8,14 +8,10 @@
  *
  * On a core that others use a thread may be stopped for milliseconds with a task in hand, which all
  * the others then wait for. A run with much of that makes teams smaller for a while. */
-#define _GNU_SOURCE /* sched_getaffinity */
 #include <math.h>
-#include <pthread.h>
-#include <sched.h>
-#include <unistd.h>
 
 #include "common/fp_environment.h"
-#include "common/signalless_thread.h"
+#include "common/system.h"
 #include "cpu/atomics.h"
 #include "cpu/team_loops.h"
 
@@ -53,35 +49,31 @@ typedef struct limit {
 
 /* All but `opened` under the lock. */
 static struct pool {
-  pthread_mutex_t lock;
-  pthread_cond_t wake;  /* threads of the pool that sleep */
-  pthread_cond_t empty; /* callers that wait until no thread is inside */
-  atomic_uint opened;   /* changes with each region that is */
-  region *regions;      /* open */
-  uint32_t users;       /* solvers */
+  pbf_mutex lock;
+  pbf_condition wake;  /* threads of the pool that sleep */
+  pbf_condition empty; /* callers that wait until no thread is inside */
+  atomic_uint opened;  /* changes with each region that is */
+  region *regions;     /* open */
+  uint32_t users;      /* solvers */
   uint32_t size, sleeping;
   uint32_t refused; /* 1: no more threads are to be had */
   uint32_t era;     /* of the threads that there are: those of another one end */
   uint32_t forks_are_watched;
   limit limit;
-  pthread_t threads[TEAM_MAX_THREADS];
-} pool = {.lock = PTHREAD_MUTEX_INITIALIZER,
-          .wake = PTHREAD_COND_INITIALIZER,
-          .empty = PTHREAD_COND_INITIALIZER};
+  pbf_thread threads[TEAM_MAX_THREADS];
+} pool = {.lock = PBF_MUTEX_INITIALIZER,
+          .wake = PBF_CONDITION_INITIALIZER,
+          .empty = PBF_CONDITION_INITIALIZER};
 
 uint32_t team_size(uint32_t wanted) {
-  cpu_set_t set;
-  long cpus = 0;
-  if (!wanted && sched_getaffinity(0, sizeof set, &set) == 0) cpus = CPU_COUNT(&set);
-  if (!wanted && cpus < 1) cpus = sysconf(_SC_NPROCESSORS_ONLN);
-  if (!wanted) wanted = cpus < 1 ? 1 : (uint32_t)cpus;
+  if (!wanted) wanted = pbf_processors();
   return wanted < TEAM_MAX_THREADS ? wanted : TEAM_MAX_THREADS;
 }
 
 uint32_t team_threads(uint32_t threads) {
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   const uint32_t had = pool.refused && pool.size + 1 < threads ? pool.size + 1 : threads;
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   return had;
 }
 
@@ -99,30 +91,30 @@ static region *region_to_join(void) {
 static void join(region *r) {
   team_thread self = {.team = r->all, .thread = r->come++, .threads = r->threads};
   atomic_fetch_add(&r->inside, 1);
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   r->function(r->context, &self);
-  pthread_mutex_lock(&pool.lock);
-  if (atomic_fetch_add(&r->inside, -1u) == 1) pthread_cond_broadcast(&pool.empty);
+  pbf_mutex_lock(&pool.lock);
+  if (atomic_fetch_add(&r->inside, -1u) == 1) pbf_condition_broadcast(&pool.empty);
 }
 
 /* Opens the lock for the while. */
 static void wait_for_region(void) {
   unsigned seen = atomic_load_explicit(&pool.opened, memory_order_relaxed), looks = 0;
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   while (looks < LOOKS_BEFORE_SLEEP &&
          atomic_load_explicit(&pool.opened, memory_order_relaxed) == seen)
     wait_a_little(&looks);
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   if (atomic_load_explicit(&pool.opened, memory_order_relaxed) != seen) return;
   ++pool.sleeping;
-  pthread_cond_wait(&pool.wake, &pool.lock);
+  pbf_condition_wait(&pool.wake, &pool.lock);
   --pool.sleeping;
 }
 
 /* Its era may be over before it begins. */
 static void *work(void *era) {
   pbf_fp_begin();
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   while (pool.era == (uintptr_t)era) {
     region *r = region_to_join();
     if (r)
@@ -130,27 +122,27 @@ static void *work(void *era) {
     else
       wait_for_region();
   }
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   return NULL;
 }
 
 /* ---- The pool ------------------------------------------------------------------------------ */
 
 /* A child has none of the threads, and nothing that they were in. */
-static void before_fork(void) { pthread_mutex_lock(&pool.lock); }
-static void in_parent(void) { pthread_mutex_unlock(&pool.lock); }
+static void before_fork(void) { pbf_mutex_lock(&pool.lock); }
+static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
 static void in_child(void) {
-  pthread_mutex_init(&pool.lock, NULL);
-  pthread_cond_init(&pool.wake, NULL);
-  pthread_cond_init(&pool.empty, NULL);
+  pbf_mutex_init(&pool.lock);
+  pbf_condition_init(&pool.wake);
+  pbf_condition_init(&pool.empty);
   pool.regions = NULL;
   pool.size = pool.sleeping = pool.refused = 0;
 }
 
 /* With the lock held. */
 static int add_thread(void) {
-  const int runs = pbf_start_signalless(&pool.threads[pool.size], STACK_BYTES, work,
-                                        (void *)(uintptr_t)pool.era);
+  const int runs =
+      pbf_thread_start(&pool.threads[pool.size], STACK_BYTES, work, (void *)(uintptr_t)pool.era);
   pool.size += runs;
   return runs;
 }
@@ -162,27 +154,27 @@ static void grow(uint32_t threads) {
 }
 
 void team_begin(void) {
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   if (!pool.forks_are_watched)
-    pool.forks_are_watched = pthread_atfork(before_fork, in_parent, in_child) == 0;
+    pool.forks_are_watched = pbf_at_fork(before_fork, in_parent, in_child);
   if (pool.users++ == 0) pool.limit = (limit){0};
   pool.refused = 0;
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
 }
 
 void team_end(void) {
-  pthread_t threads[TEAM_MAX_THREADS];
+  pbf_thread threads[TEAM_MAX_THREADS];
   uint32_t count = 0;
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   if (--pool.users == 0) {
     for (; count < pool.size; ++count) threads[count] = pool.threads[count];
     pool.size = 0;
     ++pool.era;
     atomic_fetch_add(&pool.opened, 1);
-    pthread_cond_broadcast(&pool.wake);
+    pbf_condition_broadcast(&pool.wake);
   }
-  pthread_mutex_unlock(&pool.lock);
-  while (count) pthread_join(threads[--count], NULL);
+  pbf_mutex_unlock(&pool.lock);
+  while (count) pbf_thread_join(&threads[--count]);
 }
 
 /* ---- Busy cores ---------------------------------------------------------------------------- */
@@ -223,7 +215,7 @@ static void note_run(uint32_t threads, double seconds, double waited, double now
 
 /* Returns how many members the team can have. */
 static uint32_t open_region(region *r, double now) {
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   if (pool.size < r->threads - 1) grow(r->threads - 1);
   r->threads = limited(r->threads, now);
   if (pool.size < r->threads - 1) r->threads = pool.size + 1;
@@ -233,9 +225,9 @@ static uint32_t open_region(region *r, double now) {
     pool.regions = r;
     atomic_fetch_add(&pool.opened, 1);
     uint32_t wanted = r->threads - 1;
-    for (uint32_t k = 0; k < wanted && k < pool.sleeping; ++k) pthread_cond_signal(&pool.wake);
+    for (uint32_t k = 0; k < wanted && k < pool.sleeping; ++k) pbf_condition_signal(&pool.wake);
   }
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   return r->threads;
 }
 
@@ -243,30 +235,30 @@ static uint32_t open_region(region *r, double now) {
 static void wait_until_empty(region *r) {
   for (unsigned looks = 0; looks < LOOKS_BEFORE_SLEEP; wait_a_little(&looks))
     if (!atomic_load_explicit(&r->inside, memory_order_acquire)) return;
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   while (atomic_load_explicit(&r->inside, memory_order_acquire))
-    pthread_cond_wait(&pool.empty, &pool.lock);
-  pthread_mutex_unlock(&pool.lock);
+    pbf_condition_wait(&pool.empty, &pool.lock);
+  pbf_mutex_unlock(&pool.lock);
 }
 
 static void close_region(region *r) {
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   region **link = &pool.regions;
   while (*link != r) link = &(*link)->next;
   *link = r->next;
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   wait_until_empty(r);
 }
 
 static void run_many(region *r, double begin) {
   team_thread self = {.team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
-  const double done = seconds_now();
+  const double done = pbf_seconds();
   close_region(r);
-  const double now = seconds_now();
-  pthread_mutex_lock(&pool.lock);
+  const double now = pbf_seconds();
+  pbf_mutex_lock(&pool.lock);
   note_run(r->threads, now - begin, self.waited + now - done, now);
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
 }
 
 /* ---- A caller's task system ---------------------------------------------------------------- */
@@ -277,17 +269,17 @@ static void run_item(void *task, uint32_t first, uint32_t last) {
   region *r = task;
   (void)first, (void)last;
   pbf_fp_environment before = pbf_fp_begin();
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   if (r->come < r->threads) join(r);
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
   pbf_fp_end(before);
 }
 
 /* What is late finds no place: there is nothing left to do. */
 static void close_task(region *r) {
-  pthread_mutex_lock(&pool.lock);
+  pbf_mutex_lock(&pool.lock);
   r->come = r->threads;
-  pthread_mutex_unlock(&pool.lock);
+  pbf_mutex_unlock(&pool.lock);
 }
 
 static void run_as_task(const team_tasks *tasks, region *r) {
@@ -304,7 +296,7 @@ static void run_as_task(const team_tasks *tasks, region *r) {
 void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
               void *context) {
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
-  const double begin = seconds_now();
+  const double begin = pbf_seconds();
   if (threads > 1 && tasks->enqueue) {
     run_as_task(tasks, &r);
   } else if (threads > 1 && open_region(&r, begin) > 1) {

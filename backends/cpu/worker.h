@@ -136,7 +136,7 @@ static inline range task_held(const worker *w, uint32_t task) {
 
 static inline void stage_end(worker *w, pbf_stage stage) {
   if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->self->thread != 0) return;
-  double now = seconds_now();
+  double now = pbf_seconds();
   w->s->seconds[stage] += now - w->stage_begin;
   ++w->s->runs[stage];
   w->stage_begin = now;

@@ -52,8 +52,12 @@
 
 #include <stdint.h>
 
-#if defined(_WIN32)
+#if defined(_WIN32) && defined(PBF_STATIC_LIBRARY) /* part of the program */
 #define PBF_API
+#elif defined(_WIN32) && defined(PBF_BUILDS_LIBRARY)
+#define PBF_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PBF_API __declspec(dllimport)
 #else
 #define PBF_API __attribute__((visibility("default")))
 #endif
@@ -865,11 +869,11 @@ PBF_API pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index,
 
 /* Loads a plugin from an absolute path, for the life of the process. The backends that come with
  * the library need no call: they are found when first wanted, in the folders of
- * PBF_BACKEND_PATH (colon-separated, absolute; ignored under elevated privileges), beside libpbf,
- * in pbf/backends/ beside libpbf. A file that is cut short, or for another machine, is refused, and
- * so is one with a wrong bit in its headers, or in its tables for the dynamic loader; what is in
- * its code and data is trusted, and must not be written to while it is loaded: a new one is put in
- * its place by renaming. */
+ * PBF_BACKEND_PATH (absolute, with colons between them, on Windows semicolons; ignored under
+ * elevated privileges), beside libpbf, in pbf/backends/ beside libpbf. Paths are UTF-8. A file that
+ * is cut short, or for another machine, is refused, and so is, on Linux, one with a wrong bit in
+ * its headers, or in its tables for the dynamic loader; what is in its code and data is trusted,
+ * and must not be written to while it is loaded: a new one is put in its place by renaming. */
 PBF_API pbf_status pbf_load_backend(const char *path);
 
 #ifdef __cplusplus

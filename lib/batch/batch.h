@@ -3,7 +3,6 @@
 #define PBF_LIB_BATCH_BATCH_H
 
 #include <pbf/batch.h>
-#include <pthread.h>
 #include <stdatomic.h>
 
 #include "check.h"
@@ -31,7 +30,7 @@ struct pbf_batch {
   pbf_batch *next_live;
   uint32_t references; /* the handle, a running call */
   uint32_t in_call;    /* 1: a call is running, … */
-  pthread_t thread;    /* … in this thread, … */
+  uintptr_t thread;    /* … in this thread, … */
   int cancellation;    /* … which gets that back */
   uint32_t left;       /* 1: a fork has left it without the thread of its call */
 

@@ -9,7 +9,7 @@
 #include "memory.h"
 #include "solver/create.h"
 #include "solver/handles.h"
-#include "uncancelled.h"
+#include "os.h"
 
 /* Of a world: one thread, which the batch has it stepped by. */
 static pbf_desc desc_of_world(const pbf_checked_desc *checked) {

@@ -4,7 +4,7 @@
 #include "error.h"
 #include "free.h"
 #include "lock.h"
-#include "uncancelled.h"
+#include "os.h"
 
 static pbf_batch *first_live;
 
@@ -30,7 +30,7 @@ static pbf_status enter_locked(pbf_batch *batch) {
     return pbf_fail(PBF_ERROR_BUSY,
                     "another call is inside this batch; a batch belongs to one thread at a time");
   }
-  batch->thread = pthread_self();
+  batch->thread = pbf_this_thread();
   ++batch->references;
   atomic_signal_fence(memory_order_release); /* a fork in between must not drop what is not held */
   batch->in_call = 1;
@@ -99,7 +99,7 @@ void pbf_batch_destroy(pbf_batch *batch) {
 /* The thread that runs there is the one that forked; a call of another one will not come back. */
 static void leave_to_other_threads(void) {
   for (pbf_batch *batch = first_live; batch; batch = batch->next_live) {
-    if (!batch->in_call || pthread_equal(batch->thread, pthread_self())) continue;
+    if (!batch->in_call || batch->thread == pbf_this_thread()) continue;
     batch->in_call = 0;
     batch->left = 1;
     --batch->references;
@@ -107,5 +107,5 @@ static void leave_to_other_threads(void) {
 }
 
 __attribute__((constructor)) static void prepare_for_forks(void) {
-  pthread_atfork(NULL, NULL, leave_to_other_threads);
+  pbf_at_fork(NULL, NULL, leave_to_other_threads);
 }

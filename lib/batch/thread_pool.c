@@ -1,12 +1,8 @@
-#define _GNU_SOURCE /* sched_getaffinity */
 #include "thread_pool.h"
 
-#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "common/signalless_thread.h"
 #include "memory.h"
 
 /* What a call into a solver needs, many times over. */
@@ -23,9 +19,7 @@ struct pbf_thread_pool_job {
 };
 
 uint32_t pbf_thread_pool_size(uint32_t wanted, uint32_t items) {
-  cpu_set_t set;
-  if (!wanted && sched_getaffinity(0, sizeof set, &set) == 0) wanted = (uint32_t)CPU_COUNT(&set);
-  if (!wanted) wanted = 1;
+  if (!wanted) wanted = pbf_processors();
   if (wanted > PBF_MAX_POOL_THREADS) wanted = PBF_MAX_POOL_THREADS;
   return wanted < items ? wanted : items;
 }
@@ -43,31 +37,31 @@ static void work_on(pbf_thread_pool_job *job) {
 /* A job stays where it is until all that are inside have left, and none comes once it is closed. */
 static void *work(void *user) {
   pbf_thread_pool *pool = user;
-  pthread_mutex_lock(&pool->mutex);
+  pbf_mutex_lock(&pool->mutex);
   while (!pool->quit) {
     pbf_thread_pool_job *job = pool->job;
     if (!job || job->places == 0) {
-      pthread_cond_wait(&pool->begun, &pool->mutex);
+      pbf_condition_wait(&pool->begun, &pool->mutex);
       continue;
     }
     --job->places;
     ++job->inside;
-    pthread_mutex_unlock(&pool->mutex);
+    pbf_mutex_unlock(&pool->mutex);
     work_on(job);
-    pthread_mutex_lock(&pool->mutex);
-    if (--job->inside == 0) pthread_cond_signal(&pool->ended);
+    pbf_mutex_lock(&pool->mutex);
+    if (--job->inside == 0) pbf_condition_signal(&pool->ended);
   }
-  pthread_mutex_unlock(&pool->mutex);
+  pbf_mutex_unlock(&pool->mutex);
   return NULL;
 }
 
 /* In the child of a fork there is none of the threads; the memory for their names stays. */
 static void begin_here(pbf_thread_pool *pool) {
-  if (pool->process == getpid()) return;
-  pthread_mutex_init(&pool->mutex, NULL);
-  pthread_cond_init(&pool->begun, NULL);
-  pthread_cond_init(&pool->ended, NULL);
-  pool->process = getpid();
+  if (pool->process == pbf_process()) return;
+  pbf_mutex_init(&pool->mutex);
+  pbf_condition_init(&pool->begun);
+  pbf_condition_init(&pool->ended);
+  pool->process = pbf_process();
   pool->started = pool->refused = pool->quit = 0;
   pool->job = NULL;
 }
@@ -82,7 +76,7 @@ static void take_room(pbf_thread_pool *pool, const pbf_allocator *allocator) {
 }
 
 static int start_thread(pbf_thread_pool *pool) {
-  const int runs = pbf_start_signalless(&pool->threads[pool->started], STACK_BYTES, work, pool);
+  const int runs = pbf_thread_start(&pool->threads[pool->started], STACK_BYTES, work, pool);
   pool->started += runs;
   return runs;
 }
@@ -94,19 +88,19 @@ static void start_threads(pbf_thread_pool *pool, const pbf_allocator *allocator)
 }
 
 static void open_job(pbf_thread_pool *pool, pbf_thread_pool_job *job) {
-  pthread_mutex_lock(&pool->mutex);
+  pbf_mutex_lock(&pool->mutex);
   pool->job = job;
-  pthread_cond_broadcast(&pool->begun);
-  pthread_mutex_unlock(&pool->mutex);
+  pbf_condition_broadcast(&pool->begun);
+  pbf_mutex_unlock(&pool->mutex);
 }
 
 /* Where a callback has forked, the child has no thread to wait for. */
 static void close_job(pbf_thread_pool *pool, const pbf_thread_pool_job *job) {
-  if (pool->process != getpid()) return;
-  pthread_mutex_lock(&pool->mutex);
+  if (pool->process != pbf_process()) return;
+  pbf_mutex_lock(&pool->mutex);
   pool->job = NULL;
-  while (job->inside > 0) pthread_cond_wait(&pool->ended, &pool->mutex);
-  pthread_mutex_unlock(&pool->mutex);
+  while (job->inside > 0) pbf_condition_wait(&pool->ended, &pool->mutex);
+  pbf_mutex_unlock(&pool->mutex);
 }
 
 static void run_in_threads(pbf_thread_pool *pool, const pbf_allocator *allocator,
@@ -148,15 +142,15 @@ void pbf_thread_pool_run(pbf_thread_pool *pool, const pbf_allocator *allocator, 
 }
 
 void pbf_thread_pool_free(pbf_thread_pool *pool, const pbf_allocator *allocator) {
-  if (pool->process == getpid()) {
-    pthread_mutex_lock(&pool->mutex);
+  if (pool->process == pbf_process()) {
+    pbf_mutex_lock(&pool->mutex);
     pool->quit = 1;
-    pthread_cond_broadcast(&pool->begun);
-    pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t k = 0; k < pool->started; ++k) pthread_join(pool->threads[k], NULL);
-    pthread_cond_destroy(&pool->ended);
-    pthread_cond_destroy(&pool->begun);
-    pthread_mutex_destroy(&pool->mutex);
+    pbf_condition_broadcast(&pool->begun);
+    pbf_mutex_unlock(&pool->mutex);
+    for (uint32_t k = 0; k < pool->started; ++k) pbf_thread_join(&pool->threads[k]);
+    pbf_condition_destroy(&pool->ended);
+    pbf_condition_destroy(&pool->begun);
+    pbf_mutex_destroy(&pool->mutex);
   }
   if (pool->threads)
     allocator->release(allocator->user, pool->threads, pool->room * sizeof *pool->threads, 64);

@@ -3,8 +3,8 @@
 #define PBF_LIB_BATCH_THREAD_POOL_H
 
 #include <pbf/pbf.h>
-#include <pthread.h>
-#include <sys/types.h>
+
+#include "common/system.h"
 
 /* More threads than that gain nothing. */
 enum { PBF_MAX_POOL_THREADS = 1024 };
@@ -20,13 +20,13 @@ typedef struct pbf_thread_pool {
   pbf_finish_task_fn finish_task;
   void *task_user;
 
-  pthread_mutex_t mutex;
-  pthread_cond_t begun, ended;
-  pid_t process;    /* that the threads run in; 0: none have started */
+  pbf_mutex mutex;
+  pbf_condition begun, ended;
+  uint32_t process; /* that the threads run in; 0: none have started */
   uint32_t started; /* threads, … */
   uint32_t room;    /* … and for how many `threads` has room */
   uint32_t refused; /* 1: the system gives no more */
-  pthread_t *threads;
+  pbf_thread *threads;
   pbf_thread_pool_job *job; /* open to those that come; null: none is */
   uint32_t quit;
 } pbf_thread_pool;

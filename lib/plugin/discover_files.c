@@ -2,13 +2,13 @@
 #include "discover.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "entries.h"
 #include "error.h"
+#include "os.h"
+#include "pbf_build.h"
 #include "plugin_file.h"
 #include "search.h"
 #include "text.h"
@@ -31,34 +31,37 @@ static pbf_status load(const char *path, const char *expected, pbf_plugin *plugi
 
 /* 1 when the folder has such a file, whether it loads or not; `reason` is why it does not. */
 static int try_folder(const char *folder, const char *name, char reason[256]) {
-  char path[PATH_MAX];
-  struct stat file;
+  char path[PBF_OS_PATH_SIZE];
+  int is_regular;
   pbf_plugin plugin;
-  int length = snprintf(path, sizeof path, "%s/pbf_backend_%s.so", folder, name);
+  int length = snprintf(path, sizeof path, "%s/pbf_backend_%s" PBF_PLUGIN_SUFFIX, folder, name);
   if (length >= (int)sizeof path) return 0;
-  if (stat(path, &file) != 0 && (errno == ENOENT || errno == ENOTDIR)) return 0;
+  const int failed = pbf_os_look(path, &is_regular);
+  if (failed == ENOENT || failed == ENOTDIR) return 0;
   load(path, name, &plugin, PBF_ROOM_SEARCH);
   memcpy(reason, plugin.reason, sizeof plugin.reason);
   return 1;
 }
 
 void pbf_discover_name(const char *name) {
-  char folder[PATH_MAX], tried[200] = "", reason[256];
+  char folder[PBF_OS_PATH_SIZE], tried[200] = "", reason[256];
   int candidates = 0;
   pbf_folder kind;
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind != PBF_FOLDER_USABLE) continue;
     candidates += try_folder(folder, name, reason);
     if (pbf_entries_usable(name)) return;
-    if (tried[0]) pbf_text_append(tried, sizeof tried, ":");
+    const char separator[] = {pbf_os_list_separator, 0};
+    if (tried[0]) pbf_text_append(tried, sizeof tried, separator);
     pbf_text_append(tried, sizeof tried, folder);
   }
-  if (!candidates) snprintf(reason, sizeof reason, "no pbf_backend_%s.so in %s", name, tried);
+  if (!candidates)
+    snprintf(reason, sizeof reason, "no pbf_backend_%s" PBF_PLUGIN_SUFFIX " in %s", name, tried);
   if (!pbf_entries_name(name)) pbf_entries_append_failure(name, "", reason, PBF_ROOM_SEARCH);
 }
 
 void pbf_discover_end(void) {
-  char folder[PATH_MAX];
+  char folder[PBF_OS_PATH_SIZE];
   pbf_folder kind;
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind == PBF_FOLDER_NOT_ABSOLUTE)

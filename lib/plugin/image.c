@@ -1,23 +1,13 @@
-#define _GNU_SOURCE /* dladdr */
+/* Of ELF, before the dynamic loader believes what a file says of itself. */
 #include "image.h"
 
-#if !defined(__ELF__)
-
-pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin) {
-  (void)file, (void)size, (void)plugin;
-  return PBF_OK;
-}
-
-#else
-
-#include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "image_file.h"
+#include "os.h"
 
 typedef pbf_image image;
 typedef ElfW(Ehdr) header;
@@ -29,9 +19,7 @@ typedef ElfW(Addr) address;
 
 /* The header of this library, which the dynamic loader has mapped with it. */
 static const header *own_header(void) {
-  Dl_info info;
-  if (!dladdr((void *)(uintptr_t)&pbf_image_check, &info)) return NULL;
-  const header *own = info.dli_fbase;
+  const header *own = pbf_os_own_image();
   return own && memcmp(own->e_ident, ELFMAG, SELFMAG) == 0 ? own : NULL;
 }
 
@@ -217,7 +205,7 @@ static int is_data(const image *it, const section *s) {
 
 /* Pages that are read-only once the loader is done: in part of a page nothing is. */
 static int protects_no_data(const image *it, const segment *s) {
-  const address end = (s->p_vaddr + s->p_memsz) & ~((address)sysconf(_SC_PAGESIZE) - 1);
+  const address end = (s->p_vaddr + s->p_memsz) & ~((address)pbf_os_page() - 1);
   for (uint32_t k = 0; k < it->section_count; ++k) {
     const section *one = &it->sections[k];
     if (is_data(it, one) && one->sh_addr < end && one->sh_addr + one->sh_size > s->p_vaddr)
@@ -227,7 +215,7 @@ static int protects_no_data(const image *it, const segment *s) {
 }
 
 static int protects_writable(const image *it, const segment *s) {
-  const address page = (address)sysconf(_SC_PAGESIZE);
+  const address page = (address)pbf_os_page();
   for (unsigned i = 0; i < it->header.e_phnum; ++i) {
     const segment *load = &it->segments[i];
     const int is_start = load->p_vaddr == s->p_vaddr && load->p_offset == s->p_offset;
@@ -290,5 +278,3 @@ pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin) {
   free(it.sections);
   return status;
 }
-
-#endif

@@ -1,11 +1,7 @@
 /* What all checks of a shared object need: refusals, and bytes by their place or their address. */
-#define _GNU_SOURCE /* pread */
 #include "image_file.h"
 
-#if defined(__ELF__)
-
-#include <errno.h>
-#include <unistd.h>
+#include "os.h"
 
 pbf_status pbf_image_refuse(pbf_image *it, const char *what) {
   return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "it is damaged: %s", what);
@@ -18,12 +14,7 @@ pbf_status pbf_image_refuse_short(pbf_image *it, const char *what) {
 }
 
 int pbf_image_read(const pbf_image *it, void *bytes, size_t count, uint64_t offset) {
-  for (size_t done = 0; done < count;) {
-    ssize_t got = pread(it->file, (char *)bytes + done, count - done, (off_t)(offset + done));
-    if (got == 0 || (got < 0 && errno != EINTR)) return 0;
-    if (got > 0) done += (size_t)got;
-  }
-  return 1;
+  return pbf_os_read(it->file, bytes, count, offset);
 }
 
 int pbf_image_find(const pbf_image *it, ElfW(Addr) from, uint64_t bytes, uint64_t *offset) {
@@ -36,5 +27,3 @@ int pbf_image_find(const pbf_image *it, ElfW(Addr) from, uint64_t bytes, uint64_
   }
   return 0;
 }
-
-#endif

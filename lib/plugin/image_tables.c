@@ -3,8 +3,6 @@
 #define _GNU_SOURCE
 #include "image_file.h"
 
-#if defined(__ELF__)
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -489,5 +487,3 @@ pbf_status pbf_image_check_tables(image *it) {
   free(t.needs);
   return status;
 }
-
-#endif

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
-#include "uncancelled.h"
+#include "os.h"
 
 static void refuse(pbf_probe_result *result, const char *reason) {
   result->score = 0;

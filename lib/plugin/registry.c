@@ -6,7 +6,7 @@
 #include "entries.h"
 #include "error.h"
 #include "lock.h"
-#include "uncancelled.h"
+#include "os.h"
 
 static const char *const known_names[] = {"reference", "serial", "threads", "openmp", "cuda"};
 
@@ -37,7 +37,7 @@ const pbf_plugin *pbf_registry_entry(uint32_t index) {
 }
 
 pbf_status pbf_load_backend(const char *path) {
-  if (!path || path[0] != '/') {
+  if (!path || !pbf_os_is_absolute(path)) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "path is %s%s%s; it must be absolute",
                     path ? "\"" : "", path ? path : "null", path ? "\"" : "");
   }

@@ -15,7 +15,4 @@ typedef enum pbf_folder {
 /* Folder `index` of the search, in its order. */
 pbf_folder pbf_search_folder(uint32_t index, char *folder, size_t size);
 
-/* PBF_BACKEND_PATH, null when unset or not to be trusted. */
-const char *pbf_search_environment(void);
-
 #endif

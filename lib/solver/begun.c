@@ -2,7 +2,7 @@
 #include "error.h"
 #include "handles.h"
 #include "step.h"
-#include "uncancelled.h"
+#include "os.h"
 #include "worker.h"
 
 pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {

@@ -1,9 +1,9 @@
-#define _GNU_SOURCE /* pthread_getattr_np */
 #include "callbacks.h"
 
-#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "os.h"
 
 /* ---- Blocks of memory that are out --------------------------------------------------------- */
 
@@ -47,41 +47,6 @@ static uint64_t word_of(const pbf_callbacks *own, int k) {
   return (own->calls + (uint64_t)k) * UINT64_C(0x9e3779b97f4a7c15);
 }
 
-#if defined(__linux__)
-
-/* The stack that this thread was made with: coroutines and signal handlers may have others. */
-static _Thread_local struct { uintptr_t lowest, size; } thread_stack;
-
-/* Not in a signal handler: it allocates. */
-static void find_stack(void) {
-  pthread_attr_t attributes;
-  void *lowest;
-  size_t size;
-  if (thread_stack.size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
-  if (pthread_attr_getstack(&attributes, &lowest, &size) == 0) {
-    thread_stack.lowest = (uintptr_t)lowest;
-    thread_stack.size = size;
-  }
-  pthread_attr_destroy(&attributes);
-}
-
-static int is_on_stack(const volatile void *place) {
-  return (uintptr_t)place - thread_stack.lowest < thread_stack.size;
-}
-
-static int on_signal_stack(void) {
-  stack_t stack;
-  return sigaltstack(NULL, &stack) != 0 || stack.ss_flags & SS_ONSTACK;
-}
-
-#else /* unknown */
-
-static void find_stack(void) {}
-static int is_on_stack(const volatile void *place) { return (void)place, 0; }
-static int on_signal_stack(void) { return 1; }
-
-#endif
-
 /* A stack may have been given other borders by what looks after memory. */
 #define UNCHECKED __attribute__((noinline, no_sanitize("address"), no_sanitize("thread")))
 
@@ -96,15 +61,15 @@ UNCHECKED int pbf_callbacks_were_left(const pbf_solver *solver) {
   const pbf_callbacks *own = &solver->callbacks;
   const mark *there = own->frame;
   const void *here = __builtin_frame_address(0);
-  if (!there || !pthread_equal(own->thread, pthread_self())) return 0;
-  if (on_signal_stack() || !is_on_stack(here) || !is_on_stack(there)) return 0;
+  if (!there || own->thread != pbf_this_thread()) return 0;
+  if (pbf_os_on_signal_stack() || !pbf_os_is_on_stack(here) || !pbf_os_is_on_stack(there)) return 0;
   return (uintptr_t)here > (uintptr_t)there || is_changed(own, there);
 }
 
 /* ---- Calling ------------------------------------------------------------------------------- */
 
 UNCHECKED static void begin(pbf_callbacks *own, mark *here) {
-  find_stack();
+  pbf_os_find_stack();
   ++own->calls;
   for (int k = 0; k < MARK_WORDS; ++k) here->words[k] = word_of(own, k);
   own->frame = here;

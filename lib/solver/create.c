@@ -16,7 +16,7 @@
 #include "plugin/select.h"
 #include "structs.h"
 #include "text.h"
-#include "uncancelled.h"
+#include "os.h"
 
 /* Without a valid table nothing can free what a faulty plugin may have created. */
 static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api *table,

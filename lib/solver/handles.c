@@ -11,7 +11,7 @@
 #include "free.h"
 #include "lock.h"
 #include "snapshot_memory.h"
-#include "uncancelled.h"
+#include "os.h"
 
 enum { BUCKETS = 64 };
 
@@ -83,7 +83,7 @@ static pbf_status enter_locked(pbf_solver *solver) {
                     "another call is inside this solver; a solver belongs to one thread at a time");
   }
   atomic_store_explicit(&solver->cancelled, 0, memory_order_relaxed);
-  solver->callbacks.thread = pthread_self();
+  solver->callbacks.thread = pbf_this_thread();
   solver->callbacks.frame = NULL;
   atomic_signal_fence(memory_order_release); /* whose call it is, a fork in between must know */
   solver->in_call = 1;
@@ -145,7 +145,7 @@ pbf_status pbf_cancel(pbf_solver *solver) {
   return status;
 }
 
-void pbf_stay(pbf_solver *solver, pthread_t runner) {
+void pbf_stay(pbf_solver *solver, uintptr_t runner) {
   pbf_fp_end(solver->callers_fp);
   pbf_lock_take(PBF_LOCK_SOLVERS);
   solver->begun = PBF_BEGUN_STEPS;
@@ -161,7 +161,7 @@ static pbf_status begin_end_locked(pbf_solver *solver) {
     return pbf_fail(PBF_ERROR_STATE, "no steps have begun; pbf_begin_step begins them");
   if (solver->begun == PBF_BEGUN_ENDING)
     return pbf_fail(PBF_ERROR_BUSY, "another thread is in pbf_end_step of this solver");
-  if (pthread_equal(solver->callbacks.thread, pthread_self()))
+  if (solver->callbacks.thread == pbf_this_thread())
     return pbf_fail(PBF_ERROR_BUSY,
                     "the call comes from a callback of the steps that it would end");
   solver->begun = PBF_BEGUN_ENDING;
@@ -190,7 +190,7 @@ static void end_begun(pbf_solver *solver) {
   int ends = 0;
   pbf_lock_take(PBF_LOCK_SOLVERS);
   if (is_live(solver) && solver->begun == PBF_BEGUN_STEPS &&
-      !pthread_equal(solver->callbacks.thread, pthread_self())) {
+      solver->callbacks.thread != pbf_this_thread()) {
     atomic_store_explicit(&solver->cancelled, 1, memory_order_relaxed);
     solver->begun = PBF_BEGUN_ENDING;
     ends = 1;
@@ -262,14 +262,14 @@ static void leave_to_other_threads(void) {
   const int is_half_done = pbf_lock_forget_others(PBF_LOCK_SOLVERS);
   for (int k = 0; k < BUCKETS; ++k)
     for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live) {
-      if (solver->in_call && !pthread_equal(solver->callbacks.thread, pthread_self()))
+      if (solver->in_call && solver->callbacks.thread != pbf_this_thread())
         leave_halfway(solver, PBF_LEFT_BY_FORK);
       if (is_half_done) count_anew(solver);
     }
 }
 
 __attribute__((constructor)) static void prepare_for_forks(void) {
-  pthread_atfork(NULL, NULL, leave_to_other_threads);
+  pbf_at_fork(NULL, NULL, leave_to_other_threads);
 }
 
 void pbf_solver_add_export(pbf_solver *solver) {

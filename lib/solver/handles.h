@@ -11,7 +11,7 @@ pbf_status pbf_enter(pbf_solver *solver);
 pbf_status pbf_leave(pbf_solver *solver, pbf_status status);
 
 /* Of pbf_begin_step: the call stays inside, run by that thread, … */
-void pbf_stay(pbf_solver *solver, pthread_t runner);
+void pbf_stay(pbf_solver *solver, uintptr_t runner);
 
 /* … until the one thread that this succeeds for leaves with its status. Fails with PBF_ERROR_STATE
  * where nothing has begun. */

@@ -2,7 +2,6 @@
 #ifndef PBF_LIB_SOLVER_SOLVER_H
 #define PBF_LIB_SOLVER_SOLVER_H
 
-#include <pthread.h>
 #include <stdatomic.h>
 
 #include "check.h"
@@ -41,7 +40,7 @@ typedef struct pbf_callbacks {
   pbf_allocator allocator;
   pbf_log_fn log; /* or null */
   void *log_user;
-  pthread_t thread;           /* of the running call, or the last one */
+  uintptr_t thread;           /* of the running call, or the last one */
   const void *volatile frame; /* on its stack, of a callback that runs; null: none does */
   uint64_t calls;             /* of them, so far */
   uint32_t block_count;       /* blocks that the solver has, as many as there is room for */
@@ -77,7 +76,7 @@ struct pbf_solver {
   /* Belongs to the running call. */
   struct pbf_worker *worker;     /* which runs what is begun: worker.h; null: none has begun */
   pbf_fp_environment callers_fp; /* the environment of the thread that it came from */
-  int callers_cancellation;      /* its state, see uncancelled.h */
+  int callers_cancellation;      /* its state, see os.h */
   pbf_allocator allocator;       /* these three lead to the caller's own: */
   pbf_log_fn log;
   void *log_user;

@@ -1,20 +1,18 @@
 #include "worker.h"
 
-#include <pthread.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "common/signalless_thread.h"
 #include "error.h"
 #include "memory.h"
+#include "os.h"
 
 typedef enum worker_state { IDLE, BEGUN, DONE, QUIT } worker_state;
 
 typedef struct pbf_worker {
-  pthread_mutex_t mutex;
-  pthread_cond_t changed;
-  pthread_t thread;
-  pid_t process; /* that the thread runs in: a child that was forked off has none; 0: none does */
+  pbf_mutex mutex;
+  pbf_condition changed;
+  pbf_thread thread;
+  uint32_t process; /* that the thread runs in: a child of a fork has none; 0: none does */
   worker_state state;
   pbf_steps_fn run;
   uint32_t steps;
@@ -23,19 +21,19 @@ typedef struct pbf_worker {
 } pbf_worker;
 
 static void set_state(pbf_worker *worker, worker_state state) {
-  pthread_mutex_lock(&worker->mutex);
+  pbf_mutex_lock(&worker->mutex);
   worker->state = state;
-  pthread_cond_broadcast(&worker->changed);
-  pthread_mutex_unlock(&worker->mutex);
+  pbf_condition_broadcast(&worker->changed);
+  pbf_mutex_unlock(&worker->mutex);
 }
 
 /* Returns the state that it is in then. */
 static worker_state wait_while(pbf_worker *worker, worker_state a, worker_state b) {
-  pthread_mutex_lock(&worker->mutex);
+  pbf_mutex_lock(&worker->mutex);
   while (worker->state == a || worker->state == b)
-    pthread_cond_wait(&worker->changed, &worker->mutex);
+    pbf_condition_wait(&worker->changed, &worker->mutex);
   const worker_state state = worker->state;
-  pthread_mutex_unlock(&worker->mutex);
+  pbf_mutex_unlock(&worker->mutex);
   return state;
 }
 
@@ -72,14 +70,14 @@ static pbf_status take_worker(pbf_solver *solver) {
 
 pbf_status pbf_worker_start(pbf_solver *solver) {
   pbf_status status = take_worker(solver);
-  if (status != PBF_OK || solver->worker->process == getpid()) return status;
+  if (status != PBF_OK || solver->worker->process == pbf_process()) return status;
   solver->worker->state = IDLE;
   solver->worker->process = 0;
-  pthread_mutex_init(&solver->worker->mutex, NULL);
-  pthread_cond_init(&solver->worker->changed, NULL);
-  if (!pbf_start_signalless(&solver->worker->thread, 0, work, solver))
+  pbf_mutex_init(&solver->worker->mutex);
+  pbf_condition_init(&solver->worker->changed);
+  if (!pbf_thread_start(&solver->worker->thread, 0, work, solver))
     return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no thread for pbf_begin_step can be started");
-  solver->worker->process = getpid();
+  solver->worker->process = pbf_process();
   return PBF_OK;
 }
 
@@ -90,18 +88,20 @@ uint64_t pbf_worker_bytes(const pbf_solver *solver) {
 void pbf_worker_free(pbf_solver *solver) {
   pbf_worker *worker = solver->worker;
   if (!worker) return;
-  if (worker->process == getpid()) {
+  if (worker->process == pbf_process()) {
     set_state(worker, QUIT);
-    pthread_join(worker->thread, NULL);
-    pthread_cond_destroy(&worker->changed);
-    pthread_mutex_destroy(&worker->mutex);
+    pbf_thread_join(&worker->thread);
+    pbf_condition_destroy(&worker->changed);
+    pbf_mutex_destroy(&worker->mutex);
   }
   pbf_memory_free(&solver->allocator, worker, sizeof *worker);
 }
 
 /* ---- Its work ------------------------------------------------------------------------------- */
 
-pthread_t pbf_worker_thread(const pbf_solver *solver) { return solver->worker->thread; }
+uintptr_t pbf_worker_thread(const pbf_solver *solver) {
+  return pbf_thread_of(&solver->worker->thread);
+}
 
 void pbf_worker_run(pbf_solver *solver, pbf_steps_fn run, uint32_t steps) {
   solver->worker->run = run;

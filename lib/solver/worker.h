@@ -3,8 +3,6 @@
 #ifndef PBF_LIB_SOLVER_WORKER_H
 #define PBF_LIB_SOLVER_WORKER_H
 
-#include <pthread.h>
-
 #include "error.h"
 #include "solver.h"
 
@@ -13,7 +11,7 @@ typedef pbf_status (*pbf_steps_fn)(pbf_solver *solver, uint32_t steps);
 /* Unless the solver has one. Fails with PBF_ERROR_OUT_OF_MEMORY. */
 pbf_status pbf_worker_start(pbf_solver *solver);
 
-pthread_t pbf_worker_thread(const pbf_solver *solver);
+uintptr_t pbf_worker_thread(const pbf_solver *solver);
 
 /* Has it run the steps. */
 void pbf_worker_run(pbf_solver *solver, pbf_steps_fn run, uint32_t steps);

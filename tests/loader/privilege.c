@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "plugin/privilege.h"
+#include "os_privilege.h"
 
 static void identities(void **state) {
   (void)state;

@@ -1,0 +1,110 @@
+/* What backends, and the library's threads, want of the system: system_posix.c and system_windows.c
+ * have it. No other file of backends/ but the teams' own asks on which system it is. */
+#ifndef PBF_COMMON_SYSTEM_H
+#define PBF_COMMON_SYSTEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+
+/* Types of <windows.h> by what they are: its macros would be everywhere. */
+typedef struct pbf_thread {
+  void *handle;
+  uintptr_t number;
+  void *(*run)(void *user);
+  void *user;
+} pbf_thread;
+
+typedef struct pbf_mutex {
+  void *lock; /* SRWLOCK */
+} pbf_mutex;
+
+typedef struct pbf_condition {
+  void *variable; /* CONDITION_VARIABLE */
+} pbf_condition;
+
+#define PBF_MUTEX_INITIALIZER \
+  { 0 }
+#define PBF_CONDITION_INITIALIZER \
+  { 0 }
+
+#else
+
+#include <pthread.h>
+
+typedef struct pbf_thread {
+  pthread_t thread;
+} pbf_thread;
+
+typedef struct pbf_mutex {
+  pthread_mutex_t mutex;
+} pbf_mutex;
+
+typedef struct pbf_condition {
+  pthread_cond_t condition;
+} pbf_condition;
+
+#define PBF_MUTEX_INITIALIZER \
+  { PTHREAD_MUTEX_INITIALIZER }
+#define PBF_CONDITION_INITIALIZER \
+  { PTHREAD_COND_INITIALIZER }
+
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A variable's value; null when it is unset, or when the process has rights that what has set it
+ * may lack. */
+const char *pbf_environment(const char *name);
+
+/* Seconds by a clock that only goes forward. */
+double pbf_seconds(void);
+
+/* CPUs that this process may use, at least 1. */
+uint32_t pbf_processors(void);
+
+/* ---- Processes ------------------------------------------------------------------------------ */
+
+/* The calling process, never 0. */
+uint32_t pbf_process(void);
+
+/* Has them called around each fork; each may be null. 1 for success. Where processes do not fork,
+ * never. */
+int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void));
+
+/* ---- Threads -------------------------------------------------------------------------------- */
+
+/* The calling thread: never 0, and safe in a signal handler. */
+uintptr_t pbf_this_thread(void);
+
+/* Lets others run. */
+void pbf_yield(void);
+
+/* A thread on which no signal of the program is handled; 1 once it runs. `stack_bytes` 0: the
+ * system's default. The struct stays where it is until the thread has begun. */
+int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user);
+void pbf_thread_join(pbf_thread *thread);
+
+/* What pbf_this_thread gives in it. */
+uintptr_t pbf_thread_of(const pbf_thread *thread);
+
+void pbf_mutex_init(pbf_mutex *mutex);
+void pbf_mutex_destroy(pbf_mutex *mutex);
+void pbf_mutex_lock(pbf_mutex *mutex);
+void pbf_mutex_unlock(pbf_mutex *mutex);
+
+/* A wait may end without a signal. */
+void pbf_condition_init(pbf_condition *condition);
+void pbf_condition_destroy(pbf_condition *condition);
+void pbf_condition_wait(pbf_condition *condition, pbf_mutex *mutex);
+void pbf_condition_signal(pbf_condition *condition);
+void pbf_condition_broadcast(pbf_condition *condition);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

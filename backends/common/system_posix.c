@@ -1,0 +1,89 @@
+/* Linux, and what else has threads by POSIX. */
+#define _GNU_SOURCE /* secure_getenv, sched_getaffinity */
+#include "common/system.h"
+
+#include <sched.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+const char *pbf_environment(const char *name) {
+#if defined(__linux__)
+  return secure_getenv(name);
+#elif defined(__APPLE__)
+  return issetugid() ? NULL : getenv(name);
+#else
+  return getenv(name);
+#endif
+}
+
+double pbf_seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+uint32_t pbf_processors(void) {
+#if defined(__linux__)
+  cpu_set_t set;
+  if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
+    return (uint32_t)CPU_COUNT(&set);
+#endif
+  const long online = sysconf(_SC_NPROCESSORS_ONLN);
+  return online < 1 ? 1 : (uint32_t)online;
+}
+
+/* ---- Processes ------------------------------------------------------------------------------ */
+
+uint32_t pbf_process(void) { return (uint32_t)getpid(); }
+
+int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void)) {
+  return pthread_atfork(before, in_parent, in_child) == 0;
+}
+
+/* ---- Threads -------------------------------------------------------------------------------- */
+
+uintptr_t pbf_this_thread(void) { return (uintptr_t)pthread_self(); }
+
+void pbf_yield(void) { sched_yield(); }
+
+int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
+  sigset_t all, before;
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return 0;
+  if (stack_bytes) pthread_attr_setstacksize(&attributes, stack_bytes);
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before); /* which a thread has from the one that starts it */
+  const int failed = pthread_create(&thread->thread, &attributes, run, user);
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  pthread_attr_destroy(&attributes);
+  return !failed;
+}
+
+void pbf_thread_join(pbf_thread *thread) { pthread_join(thread->thread, NULL); }
+
+uintptr_t pbf_thread_of(const pbf_thread *thread) { return (uintptr_t)thread->thread; }
+
+void pbf_mutex_init(pbf_mutex *mutex) { pthread_mutex_init(&mutex->mutex, NULL); }
+void pbf_mutex_destroy(pbf_mutex *mutex) { pthread_mutex_destroy(&mutex->mutex); }
+void pbf_mutex_lock(pbf_mutex *mutex) { pthread_mutex_lock(&mutex->mutex); }
+void pbf_mutex_unlock(pbf_mutex *mutex) { pthread_mutex_unlock(&mutex->mutex); }
+
+void pbf_condition_init(pbf_condition *condition) {
+  pthread_cond_init(&condition->condition, NULL);
+}
+
+void pbf_condition_destroy(pbf_condition *condition) {
+  pthread_cond_destroy(&condition->condition);
+}
+
+void pbf_condition_wait(pbf_condition *condition, pbf_mutex *mutex) {
+  pthread_cond_wait(&condition->condition, &mutex->mutex);
+}
+
+void pbf_condition_signal(pbf_condition *condition) { pthread_cond_signal(&condition->condition); }
+
+void pbf_condition_broadcast(pbf_condition *condition) {
+  pthread_cond_broadcast(&condition->condition);
+}

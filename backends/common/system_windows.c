@@ -1,0 +1,98 @@
+/* Windows, from 7 on. */
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+
+#include "common/system.h"
+
+_Static_assert(sizeof(SRWLOCK) == sizeof(pbf_mutex), "pbf_mutex is an SRWLOCK");
+_Static_assert(sizeof(CONDITION_VARIABLE) == sizeof(pbf_condition), "and the other a condition");
+
+static SRWLOCK *lock_of(pbf_mutex *mutex) { return (SRWLOCK *)(void *)mutex; }
+
+static CONDITION_VARIABLE *variable_of(pbf_condition *condition) {
+  return (CONDITION_VARIABLE *)(void *)condition;
+}
+
+/* The system's, of which each C library in a process has a copy of its own. A process that was
+ * given more rights has its own user's environment. */
+const char *pbf_environment(const char *name) {
+  static _Thread_local char value[256];
+  const DWORD length = GetEnvironmentVariableA(name, value, sizeof value);
+  return length > 0 && length < sizeof value ? value : NULL;
+}
+
+double pbf_seconds(void) {
+  LARGE_INTEGER count, frequency;
+  QueryPerformanceCounter(&count);
+  QueryPerformanceFrequency(&frequency);
+  return (double)count.QuadPart / (double)frequency.QuadPart;
+}
+
+uint32_t pbf_processors(void) {
+  DWORD_PTR process = 0, system = 0;
+  uint32_t count = 0;
+  if (!GetProcessAffinityMask(GetCurrentProcess(), &process, &system)) return 1;
+  for (; process; process &= process - 1) ++count;
+  return count ? count : 1;
+}
+
+/* ---- Processes ------------------------------------------------------------------------------ */
+
+uint32_t pbf_process(void) { return GetCurrentProcessId(); }
+
+int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void)) {
+  (void)before, (void)in_parent, (void)in_child;
+  return 1;
+}
+
+/* ---- Threads -------------------------------------------------------------------------------- */
+
+uintptr_t pbf_this_thread(void) { return GetCurrentThreadId(); }
+
+void pbf_yield(void) { SwitchToThread(); }
+
+static DWORD WINAPI run_thread(void *user) {
+  pbf_thread *own = user;
+  own->run(own->user);
+  return 0;
+}
+
+int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
+  DWORD number = 0;
+  thread->run = run;
+  thread->user = user;
+  thread->handle = CreateThread(NULL, stack_bytes, run_thread, thread,
+                                stack_bytes ? STACK_SIZE_PARAM_IS_A_RESERVATION : 0, &number);
+  thread->number = number;
+  return thread->handle != NULL;
+}
+
+void pbf_thread_join(pbf_thread *thread) {
+  WaitForSingleObject(thread->handle, INFINITE);
+  CloseHandle(thread->handle);
+}
+
+uintptr_t pbf_thread_of(const pbf_thread *thread) { return thread->number; }
+
+void pbf_mutex_init(pbf_mutex *mutex) { InitializeSRWLock(lock_of(mutex)); }
+void pbf_mutex_destroy(pbf_mutex *mutex) { (void)mutex; }
+void pbf_mutex_lock(pbf_mutex *mutex) { AcquireSRWLockExclusive(lock_of(mutex)); }
+void pbf_mutex_unlock(pbf_mutex *mutex) { ReleaseSRWLockExclusive(lock_of(mutex)); }
+
+void pbf_condition_init(pbf_condition *condition) {
+  InitializeConditionVariable(variable_of(condition));
+}
+
+void pbf_condition_destroy(pbf_condition *condition) { (void)condition; }
+
+void pbf_condition_wait(pbf_condition *condition, pbf_mutex *mutex) {
+  SleepConditionVariableSRW(variable_of(condition), lock_of(mutex), INFINITE, 0);
+}
+
+void pbf_condition_signal(pbf_condition *condition) {
+  WakeConditionVariable(variable_of(condition));
+}
+
+void pbf_condition_broadcast(pbf_condition *condition) {
+  WakeAllConditionVariable(variable_of(condition));
+}

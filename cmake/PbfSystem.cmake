@@ -1,0 +1,40 @@
+# What of the build differs between systems.
+if(WIN32)
+  set(PBF_SYSTEM windows)
+  set(PBF_PLUGIN_SUFFIX .dll)
+  set(PBF_PLUGIN_FOLDER bin) # beside libpbf, which looks for them from where it is
+  set(PBF_PLUGIN_DESTINATION ${CMAKE_INSTALL_BINDIR}/pbf/backends)
+  set(PBF_IMAGE_SOURCES plugin/image_pe.c)
+else()
+  set(PBF_SYSTEM posix)
+  set(PBF_PLUGIN_SUFFIX .so)
+  set(PBF_PLUGIN_FOLDER lib)
+  set(PBF_PLUGIN_DESTINATION ${CMAKE_INSTALL_LIBDIR}/pbf/backends)
+  set(PBF_IMAGE_SOURCES plugin/image.c plugin/image_file.c plugin/image_tables.c)
+  if(APPLE)
+    set(PBF_PLUGIN_SUFFIX .dylib)
+    set(PBF_IMAGE_SOURCES plugin/image_unchecked.c)
+  endif()
+endif()
+# Of libpbf, and of plugins that start threads or ask for the time.
+set(PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/system_${PBF_SYSTEM}.c)
+
+include(CheckLinkerFlag)
+
+# pbf_link_options(<target> <flag>...): those of the flags that the linker knows.
+function(pbf_link_options target)
+  foreach(flag IN LISTS ARGN)
+    string(MAKE_C_IDENTIFIER "PBF_LINKER_HAS${flag}" known)
+    check_linker_flag(C "${flag}" ${known})
+    if(${known})
+      target_link_options(${target} PRIVATE "${flag}")
+    endif()
+  endforeach()
+endfunction()
+
+# pbf_carry_runtime(<target>): of mingw-w64's libraries nothing is left beside it.
+function(pbf_carry_runtime target)
+  if(MINGW)
+    target_link_options(${target} PRIVATE -static)
+  endif()
+endfunction()

@@ -1,0 +1,86 @@
+/* Linux, and what else has POSIX's threads and locales. */
+#define _GNU_SOURCE /* pthread_getattr_np, newlocale */
+#include "os.h"
+
+#include <locale.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#if defined(__APPLE__)
+#include <xlocale.h>
+#endif
+
+/* ---- Memory, time, numbers ------------------------------------------------------------------ */
+
+void *pbf_os_allocate(size_t size, size_t alignment) { return aligned_alloc(alignment, size); }
+
+void pbf_os_release(void *memory) { free(memory); }
+
+void pbf_os_sleep(uint32_t microseconds) {
+  const struct timespec nap = {microseconds / 1000000, microseconds % 1000000 * 1000L};
+  nanosleep(&nap, NULL);
+}
+
+/* Made before there are threads; 0 where it can't be. */
+static locale_t plain;
+
+__attribute__((constructor)) static void make_plain(void) {
+  plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+}
+
+void pbf_os_print_plain(char *text, size_t size, const char *format, va_list arguments) {
+  locale_t before = plain ? uselocale(plain) : (locale_t)0;
+  vsnprintf(text, size, format, arguments);
+  if (before) uselocale(before);
+}
+
+/* ---- A thread that another one cancels ------------------------------------------------------ */
+
+int pbf_uncancelled_begin(void) {
+  int before = PTHREAD_CANCEL_ENABLE;
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before);
+  return before;
+}
+
+void pbf_uncancelled_end(int before) { pthread_setcancelstate(before, NULL); }
+
+/* ---- Stacks --------------------------------------------------------------------------------- */
+
+#if defined(__linux__)
+
+static _Thread_local struct { uintptr_t lowest, size; } thread_stack;
+
+void pbf_os_find_stack(void) {
+  pthread_attr_t attributes;
+  void *lowest;
+  size_t size;
+  if (thread_stack.size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+  if (pthread_attr_getstack(&attributes, &lowest, &size) == 0) {
+    thread_stack.lowest = (uintptr_t)lowest;
+    thread_stack.size = size;
+  }
+  pthread_attr_destroy(&attributes);
+}
+
+int pbf_os_is_on_stack(const volatile void *place) {
+  return (uintptr_t)place - thread_stack.lowest < thread_stack.size;
+}
+
+int pbf_os_on_signal_stack(void) {
+  stack_t stack;
+  return sigaltstack(NULL, &stack) != 0 || stack.ss_flags & SS_ONSTACK;
+}
+
+#else /* unknown */
+
+void pbf_os_find_stack(void) {}
+int pbf_os_is_on_stack(const volatile void *place) { return (void)place, 0; }
+int pbf_os_on_signal_stack(void) { return 1; }
+
+#endif
+
+/* ---- Paths ---------------------------------------------------------------------------------- */
+
+int pbf_os_is_absolute(const char *path) { return path[0] == '/'; }

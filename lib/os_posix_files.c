@@ -1,0 +1,118 @@
+/* Paths, files and libraries of POSIX: of a libpbf that loads plugins. */
+#define _GNU_SOURCE /* dladdr */
+#include "os.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "os_privilege.h"
+
+/* ---- Paths ---------------------------------------------------------------------------------- */
+
+_Static_assert(PBF_OS_PATH_SIZE >= PATH_MAX, "realpath writes so many bytes");
+
+const char pbf_os_list_separator = ':';
+
+int pbf_os_is_elevated(void) {
+  const pbf_identity identity = pbf_identity_of_process();
+  return pbf_is_elevated(&identity);
+}
+
+const char *pbf_os_path_variable(const char *name) { return pbf_environment(name); }
+
+/* The file mapped where this function is, as the kernel names it. */
+static int file_by_map(char *path, size_t size) {
+  FILE *maps = fopen("/proc/self/maps", "re");
+  if (!maps) return 0;
+  uintptr_t here = (uintptr_t)&file_by_map;
+  char *line = NULL;
+  size_t line_size = 0;
+  int found = 0;
+  while (!found && getline(&line, &line_size, maps) > 0) {
+    uintptr_t first, end;
+    if (sscanf(line, "%" SCNxPTR "-%" SCNxPTR, &first, &end) != 2) continue;
+    const char *name = strchr(line, '/');
+    if (here < first || here >= end || !name) continue;
+    found = snprintf(path, size, "%.*s", (int)strcspn(name, "\n"), name) < (int)size;
+  }
+  free(line);
+  fclose(maps);
+  return found;
+}
+
+/* The dynamic loader knows the name by which the library was opened, which may be relative to a
+ * working directory long gone. */
+int pbf_os_own_folder(char *folder, size_t size) {
+  Dl_info info;
+  char path[PBF_OS_PATH_SIZE], file[PBF_OS_PATH_SIZE];
+  if (!dladdr((void *)(uintptr_t)&pbf_os_own_folder, &info) || !info.dli_fname) return 0;
+  const char *name = info.dli_fname;
+  if (name[0] != '/') name = file_by_map(path, sizeof path) ? path : NULL;
+  if (!name || !realpath(name, file)) return 0;
+  char *slash = strrchr(file, '/');
+  *slash = 0;
+  return snprintf(folder, size, "%s", file) < (int)size;
+}
+
+/* ---- Files ---------------------------------------------------------------------------------- */
+
+int pbf_os_look(const char *path, int *is_regular) {
+  struct stat file;
+  if (stat(path, &file) != 0) return errno;
+  *is_regular = S_ISREG(file.st_mode);
+  return 0;
+}
+
+int pbf_os_open(const char *path, int *file, uint64_t *size) {
+  struct stat there;
+  *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (*file < 0) return errno;
+  if (fstat(*file, &there) == 0) {
+    *size = (uint64_t)there.st_size;
+    return 0;
+  }
+  const int why = errno;
+  close(*file);
+  return why;
+}
+
+void pbf_os_close(int file) { close(file); }
+
+int pbf_os_read(int file, void *bytes, size_t count, uint64_t offset) {
+  for (size_t done = 0; done < count;) {
+    ssize_t got = pread(file, (char *)bytes + done, count - done, (off_t)(offset + done));
+    if (got == 0) errno = 0;
+    if (got == 0 || (got < 0 && errno != EINTR)) return 0;
+    if (got > 0) done += (size_t)got;
+  }
+  return 1;
+}
+
+size_t pbf_os_page(void) { return (size_t)sysconf(_SC_PAGESIZE); }
+
+/* ---- Libraries ------------------------------------------------------------------------------ */
+
+void *pbf_os_load(const char *path, char *reason, size_t size) {
+  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (!library) snprintf(reason, size, "%s", dlerror());
+  return library;
+}
+
+pbf_os_function pbf_os_function_of(void *library, const char *name) {
+  pbf_os_function function;
+  *(void **)&function = dlsym(library, name);
+  return function;
+}
+
+const void *pbf_os_own_image(void) {
+  Dl_info info;
+  return dladdr((void *)(uintptr_t)&pbf_os_own_image, &info) ? info.dli_fbase : NULL;
+}

@@ -1,0 +1,53 @@
+/* Windows. */
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+
+#include <locale.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "os.h"
+
+/* ---- Memory, time, numbers ------------------------------------------------------------------ */
+
+void *pbf_os_allocate(size_t size, size_t alignment) { return _aligned_malloc(size, alignment); }
+
+void pbf_os_release(void *memory) { _aligned_free(memory); }
+
+/* In milliseconds, as the system counts. */
+void pbf_os_sleep(uint32_t microseconds) { Sleep((microseconds + 999) / 1000); }
+
+/* The thread has a locale of its own for the while. */
+void pbf_os_print_plain(char *text, size_t size, const char *format, va_list arguments) {
+  const int shared = _configthreadlocale(_ENABLE_PER_THREAD_LOCALE);
+  const char *now = setlocale(LC_NUMERIC, NULL);
+  char before[128] = "C";
+  if (now && strlen(now) < sizeof before) strcpy(before, now);
+  setlocale(LC_NUMERIC, "C");
+  vsnprintf(text, size, format, arguments);
+  setlocale(LC_NUMERIC, before);
+  if (shared != -1) _configthreadlocale(shared);
+}
+
+/* ---- A thread that another one cancels: TerminateThread asks nothing ------------------------ */
+
+int pbf_uncancelled_begin(void) { return 0; }
+void pbf_uncancelled_end(int before) { (void)before; }
+
+/* ---- Stacks: what has left a callback halfway is not looked for ----------------------------- */
+
+void pbf_os_find_stack(void) {}
+int pbf_os_is_on_stack(const volatile void *place) { return (void)place, 0; }
+int pbf_os_on_signal_stack(void) { return 1; }
+
+/* ---- Paths ---------------------------------------------------------------------------------- */
+
+static int is_separator(char c) { return c == '\\' || c == '/'; }
+
+/* With a drive or a server: \name is on the working directory's drive. */
+int pbf_os_is_absolute(const char *path) {
+  const int letter = path[0] | 0x20;
+  if (letter >= 'a' && letter <= 'z' && path[1] == ':') return is_separator(path[2]);
+  return is_separator(path[0]) && is_separator(path[1]);
+}
