@@ -1,5 +1,6 @@
-/* Windows. */
+/* Windows, from 8 on. */
 #define WIN32_LEAN_AND_MEAN
+#define _WIN32_WINNT 0x0602
 #include <windows.h>
 
 #include <locale.h>
@@ -35,11 +36,18 @@ void pbf_os_print_plain(char *text, size_t size, const char *format, va_list arg
 int pbf_uncancelled_begin(void) { return 0; }
 void pbf_uncancelled_end(int before) { (void)before; }
 
-/* ---- Stacks: what has left a callback halfway is not looked for ----------------------------- */
+/* ---- Stacks --------------------------------------------------------------------------------- */
 
 void pbf_os_find_stack(void) {}
-int pbf_os_is_on_stack(const volatile void *place) { return (void)place, 0; }
-int pbf_os_on_signal_stack(void) { return 1; }
+
+int pbf_os_is_on_stack(const volatile void *place) {
+  ULONG_PTR lowest, end;
+  GetCurrentThreadStackLimits(&lowest, &end);
+  return (uintptr_t)place >= lowest && (uintptr_t)place < end;
+}
+
+/* Handlers run on the stack of their thread. */
+int pbf_os_on_signal_stack(void) { return 0; }
 
 /* ---- Paths ---------------------------------------------------------------------------------- */
 

@@ -9,16 +9,20 @@
 
 #ifdef PBF_LINKED_ENTRY
 #define PBF_ENTRY PBF_LINKED_ENTRY
-#define PBF_ENTRY_VISIBILITY "hidden"
+#define PBF_ENTRY_EXPORT __attribute__((visibility("hidden")))
 #else
 #define PBF_ENTRY pbf_backend_negotiate
-#define PBF_ENTRY_VISIBILITY "default"
+#if defined(_WIN32)
+#define PBF_ENTRY_EXPORT __declspec(dllexport)
+#else
+#define PBF_ENTRY_EXPORT __attribute__((visibility("default")))
+#endif
 #endif
 
 #ifdef __cplusplus
 extern "C"
 #endif
-    __attribute__((visibility(PBF_ENTRY_VISIBILITY))) pbf_status
+    PBF_ENTRY_EXPORT pbf_status
     PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer);
 
 /* The answer, under the names that the build gives: PBF_OK, or no version in common. */

@@ -8,6 +8,15 @@
 
 #include <pbf/pbf_backend.h>
 
+#if defined(_WIN32)
+#include <malloc.h>
+#define ALIGNED_ALLOC(alignment, size) _aligned_malloc(size, alignment)
+#define ALIGNED_FREE(memory) _aligned_free(memory)
+#else
+#define ALIGNED_ALLOC(alignment, size) aligned_alloc(alignment, size)
+#define ALIGNED_FREE(memory) free(memory)
+#endif
+
 #ifndef STUB_NAME
 #define STUB_NAME "ballistic"
 #endif
@@ -15,7 +24,11 @@
 #define STUB_SCORE 1
 #endif
 
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
 #define EXPORT __attribute__((visibility("default")))
+#endif
 
 EXPORT ballistic_control stub_control;
 
@@ -260,7 +273,7 @@ static pbf_status take_array(pbf_backend_solver *s, uint64_t bytes, pbf_backend_
   (void)s;
   pbf_status status = ordered_failure();
   if (status != PBF_OK) return status;
-  array->data = aligned_alloc(ALIGNED, (bytes + ALIGNED - 1) / ALIGNED * ALIGNED);
+  array->data = ALIGNED_ALLOC(ALIGNED, (bytes + ALIGNED - 1) / ALIGNED * ALIGNED);
   if (!array->data) return fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for the stub's array");
   array->device_type = PBF_DEVICE_CPU;
   ++stub_control.arrays;
@@ -269,7 +282,7 @@ static pbf_status take_array(pbf_backend_solver *s, uint64_t bytes, pbf_backend_
 
 static void release_array(const pbf_backend_array *array) {
   --stub_control.arrays;
-  free(array->data);
+  ALIGNED_FREE(array->data);
 }
 
 static pbf_status read_array(pbf_backend_solver *s, uint32_t field, const pbf_rows *rows,

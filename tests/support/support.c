@@ -1,7 +1,12 @@
 #include "support.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
+
+#if defined(_WIN32)
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
 
 void test_assert_status(pbf_status status, pbf_status expected, const char *words, const char *call,
                         const char *file, int line) {
@@ -55,15 +60,25 @@ int test_run(const char *name, const struct CMUnitTest *tests, size_t count) {
   return _cmocka_run_group_tests(name, tests, count, NULL, NULL);
 }
 
+/* Of the stub, which is loaded. */
+static void *stub_symbol(const char *name) {
+#if defined(_WIN32)
+  return (void *)(uintptr_t)GetProcAddress(GetModuleHandleA(stub_path), name);
+#else
+  void *library = dlopen(stub_path, RTLD_NOW | RTLD_NOLOAD);
+  assert_non_null(library);
+  void *symbol = dlsym(library, name);
+  dlclose(library);
+  return symbol;
+#endif
+}
+
 ballistic_control *test_stub_control(void) {
   static ballistic_control *control;
   if (!control) {
     test_backend();
-    void *library = dlopen(stub_path, RTLD_NOW | RTLD_NOLOAD);
-    assert_non_null(library);
-    *(void **)&control = dlsym(library, "stub_control");
+    control = stub_symbol("stub_control");
     assert_non_null(control);
-    dlclose(library);
   }
   *control = (ballistic_control){.lie = BALLISTIC_HONEST};
   return control;

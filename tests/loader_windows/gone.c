@@ -1,0 +1,2 @@
+__declspec(dllexport) int gone(void);
+int gone(void) { return 1; }
