@@ -4,12 +4,13 @@
 
 #include <pbf/pbf.h>
 
+#include "compiler.h"
+
 /* Long enough to list the reasons of several backends. */
 enum { PBF_MESSAGE_SIZE = 2048 };
 
 /* Sets the message of pbf_last_error and returns `status`. */
-__attribute__((format(printf, 2, 3))) pbf_status pbf_fail(pbf_status status, const char *format,
-                                                          ...);
+PBF_PRINTF(2, 3) pbf_status pbf_fail(pbf_status status, const char *format, ...);
 
 /* What the plugin last said through host->set_error in this thread. It is kept apart, so that a
  * call that succeeds in the end leaves the message of the last failure alone. */

@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
+#include "compiler.h"
 #include "error.h"
 #include "os.h"
 
@@ -79,6 +80,4 @@ int pbf_lock_forget_others(pbf_lock lock) {
   return 1;
 }
 
-__attribute__((constructor)) static void prepare_for_forks(void) {
-  pbf_at_fork(before_fork, after_fork, after_fork);
-}
+PBF_AT_LOAD(prepare_for_forks) { pbf_at_fork(before_fork, after_fork, after_fork); }

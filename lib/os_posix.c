@@ -1,6 +1,7 @@
 /* Linux, and what else has POSIX's threads and locales. */
 #define _GNU_SOURCE /* pthread_getattr_np, newlocale */
 #include "os.h"
+#include "compiler.h"
 
 #include <locale.h>
 #include <signal.h>
@@ -26,9 +27,7 @@ void pbf_os_sleep(uint32_t microseconds) {
 /* Made before there are threads; 0 where it can't be. */
 static locale_t plain;
 
-__attribute__((constructor)) static void make_plain(void) {
-  plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-}
+PBF_AT_LOAD(make_plain) { plain = newlocale(LC_ALL_MASK, "C", (locale_t)0); }
 
 void pbf_os_print_plain(char *text, size_t size, const char *format, va_list arguments) {
   locale_t before = plain ? uselocale(plain) : (locale_t)0;

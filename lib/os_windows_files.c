@@ -15,6 +15,7 @@
 #include <wchar.h>
 
 #include "os.h"
+#include "compiler.h"
 
 /* ---- Paths ---------------------------------------------------------------------------------- */
 
@@ -193,7 +194,7 @@ pbf_os_function pbf_os_function_of(void *library, const char *name) {
 const void *pbf_os_own_image(void) { return own_module(); }
 
 /* Backends call back for the life of the process. */
-__attribute__((constructor)) static void stay(void) {
+PBF_AT_LOAD(stay) {
   HMODULE own;
   GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_PIN | GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS,
                      (LPCWSTR)(uintptr_t)&stay, &own);

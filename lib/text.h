@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "compiler.h"
 #include "common/number.h"
 
 /* Appends as much of `addition` as fits. */
@@ -17,8 +18,7 @@ static inline void pbf_text_append(char *text, size_t size, const char *addition
 }
 
 /* snprintf, with a point in numbers whatever the program's locale writes. */
-__attribute__((format(printf, 3, 4))) void pbf_text_write(char *text, size_t size,
-                                                          const char *format, ...);
+PBF_PRINTF(3, 4) void pbf_text_write(char *text, size_t size, const char *format, ...);
 void pbf_text_write_list(char *text, size_t size, const char *format, va_list arguments);
 
 /* A number with up to 9 digits. NaN is always spelled so: printf may write nan or -nan. */

@@ -1,6 +1,7 @@
 /* Which handles of batches are valid, and in which of them a call runs. */
 #include "handles.h"
 
+#include "compiler.h"
 #include "error.h"
 #include "free.h"
 #include "lock.h"
@@ -106,6 +107,4 @@ static void leave_to_other_threads(void) {
   }
 }
 
-__attribute__((constructor)) static void prepare_for_forks(void) {
-  pbf_at_fork(NULL, NULL, leave_to_other_threads);
-}
+PBF_AT_LOAD(prepare_for_forks) { pbf_at_fork(NULL, NULL, leave_to_other_threads); }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cells.h"
+#include "compiler.h"
 #include "eigen.h"
 #include "error.h"
 #include "memory.h"
@@ -85,8 +86,7 @@ typedef struct sums {
   uint32_t neighbors;
 } sums;
 
-static inline __attribute__((always_inline)) void add(sums *s, const double r[3], double w,
-                                                      uint32_t dimension) {
+static PBF_ALWAYS_INLINE void add(sums *s, const double r[3], double w, uint32_t dimension) {
   s->weights += w;
   for (uint32_t k = 0; k < dimension; ++k) {
     s->mean[k] += w * r[k];
@@ -120,9 +120,9 @@ static double rest_variance(double spacing, double radius, uint32_t dimension) {
   return s.products[0][0] / s.weights;
 }
 
-static inline __attribute__((always_inline)) sums sum_up(const pbf_cells *cells, uint32_t element,
-                                                         const pbf_cell_run *runs,
-                                                         uint32_t run_count, uint32_t dimension) {
+static PBF_ALWAYS_INLINE sums sum_up(const pbf_cells *cells, uint32_t element,
+                                     const pbf_cell_run *runs, uint32_t run_count,
+                                     uint32_t dimension) {
   const double *own = cells->points + (uint64_t)element * dimension;
   const double scale = 1 / (cells->radius * cells->radius);
   sums s = {.neighbors = UINT32_MAX}; /* the particle itself is none */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "compiler.h"
 #include "memory.h"
 #include "numbers.h"
 #include "particles.h"
@@ -241,9 +242,8 @@ typedef struct manner {
   int stored, blends;
 } manner;
 
-static inline __attribute__((always_inline)) void write_one(const writing *w, manner m,
-                                                            uint32_t element, uint32_t row,
-                                                            char *at) {
+static PBF_ALWAYS_INLINE void write_one(const writing *w, manner m, uint32_t element, uint32_t row,
+                                        char *at) {
   for (uint32_t k = 0; k < m.own; ++k) {
     double x = pbf_numbers_get(&w->field, element, k, m.precision);
     if (m.blends && row < w->previous_count)
@@ -254,7 +254,7 @@ static inline __attribute__((always_inline)) void write_one(const writing *w, ma
   if (m.components == 4) put(at, m.type, 3, w_of(w, element, row, m.precision));
 }
 
-static inline __attribute__((always_inline)) void write_all(const writing *all, manner m) {
+static PBF_ALWAYS_INLINE void write_all(const writing *all, manner m) {
   const writing w = *all;
   const int asks = m.blends || w.scalar.data || !m.stored;
   for (uint32_t element = 0; element < w.elements; ++element) {
@@ -266,7 +266,7 @@ static inline __attribute__((always_inline)) void write_all(const writing *all, 
   }
 }
 
-static inline __attribute__((always_inline)) void write_in_order(const writing *w, manner m) {
+static PBF_ALWAYS_INLINE void write_in_order(const writing *w, manner m) {
   if (m.stored) {
     m.stored = 1;
     write_all(w, m);

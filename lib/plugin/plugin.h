@@ -6,6 +6,8 @@
 
 #include <pbf/pbf_backend.h>
 
+#include "compiler.h"
+
 /* A backend, or a candidate for one that can't be used. */
 typedef struct pbf_plugin {
   char name[PBF_NAME_SIZE];
@@ -24,9 +26,8 @@ pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expe
                                 pbf_plugin *plugin);
 
 /* Writes why the plugin can't be used, and gives `status` back. */
-__attribute__((format(printf, 3, 4))) pbf_status pbf_plugin_refuse(pbf_plugin *plugin,
-                                                                   pbf_status status,
-                                                                   const char *format, ...);
+PBF_PRINTF(3, 4)
+pbf_status pbf_plugin_refuse(pbf_plugin *plugin, pbf_status status, const char *format, ...);
 
 /* A table that a plugin gave, made complete: a plugin built against an older header has a shorter
  * one. Fails with the reason when a mandatory function is missing. */

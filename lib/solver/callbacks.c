@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "compiler.h"
 #include "os.h"
 
 /* ---- Blocks of memory that are out --------------------------------------------------------- */
@@ -47,20 +48,19 @@ static uint64_t word_of(const pbf_callbacks *own, int k) {
   return (own->calls + (uint64_t)k) * UINT64_C(0x9e3779b97f4a7c15);
 }
 
-/* A stack may have been given other borders by what looks after memory. */
-#define UNCHECKED __attribute__((noinline, no_sanitize("address"), no_sanitize("thread")))
+/* A stack may have been given other borders by what looks after memory: PBF_UNSANITIZED. */
 
-UNCHECKED static int is_changed(const pbf_callbacks *own, const mark *there) {
+PBF_UNSANITIZED static int is_changed(const pbf_callbacks *own, const mark *there) {
   for (int k = 0; k < MARK_WORDS; ++k)
     if (there->words[k] != word_of(own, k)) return 1;
   return 0;
 }
 
 /* Stacks grow downwards. */
-UNCHECKED int pbf_callbacks_were_left(const pbf_solver *solver) {
+PBF_UNSANITIZED int pbf_callbacks_were_left(const pbf_solver *solver) {
   const pbf_callbacks *own = &solver->callbacks;
   const mark *there = own->frame;
-  const void *here = __builtin_frame_address(0);
+  const void *here = PBF_FRAME_ADDRESS();
   if (!there || own->thread != pbf_this_thread()) return 0;
   if (pbf_os_on_signal_stack() || !pbf_os_is_on_stack(here) || !pbf_os_is_on_stack(there)) return 0;
   return (uintptr_t)here > (uintptr_t)there || is_changed(own, there);
@@ -68,7 +68,7 @@ UNCHECKED int pbf_callbacks_were_left(const pbf_solver *solver) {
 
 /* ---- Calling ------------------------------------------------------------------------------- */
 
-UNCHECKED static void begin(pbf_callbacks *own, mark *here) {
+PBF_UNSANITIZED static void begin(pbf_callbacks *own, mark *here) {
   pbf_os_find_stack();
   ++own->calls;
   for (int k = 0; k < MARK_WORDS; ++k) here->words[k] = word_of(own, k);
@@ -77,7 +77,7 @@ UNCHECKED static void begin(pbf_callbacks *own, mark *here) {
 
 static void end(pbf_callbacks *own) { own->frame = NULL; }
 
-UNCHECKED static void *allocate(void *user, uint64_t size, uint64_t alignment) {
+PBF_UNSANITIZED static void *allocate(void *user, uint64_t size, uint64_t alignment) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
   mark here;
   begin(own, &here);
@@ -87,7 +87,7 @@ UNCHECKED static void *allocate(void *user, uint64_t size, uint64_t alignment) {
   return memory;
 }
 
-UNCHECKED static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
+PBF_UNSANITIZED static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
   mark here;
   note_released(own, memory);
@@ -96,7 +96,7 @@ UNCHECKED static void release(void *user, void *memory, uint64_t size, uint64_t 
   end(own);
 }
 
-UNCHECKED static void write_log(void *user, int32_t level, const char *message) {
+PBF_UNSANITIZED static void write_log(void *user, int32_t level, const char *message) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
   mark here;
   if (!own->log) return;

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "compiler.h"
 #include "worker.h"
 #include "callbacks.h"
 #include "error.h"
@@ -268,9 +269,7 @@ static void leave_to_other_threads(void) {
     }
 }
 
-__attribute__((constructor)) static void prepare_for_forks(void) {
-  pbf_at_fork(NULL, NULL, leave_to_other_threads);
-}
+PBF_AT_LOAD(prepare_for_forks) { pbf_at_fork(NULL, NULL, leave_to_other_threads); }
 
 void pbf_solver_add_export(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);

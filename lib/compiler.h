@@ -1,0 +1,40 @@
+/* What compilers spell differently, for the library's own sources. */
+#ifndef PBF_LIB_COMPILER_H
+#define PBF_LIB_COMPILER_H
+
+#if defined(__GNUC__) /* and clang */
+
+/* A function's argument number `text` is printf's, for those from `first` on. */
+#define PBF_PRINTF(text, first) __attribute__((format(printf, text, first)))
+
+/* Inlined whatever its size: what is constant in a call is so in the body. */
+#define PBF_ALWAYS_INLINE inline __attribute__((always_inline))
+
+/* Not looked after by what checks accesses to memory. */
+#define PBF_UNSANITIZED __attribute__((noinline, no_sanitize("address"), no_sanitize("thread")))
+
+#define PBF_FRAME_ADDRESS() __builtin_frame_address(0)
+
+/* Runs when the library is loaded: static, void (void). */
+#define PBF_AT_LOAD(function) \
+  static void function(void); \
+  __attribute__((constructor)) static void function(void)
+
+#else /* cl */
+
+#include <intrin.h>
+
+#define PBF_PRINTF(text, first)
+#define PBF_ALWAYS_INLINE __forceinline
+#define PBF_UNSANITIZED __declspec(noinline)
+#define PBF_FRAME_ADDRESS() _AddressOfReturnAddress()
+
+#pragma section(".CRT$XCU", read)
+#define PBF_AT_LOAD(function)                                                       \
+  static void function(void);                                                       \
+  __declspec(allocate(".CRT$XCU")) void (*pbf_at_load_##function)(void) = function; \
+  static void function(void)
+
+#endif
+
+#endif
