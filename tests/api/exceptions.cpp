@@ -14,18 +14,31 @@ extern "C" {
 
 #include <pbf/pbf.h>
 
+#if defined(_WIN32)
+#include <malloc.h>
+static void *aligned_memory(size_t alignment, size_t size) {
+  return _aligned_malloc(size, alignment);
+}
+static void free_aligned(void *memory) { _aligned_free(memory); }
+#else
+static void *aligned_memory(size_t alignment, size_t size) {
+  return std::aligned_alloc(alignment, size);
+}
+static void free_aligned(void *memory) { std::free(memory); }
+#endif
+
 static long live;
 static int until_throw; /* calls of the allocator; 0: never */
 
 static void *allocate_or_throw(void *, uint64_t size, uint64_t alignment) {
   if (until_throw && --until_throw == 0) throw std::runtime_error("the allocator throws");
   ++live;
-  return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  return aligned_memory(alignment, (size + alignment - 1) / alignment * alignment);
 }
 
 static void release(void *, void *memory, uint64_t, uint64_t) {
   --live;
-  std::free(memory);
+  free_aligned(memory);
 }
 
 static void throw_message(void *, int32_t, const char *message) {
