@@ -18,18 +18,6 @@ mkdir -p "$out" || exit 1
 out=$(cd "$out" && pwd)
 failed=0
 
-# Where DLPack's header is, in the places of packages and of Python's.
-dlpack() {
-  for folder in /usr/include /usr/local/include; do
-    [ -e "$folder/dlpack/dlpack.h" ] && echo "$folder" && return
-  done
-  header=$(find / -name dlpack.h -not -path '/proc/*' -exec grep -l '^#define DLPACK_.*VERSION' {} + \
-    2>/dev/null | head -n 1)
-  [ -n "$header" ] || return
-  mkdir -p "$build/include/dlpack" && cp "$header" "$build/include/dlpack/dlpack.h"
-  echo "$build/include"
-}
-
 if [ -z "${PBF_BUILD_DIR:-}" ]; then
   generator=
   command -v ninja >/dev/null && generator='-G Ninja'
@@ -37,7 +25,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
     # shellcheck disable=SC2086
     cmake -S "$root" -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DPBF_REQUIRE_CUDA=ON \
       -DPBF_BACKENDS='reference;cuda' -DPBF_BUILD_TESTS="$1" -DPBF_BUILD_BENCH=OFF \
-      -DPBF_BUILD_EXAMPLES=OFF -DPBF_DLPACK_INCLUDE_DIR="$(dlpack)" >"$out/build.log" 2>&1
+      -DPBF_BUILD_EXAMPLES=OFF >"$out/build.log" 2>&1
   }
   targets='pbf pbf_backend_reference pbf_backend_cuda'
   if configure ON; then

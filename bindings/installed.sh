@@ -129,15 +129,6 @@ conan() {
   fresh "$folder/conan"
   export CONAN_HOME="$folder/conan/home"
   command conan profile detect || return 1
-  if ! command conan list 'dlpack/*' -r conancenter 2>/dev/null | grep -q '^  *dlpack/'; then
-    # Without Conan's server: the system's header as a package.
-    header=$(find /usr/include /usr/local/include -path '*dlpack/dlpack.h' | head -n 1)
-    [ -n "$header" ] || skip "neither Conan's server nor dlpack.h is here"
-    mkdir -p "$folder/conan/dlpack/include/dlpack" && cp "$header" "$folder/conan/dlpack/include/dlpack"
-    printf 'from conan import ConanFile\nfrom conan.tools.files import copy\nclass Dlpack(ConanFile):\n    name = "dlpack"\n    version = "0.6"\n    exports_sources = "include/*"\n    def package(self):\n        copy(self, "*", self.source_folder, self.package_folder)\n    def package_info(self):\n        self.cpp_info.libdirs = []\n' \
-      >"$folder/conan/dlpack/conanfile.py"
-    command conan create "$folder/conan/dlpack" --no-remote || return 1
-  fi
   cp -R "$source/packaging/conan/test_package" "$folder/conan/test_package" # Conan builds beside it
   # One kind of fluid, to be done sooner.
   command conan create "$source/packaging/conan" --no-remote --test-folder "$folder/conan/test_package" \

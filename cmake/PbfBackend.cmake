@@ -31,7 +31,9 @@ function(pbf_add_plugin name)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${target} SUFFIX ${PBF_PLUGIN_SUFFIX}
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${PBF_PLUGIN_FOLDER}/pbf/backends)
-  install(TARGETS ${target} LIBRARY DESTINATION ${PBF_PLUGIN_DESTINATION} COMPONENT runtime)
+  if(PBF_INSTALL)
+    install(TARGETS ${target} LIBRARY DESTINATION ${PBF_PLUGIN_DESTINATION} COMPONENT runtime)
+  endif()
 endfunction()
 
 # An archive of the backend's objects, of which lib/ makes one object.

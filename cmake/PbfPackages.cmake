@@ -1,4 +1,4 @@
-# Packages by CPack: a tarball of everything, and three for Debian: libpbf0 (the library with its
+# Packages by CPack: a tarball of everything, and three for Debian: libpbf0.2 (the library with its
 # backends), libpbf-dev and pbf-tools. `./run packages` builds them, for /usr.
 set(PBF_PACKAGE_CONTACT "the pbf authors <authors@pbf.invalid>" CACHE STRING
   "Name and address of the packages' maintainer")
@@ -17,7 +17,7 @@ if(PBF_GZIP)
     cmake_path(GET file FILENAME name)
     execute_process(COMMAND ${PBF_GZIP} -9nc ${file} OUTPUT_FILE ${generated}/${name}.gz COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
-  set(debian_runtime libpbf${PROJECT_VERSION_MAJOR})
+  set(debian_runtime libpbf${PBF_SOVERSION})
   set(debian_dev libpbf-dev)
   set(debian_tools pbf-tools)
   foreach(component runtime dev tools)
@@ -50,9 +50,9 @@ set(CPACK_PACKAGE_CHECKSUM SHA256)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/cmake/PbfPackagesOfDebian.cmake)
 # What dpkg-shlibdeps finds of the library in programs that are packaged with it.
-file(WRITE ${generated}/shlibs "libpbf ${PROJECT_VERSION_MAJOR} libpbf${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION})\n")
+file(WRITE ${generated}/shlibs "libpbf ${PBF_SOVERSION} libpbf${PBF_SOVERSION} (>= ${PROJECT_VERSION})\n")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${generated}/shlibs ${debian}/triggers)
-set(CPACK_PBF_SOVERSION ${PROJECT_VERSION_MAJOR})
+set(CPACK_PBF_SOVERSION ${PBF_SOVERSION})
 set(CPACK_PBF_LIBRARY_DIR ${PROJECT_BINARY_DIR}/lib)
 set(CPACK_PBF_HAS_TOOLS ${PBF_BUILD_BENCH})
 set(CPACK_VERBATIM_VARIABLES ON)

@@ -21,6 +21,15 @@ PLACES = {
     "CITATION.cff": [r"(^version: )(\S+)()"],
 }
 
+# Those with that of the shared library.
+SONAMES = {"bindings/lua/pbf.lua": r'("libpbf\.so\.)([\d.]*)(")', "docs/start.md": r"(`[^`]*libpbf\.so\.)([\d.]*)(`)"}
+
+
+def soversion(wanted):
+    """Before 1.0 the minor version changes what a program relies on."""
+    major, minor, _ = wanted.split(".")
+    return f"0.{minor}" if major == "0" else major
+
 
 def version():
     text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
@@ -50,6 +59,8 @@ def main():
     wanted = version()
     places = {path: [(pattern, wanted) for pattern in patterns] for path, patterns in PLACES.items()}
     places["include/pbf/pbf.h"] = header_patterns(wanted)
+    for path, pattern in SONAMES.items():
+        places[path] = [(pattern, soversion(wanted))]
     stale = []
     for path, patterns in places.items():
         text = written(path, patterns)

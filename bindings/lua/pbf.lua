@@ -18,7 +18,7 @@ local function load_library()
   local named = os.getenv("PBF_LIBRARY")
   if named then return ffi.load(named) end
   local found, library = pcall(ffi.load, "pbf")
-  return found and library or ffi.load("libpbf.so.0") -- without its development files
+  return found and library or ffi.load("libpbf.so.0.2") -- without its development files
 end
 local C = load_library()
 

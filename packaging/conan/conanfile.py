@@ -3,7 +3,7 @@ import os
 import re
 
 from conan import ConanFile
-from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
+from conan.tools.cmake import CMake, CMakeToolchain, cmake_layout
 from conan.tools.files import copy, load
 
 
@@ -27,14 +27,11 @@ class Pbf(ConanFile):
 
     def export_sources(self):
         for pattern in ("CMakeLists.txt", "LICENSE", "THIRD_PARTY_NOTICES.md", "cmake/*", "include/*", "lib/*",
-                        "backends/*"):
+                        "backends/*", "third_party/*"):
             copy(self, pattern, self._sources, self.export_sources_folder)
 
     def layout(self):
         cmake_layout(self)
-
-    def requirements(self):
-        self.requires("dlpack/[>=0.6]")  # one header
 
     def generate(self):
         toolchain = CMakeToolchain(self)
@@ -44,7 +41,6 @@ class Pbf(ConanFile):
         for part in ("BENCH", "TESTS", "EXAMPLES"):
             toolchain.cache_variables[f"PBF_BUILD_{part}"] = False
         toolchain.generate()
-        CMakeDeps(self).generate()
 
     def build(self):
         cmake = CMake(self)
