@@ -30,6 +30,10 @@ set(CMAKE_CUDA_ARCHITECTURES ${PBF_CUDA_ARCHITECTURES})
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
 enable_language(CUDA)
 set(PBF_CUDA_FOUND TRUE)
+set(pbf_cuda_compress)
+if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12.8)
+  set(pbf_cuda_compress --compress-mode=size)
+endif()
 
 # pbf_cuda_target(<target>): the compile rules of CUDA code.
 function(pbf_cuda_target target)
@@ -37,5 +41,5 @@ function(pbf_cuda_target target)
     CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON CUDA_VISIBILITY_PRESET hidden
     CUDA_SEPARABLE_COMPILATION OFF LINKER_LANGUAGE CUDA)
   target_compile_options(${target} PRIVATE
-    $<$<COMPILE_LANGUAGE:CUDA>:-ftz=true --compress-mode=size -Xcompiler=-Wall,-Wextra,-Wno-missing-field-initializers,-fno-exceptions,-fno-rtti>)
+    $<$<COMPILE_LANGUAGE:CUDA>:-ftz=true ${pbf_cuda_compress} -Xcompiler=-Wall,-Wextra,-Wno-missing-field-initializers,-fno-exceptions,-fno-rtti>)
 endfunction()
