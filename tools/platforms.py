@@ -49,7 +49,8 @@ PLATFORMS = {
               "options": toolchain("aarch64-linux-gnu")},
     "mingw": {"what": "Windows x86-64 by mingw-w64, under Wine", "strip": "x86_64-w64-mingw32-strip",
               "packages": ["gcc-mingw-w64-x86-64", "g++-mingw-w64-x86-64", "wine", "wine64"],
-              "options": toolchain("x86_64-w64-mingw32"), "more": ["test_loader_windows"]},
+              "options": [*toolchain("x86_64-w64-mingw32"), "-DPBF_BACKENDS=reference;serial;threads;openmp"],
+              "more": ["test_loader_windows", "pbf_backend_openmp"]},
 }
 
 
@@ -162,11 +163,14 @@ def write_tables(results):
     write_table("README.md", "platforms", f"Tested with the same bits on: {'; '.join(same)}. [What ran where](docs/platforms.md).")
 
 
+def known_results():
+    return json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
+
+
 def main():
     arguments = sys.argv[1:]
-    results = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     if arguments == ["--tables"]:
-        return write_tables(results)
+        return write_tables(known_results())
     asks_packages = arguments[:1] == ["--packages"]
     names = arguments[asks_packages:] or list(PLATFORMS)
     unknown = [name for name in names if name not in PLATFORMS]
@@ -179,7 +183,7 @@ def main():
         result = measure(name)
         failed |= result is None or "failed" in result["tests"].values()
         if result:
-            results[name] = result
+            results = {**known_results(), name: result}
             RESULTS.write_text(json.dumps(results, indent=1) + "\n")
             write_tables(results)
     return sys.exit(failed)

@@ -1,6 +1,14 @@
 #define _GNU_SOURCE /* syscall */
 #include "cpu/startable_threads.h"
 
+#if defined(_WIN32) /* whose runtime is not asked how many there may be */
+
+long thread_number(void) { return 0; }
+int thread_is_there(long number) { return number == 0; }
+uint32_t startable_threads(uint32_t wanted) { return wanted; }
+
+#else
+
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
@@ -76,3 +84,5 @@ uint32_t startable_threads(uint32_t wanted) {
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   return startable;
 }
+
+#endif
