@@ -14,7 +14,7 @@
 #define KERNELS_OF(isa, dim, bits) PASTE(isa, dim, bits)
 #define KERNELS(isa) KERNELS_OF(isa, PBF_DIM, PBF_BITS)
 
-#define DECLARE(isa, ISA) extern const kernels KERNELS(isa);
+#define DECLARE(isa, ISA) extern "C" const kernels KERNELS(isa);
 PBF_EACH_ISA(DECLARE)
 
 /* Of a set that the loops were built for. */
