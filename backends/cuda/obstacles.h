@@ -7,6 +7,7 @@
 
 #include <float.h>
 
+#include "cuda/warp.h"
 #include "pbf/pbf.h"
 #include "physics/boundary.h"
 
@@ -50,11 +51,11 @@ static __device__ __forceinline__ float from_ordered(uint32_t bits) {
 }
 
 static __device__ __forceinline__ float min_of(uint32_t lanes, float a) {
-  return from_ordered(__reduce_min_sync(lanes, ordered(a)));
+  return from_ordered(min_of_lanes(lanes, ordered(a)));
 }
 
 static __device__ __forceinline__ float max_of(uint32_t lanes, float a) {
-  return from_ordered(__reduce_max_sync(lanes, ordered(a)));
+  return from_ordered(max_of_lanes(lanes, ordered(a)));
 }
 
 static __device__ __forceinline__ float below(float a) { return a; }
@@ -125,8 +126,8 @@ static __device__ __forceinline__ surface_set surfaces_that(const step_obstacles
     low |= is_near && k < 32 ? 1u << k % 32 : 0;
     high |= is_near && k >= 32 ? 1u << k % 32 : 0;
   }
-  low = __reduce_or_sync(lanes, low);
-  return o.count > 32 ? (surface_set)__reduce_or_sync(lanes, high) << 32 | low : low;
+  low = or_of_lanes(lanes, low);
+  return o.count > 32 ? (surface_set)or_of_lanes(lanes, high) << 32 | low : low;
 }
 
 /* Calls visit(surface) for those of the set, in their order. */

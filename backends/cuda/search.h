@@ -6,6 +6,7 @@
 #include "cuda/launch.h"
 #include "cuda/lists.h"
 #include "cuda/sort.h"
+#include "cuda/warp.h"
 
 enum {
   SEARCH_BLOCK = 128, /* threads */
@@ -140,7 +141,7 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t start = next_start, end = next_end;
     if (row + 1 < PBF_ROWS) bounds(row + 1, &next_start, &next_end);
-    uint32_t base = __reduce_min_sync(~0u, start < end ? start : ~0u);
+    uint32_t base = min_of_lanes(~0u, start < end ? start : ~0u);
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
     if (start < end && end - base > PBF_PLACES) list.fits = false;
     list.add_row(p.points, start, end, i, x, h2, ((uint32_t)row << PBF_PLACE_BITS) + start - base);

@@ -5,6 +5,7 @@
 #define PBF_CUDA_SMALL_TILE_H
 
 #include "cuda/small/scene.h"
+#include "cuda/warp.h"
 
 /* A block's dynamic shared memory. */
 struct small_tile {
@@ -158,25 +159,10 @@ static __device__ __forceinline__ marked_words mark_around(const small_tile &t,
   return words;
 }
 
-/* In the warp's first thread; all of it call these together. Before sm_80 there is no instruction for
- * it. */
-static __device__ __forceinline__ uint32_t least_of_warp(uint32_t value) {
-#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 800
-  return __reduce_min_sync(~0u, value);
-#else
-  for (int away = 16; away; away /= 2) value = min(value, __shfl_down_sync(~0u, value, away));
-  return value;
-#endif
-}
-
-static __device__ __forceinline__ uint32_t most_of_warp(uint32_t value) {
-  return ~least_of_warp(~value);
-}
-
 /* Adds to the block's words, which are in shared memory. A warp calls it together. */
 static __device__ __forceinline__ void add_words(marked_words *all, marked_words words) {
-  words.first = least_of_warp(words.first);
-  words.last = most_of_warp(words.last);
+  words.first = min_of_lanes(~0u, words.first);
+  words.last = max_of_lanes(~0u, words.last);
   if (threadIdx.x % 32) return;
   atomicMin(&all->first, words.first);
   atomicMax(&all->last, words.last);
