@@ -36,7 +36,7 @@ def toolchain(name):
 
 
 # what: as the tables say it. packages: of Debian, beside those of a build. options: of CMake. strip: of its binary
-# utilities. without: targets that it has not got. more: those that it alone has. runs: False where nothing can run it here.
+# utilities. python: packages of PyPI, in build/zig. without: targets that it has not got. more: those that it alone has. runs: False where nothing can run it here.
 PLATFORMS = {
     "gcc": {"what": "Linux x86-64, GCC", "packages": ["gcc", "g++"], "strip": "strip",
             "options": ["-DCMAKE_C_COMPILER=gcc", "-DCMAKE_CXX_COMPILER=g++"]},
@@ -51,6 +51,8 @@ PLATFORMS = {
               "packages": ["gcc-mingw-w64-x86-64", "g++-mingw-w64-x86-64", "wine", "wine64"],
               "options": [*toolchain("x86_64-w64-mingw32"), "-DPBF_BACKENDS=reference;serial;threads;openmp"],
               "more": ["test_loader_windows", "pbf_backend_openmp"]},
+    "macos": {"what": "macOS AArch64, by Zig", "packages": ["python3-venv"], "python": ["ziglang"], "strip": "true",
+              "options": toolchain("aarch64-macos"), "runs": False},
 }
 
 
@@ -116,7 +118,9 @@ def measure(name):
     build = ROOT / "build" / f"platform-{name}"
     build.mkdir(parents=True, exist_ok=True)
     with open(build / "log.txt", "w", encoding="utf-8") as log:
-        steps = [["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *COMMON, *platform["options"]],
+        steps = [[sys.executable, "-m", "venv", ROOT / "build" / "zig"],
+                 [ROOT / "build" / "zig" / "bin" / "pip", "install", "-q", *platform["python"]]] if "python" in platform else []
+        steps += [["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *COMMON, *platform["options"]],
                  ["cmake", "--build", build, "--target", *targets(platform)]]
         if any(run(log, *step) for step in steps):
             print(f"platforms: {name} could not be built; the log is {build / 'log.txt'}", file=sys.stderr)

@@ -63,7 +63,8 @@ static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, u
   uint64_t checksum;
   if (size < sizeof in->header + sizeof checksum) return reject("is cut short");
   memcpy(&in->header, buffer, sizeof in->header);
-  if (memcmp(in->header.magic, PBF_SNAPSHOT_MAGIC, sizeof in->header.magic) != 0)
+  static const char magic[] = PBF_SNAPSHOT_MAGIC;
+  if (memcmp(in->header.magic, magic, sizeof in->header.magic) != 0)
     return reject("does not begin as one");
   pbf_status status = check_header(solver, &in->header, size);
   if (status != PBF_OK) return status;

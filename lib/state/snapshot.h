@@ -11,7 +11,9 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "a saved state is little-endian, as is the memory it is copied from");
 
-#define PBF_SNAPSHOT_MAGIC "PBFSTATE"
+/* Eight characters, without an end. */
+#define PBF_SNAPSHOT_MAGIC \
+  { 'P', 'B', 'F', 'S', 'T', 'A', 'T', 'E' }
 
 enum { PBF_SNAPSHOT_VERSION = 6 };
 
