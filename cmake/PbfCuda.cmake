@@ -11,6 +11,10 @@ set(PBF_CUDA_ARCHITECTURES "${architectures}" CACHE STRING
   "Machine code for each -real architecture, and code that a driver can compile for later ones")
 
 set(PBF_CUDA_FOUND FALSE)
+if(CMAKE_CROSSCOMPILING AND NOT CMAKE_CUDA_COMPILER)
+  set(PBF_CUDA_REASON "nvcc found here is for this system; CMAKE_CUDA_COMPILER can name one")
+  return()
+endif()
 if(NOT CMAKE_CUDA_COMPILER)
   if(PBF_CUDA_WHEELS)
     find_program(PBF_NVCC nvcc PATHS "${PBF_CUDA_WHEELS}/nvidia/cu13/bin" NO_DEFAULT_PATH)
