@@ -1,4 +1,4 @@
-/* Paths, files and libraries of Windows: of a libpbf that loads plugins. From Windows 8 on, whose
+/* Paths, files and libraries of Windows: of a libpbf that loads plugins. From Windows 8 on: its
  * loader looks into no folder that it was not told of. */
 #define WIN32_LEAN_AND_MEAN
 #define _WIN32_WINNT 0x0602

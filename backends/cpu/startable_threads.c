@@ -1,7 +1,7 @@
 #define _GNU_SOURCE /* syscall */
 #include "cpu/startable_threads.h"
 
-#if defined(_WIN32) /* whose runtime is not asked how many there may be */
+#if defined(_WIN32) /* how many there may be is not asked there */
 
 long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
