@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "physics/elementary.h"
+
 /* Where particle `member` of the `count` at a point goes from there. Pairs go to opposite sides, so
  * that the centre stays: the first pair by a quarter of the spacing, later ones farther, so that
  * all of them fill a disc or ball. Directions turn by the golden angle. */
@@ -16,10 +18,10 @@ static inline void pbf_coincident_offset(uint32_t dimension, double spacing, uin
   offset[0] = offset[1] = offset[2] = 0;
   if (pair == pairs) return; /* the last of an odd number stays */
   double angle = golden_angle * pair, height = dimension == 3 ? 1 - (pair + 0.5) / pairs : 0;
-  double radius = 0.25 * spacing * pow(pair + 1, 1.0 / dimension) * (index % 2 ? -1 : 1);
+  double radius = 0.25 * spacing * pbf_pow(pair + 1, 1.0 / dimension) * (index % 2 ? -1 : 1);
   double across = radius * sqrt(1 - height * height);
-  offset[0] = across * cos(angle);
-  offset[1] = across * sin(angle);
+  offset[0] = across * pbf_cos(angle);
+  offset[1] = across * pbf_sin(angle);
   offset[2] = radius * height;
 }
 

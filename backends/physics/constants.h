@@ -134,7 +134,7 @@ static inline double pbf_max_scorr(const pbf_params *params) {
   double q = pbf_derive_spacing(params) / params->smoothing_radius;
   double rest = pbf_shape_value(params->kernel, q);
   double share = params->scorr_k > 0 ? rest / pbf_shape_value(params->kernel, params->scorr_dq) : 0;
-  return fmin(1, 0.02 / fmax(pow(share, params->scorr_n), 1e-6));
+  return fmin(1, 0.02 / fmax(pbf_pow(share, params->scorr_n), 1e-6));
 }
 
 /* The most of dt e, a length (eq. 16): each step multiplies eddies by 1 + dt e / their width, and
@@ -164,8 +164,8 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
                                         double stiffness, double pressure) {
   const double rest = 0.3, min_angle = 0.25, margin = 1.05;
   double largest = margin * PBF_SAFE_RELAXATION / (double)c->omega;
-  double angle = fmax(acosh(1 / rest) / params->iterations, min_angle);
-  double smallest = largest * (cosh(angle) - 1) / (cosh(angle) + 1);
+  double angle = fmax(pbf_acosh(1 / rest) / params->iterations, min_angle);
+  double smallest = largest * (pbf_cosh(angle) - 1) / (pbf_cosh(angle) + 1);
   c->accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   c->step_size = (pbf_real)(2 / (largest + smallest));
   c->contraction = (largest - smallest) / (largest + smallest);

@@ -9,6 +9,7 @@
 
 #include <pbf/pbf.h>
 
+#include "physics/elementary.h"
 #include "physics/spacing.h"
 
 #define PBF_PI 3.14159265358979323846
@@ -106,7 +107,7 @@ static inline pbf_lattice_sums pbf_lattice(uint32_t kernel, uint32_t dimension, 
         sums.pull += g * r / dimension;
         if (length <= 0) continue;
         double phase = d * (wave[0] * i + wave[1] * j + wave[2] * k);
-        double along = phase / (length * r) * sin(phase);
+        double along = phase / (length * r) * pbf_sin(phase);
         sums.symbol[0] += own * pbf_shape_own_slope(kernel, q) * along;
         sums.symbol[1] += g * along;
       }
@@ -152,7 +153,7 @@ static inline double pbf_lattice_curvature(uint32_t kernel, uint32_t dimension, 
         double cosine = d / r * (along[0] * i + along[1] * j + along[2] * k), c2 = cosine * cosine;
         double second =
             pbf_shape_slope_rate(kernel, q) / h * c2 + pbf_shape_slope(kernel, q) / r * (1 - c2);
-        sum -= 2 * norm * second * (1 - cos(d * (wave[0] * i + wave[1] * j + wave[2] * k)));
+        sum -= 2 * norm * second * (1 - pbf_cos(d * (wave[0] * i + wave[1] * j + wave[2] * k)));
       }
   return sum;
 }
@@ -269,12 +270,12 @@ static inline double pbf_wall_contribution(const pbf_derived *d, uint32_t kernel
   double exponent = d->wall_steepness, bends = 0;
   if (t > d->wall_first && d->wall_fade < 1) {
     double x = (t - d->wall_first) * d->h / d->spacing;
-    double above = (d->wall_steepness - 1) * pow(d->wall_fade, x);
+    double above = (d->wall_steepness - 1) * pbf_pow(d->wall_fade, x);
     exponent = 1 + above;
-    bends = above * log(d->wall_fade) * d->h / d->spacing * log(f);
+    bends = above * pbf_log(d->wall_fade) * d->h / d->spacing * pbf_log(f);
   }
-  double value = pow(f, exponent);
-  *slope = exponent * pow(f, exponent - 1) * change + bends * value;
+  double value = pbf_pow(f, exponent);
+  *slope = exponent * pbf_pow(f, exponent - 1) * change + bends * value;
   return value;
 }
 
@@ -285,7 +286,7 @@ static inline double pbf_wall_fade(const pbf_derived *d, uint32_t kernel, uint32
   double t = d->wall_first + d->spacing / d->h;
   double f = pbf_half_space(kernel, dimension, t) / d->wall_first_density;
   if (!(f > 0 && lacks > 0 && d->wall_steepness > 1)) return 1;
-  return fmin(fmax((log(lacks) / log(f) - 1) / (d->wall_steepness - 1), 0.05), 1);
+  return fmin(fmax((pbf_log(lacks) / pbf_log(f) - 1) / (d->wall_steepness - 1), 0.05), 1);
 }
 
 /* The density that walls contribute is right at a lattice's first two layers, with `rate` at the

@@ -8,6 +8,8 @@
 
 #include <pbf/pbf.h>
 
+#include "physics/elementary.h"
+
 /* When steps end: the same number whatever call a step is in. */
 typedef struct pbf_step_times {
   double time; /* `before` steps before the first */
@@ -29,7 +31,7 @@ static inline double pbf_motion_wall(const pbf_params *params, int wall, double 
   const double *bounds = (wall & 1) ? params->domain_max : params->domain_min;
   return bounds[wall / 2] + params->wall_velocity[wall] * time +
          params->wall_amplitude[wall] *
-             sin(params->wall_frequency[wall] * time + params->wall_phase[wall]);
+             pbf_sin(params->wall_frequency[wall] * time + params->wall_phase[wall]);
 }
 
 /* a * b, quaternions as x, y, z, w */
@@ -52,7 +54,7 @@ static inline void pbf_motion_turned(const double v[3], const double axis[3], do
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     const double across = v[a] - along * axis[a], round = axis[b] * v[c] - axis[c] * v[b];
-    turned[a] = along * axis[a] + cos(angle) * across + sin(angle) * round;
+    turned[a] = along * axis[a] + pbf_cos(angle) * across + pbf_sin(angle) * round;
   }
 }
 
@@ -67,7 +69,8 @@ static inline void pbf_motion_turned(const double v[3], const double axis[3], do
 static inline void pbf_motion_screw_way(const double v[3], const double w[3], double time,
                                         double way[3]) {
   const double rate = pbf_motion_length(w), angle = rate * time;
-  const double sine = sin(angle) / rate, versine = 2 * sin(0.5 * angle) * sin(0.5 * angle) / rate;
+  const double sine = pbf_sin(angle) / rate,
+               versine = 2 * pbf_sin(0.5 * angle) * pbf_sin(0.5 * angle) / rate;
   const double axis[3] = {w[0] / rate, w[1] / rate, w[2] / rate};
   const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
   for (int a = 0; a < 3; ++a) {
@@ -87,7 +90,7 @@ static inline void pbf_motion_screw_velocity(const double way[3], const double w
   const double axis[3] = {w[0] / rate, w[1] / rate, w[2] / rate};
   const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
   double across[3];
-  for (int a = 0; a < 3; ++a) across[a] = (v[a] - along * axis[a]) * half / sin(half);
+  for (int a = 0; a < 3; ++a) across[a] = (v[a] - along * axis[a]) * half / pbf_sin(half);
   pbf_motion_turned(across, axis, -half, v);
   for (int a = 0; a < 3; ++a) v[a] += along * axis[a];
 }
@@ -99,7 +102,7 @@ static inline void pbf_motion_turn_rate(const double from[4], const double to[4]
   double turn[4];
   pbf_motion_quaternion_product(to, conjugate, turn);
   const double sign = turn[3] < 0 ? -1 : 1, sine = pbf_motion_length(turn);
-  const double angle = 2 * atan2(sine, sign * turn[3]);
+  const double angle = 2 * pbf_angle(sine, sign * turn[3]);
   for (int a = 0; a < 3; ++a) w[a] = sine > 0 ? sign * turn[a] / sine * angle / time : 0;
 }
 
@@ -139,8 +142,8 @@ static inline void pbf_motion_collider(const pbf_collider *at_set, double elapse
   now->half_length = pbf_motion_size(at_set->half_length, at_set->half_length_rate, time);
   if (!pbf_motion_turns(at_set)) return;
   const double rate = pbf_motion_length(w);
-  double s = sin(0.5 * rate * time) / rate;
-  double turn[4] = {s * w[0], s * w[1], s * w[2], cos(0.5 * rate * time)};
+  double s = pbf_sin(0.5 * rate * time) / rate;
+  double turn[4] = {s * w[0], s * w[1], s * w[2], pbf_cos(0.5 * rate * time)};
   pbf_motion_quaternion_product(turn, at_set->orientation, now->orientation);
   if (at_set->path != PBF_PATH_SCREW) return;
   double way[3];

@@ -4,6 +4,7 @@
 #ifndef PBF_PHYSICS_PASSES_DRAG_H
 #define PBF_PHYSICS_PASSES_DRAG_H
 
+#include "physics/elementary.h"
 #include "physics/passes/pass.h"
 
 namespace {
@@ -19,7 +20,7 @@ struct drag_pass {
 
 static inline drag_pass drag_of(const pbf_params *params) {
   drag_pass pass;
-  pass.kept = (pbf_real)exp(-params->drag * params->time_step);
+  pass.kept = (pbf_real)pbf_exp(-params->drag * params->time_step);
   for (int k = 0; k < PBF_DIM; ++k) pass.velocity.c[k] = (pbf_real)params->drag_velocity[k];
   return pass;
 }

@@ -29,6 +29,7 @@
 
 #include "physics/collide.h"
 #include "physics/depth.h"
+#include "physics/elementary.h"
 
 /* A cell is filled from such a part of its free volume on. */
 #define PBF_PRESSURE_GRID_FILLED 0.6
@@ -102,7 +103,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.max_left = corrects_shear ? PBF_DEPTH_SHEARED_LEFT : 1;
   c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * pbf_derive_spacing(params) / width;
   c.unit = params->particle_volume > 0 ? params->particle_volume
-                                       : pow(pbf_derive_spacing(params), PBF_DIM);
+                                       : pbf_pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
