@@ -8,6 +8,11 @@ function(pbf_linked_objects out)
   if(NOT names)
     message(FATAL_ERROR "PBF_STATIC is on, and no backend of PBF_BACKENDS (${PBF_BACKENDS}) can be built")
   endif()
+  list(LENGTH names count)
+  if(EMSCRIPTEN AND count GREATER 1)
+    message(FATAL_ERROR "PBF_BACKENDS is ${PBF_BACKENDS}; for WebAssembly it must name one, "
+      "for functions of one name in two can't be kept apart")
+  endif()
   set(PBF_EACH_LINKED)
   set(linked)
   foreach(name IN LISTS names)
@@ -22,10 +27,16 @@ endfunction()
 function(pbf_link_into_one out name)
   set(object ${CMAKE_CURRENT_BINARY_DIR}/pbf_backend_${name}.o)
   get_property(archives GLOBAL PROPERTY PBF_LINKED_ARCHIVES_${name})
+  set(apart -Wl,--unique)
+  set(keep_entry COMMAND ${CMAKE_OBJCOPY} --keep-global-symbol=pbf_backend_negotiate_${name} ${object})
+  if(EMSCRIPTEN) # whose linker keeps sections apart, and which has no objcopy: one backend alone
+    set(apart)
+    set(keep_entry)
+  endif()
   add_custom_command(OUTPUT ${object}
-    COMMAND ${CMAKE_C_COMPILER} -r -nostdlib -Wl,--unique -o ${object}
+    COMMAND ${CMAKE_C_COMPILER} -r -nostdlib ${apart} -o ${object}
             -Wl,--whole-archive $<TARGET_FILE:pbf_backend_${name}> -Wl,--no-whole-archive ${archives}
-    COMMAND ${CMAKE_OBJCOPY} --keep-global-symbol=pbf_backend_negotiate_${name} ${object}
+    ${keep_entry}
     DEPENDS pbf_backend_${name} COMMAND_EXPAND_LISTS VERBATIM)
   set_source_files_properties(${object} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
   set(${out} ${object} PARENT_SCOPE)

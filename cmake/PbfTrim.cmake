@@ -7,6 +7,8 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND isas sse2 avx2 avx512)
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
   list(APPEND isas neon)
+elseif(EMSCRIPTEN)
+  list(APPEND isas simd128)
 endif()
 set(PBF_ISAS "${isas}" CACHE STRING "Instruction sets that the CPU backends' pair loops are built for")
 

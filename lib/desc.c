@@ -85,11 +85,11 @@ static pbf_status copy_isa(const char *theirs, pbf_checked_desc *checked) {
   if (!name || (!theirs && !name[0])) return PBF_OK;
   int known = pbf_instruction_set_of(name);
   if (known == PBF_INSTRUCTION_SET_COUNT) {
-    return pbf_fail(
-        PBF_ERROR_INVALID_ARGUMENT,
-        "%s is \"%.*s\"; it must be \"scalar\", \"sse2\", \"neon\", \"avx2\" or \"avx512\", or %s",
-        theirs ? "desc.isa" : "PBF_ISA in the environment", PBF_NAME_SIZE, name,
-        theirs ? "null for the best one" : "unset");
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s is \"%.*s\"; it must be \"scalar\", \"simd128\", \"sse2\", \"neon\", "
+                    "\"avx2\" or \"avx512\", or %s",
+                    theirs ? "desc.isa" : "PBF_ISA in the environment", PBF_NAME_SIZE, name,
+                    theirs ? "null for the best one" : "unset");
   }
   snprintf(checked->isa, sizeof checked->isa, "%s", pbf_instruction_sets[known]);
   return PBF_OK;

@@ -10,7 +10,8 @@
 #include <pbf/pbf_backend.h>
 
 /* Narrower ones first. */
-static const char *const pbf_instruction_sets[] = {"scalar", "sse2", "neon", "avx2", "avx512"};
+static const char *const pbf_instruction_sets[] = {"scalar", "simd128", "sse2",
+                                                   "neon",   "avx2",    "avx512"};
 enum { PBF_INSTRUCTION_SET_COUNT = sizeof pbf_instruction_sets / sizeof pbf_instruction_sets[0] };
 
 /* PBF_INSTRUCTION_SET_COUNT: there is no such name. */

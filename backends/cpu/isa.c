@@ -52,9 +52,11 @@ static int has(cpu_isa isa) {
     return has(CPU_AVX2) && __builtin_cpu_supports("avx512f") &&
            __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
            __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-  return isa != CPU_NEON;
+  return isa != CPU_NEON && isa != CPU_SIMD128;
 #elif defined(__aarch64__)
   return isa == CPU_SCALAR || isa == CPU_NEON; /* of which every AArch64 has it */
+#elif defined(__wasm__)
+  return isa == CPU_SCALAR || isa == CPU_SIMD128; /* a machine without it refuses the module */
 #else
   return isa == CPU_SCALAR;
 #endif

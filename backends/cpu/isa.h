@@ -10,6 +10,7 @@ extern "C" {
 
 typedef enum cpu_isa {
   CPU_SCALAR,
+  CPU_SIMD128,
   CPU_SSE2,
   CPU_NEON,
   CPU_AVX2,

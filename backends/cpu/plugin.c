@@ -19,7 +19,8 @@ static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
  * its vectors. */
 static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
   static const int32_t scores[CPU_ISA_COUNT] = {
-      [CPU_SCALAR] = 10, [CPU_SSE2] = 16, [CPU_NEON] = 16, [CPU_AVX2] = 30, [CPU_AVX512] = 80};
+      [CPU_SCALAR] = 10, [CPU_SIMD128] = 16, [CPU_SSE2] = 16,
+      [CPU_NEON] = 16,   [CPU_AVX2] = 30,    [CPU_AVX512] = 80};
   int32_t score = scores[isa];
   if (workload->precision == PBF_FLOAT64) score = score / 2;
   return workload->dimension == 3 ? score / 3 : score;

@@ -168,11 +168,11 @@ typedef struct pbf_desc {
   const pbf_allocator *allocator; /* null: malloc; copied by pbf_create */
   pbf_log_fn log;                 /* null: silence */
   void *log_user;
-  const char *isa; /* instruction set of the CPU backends' loops over pairs: "scalar", "sse2",
-                      "neon", "avx2", "avx512"; null: the best one that the processor and the build
-                      have. All give the same bits; pbf_info.device_name names the one in use. What
-                      the processor, the build or the backend lacks is refused, with "auto", too;
-                      copied by pbf_create */
+  const char *isa; /* instruction set of the CPU backends' loops over pairs: "scalar", "simd128"
+                      (WebAssembly), "sse2", "neon", "avx2", "avx512"; null: the best one that the
+                      processor and the build have. All give the same bits; pbf_info.device_name
+                      names the one in use. What the processor, the build or the backend lacks is
+                      refused, with "auto", too; copied by pbf_create */
   /* The task system: both functions, or neither. `threads` is then how many of its workers may take
    * part, the caller included; `openmp`, which has threads of its own, refuses. */
   pbf_enqueue_task_fn enqueue_task;

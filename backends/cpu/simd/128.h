@@ -1,9 +1,12 @@
-/* Part of lanes.h: vectors of 128 bits in the compiler's own extension: SSE2, or NEON on AArch64.
+/* Part of lanes.h: vectors of 128 bits in the compiler's own extension: SSE2, NEON on AArch64, or
+ * WebAssembly's SIMD128.
  * What the extension lacks and compilers make poorly of loops, roots, is the processor's own. */
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #elif defined(__aarch64__)
 #include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 typedef pbf_real lane __attribute__((vector_size(16)));
@@ -43,9 +46,25 @@ PBF_FN lane roots_of(lane a) {
   return (lane)vsqrtq_f32((float32x4_t)a);
 #elif defined(__aarch64__)
   return (lane)vsqrtq_f64((float64x2_t)a);
+#elif defined(__wasm_simd128__) && PBF_BITS == 32
+  return (lane)wasm_f32x4_sqrt((v128_t)a);
+#elif defined(__wasm_simd128__)
+  return (lane)wasm_f64x2_sqrt((v128_t)a);
 #else
   for (int k = 0; k < WIDTH; ++k) a[k] = pbf_real_sqrt(a[k]);
   return a;
+#endif
+}
+
+/* a > b ? a : b */
+PBF_FN lane larger_of(lane a, lane b) {
+#if defined(__wasm_simd128__) && PBF_BITS == 32
+  return (lane)wasm_f32x4_pmax((v128_t)b, (v128_t)a);
+#elif defined(__wasm_simd128__)
+  return (lane)wasm_f64x2_pmax((v128_t)b, (v128_t)a);
+#else
+  const lane_mask m = a > b;
+  return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
 #endif
 }
 
@@ -57,10 +76,7 @@ struct ops<lane> {
 #else
   static PBF_IN lane set(pbf_real a) { return (lane){a, a}; }
 #endif
-  static PBF_IN lane max(lane a, lane b) {
-    lane_mask m = a > b;
-    return (lane)(((lane_mask)a & m) | ((lane_mask)b & ~m));
-  }
+  static PBF_IN lane max(lane a, lane b) { return larger_of(a, b); }
   static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return roots_of(a); }
   static PBF_IN lane root(lane a) { return sqrt(a); }
@@ -110,19 +126,32 @@ PBF_FN uint32_t u32_any(u32_lanes a) {
   return any;
 }
 PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) { return a << u32_set((uint32_t)count); }
-PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
-  u32_lanes s;
-  for (int k = 0; k < WIDTH; ++k) s[k] = p[k];
-  return s;
+
+/* Lanes are named where the code is compiled: clang leaves some loops over them as they are, and
+ * what is indexed by a variable is then kept in memory. */
+namespace {
+template <int... k>
+struct lane_numbers {};
+#if PBF_BITS == 32
+typedef lane_numbers<0, 1, 2, 3> each_lane;
+#else
+typedef lane_numbers<0, 1> each_lane;
+#endif
+
+template <int... k>
+PBF_FN u32_lanes bytes_in_lanes(const uint8_t *p, lane_numbers<k...>) {
+  return (u32_lanes){p[k]...};
 }
 
+template <int... k>
+PBF_FN lane_indices indices_in_lanes(const uint32_t first[PARTS], u32_lanes s, lane_numbers<k...>) {
+  return {{(first[s[k] / SLOTS] + s[k] % SLOTS - 1)...}, {(s[k] != 0)...}};
+}
+}  // namespace
+
+PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) { return bytes_in_lanes(p, each_lane()); }
 PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
-  lane_indices p;
-  for (int k = 0; k < WIDTH; ++k) {
-    p.index[k] = first[s[k] / SLOTS] + s[k] % SLOTS - 1;
-    p.known[k] = s[k] != 0;
-  }
-  return p;
+  return indices_in_lanes(first, s, each_lane());
 }
 PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
@@ -138,29 +167,31 @@ PBF_FN lane window_at(const window *t, lane_indices p) {
 PBF_FN const pbf_real *quad_of(const pbf_real *quads, const lane_indices *p, int lane_number) {
   return quads + 4 * (p->known[lane_number] ? (int64_t)p->index[lane_number] : -1);
 }
-/* Lane k is number m[k] of a's and, from WIDTH on, of b's. */
-PBF_FN lane lanes_pick(lane a, lane b, lane_mask m) {
+namespace {
+/* Lane k is number from[k] of a's and, from WIDTH on, of b's. */
+template <int... from>
+PBF_FN lane lanes_pick(lane a, lane b) {
 #ifdef __clang__
-  lane c;
-  for (int k = 0; k < WIDTH; ++k) c[k] = m[k] < WIDTH ? a[m[k]] : b[m[k] - WIDTH];
-  return c;
+  return __builtin_shufflevector(a, b, from...);
 #else
-  return __builtin_shuffle(a, b, m);
+  return __builtin_shuffle(a, b, (lane_mask){from...});
 #endif
 }
+}  // namespace
+
 #if PBF_BITS == 32
 PBF_FN void lanes_transpose(const lane a[4], lane b[4]) {
-  const lane_mask zip_low = {0, 4, 1, 5}, zip_high = {2, 6, 3, 7};
-  const lane low01 = lanes_pick(a[0], a[1], zip_low), low23 = lanes_pick(a[2], a[3], zip_low);
-  const lane high01 = lanes_pick(a[0], a[1], zip_high), high23 = lanes_pick(a[2], a[3], zip_high);
-  b[0] = lanes_pick(low01, low23, (lane_mask){0, 1, 4, 5});
-  b[1] = lanes_pick(low01, low23, (lane_mask){2, 3, 6, 7});
-  b[2] = lanes_pick(high01, high23, (lane_mask){0, 1, 4, 5});
-  b[3] = lanes_pick(high01, high23, (lane_mask){2, 3, 6, 7});
+  const lane low01 = lanes_pick<0, 4, 1, 5>(a[0], a[1]), low23 = lanes_pick<0, 4, 1, 5>(a[2], a[3]);
+  const lane high01 = lanes_pick<2, 6, 3, 7>(a[0], a[1]);
+  const lane high23 = lanes_pick<2, 6, 3, 7>(a[2], a[3]);
+  b[0] = lanes_pick<0, 1, 4, 5>(low01, low23);
+  b[1] = lanes_pick<2, 3, 6, 7>(low01, low23);
+  b[2] = lanes_pick<0, 1, 4, 5>(high01, high23);
+  b[3] = lanes_pick<2, 3, 6, 7>(high01, high23);
 }
 PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
-  lane rows[4];
-  for (int k = 0; k < 4; ++k) rows[k] = lane_load(quad_of(quads, &p, k));
+  const lane rows[4] = {lane_load(quad_of(quads, &p, 0)), lane_load(quad_of(quads, &p, 1)),
+                        lane_load(quad_of(quads, &p, 2)), lane_load(quad_of(quads, &p, 3))};
   lanes_transpose(rows, quad);
 }
 PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
@@ -173,15 +204,15 @@ PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
   for (int half = 0; half < 2; ++half) {
     const lane a = lane_load(quad_of(quads, &p, 0) + 2 * half);
     const lane b = lane_load(quad_of(quads, &p, 1) + 2 * half);
-    quad[2 * half] = lanes_pick(a, b, (lane_mask){0, 2});
-    quad[2 * half + 1] = lanes_pick(a, b, (lane_mask){1, 3});
+    quad[2 * half] = lanes_pick<0, 2>(a, b);
+    quad[2 * half + 1] = lanes_pick<1, 3>(a, b);
   }
 }
 PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   for (int half = 0; half < 2; ++half) {
     const lane a = quad[2 * half], b = quad[2 * half + 1];
-    lane_store(quads + 2 * half, lanes_pick(a, b, (lane_mask){0, 2}));
-    lane_store(quads + 4 + 2 * half, lanes_pick(a, b, (lane_mask){1, 3}));
+    lane_store(quads + 2 * half, lanes_pick<0, 2>(a, b));
+    lane_store(quads + 4 + 2 * half, lanes_pick<1, 3>(a, b));
   }
 }
 #endif

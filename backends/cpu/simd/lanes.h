@@ -34,7 +34,7 @@ enum { BUILT_FOR_SIZE = 0 };
 #include "cpu/simd/avx512.h"
 #elif defined(PBF_LANES_AVX2)
 #include "cpu/simd/avx2.h"
-#elif defined(PBF_LANES_SSE2) || defined(PBF_LANES_NEON)
+#elif defined(PBF_LANES_SSE2) || defined(PBF_LANES_NEON) || defined(PBF_LANES_SIMD128)
 #include "cpu/simd/128.h"
 #else
 #include "cpu/simd/scalar.h"
