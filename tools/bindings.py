@@ -9,6 +9,7 @@
     bindings/rust/pbf-sys/src/lib.rs
     bindings/csharp/Pbf/Native.g.cs
     bindings/lua/pbf/cdef.lua
+    bindings/js/abi.g.mjs, abi.g.d.ts, layout.g.c, exports.g.json
     examples/ctypes_demo.py       its structs
 """
 import argparse
@@ -18,7 +19,7 @@ import pathlib
 import re
 import sys
 
-from abi import csharp, ctypes_mirror, describe, lua, rust
+from abi import csharp, ctypes_mirror, describe, js, lua, rust
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ABI = "bindings/abi.json"
@@ -46,6 +47,7 @@ def outputs(description):
         "bindings/rust/pbf-sys/src/lib.rs": rust.text(description),
         "bindings/csharp/Pbf/Native.g.cs": csharp.text(description),
         "bindings/lua/pbf/cdef.lua": lua.text(description),
+        **js.files(description),
         "examples/ctypes_demo.py": demo(description),
     }
 

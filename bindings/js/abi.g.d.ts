@@ -1,0 +1,206 @@
+// Written by tools/bindings.py from bindings/abi.json; do not edit. Fields are those of pbf.h, which says what each is.
+export interface Params {
+  kernel: number;
+  smoothingRadius: number;
+  spacing: number;
+  particleVolume: number;
+  timeStep: number;
+  iterations: number;
+  collide: number;
+  gravity: number[];
+  attraction: number;
+  attractionCenter: number[];
+  overRelaxation: number;
+  cfm: number;
+  cohesion: number;
+  minDiagonal: number;
+  wallDensity: number;
+  scorrK: number;
+  scorrDq: number;
+  scorrN: number;
+  solver: number;
+  vorticity: number;
+  viscosity: number;
+  domainMin: number[];
+  domainMax: number[];
+  wallVelocity: number[];
+  wallAmplitude: number[];
+  wallFrequency: number[];
+  wallPhase: number[];
+  searchCellWidth: number;
+  sleepSpeed: number;
+  sleepTime: number;
+  tolerance: number;
+  pressureGrid: number;
+  prestabilization: number;
+  dampingCompensation: number;
+  angularMomentumCorrection: number;
+  drag: number;
+  dragVelocity: number[];
+  maxDepenetrationSpeed: number;
+  maxSubsteps: number;
+  shearStressCorrection: number;
+}
+
+export interface Collider {
+  inverted: number;
+  path: number;
+  position: number[];
+  orientation: number[];
+  velocity: number[];
+  angularVelocity: number[];
+  axis: number[];
+  halfExtents: number[];
+  radius: number;
+  halfLength: number;
+  halfExtentsRate: number[];
+  radiusRate: number;
+  halfLengthRate: number;
+  duration: number;
+  shape: "plane" | "sphere" | "capsule" | "box";
+}
+
+export interface Stats {
+  count: number;
+  iterations: number;
+  neighborsMax: number;
+  neighborsMean: number;
+  centerOfMass: number[];
+  positionMin: number[];
+  positionMax: number[];
+  momentum: number[];
+  kineticEnergy: number;
+  speedMax: number;
+  densityErrorMean: number;
+  densityErrorMax: number;
+  densityMean: number;
+  asleep: number;
+  squeezed: number;
+  stepLimit: number;
+  limitedBy: number;
+  substeps: number;
+}
+
+export interface Info {
+  dimension: number;
+  precision: number;
+  capacity: number;
+  threads: number;
+  device: number;
+  deviceType: number;
+  fellBack: number;
+  step: number;
+  time: number;
+  backend: string;
+  deviceName: string;
+  buildId: string;
+  path: string;
+  fallbackReason: string;
+}
+
+export interface PlanStage {
+  name: string;
+  runsPerStep: number;
+  launchesPerStep: number;
+}
+
+export interface PlanArray {
+  name: string;
+  bytesPerParticle: number;
+  bytes: number;
+}
+
+export interface Plan {
+  stageCount: number;
+  arrayCount: number;
+  variant: string;
+  bytesPerParticle: number;
+  bytes: number;
+  stages: PlanStage[];
+  arrays: PlanArray[];
+}
+
+export interface StageTime {
+  name: string;
+  milliseconds: number;
+  runs: number;
+}
+
+export interface Timings {
+  stageCount: number;
+  stages: StageTime[];
+}
+
+export declare const constants: {
+  readonly VERSION_MAJOR: 0;
+  readonly VERSION_MINOR: 2;
+  readonly VERSION_PATCH: 0;
+  readonly API_VERSION: 2;
+  readonly MAX_CAPACITY: 1073741823;
+  readonly MAX_COLLIDERS: 64;
+  readonly MAX_SNAPSHOTS: 16;
+  readonly NAME_SIZE: 32;
+  readonly MAX_STAGES: 24;
+  readonly MAX_ARRAYS: 40;
+  readonly MAX_WORLDS: 65536;
+  readonly OK: 0;
+  readonly ERROR_INVALID_ARGUMENT: -1;
+  readonly ERROR_STRUCT_SIZE: -2;
+  readonly ERROR_OUT_OF_MEMORY: -3;
+  readonly ERROR_CAPACITY: -4;
+  readonly ERROR_NOT_FOUND: -5;
+  readonly ERROR_UNAVAILABLE: -6;
+  readonly ERROR_UNSUPPORTED: -7;
+  readonly ERROR_BUSY: -8;
+  readonly ERROR_STATE: -9;
+  readonly ERROR_DEVICE: -10;
+  readonly ERROR_PLUGIN: -11;
+  readonly ERROR_DATA: -12;
+  readonly ERROR_CANCELLED: -13;
+  readonly FLOAT32: 4;
+  readonly FLOAT64: 8;
+  readonly LOG_INFO: 1;
+  readonly LOG_WARNING: 2;
+  readonly KERNEL_WENDLAND_C2: 0;
+  readonly KERNEL_POLY6_SPIKY: 1;
+  readonly SOLVER_JACOBI: 0;
+  readonly SOLVER_CHEBYSHEV: 1;
+  readonly COLLIDE_AFTER_PREDICTION: 1;
+  readonly COLLIDE_IN_ITERATION: 2;
+  readonly COLLIDE_AFTER_SOLVE: 4;
+  readonly WALL_X_MIN: 0;
+  readonly WALL_X_MAX: 1;
+  readonly WALL_Y_MIN: 2;
+  readonly WALL_Y_MAX: 3;
+  readonly WALL_Z_MIN: 4;
+  readonly WALL_Z_MAX: 5;
+  readonly FIELD_POSITION: 1;
+  readonly FIELD_VELOCITY: 2;
+  readonly FIELD_ID: 3;
+  readonly FIELD_DENSITY: 4;
+  readonly FIELD_PRESSURE: 5;
+  readonly TYPE_FLOAT32: 4;
+  readonly TYPE_FLOAT64: 8;
+  readonly TYPE_UINT32: 12;
+  readonly W_CONSTANT: 0;
+  readonly W_SPEED: 1;
+  readonly W_DENSITY: 2;
+  readonly W_PRESSURE: 3;
+  readonly ORDER_ADDED: 0;
+  readonly ORDER_STORED: 1;
+  readonly COLLIDER_PLANE: 0;
+  readonly COLLIDER_SPHERE: 1;
+  readonly COLLIDER_CAPSULE: 2;
+  readonly COLLIDER_BOX: 3;
+  readonly PATH_AUTO: 0;
+  readonly PATH_STRAIGHT: 1;
+  readonly PATH_SCREW: 2;
+  readonly DEVICE_CPU: 1;
+  readonly DEVICE_CUDA: 2;
+  readonly LIMIT_NONE: 0;
+  readonly LIMIT_GRAVITY: 1;
+  readonly LIMIT_ATTRACTION: 2;
+  readonly LIMIT_PARTICLES: 3;
+  readonly LIMIT_WALLS: 4;
+  readonly LIMIT_COLLIDERS: 5;
+};
