@@ -9,4 +9,3 @@ set(CMAKE_CROSSCOMPILING_EMULATOR ${node})
 # Of the host's headers the one that knows no system: dlpack.h.
 list(APPEND CMAKE_SYSTEM_INCLUDE_PATH /usr/include)
 set(PBF_STATIC ON CACHE BOOL "Nothing to load")
-set(CMAKE_C_FLAGS_INIT -Dsecure_getenv=getenv) # no process has privileges there
