@@ -9,7 +9,7 @@
     bindings/rust/pbf-sys/src/lib.rs
     bindings/csharp/Pbf/Native.g.cs
     bindings/lua/pbf/cdef.lua
-    bindings/js/abi.g.mjs, abi.g.d.ts, layout.g.c, exports.g.json
+    bindings/js/abi.g.mjs, abi.g.d.mts, layout.g.c, exports.g.json
     examples/ctypes_demo.py       its structs
 """
 import argparse

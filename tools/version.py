@@ -17,6 +17,7 @@ PLACES = {
     "bindings/rust/pbf-sys/Cargo.toml": [r'(^version = ")([^"]*)(")'],
     "bindings/rust/pbf/Cargo.toml": [r'(^version = ")([^"]*)(")', r'(pbf-sys = .*version = ")([^"]*)(")'],
     "bindings/csharp/Pbf/Pbf.csproj": [r"(<Version>)([^<]*)(</Version>)"],
+    "bindings/js/package.json": [r'("version": ")([^"]*)(")'],
     "packaging/vcpkg/pbf/vcpkg.json": [r'("version": ")([^"]*)(")'],
     "CITATION.cff": [r"(^version: )(\S+)()"],
 }

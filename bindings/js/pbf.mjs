@@ -81,7 +81,8 @@ async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
   if (typeof Response !== "undefined" && source instanceof Response) return WebAssembly.compile(await source.arrayBuffer());
-  const url = new URL(source ?? "./pbf.wasm", import.meta.url);
+  // Bundlers look for the first of these as it stands here.
+  const url = source === undefined ? new URL("./pbf.wasm", import.meta.url) : new URL(source, globalThis.location?.href ?? import.meta.url);
   if (url.protocol === "file:") return WebAssembly.compile(await (await import("node:fs/promises")).readFile(url));
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url} can't be read: ${response.status} ${response.statusText}`);

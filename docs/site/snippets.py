@@ -5,7 +5,7 @@
     snippets.py --check    fails where a document has other code than its source
 
 In Markdown, before a fenced block:   <!-- code: examples/tutorial/1_dam.c create -->
-In C, around what it names:           /* code: create */ … /* end */
+In C and JavaScript, around what it names: /* code: create */ … /* end */
 """
 import pathlib
 import re
@@ -13,7 +13,7 @@ import sys
 import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```c\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```(?:c|js)\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 
 
 def piece(name, label):
@@ -31,7 +31,7 @@ def main(check):
         marks = text.count("<!-- code: ")
         new = BLOCK.sub(lambda block: block[1] + piece(block[2], block[3]) + block[5], text)
         if marks != len(BLOCK.findall(text)):
-            sys.exit(f"{page.relative_to(ROOT)}: a mark of code has no block of C behind it")
+            sys.exit(f"{page.relative_to(ROOT)}: a mark of code has no block of code behind it")
         blocks += marks
         if new != text and check:
             wrong.append(f"{page.relative_to(ROOT)}: code differs from its source; docs/site/snippets.py writes it")

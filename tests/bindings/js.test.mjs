@@ -1,9 +1,11 @@
 // The package for browsers and node, by node's own test runner: PBF_JS=build/wasm/js node --test tests/bindings
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { Worker } from "node:worker_threads";
 
 const folder = resolve(process.env.PBF_JS ?? "build/wasm/js");
 const { Solver, PbfError, constants, load, version } = await import(pathToFileURL(`${folder}/pbf.mjs`));
@@ -106,9 +108,9 @@ test("particles come and go", async () => {
 test("what changes of parameters is set, the rest stays", async () => {
   const solver = await fluid();
   const before = solver.params;
-  solver.setParams({ gravity: [0, -1], viscosity: 0.25, iterations: 7, shearStressCorrection: 0 });
+  solver.setParams({ gravity: [0, -1], viscosity: 0.1, iterations: 7, shearStressCorrection: 0 });
   assert.deepEqual(solver.params, {
-    ...before, gravity: [0, -1, 0], viscosity: 0.25, iterations: 7, shearStressCorrection: 0,
+    ...before, gravity: [0, -1, 0], viscosity: 0.1, iterations: 7, shearStressCorrection: 0,
   });
   solver.destroy();
 });
@@ -124,6 +126,7 @@ test("errors are the library's sentences, and the solver stays as it was", async
   throws(() => solver.setParams({ iterations: 1.5 }), "PBF_ERROR_INVALID_ARGUMENT", /^params.iterations is 1.5; /);
   throws(() => solver.setParams({ iterations: -1 }), "PBF_ERROR_INVALID_ARGUMENT", /^params.iterations is -1; /);
   throws(() => solver.setParams({ gravity: [1, 2, 3, 4] }), "PBF_ERROR_INVALID_ARGUMENT", /^params.gravity has 4 numbers; /);
+  throws(() => solver.addParticles([1, 1, 1, 2, 2, 2], [0, 0, 0]), "PBF_ERROR_INVALID_ARGUMENT", /^velocities has 1 rows, positions 2$/);
   throws(() => solver.addParticles([1, 2]), "PBF_ERROR_INVALID_ARGUMENT", /^positions has 2 numbers, no multiple of 3$/);
   throws(() => solver.setColliders([{ shape: "torus" }]), "PBF_ERROR_INVALID_ARGUMENT", /^colliders\[0\].shape is torus; /);
   throws(() => solver.map("colour", () => {}), "PBF_ERROR_INVALID_ARGUMENT", /^field is colour; /);
@@ -175,6 +178,24 @@ test("a log hears of long steps, and what it throws reaches the caller", async (
   other.destroy();
 });
 
+test("memory is given back", async () => {
+  const once = async () => {
+    const solver = await Solver.create({ capacity: 20000, params: { ...tank, domainMax: [4, 4, 4] } });
+    solver.addParticles(many);
+    solver.positions;
+    solver.destroy();
+  };
+  const many = block([25, 25, 30], 0.1);
+  for (let k = 0; k < 3; ++k) await once();
+  const sized = await fluid();
+  const bytes = sized.positions.buffer.byteLength;
+  sized.destroy();
+  for (let k = 0; k < 400; ++k) await once();
+  const after = await fluid();
+  assert.equal(after.positions.buffer.byteLength, bytes);
+  after.destroy();
+});
+
 test("memory grows, and arrays read afterwards are of the new memory", async () => {
   const solver = await fluid();
   const first = solver.positions[0];
@@ -188,23 +209,6 @@ test("memory grows, and arrays read afterwards are of the new memory", async () 
   solver.step();
   assert.equal(solver.count, 216);
   solver.destroy();
-});
-
-test("memory is given back", async () => {
-  const once = async () => {
-    const solver = await fluid();
-    solver.step();
-    solver.positions;
-    solver.destroy();
-  };
-  for (let k = 0; k < 20; ++k) await once();
-  const sized = await fluid();
-  const bytes = sized.positions.buffer.byteLength;
-  sized.destroy();
-  for (let k = 0; k < 300; ++k) await once();
-  const after = await fluid();
-  assert.equal(after.positions.buffer.byteLength, bytes);
-  after.destroy();
 });
 
 test("what is destroyed says so", async () => {
@@ -231,4 +235,28 @@ test("both instruction sets that there are have the same bits", async () => {
     solver.destroy();
   }
   assert.equal(hashes.size, 1);
+});
+
+test("the program of all languages prints what it prints in C", () => {
+  const printed = execFileSync(process.execPath, [`${folder}/splash.mjs`], { encoding: "utf8" });
+  assert.match(printed, /\n1\.0 s: front at 1\.99 m\n$/);
+});
+
+test("a worker has a module of its own, and the same bits", async () => {
+  const solver = await fluid();
+  solver.step(10);
+  const source = `
+    import { parentPort } from "node:worker_threads";
+    const { Solver } = await import(${JSON.stringify(pathToFileURL(`${folder}/pbf.mjs`).href)});
+    const solver = await Solver.create({ capacity: 1000, params: ${JSON.stringify(tank)} });
+    solver.addParticles(${JSON.stringify(block([6, 6, 6], 0.1))});
+    solver.step(10);
+    const positions = solver.positions.slice();
+    parentPort.postMessage({ hash: solver.hash, positions }, [positions.buffer]);`;
+  const worker = new Worker(new URL(`data:text/javascript,${encodeURIComponent(source)}`));
+  const { hash, positions } = await new Promise((done, failed) => worker.once("message", done).once("error", failed));
+  await worker.terminate();
+  assert.equal(hash, solver.hash);
+  assert.deepEqual(positions, solver.positions.slice());
+  solver.destroy();
 });

@@ -1,7 +1,7 @@
 """bindings/js: what the module for browsers and node knows of the ABI, and what TypeScript sees of it.
 
     abi.g.mjs      numbers, and where the fields of structs lie in WebAssembly, whose pointers have 32 bits
-    abi.g.d.ts     an interface for each struct that programs see
+    abi.g.d.mts     an interface for each struct that programs see
     layout.g.c     that the compiler lays the structs out so; it is compiled into the module
     exports.g.json the functions that the module exports
 """
@@ -115,5 +115,5 @@ def exports(description):
 
 
 def files(description):
-    return {"bindings/js/abi.g.mjs": module(description), "bindings/js/abi.g.d.ts": declarations(description),
+    return {"bindings/js/abi.g.mjs": module(description), "bindings/js/abi.g.d.mts": declarations(description),
             "bindings/js/layout.g.c": asserts(description), "bindings/js/exports.g.json": exports(description)}

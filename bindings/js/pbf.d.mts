@@ -1,7 +1,13 @@
-import type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.js";
+import type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
 
-export { constants } from "./abi.g.js";
-export type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.js";
+export { constants } from "./abi.g.mjs";
+export type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
+
+declare global {
+  interface SymbolConstructor {
+    readonly dispose: unique symbol; // of TypeScript 5.2 and later
+  }
+}
 
 type Numbers = ArrayLike<number>;
 /** Some of the fields; arrays may be of any kind, and shorter in 2D. */
@@ -55,7 +61,7 @@ export declare function load(
 export declare function version(): string;
 
 /** A fluid. Arrays that it gives are views of the module's memory: slice() keeps them. */
-export declare class Solver implements Disposable {
+export declare class Solver {
   /** Loads the module where that has not been done, and makes a solver. */
   static create(options?: Options): Promise<Solver>;
   /** After load(). */
