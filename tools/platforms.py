@@ -35,7 +35,7 @@ def toolchain(name):
     return [f"-DCMAKE_TOOLCHAIN_FILE={ROOT}/cmake/toolchains/{name}.cmake"]
 
 
-# what: as the tables say it. packages: of Debian, beside those of a build. options: of CMake. strip: of its binary
+# only: targets in place of the usual ones. what: as the tables say it. packages: of Debian, beside those of a build. options: of CMake. strip: of its binary
 # utilities. python: packages of PyPI, in build/zig. without: targets that it has not got. more: those that it alone has. runs: False where nothing can run it here.
 PLATFORMS = {
     "gcc": {"what": "Linux x86-64, GCC", "packages": ["gcc", "g++"], "strip": "strip",
@@ -53,17 +53,22 @@ PLATFORMS = {
               "more": ["test_loader_windows", "pbf_backend_openmp"]},
     "macos": {"what": "macOS AArch64, by Zig", "packages": ["python3-venv"], "python": ["ziglang"], "strip": "true",
               "options": toolchain("aarch64-macos"), "runs": False},
+    "wasm": {"what": "WebAssembly by Emscripten, under node", "packages": ["emscripten"], "only": ["wasm_tests"],
+             "options": [*toolchain("wasm32-emscripten"), "-DPBF_BACKENDS=serial"]},
 }
 
 
 def run(log, *command):
     log.write(f"$ {' '.join(map(str, command))}\n")
     log.flush()
-    environment = {**os.environ, "WINEDEBUG": "-all"}
+    # Where Debian's Emscripten finds what it wants of node, for a node that is not Debian's.
+    environment = {"NODE_PATH": "/usr/share/nodejs", **os.environ, "WINEDEBUG": "-all"}
     return subprocess.run(list(map(str, command)), cwd=ROOT, stdout=log, stderr=subprocess.STDOUT, env=environment).returncode
 
 
 def targets(platform):
+    if "only" in platform:
+        return platform["only"]
     names = ["pbf", "pbf_backend_reference", "pbf_backend_serial", "pbf_backend_threads"]
     if platform.get("runs", True):
         names += ["same_bits", "stubs", "test_abi_layout", *(f"test_api_{name}" for name in API)]
@@ -95,14 +100,15 @@ def compiler(build):
 def kilobytes(platform, build):
     """Of libpbf and of `serial`, stripped."""
     sizes = {}
-    for key, patterns in {"libpbf": ["lib/libpbf.so", "bin/libpbf.dll", "lib/libpbf.dylib"],
+    for key, patterns in {"libpbf": ["lib/libpbf.so", "bin/libpbf.dll", "lib/libpbf.dylib", "js/pbf.wasm"],
                           "serial": ["*/pbf/backends/pbf_backend_serial.*"]}.items():
         file = next((file for pattern in patterns for file in build.glob(pattern)), None)
         if file is None:
             continue
         copy = build / f"{key}.stripped"
         shutil.copy(file.resolve(), copy)
-        subprocess.run([*platform["strip"].split(), copy], check=False)
+        if "strip" in platform:
+            subprocess.run([*platform["strip"].split(), copy], check=False)
         sizes[key] = round(copy.stat().st_size / 1000)
     return sizes
 
