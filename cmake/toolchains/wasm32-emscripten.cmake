@@ -6,6 +6,4 @@ cmake_path(GET emcc PARENT_PATH root)
 include(${root}/cmake/Modules/Platform/Emscripten.cmake)
 find_program(node node REQUIRED)
 set(CMAKE_CROSSCOMPILING_EMULATOR ${node})
-# Of the host's headers the one that knows no system: dlpack.h.
-list(APPEND CMAKE_SYSTEM_INCLUDE_PATH /usr/include)
 set(PBF_STATIC ON CACHE BOOL "Nothing to load")
