@@ -1,5 +1,5 @@
 /* Sines, powers and logarithms that have the same bits on every machine: C libraries round them
- * differently, by processor, too. Each is computed in pairs of float64 whose sum is the number,
+ * differently, by processor, too. Each is computed in pairs of float64 that add up to the number,
  * with about 100 bits, by + - * / and roots alone, and then rounded once. Where a start is wanted
  * it is the library's, which no bit depends on. Host only; C17 and C++17.
  *
@@ -23,7 +23,7 @@ static inline pbf_pair_real pbf_pair_of(double high, double low) {
 }
 
 static inline pbf_pair_real pbf_pair_product_of(double a, double b) {
-  const double split = 134217729; /* 2^27 + 1: halves of 26 bits, whose products are exact */
+  const double split = 134217729; /* 2^27 + 1: halves of 26 bits, with exact products */
   const double a_split = split * a, a_high = a_split - (a_split - a), a_low = a - a_high;
   const double b_split = split * b, b_high = b_split - (b_split - b), b_low = b - b_high;
   const double product = a * b;

@@ -116,7 +116,7 @@ try {
   await load(globalThis.pbfModule); // the bytes that build.py puts in; else pbf.wasm
   const demo = new Demo(new Picture(canvas, tank));
   demo.begin();
-  globalThis.demo = demo; // for those who look at it from the console
+  globalThis.demo = demo; // for a look from the console
   const next = (now) => {
     try {
       demo.frame(now);

@@ -37,7 +37,7 @@ async function fluid(options = {}) {
   return solver;
 }
 
-// The tank of tests/same_bits/scenes.c, whose hash every build has.
+// The tank of tests/same_bits/scenes.c: every build has its hash.
 test("a pinned scene has its hash", async () => {
   const pinned = readFileSync(new URL("../same_bits/pinned.txt", import.meta.url), "utf8");
   let state = 1n;

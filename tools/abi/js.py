@@ -1,6 +1,6 @@
 """bindings/js: what the module for browsers and node knows of the ABI, and what TypeScript sees of it.
 
-    abi.g.mjs      numbers, and where the fields of structs lie in WebAssembly, whose pointers have 32 bits
+    abi.g.mjs      numbers, and where the fields of structs lie in WebAssembly, with pointers of 32 bits
     abi.g.d.mts     an interface for each struct that programs see
     layout.g.c     that the compiler lays the structs out so; it is compiled into the module
     exports.g.json the functions that the module exports
