@@ -203,7 +203,8 @@ function write(name, where, at, values) {
       writeNumber(what, at + offset, numberOf(`${where}.${field}`, what, value));
       continue;
     }
-    const given = Array.from(value ?? []);
+    if (typeof value !== "object" || value === null) throw invalid(`${where}.${field} is ${String(value)}; it must be an array of numbers`);
+    const given = Array.from(value);
     if (given.length > count || !given.length) {
       throw invalid(`${where}.${field} has ${given.length} numbers; it takes up to ${count}`);
     }
@@ -270,6 +271,7 @@ export class Solver {
   /** After load(). */
   constructor(options = {}) {
     if (!exports) throw invalid("the module is not loaded; await load() first, or Solver.create()");
+    if (options.log && typeof options.log !== "function") throw invalid(`options.log is ${String(options.log)}; it must be a function`);
     if (options.log) logs.set((this.#user = ++lastLog), options.log);
     try {
       this.#create(options);
@@ -318,7 +320,7 @@ export class Solver {
   // ---- Steps and parameters
 
   step(steps = 1) {
-    this.#call("pbf_step", steps);
+    this.#call("pbf_step", numberOf("steps", "u32", steps));
   }
 
   get params() {
@@ -479,11 +481,11 @@ export class Solver {
 
   /** Of the rows from `first` on. */
   setPositions(values, first = 0) {
-    this.#withRows("positions", values, this.#dimension, (at, rows) => this.#call("pbf_set_positions", first, rows, at));
+    this.#withRows("positions", values, this.#dimension, (at, rows) => this.#call("pbf_set_positions", numberOf("first", "u32", first), rows, at));
   }
 
   setVelocities(values, first = 0) {
-    this.#withRows("velocities", values, this.#dimension, (at, rows) => this.#call("pbf_set_velocities", first, rows, at));
+    this.#withRows("velocities", values, this.#dimension, (at, rows) => this.#call("pbf_set_velocities", numberOf("first", "u32", first), rows, at));
   }
 
   /**

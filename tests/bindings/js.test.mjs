@@ -129,10 +129,15 @@ test("errors are the library's sentences, and the solver stays as it was", async
   throws(() => solver.addParticles([1, 1, 1, 2, 2, 2], [0, 0, 0]), "PBF_ERROR_INVALID_ARGUMENT", /^velocities has 1 rows, positions 2$/);
   throws(() => solver.addParticles([1, 2]), "PBF_ERROR_INVALID_ARGUMENT", /^positions has 2 numbers, no multiple of 3$/);
   throws(() => solver.setColliders([{ shape: "torus" }]), "PBF_ERROR_INVALID_ARGUMENT", /^colliders\[0\].shape is torus; /);
+  throws(() => solver.setParams({ gravity: 3 }), "PBF_ERROR_INVALID_ARGUMENT", /^params.gravity is 3; it must be an array/);
+  throws(() => solver.step(-1), "PBF_ERROR_INVALID_ARGUMENT", /^steps is -1; it must be a whole number of 32 bits$/);
+  throws(() => solver.step("2"), "PBF_ERROR_INVALID_ARGUMENT", /^steps is 2; it must be a number$/);
+  throws(() => solver.setPositions([1, 1, 1], -1), "PBF_ERROR_INVALID_ARGUMENT", /^first is -1; /);
   throws(() => solver.map("colour", () => {}), "PBF_ERROR_INVALID_ARGUMENT", /^field is colour; /);
   assert.equal(solver.hash, hash);
   await assert.rejects(Solver.create({ dimension: 4 }), { code: "PBF_ERROR_INVALID_ARGUMENT", message: /dimension is 4/ });
   await assert.rejects(Solver.create({ threads: 2 }), { message: /^options has no threads; / });
+  await assert.rejects(Solver.create({ log: 3 }), { message: "options.log is 3; it must be a function" });
   await assert.rejects(Solver.create({ isa: "avx2" }), { code: "PBF_ERROR_UNAVAILABLE" });
   solver.destroy();
 });
