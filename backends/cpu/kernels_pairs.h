@@ -354,6 +354,16 @@ static void wake_neighbors(const pair_pass *p, const pbf_real *is_source,
 
 /* ---- On request ---------------------------------------------------------------------------- */
 
+/* Where walls have ghosts all groups sum up alike: which of a particle's neighbours in the order
+ * have ghosts must not show in how its own sum is rounded. */
+static lane density_by_walls(const pair_pass *p, int features, uint32_t g) {
+  const pbf_constants c = *p->constants;
+  lambda_sums<lane> sums;
+  if (!sum_with_ghosts<lambda_pass>(p, features, {}, g, &sums))
+    sums = sums_of_group(lambda_pass<int, SCALED_SUMS>{&c, features}, p, {}, {}, g);
+  return sums.density;
+}
+
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
   const pbf_constants c = *p->constants;
@@ -361,9 +371,7 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   for (uint32_t g = first; g < last; ++g) {
     u32_lanes count = u32_set(0);
     lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
-    lambda_sums<lane> with_ghosts;
-    if (has_ghosts(p) && sum_with_ghosts<lambda_pass>(p, pass.features, {}, g, &with_ghosts))
-      density = with_ghosts.density;
+    if (has_ghosts(p)) density = density_by_walls(p, pass.features, g);
     lane_store(densities + g * WIDTH, density);
     if (neighbors) u32_store(neighbors + g * WIDTH, count);
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
