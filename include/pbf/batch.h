@@ -26,11 +26,11 @@
 extern "C" {
 #endif
 
+/* ---- Life of a batch ----------------------------------------------------------------------- */
+
 typedef struct pbf_batch pbf_batch;
 
 #define PBF_MAX_WORLDS 65536u
-
-/* ---- Life of a batch ----------------------------------------------------------------------- */
 
 /* `worlds` (1 … PBF_MAX_WORLDS) empty worlds, each as pbf_create would make it but for desc.threads
  * and the task system, which are the batch's: a world has one thread. All have the backend that the

@@ -4,7 +4,7 @@
     reference.py ROOT
 
 docs/site/header_filter.py shows Doxygen a header with its comments marked. Without comments what it shows is the header; and each
-function and struct is in a group, which is what the reference's sections are made of.
+function and struct, opaque ones, too, is in a group, which is what the reference's sections are made of.
 """
 import importlib.util
 import pathlib
@@ -27,6 +27,8 @@ def check(header_filter, header):
     inside = "".join(re.findall(r"@\{ \*/(.*?)/\*\* @\}", shown, flags=re.DOTALL))
     names = re.findall(r"^PBF_API [^;(]*?\b(pbf_\w+)\(|^typedef struct (pbf_\w+) \{", header, flags=re.MULTILINE)
     names = [name for pair in names for name in pair if name]
+    opaque = re.findall(r"^typedef struct (pbf_\w+) \1;", header, flags=re.MULTILINE)
+    wrong += [f"{name} is in no group" for name in opaque if f"typedef struct {name} {name};" not in inside]
     wrong += [f"{name} is in no group" for name in names if not re.search(rf"\b{name}\b *[({{]", inside)]
     return names, wrong
 
