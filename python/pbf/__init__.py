@@ -15,7 +15,8 @@ from ._library import ffi, lib, version
 from ._reading import Anisotropies
 from .batch import Batch, BatchTensor
 from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
-from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
+from .dump import Dump, DumpFrame, load_dump
+from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
 from .fill import fill_ball, fill_box, fill_lattice
 from .params import Collide, Kernel, Method, Params
 from .picture import Movie, png_bytes, render, save_png
@@ -28,12 +29,13 @@ from .views import Snapshot, View
 __version__ = version()
 
 __all__ = [
-    "Anisotropies", "BackendInfo", "Batch", "BatchTensor", "Box", "BusyError", "CancelledError", "CapacityError", "Capsule", "Collide",
-    "Collider", "DataError", "DeviceError", "Error", "Info", "InvalidArgumentError", "Kernel",
-    "Limit", "Method", "MissingExtraError", "Movie", "NotFoundError", "OutOfMemoryError", "Params",
-    "MotionPath", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError", "Scene", "SceneSolver",
-    "Shape", "Snapshot", "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError",
+    "AlembicPoints", "Anisotropies", "BackendInfo", "Batch", "BatchTensor", "Box", "BusyError",
+    "CancelledError", "CapacityError", "Capsule", "Collide", "Collider", "DataError", "DeviceError",
+    "Dump", "DumpFrame", "Error", "Info", "InvalidArgumentError", "Kernel", "Limit", "Method",
+    "MissingExtraError", "MotionPath", "Movie", "NotFoundError", "OutOfMemoryError", "Params",
+    "Plan", "PlanArray", "PlanStage", "Plane", "PluginError", "Scene", "SceneSolver", "Shape",
+    "Snapshot", "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError",
     "Surface", "UnavailableError", "UnsupportedError", "UsdPoints", "View", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
-    "load_backend", "load_scene", "png_bytes", "render", "save_png", "scenes", "surface", "version",
-    "write_ply"]
+    "load_backend", "load_dump", "load_scene", "png_bytes", "render", "save_png", "scenes",
+    "surface", "version", "write_ply"]

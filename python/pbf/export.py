@@ -1,4 +1,4 @@
-"""Files for other programs: PLY, VTK for ParaView, USD; and the surface of a fluid."""
+"""Files for other programs: PLY, VTK for ParaView, USD, Alembic; and the surface of a fluid."""
 from __future__ import annotations
 
 import importlib
@@ -6,19 +6,45 @@ import os
 import pathlib
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Protocol, Union
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import InvalidArgumentError, MissingExtraError
+from ._errors import InvalidArgumentError, MissingExtraError, StateError
 from ._numbers import real
 
 if TYPE_CHECKING:
     from .solver import Solver
 
 PathLike = Union[str, "os.PathLike[str]"]
+
+
+class Particles(Protocol):
+    """What is written of a fluid: a Solver has it, and a frame that pbf-bench has written."""
+
+    @property
+    def positions(self) -> NDArray[Any]: ...
+    @property
+    def velocities(self) -> NDArray[Any]: ...
+    @property
+    def ids(self) -> NDArray[Any]: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def dimension(self) -> int: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def gravity(self) -> tuple[float, ...]: ...
+    @property
+    def rest_distance(self) -> float: ...
+    @property
+    def domain_min(self) -> tuple[float, ...]: ...
+    @property
+    def domain_max(self) -> tuple[float, ...]: ...
+
 
 _TYPES = {"f4": "float", "f8": "double", "i4": "int", "u4": "uint", "u1": "uchar"}
 
@@ -30,6 +56,18 @@ def _need(module: str, package: str, what: str) -> Any:
         raise MissingExtraError(
             f"{what} needs {package}, which is not installed: pip install {package}, or this "
             "package with its extra: pip install '.[export]'") from None
+
+
+def _frames_a_second(fps: Any) -> float:
+    rate = real("fps", fps)
+    if not 0 < rate < float("inf"):
+        raise InvalidArgumentError(f"fps is {rate:g}; it must be above 0, and finite")
+    return rate
+
+
+def _need_open(path: pathlib.Path, points: Any) -> None:
+    if points is None:
+        raise StateError(f"{path.name} is closed, and takes no more frames")
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
@@ -71,7 +109,7 @@ def _axes(vectors: NDArray[Any], names: str) -> list[tuple[str, NDArray[Any]]]:
     return [(name, spatial[:, k]) for k, name in enumerate(names.split())]
 
 
-def write_ply(path: PathLike, fluid: Solver, **columns: NDArray[Any]) -> None:
+def write_ply(path: PathLike, fluid: Particles, **columns: NDArray[Any]) -> None:
     """The particles as a cloud of points: x, y, z, vx, vy, vz, id, and further columns, of one
     number a particle, by name."""
     table = [*_axes(fluid.positions, "x y z"), *_axes(fluid.velocities, "vx vy vz"),
@@ -91,7 +129,7 @@ def write_ply(path: PathLike, fluid: Solver, **columns: NDArray[Any]) -> None:
 
 class VtkSeries:
     """A time series for ParaView: NAME.pvd, which it opens, and a NAME_0000.vtu each frame, with
-    velocity, id and density of each particle.
+    velocity and id of each particle, of a Solver density, too.
 
     >>> with pbf.VtkSeries("out/dam.pvd") as series:
     ...     for frame in fluid.frames(60, steps=4):
@@ -105,13 +143,16 @@ class VtkSeries:
             raise InvalidArgumentError(f'{self.path.name}: a series ends in ".pvd"')
         self._frames: list[tuple[float, str]] = []
 
-    def add(self, fluid: Solver, **columns: NDArray[Any]) -> pathlib.Path:
+    def add(self, fluid: Particles, **columns: NDArray[Any]) -> pathlib.Path:
         """The present state as the next frame; further columns by name. Gives the file's path."""
         count = fluid.count
+        densities = getattr(fluid, "densities", None)
+        if densities is not None:
+            columns.setdefault("density", densities)
         mesh = self._meshio.Mesh(
             _in_space(fluid.positions), [("vertex", np.arange(count).reshape(-1, 1))],
             point_data={"velocity": _in_space(fluid.velocities), "id": fluid.ids.astype(np.int64),
-                        "density": fluid.densities, **columns})
+                        **columns})
         file = self.path.with_name(f"{self.path.stem}_{len(self._frames):04d}.vtu")
         file.parent.mkdir(parents=True, exist_ok=True)
         mesh.write(file)
@@ -156,17 +197,19 @@ class UsdPoints:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._frame = 0
         self._stage = usd.Stage.CreateInMemory()
-        self._stage.SetTimeCodesPerSecond(real("fps", fps))
+        self._stage.SetTimeCodesPerSecond(_frames_a_second(fps))
         self._points = geometry.Points.Define(self._stage, prim)
         self._stage.SetDefaultPrim(self._points.GetPrim())
         self._geometry = geometry
 
-    def add(self, fluid: Solver) -> None:
+    def add(self, fluid: Particles) -> None:
         """The present state as the next frame."""
+        _need_open(self.path, self._points)
         if self._frame == 0:
             gravity = np.abs(np.array([*fluid.gravity, 0.0])[:3])
             up = self._geometry.Tokens.z if gravity.argmax() == 2 else self._geometry.Tokens.y
             self._geometry.SetStageUpAxis(self._stage, up)
+            self._geometry.SetStageMetersPerUnit(self._stage, 1)  # USD's own default is a centimetre
         vectors = self._vt.Vec3fArray.FromNumpy
         points, time = self._points, self._frame
         points.CreatePointsAttr().Set(vectors(_in_space(fluid.positions).astype(np.float32)), time)
@@ -187,6 +230,60 @@ class UsdPoints:
             self._stage = self._points = None
 
     def __enter__(self) -> UsdPoints:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+
+# ---- Alembic -------------------------------------------------------------------------------------
+
+
+class AlembicPoints:
+    """Particles as points of Alembic, a sample each frame: .abc.
+
+    >>> with pbf.AlembicPoints("dam.abc", fps=30) as alembic:
+    ...     for frame in fluid.frames(60, steps=4):
+    ...         alembic.add(fluid)
+    """
+
+    def __init__(self, path: PathLike, fps: float = 24.0, name: str = "fluid") -> None:
+        def need(module: str) -> Any:
+            return _need(module, "alembic3d", "an Alembic file")
+
+        self.path = pathlib.Path(path)
+        if self.path.suffix != ".abc":
+            raise InvalidArgumentError(f'{self.path.name} must end in ".abc"')
+        rate = _frames_a_second(fps)
+        self._geometry, self._arrays = need("alembic3d.AbcGeom"), need("imath")
+        sampling = need("alembic3d.AbcCoreAbstract").TimeSampling(1 / rate, 0.0)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._archive = need("alembic3d.Abc").OArchive(str(self.path))
+        self._points = self._geometry.OPoints(self._archive.getTop(), name)
+        self._points.getSchema().setTimeSampling(self._archive.addTimeSampling(sampling))
+
+    def add(self, fluid: Particles) -> None:
+        """The present state as the next frame."""
+        _need_open(self.path, self._points)
+
+        def vectors(values: NDArray[Any]) -> Any:
+            return self._arrays.V3fArrayFromBuffer(
+                np.ascontiguousarray(_in_space(values), np.float32))
+
+        widths = self._geometry.OFloatGeomParamSample(
+            self._arrays.FloatArrayFromBuffer(np.full(fluid.count, fluid.rest_distance, np.float32)),
+            self._geometry.GeometryScope.kVertexScope)
+        self._points.getSchema().set(self._geometry.OPointsSchemaSample(
+            vectors(fluid.positions),
+            self._arrays.IntArrayFromBuffer(fluid.ids.astype(np.int32)),
+            vectors(fluid.velocities), widths))
+
+    def close(self) -> None:
+        """Writes what is left, and closes the file: when nothing refers to it."""
+        self._points = self._archive = None
+
+    def __enter__(self) -> AlembicPoints:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
@@ -218,13 +315,16 @@ class Surface:
         meshio.Mesh(self.vertices, [("triangle", self.triangles)], point_data=data).write(file)
 
 
-def _smoothed(fluid: Solver, smoothing: float) -> NDArray[Any]:
+def _smoothed(fluid: Particles, smoothing: float) -> NDArray[Any]:
     if not smoothing:
         return fluid.positions
+    from .solver import Solver
+    if not isinstance(fluid, Solver):
+        raise InvalidArgumentError("particle_smoothing needs a Solver, which finds neighbours")
     return fluid.anisotropies(smoothing=smoothing, radius=fluid.smoothing_radius).positions
 
 
-def surface(fluid: Solver, *, smoothing_length: float = 2.0, cube_size: float = 0.75,
+def surface(fluid: Particles, *, smoothing_length: float = 2.0, cube_size: float = 0.75,
             threshold: float = 0.6, smoothing: int = 15, particle_smoothing: float = 0.0,
             within_domain: bool = True) -> Surface:
     """The surface of a fluid in 3D, by splashsurf: marching cubes about the particles, smoothed.

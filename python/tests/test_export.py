@@ -46,6 +46,7 @@ def test_usd(dam, tmp_path):
         for _ in dam.frames(2, steps=3):
             file.add(dam)
     stage = usd.Stage.Open(str(tmp_path / "dam.usda"))
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1
     assert stage.GetEndTimeCode() == 1 and stage.GetTimeCodesPerSecond() == 30
     points = UsdGeom.Points(stage.GetDefaultPrim())
     assert (np.array(points.GetPointsAttr().Get(1)) == dam.positions).all()
@@ -53,6 +54,46 @@ def test_usd(dam, tmp_path):
     assert (np.array(points.GetVelocitiesAttr().Get(1)) == dam.velocities).all()
     with pytest.raises(pbf.InvalidArgumentError, match="usd"):
         pbf.UsdPoints("dam.abc")
+    with pytest.raises(pbf.InvalidArgumentError, match="fps"):
+        pbf.UsdPoints(tmp_path / "dam.usda", fps=float("nan"))
+    with pytest.raises(pbf.StateError, match="closed"):
+        file.add(dam)
+
+
+def test_alembic(dam, tmp_path):
+    alembic = pytest.importorskip("alembic3d.Abc")
+    from alembic3d import AbcGeom
+    with pbf.AlembicPoints(tmp_path / "dam.abc", fps=30) as file:
+        for _ in dam.frames(2, steps=3):
+            file.add(dam)
+    archive = alembic.IArchive(str(tmp_path / "dam.abc"))
+    points = AbcGeom.IPoints(archive.getTop(), "fluid").getSchema()
+    assert points.getNumSamples() == 2
+    assert points.getTimeSampling().getSampleTime(1) == pytest.approx(1 / 30)
+    last = points.getValue(alembic.ISampleSelector(1))
+    as_array = lambda vectors: np.array([tuple(vector) for vector in vectors], np.float32)
+    assert (as_array(last.getPositions()) == dam.positions).all()
+    assert (as_array(last.getVelocities()) == dam.velocities).all()
+    assert list(last.getIds()) == list(dam.ids)
+    with pytest.raises(pbf.StateError, match="closed"):
+        file.add(dam)
+    for name, fps in (("dam.usd", 24), ("dam.abc", 0), ("dam.abc", np.inf)):
+        with pytest.raises(pbf.InvalidArgumentError, match="abc|fps"):
+            pbf.AlembicPoints(tmp_path / name, fps)
+
+
+@pytest.mark.parametrize("kind, name, module", [
+    (pbf.VtkSeries, "none.pvd", "meshio"), (pbf.UsdPoints, "none.usda", "pxr.Usd"),
+    (pbf.AlembicPoints, "none.abc", "alembic3d.Abc")])
+def test_frames_without_particles(make, tmp_path, kind, name, module):
+    """As before a tap runs; in 2D, too."""
+    pytest.importorskip(module)
+    fluid = make(dimension=2, capacity=4)
+    with kind(tmp_path / name) as file:
+        file.add(fluid)
+        fluid.add([[0.5, 0.5]])
+        file.add(fluid)
+    assert (tmp_path / name).exists()
 
 
 def test_surface(make, tmp_path):

@@ -233,12 +233,13 @@ def test_progress(dam, capsys):
 
 
 def test_missing_extras_say_so(dam, monkeypatch, tmp_path):
-    for name in ("tqdm", "tqdm.auto", "meshio", "pxr.Usd", "pysplashsurf", "PIL"):
+    for name in ("tqdm", "tqdm.auto", "meshio", "pxr.Usd", "alembic3d.AbcGeom", "pysplashsurf", "PIL"):
         monkeypatch.setitem(sys.modules, name, None)
     for call, package in [
             (lambda: dam.run(steps=1, progress=True), "tqdm"),
             (lambda: pbf.VtkSeries(tmp_path / "a.pvd"), "meshio"),
             (lambda: pbf.UsdPoints(tmp_path / "a.usdc"), "usd-core"),
+            (lambda: pbf.AlembicPoints(tmp_path / "a.abc"), "alembic3d"),
             (lambda: pbf.surface(dam), "pysplashsurf"),
             (lambda: pbf.Movie(tmp_path / "a.gif"), "pillow")]:
         with pytest.raises(pbf.MissingExtraError, match=f"pip install {package}") as caught:
