@@ -2,7 +2,7 @@
 # installed.sh BUILD FOLDER [ROW…]: each binding and package made from the build BUILD in FOLDER, and used from where it
 # is installed there, with nothing of the source tree. Ends with a table; fails where one fails. What the
 # machine has not got the programs for is skipped, and says so. FOLDER/ROW.log is what each printed; with ROWs, only
-# these: installed abi cpp rust csharp lua static tarball deb reproducible conan vcpkg.
+# these: installed abi cpp rust csharp dotnet lua static tarball deb reproducible conan vcpkg.
 set -u
 build=$(realpath "$1")
 mkdir -p "$2"
@@ -80,6 +80,14 @@ csharp() {
   mcs -r:lib/netstandard2.0/Pbf.dll -out:Splash.exe "$source/bindings/csharp/samples/Splash.cs" &&
     cp lib/netstandard2.0/Pbf.dll . || return 1
   LD_LIBRARY_PATH=$PWD/runtimes/linux-x64/native mono Splash.exe | tee printed && grep -q "$front" printed
+}
+
+# The same program and assembly, by .NET itself.
+dotnet() {
+  env dotnet --info >/dev/null 2>&1 || skip "no dotnet (pip install dotnetcore2)"
+  cd "$folder/csharp/used" && cp Splash.exe Splash.dll || return 1
+  printf '{"runtimeOptions": {"rollForward": "LatestMajor", "framework": {"name": "Microsoft.NETCore.App", "version": "3.0.0"}, "configProperties": {"System.Globalization.Invariant": true}}}\n' >Splash.runtimeconfig.json
+  LD_LIBRARY_PATH=$PWD/runtimes/linux-x64/native command dotnet Splash.dll | tee printed && grep -q "$front" printed
 }
 
 lua() {
@@ -162,7 +170,8 @@ try "install, and move the tree" installed
 try "ABI description against pbf.h" abi
 try "C++ (CMake, pkg-config)" cpp
 try "Rust crates" rust
-try "C# package" csharp
+try "C# package (Mono)" csharp
+try "C# package (.NET)" dotnet
 try "LuaJIT module" lua
 try "static library (CMake, pkg-config)" static
 try "tarball" tarball
