@@ -44,15 +44,55 @@ local function call(name, ...)
 end
 jit.off(call)
 
--- A new struct of this size. `fields` may be a table; arrays in it are tables of their first elements.
+-- A new struct, with its size.
 local function new(struct) return ffi.new(struct, { struct_size = ffi.sizeof(struct) }) end
 
-local function assign(struct, fields)
-  for name, value in pairs(fields or {}) do
-    if type(value) == "table" then
-      for i = 1, #value do struct[name][i - 1] = value[i] end
+local function shown(value)
+  return type(value) == "string" and string.format("%q", value) or tostring(value)
+end
+
+local function need(kind, what, value, wanted)
+  if type(value) ~= kind then invalid("%s is %s; it must be %s", what, shown(value), wanted) end
+  return value
+end
+
+-- LuaJIT makes some integer of any number: 2^32 - 1 of -1.
+local function unsigned(what, value)
+  local number = type(value) == "cdata" and tonumber(value) or value
+  if type(number) ~= "number" or number % 1 ~= 0 or number < 0 or number > 4294967295 then
+    invalid("%s is %s; it must be an integer, 0 … 4294967295", what, shown(value))
+  end
+  return number
+end
+
+-- Puts a value where C has a field or an element. What does not come back as it was given does not fit there.
+local function put(what, place, name, value)
+  local done = pcall(function() place[name] = value end)
+  if not done then invalid("%s is %s, which is no value for it", what, shown(value)) end
+  local kept = place[name]
+  if type(value) == "number" and type(kept) == "number" and kept ~= value and (kept == kept or value == value) then
+    invalid("%s is %s; it must be an integer that its field can hold", what, shown(value))
+  end
+end
+
+-- How many elements a field has that is an array, from the name of its type; else nil.
+local function array_length(field)
+  return type(field) == "cdata" and tonumber(tostring(ffi.typeof(field)):match("%[(%d+)%]")) or nil
+end
+
+-- Fields of a struct from a table; `what` is what the library calls the struct.
+local function assign(what, struct, fields)
+  if fields == nil then return struct end
+  for name, value in pairs(need("table", what, fields, "a table")) do
+    local field = what .. "." .. tostring(name)
+    if type(name) ~= "string" or not ffi.offsetof(struct, name) then invalid("there is no %s", field) end
+    local length = array_length(struct[name])
+    if length and type(value) ~= "cdata" then
+      need("table", field, value, string.format("a table of at most %d numbers", length))
+      if #value > length then invalid("%s has %d numbers, and at most %d", field, #value, length) end
+      for i = 1, #value do put(string.format("%s[%d]", field, i), struct[name], i - 1, value[i]) end
     else
-      struct[name] = value
+      put(field, struct, name, value)
     end
   end
   return struct
@@ -62,7 +102,7 @@ local function params_from(fields)
   if type(fields) == "cdata" then return fields end
   local params = new("pbf_params")
   call("pbf_params_init", params, ffi.sizeof(params))
-  return assign(params, fields)
+  return assign("params", params, fields)
 end
 
 -- The parameters' defaults, with these changed: a pbf_params.
@@ -117,15 +157,12 @@ function pbf.solver(options)
   local desc, made, kept, thrown = new("pbf_desc"), ffi.new("pbf_solver *[1]"), {}, {}
   call("pbf_desc_init", desc, ffi.sizeof(desc))
   local params, log
-  for name, value in pairs(options or {}) do
+  for name, value in pairs(need("table", "the description", options or {}, "a table")) do
     if name == "params" then params = value
-    elseif name == "log" then log = value
-    else
-      if name == "strict" and type(value) == "boolean" then value = value and 1 or 0 end
-      if type(value) == "string" then kept[name] = value end -- the library copies it in pbf_create
-      desc[name] = value
-    end
+    elseif name == "log" then log = need("function", "log", value, "a function of level and sentence")
+    else kept[name] = value end -- strings live on until the library has copied them, in pbf_create
   end
+  assign("desc", desc, kept)
   params = params_from(params)
   local callback = log and guarded(log, thrown)
   desc.log = callback
@@ -168,9 +205,13 @@ end
 local function rows_of(what, element, components, values, count)
   if type(values) == "cdata" then
     if not count then invalid("%s is an array of C: how many rows has it?", what) end
-    return ffi.cast(string.format("const %s *", element), values), count
+    return ffi.cast(string.format("const %s *", element), values), unsigned("count", count)
   end
-  local numbers = flat(values)
+  local numbers = flat(need("table", what, values, "a table, or an array of C"))
+  for i, number in ipairs(numbers) do
+    if element == "uint32_t" then unsigned(string.format("%s[%d]", what, i), number)
+    else need("number", string.format("a number of %s", what), number, "a number") end
+  end
   if #numbers % components ~= 0 then
     invalid("%s has %d numbers, no multiple of %d", what, #numbers, components)
   end
@@ -195,14 +236,17 @@ function Solver:remove(ids, count)
   run(self, "pbf_remove_particles", rows, array)
 end
 
-local function corner(values)
-  return ffi.new("double[3]", values[1], values[2], values[3] or 0)
+local function corner(what, values)
+  need("table", what, values, "a table of numbers")
+  local numbers = { values[1], values[2], values[3] or 0 }
+  for axis = 1, 3 do need("number", string.format("%s[%d]", what, axis), numbers[axis], "a number") end
+  return ffi.new("double[3]", numbers)
 end
 
 -- Gives how many they were.
 function Solver:remove_in_box(lower, upper)
   local count = ffi.new("uint32_t[1]")
-  run(self, "pbf_remove_in_box", corner(lower), corner(upper), count)
+  run(self, "pbf_remove_in_box", corner("lower", lower), corner("upper", upper), count)
   return count[0]
 end
 
@@ -210,7 +254,7 @@ end
 function Solver:find_in_box(lower, upper)
   local room, count = self:count(), ffi.new("uint32_t[1]")
   local ids = ffi.new("uint32_t[?]", room)
-  run(self, "pbf_find_in_box", corner(lower), corner(upper), room, ids, count)
+  run(self, "pbf_find_in_box", corner("lower", lower), corner("upper", upper), room, ids, count)
   return ids, count[0]
 end
 
@@ -234,13 +278,19 @@ for _, name in ipairs { "positions", "velocities", "densities", "pressures", "id
     -- Those of row `first` (0: the first one) and so on.
     Solver["set_" .. name] = function(self, values, first, count)
       local array, rows = rows_of(name, self.element, self.dimension, values, count)
-      run(self, "pbf_set_" .. name, first or 0, rows, array)
+      run(self, "pbf_set_" .. name, unsigned("first", first or 0), rows, array)
     end
   end
 end
 
--- Calls with a view of a field (pbf.FIELD_POSITION, …), a pbf_view, which is gone afterwards.
+-- Calls with a view of a field ("position", or pbf.FIELD_POSITION, …), a pbf_view, which is gone afterwards.
 function Solver:map(field, with)
+  if type(field) == "string" then
+    local found, number = pcall(function() return C["PBF_FIELD_" .. field:upper()] end)
+    field = found and number or invalid("the field is %q; known are: position, velocity, id, density, pressure", field)
+  end
+  field = unsigned("field", field)
+  need("function", "what is called with the view", with, "a function")
   local view = new("pbf_view")
   run(self, "pbf_map", field, view)
   local results = { pcall(with, view) }
@@ -251,12 +301,12 @@ end
 
 -- ---- Steps and parameters ----
 
-function Solver:step(steps) run(self, "pbf_step", steps or 1) end
+function Solver:step(steps) run(self, "pbf_step", unsigned("steps", steps or 1)) end
 
 -- Steps beside other work; not with a log, which another thread would call.
 function Solver:begin_step(steps)
   if self.has_log then invalid("a solver with a log can't begin steps: LuaJIT runs in one thread") end
-  run(self, "pbf_begin_step", steps or 1)
+  run(self, "pbf_begin_step", unsigned("steps", steps or 1))
 end
 
 function Solver:end_step() run(self, "pbf_end_step") end
@@ -265,7 +315,7 @@ function Solver:synchronize() run(self, "pbf_synchronize") end
 
 -- What changes of the present ones: a table; or all: a pbf_params.
 function Solver:set_params(fields)
-  local params = type(fields) == "cdata" and fields or assign(self:params(), fields)
+  local params = type(fields) == "cdata" and fields or assign("params", self:params(), fields)
   params.struct_size = ffi.sizeof("pbf_params")
   run(self, "pbf_set_params", params)
 end
@@ -273,9 +323,11 @@ end
 local colliders = { plane = "PLANE", sphere = "SPHERE", capsule = "CAPSULE", box = "BOX" }
 
 local function colliders_of(list)
+  need("table", "colliders", list, "a list of tables")
   local array = ffi.new("pbf_collider[?]", math.max(#list, 1))
   for i, fields in ipairs(list) do
-    local copy = {}
+    local copy, what = {}, string.format("colliders[%d]", i)
+    need("table", what, fields, "a table")
     for name, value in pairs(fields) do copy[name] = value end
     local shape = copy.shape
     if not colliders[shape] then
@@ -283,7 +335,7 @@ local function colliders_of(list)
     end
     copy.shape = nil
     call("pbf_collider_init", array[i - 1], ffi.sizeof("pbf_collider"), C["PBF_COLLIDER_" .. colliders[shape]])
-    assign(array[i - 1], copy)
+    assign(what, array[i - 1], copy)
   end
   return array, #list
 end
@@ -296,7 +348,8 @@ end
 
 function Solver:move_colliders(list, duration)
   local array, count = colliders_of(list)
-  run(self, "pbf_move_colliders", count, array, duration)
+  run(self, "pbf_move_colliders", count, array,
+    need("number", "duration", duration, "a number"))
 end
 
 for method, struct in pairs { params = "pbf_params", stats = "pbf_stats", info = "pbf_info", plan = "pbf_plan",
@@ -327,7 +380,10 @@ function Solver:save()
   return ffi.string(buffer, tonumber(size[0]))
 end
 
-function Solver:load(state) run(self, "pbf_load", state, #state) end
+function Solver:load(state)
+  need("string", "the state", state, "a string that save has given")
+  run(self, "pbf_load", state, #state)
+end
 
 function Solver:hash()
   local hash = ffi.new("uint64_t[1]")
@@ -335,7 +391,7 @@ function Solver:hash()
   return hash[0]
 end
 
-function Solver:set_snapshots(snapshots) run(self, "pbf_set_snapshots", snapshots) end
+function Solver:set_snapshots(snapshots) run(self, "pbf_set_snapshots", unsigned("snapshots", snapshots)) end
 
 -- The state after the last step, a pbf_snapshot, which outlives the solver.
 function Solver:snapshot()

@@ -174,8 +174,8 @@ def load_scene(source: Union[str, os.PathLike[str], Mapping[str, Any]]) -> Scene
     if path.suffix != ".json":
         if name not in scenes():
             near = difflib.get_close_matches(name, scenes(), 1)
-            hint = f'; did you mean "{near[0]}"?' if near else ""
-            raise InvalidArgumentError(f'there is no scene "{name}"{hint} pbf.scenes() lists them, '
+            hint = f' did you mean "{near[0]}"?' if near else ""
+            raise InvalidArgumentError(f'there is no scene "{name}";{hint} pbf.scenes() lists them, '
                                        'and a file\'s name ends in ".json"')
         path = _FOLDER / f"{name}.json"
     try:
@@ -192,7 +192,7 @@ def _check_keys(where: str, given: Any, known: set[str]) -> None:
     for key in given:
         if key not in known:
             near = difflib.get_close_matches(str(key), known, 1)
-            hint = f'; did you mean "{near[0]}"?' if near else ""
+            hint = f' did you mean "{near[0]}"?' if near else ""
             raise DataError(f'{where} has the unknown key "{key}"{hint}')
 
 

@@ -122,6 +122,11 @@ internal static class Binding
             Refused(Status.InvalidArgument, "velocities", () => fluid.AddParticles(new float[3], new float[6]));
             Refused(Status.InvalidArgument, "NaN", () => fluid.AddParticles(new[] { float.NaN, .5f, .5f }));
             Refused(Status.InvalidArgument, "3", () => fluid.GetPositions(new float[9]));
+            Refused(Status.InvalidArgument, "is null", () => fluid.AddParticles((float[])null));
+            Refused(Status.InvalidArgument, "is null", () => fluid.GetPositions((float[])null));
+            Refused(Status.InvalidArgument, "ids is null", () => fluid.RemoveParticles(null));
+            Refused(Status.InvalidArgument, "colliders is null", () => fluid.SetColliders(null));
+            Refused(Status.InvalidArgument, "state is null", () => fluid.Load(null));
             Refused(Status.NotFound, "7", () => fluid.RemoveParticles(new[] { 7u }));
             Refused(Status.Data, "", () => fluid.Load(new byte[] { 1, 2, 3 }));
             Equal(2u, fluid.Count);

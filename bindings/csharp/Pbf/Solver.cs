@@ -115,7 +115,7 @@ namespace Pbf
 
         public void RemoveParticles(uint[] ids)
         {
-            Pinned(ids, at => Check(Native.pbf_remove_particles(handle, (uint)ids.Length, at)));
+            Pinned(Given(ids, "ids"), at => Check(Native.pbf_remove_particles(handle, (uint)ids.Length, at)));
         }
 
         /// <summary>Gives how many they were.</summary>
@@ -179,7 +179,7 @@ namespace Pbf
 
         public void Load(byte[] state)
         {
-            Pinned(state, at => Check(Native.pbf_load(handle, at, (ulong)state.Length)));
+            Pinned(Given(state, "state"), at => Check(Native.pbf_load(handle, at, (ulong)state.Length)));
         }
 
         public ulong Hash()
@@ -291,6 +291,11 @@ namespace Pbf
             finally { pin.Free(); }
         }
 
+        private static T Given<T>(T array, string name) where T : class
+        {
+            return array ?? throw PbfException.Invalid($"{name} is null");
+        }
+
         private void With(object what, Func<IntPtr, Status> call)
         {
             Pinned(what, at => Check(call(at)));
@@ -298,13 +303,14 @@ namespace Pbf
 
         private void WithColliders(Collider[] colliders, Func<IntPtr, Status> call)
         {
-            var sized = (Collider[])colliders.Clone();
+            var sized = (Collider[])Given(colliders, "colliders").Clone();
             for (int i = 0; i < sized.Length; ++i) sized[i].StructSize = Collider.Bytes;
             With(sized, call);
         }
 
         private uint ParticlesOf(Array array, uint components)
         {
+            Given(array, "the array");
             if ((array is float[]) != (precision == Constants.Float32))
                 throw PbfException.Invalid("the array is not of the solver's precision, Desc.Precision");
             if (array.Length % components != 0)
