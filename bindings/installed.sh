@@ -143,9 +143,19 @@ conan() {
     -c "tools.cmake.cmaketoolchain:extra_variables={'PBF_VARIANTS': '3d-f32', 'PBF_ISAS': 'sse2;avx2'}" || return 1
 }
 
+# vcpkg itself where there is one; else the same portfile, by functions that stand in for vcpkg's.
 vcpkg() {
-  [ -n "${VCPKG_ROOT-}" ] || skip "no VCPKG_ROOT"
-  "$VCPKG_ROOT/vcpkg" install pbf "--overlay-ports=$source/packaging/vcpkg" "--x-install-root=$folder/vcpkg"
+  fresh "$folder/vcpkg"
+  if [ -n "${VCPKG_ROOT-}" ]; then
+    "$VCPKG_ROOT/vcpkg" install pbf "--overlay-ports=$source/packaging/vcpkg" "--x-install-root=$folder/vcpkg/packages" || return 1
+    installed_by_vcpkg=$(dirname "$(find "$folder/vcpkg/packages" -path '*/share/pbf' -type d | head -n 1)")/..
+  else
+    # One kind of fluid, to be done sooner.
+    cmake "-DWORK=$folder/vcpkg" "-DOPTIONS=-DPBF_VARIANTS=3d-f32;-DPBF_ISAS=sse2" -P "$source/packaging/vcpkg/stand_in.cmake" || return 1
+    installed_by_vcpkg=$folder/vcpkg/packages
+    grep -q MIT "$installed_by_vcpkg/share/pbf/copyright" || return 1
+  fi
+  by_cmake "$installed_by_vcpkg" "$folder/vcpkg/cmake" && by_pkg_config "$installed_by_vcpkg" "$folder/vcpkg/pkg_config"
 }
 
 table="" failed=0

@@ -92,6 +92,14 @@ class Stage:
         return orphan("\n".join(lines) + "\n")
 
 
+def titled(text, page):
+    """Rows of a table that begin with a page's file name, as they do where no site is, begin with its title."""
+    def title(link):
+        return f"| [{re.search('^# (.+)', (page.parent / link[1]).read_text(encoding='utf-8'), re.MULTILINE)[1]}]({link[1]})"
+
+    return re.sub(r"^\| \[[^\]]+\.md\]\(([^()#]+\.md)\)", title, text, flags=re.MULTILINE)
+
+
 def orphan(text):
     return "---\norphan: true\n---\n\n" + text
 
@@ -183,7 +191,7 @@ def main(work, out):
         stage.place(ROOT / header)
     stage.write_all()
     index = stage.folder / "index.md"
-    index.write_text(index.read_text(encoding="utf-8") + menus((ROOT / "docs/README.md").read_text(encoding="utf-8")), encoding="utf-8")
+    index.write_text(titled(index.read_text(encoding="utf-8"), index) + menus((ROOT / "docs/README.md").read_text(encoding="utf-8")), encoding="utf-8")
     notes = stage.folder / "notes/README.md"
     notes.write_text(notes.read_text(encoding="utf-8") + "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n", encoding="utf-8")
     (stage.folder / "api.md").write_text(reference(), encoding="utf-8")
