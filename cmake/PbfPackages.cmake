@@ -1,5 +1,5 @@
 # Packages by CPack: a tarball of everything, and three for Debian: libpbf0.2 (the library with its
-# backends), libpbf-dev and pbf-tools. `./run packages` builds them, for /usr.
+# backends), libpbf-dev and pbf-tools, of a build for /usr, as the preset `bindings` is.
 set(PBF_PACKAGE_CONTACT "the pbf authors <authors@pbf.invalid>" CACHE STRING
   "Name and address of the packages' maintainer")
 set(debian ${PROJECT_SOURCE_DIR}/packaging/debian)

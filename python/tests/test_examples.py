@@ -12,7 +12,7 @@ def run(name, folder, *arguments):
     if not EXAMPLES.exists():
         pytest.skip("the examples are not here")
     found = subprocess.run([sys.executable, str(EXAMPLES / name), *arguments], cwd=folder,
-                           capture_output=True, text=True, timeout=300, check=True)
+                           capture_output=True, text=True, timeout=3600, check=True)
     return found.stdout
 
 

@@ -19,7 +19,7 @@ BOX = "pbf.fill_box((0, 0, 0), (0.5, 0.5, 0.5), 0.05)"
 def run(program, expected=0):
     """What another interpreter prints. It must end as expected, and say nothing else."""
     found = subprocess.run([sys.executable, "-c", "import pbf\n" + textwrap.dedent(program)],
-                           capture_output=True, text=True, timeout=120)
+                           capture_output=True, text=True, timeout=3600)
     assert (found.returncode, found.stderr) == (expected, "")
     return found.stdout
 
