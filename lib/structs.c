@@ -26,6 +26,10 @@ const pbf_struct_kind pbf_kind_plan = KIND(pbf_plan, arrays);
 const pbf_struct_kind pbf_kind_info = KIND(pbf_info, fallback_reason);
 const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, reason);
 const pbf_struct_kind pbf_kind_batch_info = KIND(pbf_batch_info, device_type);
+const pbf_struct_kind pbf_kind_volume = KIND(pbf_volume, half_length);
+const pbf_struct_kind pbf_kind_volume_flow = KIND(pbf_volume_flow, velocity);
+const pbf_struct_kind pbf_kind_samples = KIND(pbf_samples, wet);
+const pbf_struct_kind pbf_kind_sample_grid = KIND(pbf_sample_grid, step);
 
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
   if (size >= kind->first_size && size <= MAX_SIZE) return PBF_OK;

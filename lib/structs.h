@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include <pbf/batch.h>
+#include <pbf/query.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {
@@ -27,6 +28,10 @@ extern const pbf_struct_kind pbf_kind_plan;
 extern const pbf_struct_kind pbf_kind_info;
 extern const pbf_struct_kind pbf_kind_backend_info;
 extern const pbf_struct_kind pbf_kind_batch_info;
+extern const pbf_struct_kind pbf_kind_volume;
+extern const pbf_struct_kind pbf_kind_volume_flow;
+extern const pbf_struct_kind pbf_kind_samples;
+extern const pbf_struct_kind pbf_kind_sample_grid;
 
 /* Fails unless `size` is one that a caller of this kind can have. */
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);

@@ -5,7 +5,7 @@
     tools/bindings.py --check     fails where a file is not as it would be written; without clang
                                   only sizes and offsets are compared with the header
 
-    bindings/abi.json             the description: what the compilers see in include/pbf/pbf.h and batch.h
+    bindings/abi.json             the description: what the compilers see in the headers that include/pbf/all.h names
     bindings/rust/pbf-sys/src/lib.rs
     bindings/csharp/Pbf/Native.g.cs
     bindings/lua/pbf/cdef.lua
@@ -23,7 +23,7 @@ from abi import csharp, ctypes_mirror, describe, js, lua, rust
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ABI = "bindings/abi.json"
-HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h")]
+HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h", "query.h", "all.h")]
 STRUCTS = r"(# structs: written by tools/bindings.py\n)(?:.*\n)*?(# end of structs\n)"
 
 

@@ -37,6 +37,7 @@
 #include <vector>
 
 #include <pbf/pbf.h>
+#include <pbf/query.h>
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 #define PBF_HAS_EXCEPTIONS 1
@@ -252,6 +253,14 @@ struct params : pbf_params {
     pbf_params_init(this, sizeof(pbf_params));
   }
   params(const pbf_params &from) noexcept : pbf_params(from) {}
+};
+
+/* pbf_volume at the origin, sizes 1: a PBF_VOLUME_…, what queries ask about. */
+struct volume : pbf_volume {
+  explicit volume(std::uint32_t of_shape) noexcept : pbf_volume(detail::sized<pbf_volume>()) {
+    pbf_volume_init(this, sizeof(pbf_volume), of_shape);
+  }
+  volume(const pbf_volume &from) noexcept : pbf_volume(from) {}
 };
 
 /* pbf_collider at rest at the origin, sizes 1. */
@@ -607,6 +616,47 @@ class solver {
     wanted.struct_size = sizeof wanted;
     return detail::checked(pbf_get_anisotropies(handle(), &wanted));
   }
+
+  /* Questions by place, see query.h. Gives how many there are, be it more than `ids` has room for.
+   */
+  result<std::uint32_t> find_in(const volume &where, span<std::uint32_t> ids) noexcept {
+    std::uint32_t count = 0;
+    const pbf_status status =
+        pbf_find_in_volume(handle(), &where, clamped(ids.size()), ids.data(), &count);
+    return detail::checked(status, count);
+  }
+  result<pbf_volume_flow> measure(const volume &where) noexcept {
+    pbf_volume_flow flow = detail::sized<pbf_volume_flow>();
+    const pbf_status status = pbf_measure_volumes(handle(), 1, &where, &flow);
+    return detail::checked(status, flow);
+  }
+  /* struct_size is set here. */
+  result<void> sample(pbf_samples wanted) noexcept {
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_sample(handle(), &wanted));
+  }
+  result<void> sample_on_grid(pbf_sample_grid grid, pbf_samples wanted) noexcept {
+    grid.struct_size = sizeof grid;
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_sample_on_grid(handle(), &grid, &wanted));
+  }
+  /* As many rays as `distances` has room for. `normals` may be empty. */
+  result<void> cast_rays(span<const double> origins, span<const double> directions, double length,
+                         span<double> distances, span<double> normals = {}) noexcept {
+    const std::size_t numbers = distances.size() * dimension();
+    if (origins.size() != numbers || directions.size() != numbers ||
+        (!normals.empty() && normals.size() != numbers))
+      return odd_arrays();
+    return detail::checked(pbf_cast_rays(handle(), clamped(distances.size()), origins.data(),
+                                         directions.data(), length, distances.data(),
+                                         normals.data()));
+  }
+  result<void> get_levels(span<const double> points, span<double> levels) noexcept {
+    if (points.size() != levels.size() * dimension()) return odd_arrays();
+    return detail::checked(
+        pbf_get_levels(handle(), clamped(levels.size()), points.data(), levels.data()));
+  }
+  result<void> end_queries() noexcept { return detail::checked(pbf_end_queries(handle())); }
   result<void> keep_previous(bool enabled) noexcept {
     return detail::checked(pbf_keep_previous(handle(), enabled));
   }
@@ -674,6 +724,10 @@ class solver {
 
   static std::uint32_t clamped(std::size_t size) noexcept {
     return size > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(size);
+  }
+  static error odd_arrays() noexcept {
+    return error(PBF_ERROR_INVALID_ARGUMENT,
+                 "arrays of points have not as many as that of answers");
   }
   static error too_many() noexcept {
     return error(PBF_ERROR_INVALID_ARGUMENT, "an array has more elements than 32 bits count");

@@ -6,6 +6,7 @@
 #include "ids.h"
 #include "memory.h"
 #include "previous.h"
+#include "query/index.h"
 #include "snapshot_memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
@@ -16,6 +17,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
   pbf_snapshots_free(solver, solver->snapshots);
+  pbf_query_index_free(solver);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);

@@ -20,6 +20,7 @@ from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write
 from .fill import fill_ball, fill_box, fill_lattice
 from .params import Collide, Kernel, Method, Params
 from .picture import Movie, png_bytes, render, save_png
+from .queries import (BallVolume, BoxVolume, CapsuleVolume, Flow, Hits, Samples, Volume)
 from .reports import (BackendInfo, Info, Limit, Plan, PlanArray, PlanStage, StageTime, Stats,
                       backends, load_backend)
 from .scene import Scene, SceneSolver, load_scene, scenes
@@ -29,13 +30,14 @@ from .views import Snapshot, View
 __version__ = version()
 
 __all__ = [
-    "AlembicPoints", "Anisotropies", "BackendInfo", "Batch", "BatchTensor", "Box", "BusyError",
-    "CancelledError", "CapacityError", "Capsule", "Collide", "Collider", "DataError", "DeviceError",
-    "Dump", "DumpFrame", "Error", "Info", "InvalidArgumentError", "Kernel", "Limit", "Method",
-    "MissingExtraError", "MotionPath", "Movie", "NotFoundError", "OutOfMemoryError", "Params",
-    "Plan", "PlanArray", "PlanStage", "Plane", "PluginError", "Scene", "SceneSolver", "Shape",
-    "Snapshot", "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError",
-    "Surface", "UnavailableError", "UnsupportedError", "UsdPoints", "View", "VtkSeries",
+    "AlembicPoints", "Anisotropies", "BackendInfo", "BallVolume", "Batch", "BatchTensor", "Box",
+    "BoxVolume", "BusyError", "CancelledError", "CapacityError", "Capsule", "CapsuleVolume",
+    "Collide", "Collider", "DataError", "DeviceError", "Dump", "DumpFrame", "Error", "Flow",
+    "Hits", "Info", "InvalidArgumentError", "Kernel", "Limit", "Method", "MissingExtraError",
+    "MotionPath", "Movie", "NotFoundError", "OutOfMemoryError", "Params", "Plan", "PlanArray",
+    "PlanStage", "Plane", "PluginError", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot",
+    "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
+    "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
     "load_backend", "load_dump", "load_scene", "png_bytes", "render", "save_png", "scenes",
     "surface", "version", "write_ply"]

@@ -19,6 +19,7 @@ from ._state import State
 from ._steps import Steps
 from .colliders import Collider, collider_of, struct_array
 from .params import Params
+from .queries import Queries
 from .reports import Plan, StageTime, Stats
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 DEFAULT_CAPACITY = 100_000
 
 
-class Solver(Steps, Particles, State):
+class Solver(Steps, Particles, Queries, State):
     """A fluid of particles.
 
     >>> fluid = pbf.Solver(pbf.fill_box((0, 0, 0), (0.5, 1, 1), 0.05), domain_max=(2, 1, 1))

@@ -21,7 +21,7 @@ def test_layouts_are_the_compilers(tmp_path):
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None or not HEADER.exists():
         pytest.skip("needs a C compiler and pbf.h")
-    lines = ["#include <pbf/batch.h>", "#include <stddef.h>", "#include <stdio.h>", "int main(void) {"]
+    lines = ["#include <pbf/all.h>", "#include <stddef.h>", "#include <stdio.h>", "int main(void) {"]
     expected = []
     for name, kind in structs().items():
         lines.append(f'printf("{name} %zu\\n", sizeof({name}));')

@@ -2,7 +2,7 @@
  * breaks compiled programs; a new member gets a new line, and its struct a new size. */
 #include <stddef.h>
 
-#include <pbf/batch.h>
+#include <pbf/all.h>
 #include <pbf/pbf_backend.h>
 
 #define SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type)
@@ -344,5 +344,38 @@ AT(pbf_backend_answer, abi_version, 4);
 AT(pbf_backend_answer, name, 8);
 AT(pbf_backend_answer, build_id, 40);
 AT(pbf_backend_answer, api, 136);
+
+SIZE(pbf_volume, 128);
+AT(pbf_volume, struct_size, 0);
+AT(pbf_volume, shape, 4);
+AT(pbf_volume, position, 8);
+AT(pbf_volume, orientation, 32);
+AT(pbf_volume, half_extents, 64);
+AT(pbf_volume, axis, 88);
+AT(pbf_volume, radius, 112);
+AT(pbf_volume, half_length, 120);
+
+SIZE(pbf_volume_flow, 72);
+AT(pbf_volume_flow, struct_size, 0);
+AT(pbf_volume_flow, reserved, 4);
+AT(pbf_volume_flow, volume, 8);
+AT(pbf_volume_flow, fraction, 16);
+AT(pbf_volume_flow, centre, 24);
+AT(pbf_volume_flow, velocity, 48);
+
+SIZE(pbf_samples, 48);
+AT(pbf_samples, struct_size, 0);
+AT(pbf_samples, count, 4);
+AT(pbf_samples, points, 8);
+AT(pbf_samples, densities, 16);
+AT(pbf_samples, velocities, 24);
+AT(pbf_samples, pressures, 32);
+AT(pbf_samples, wet, 40);
+
+SIZE(pbf_sample_grid, 64);
+AT(pbf_sample_grid, struct_size, 0);
+AT(pbf_sample_grid, counts, 4);
+AT(pbf_sample_grid, origin, 16);
+AT(pbf_sample_grid, step, 40);
 
 int main(void) { return 0; }

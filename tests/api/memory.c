@@ -1,6 +1,8 @@
 /* Every allocation made to fail in turn: the status, no leak, the state as it was. */
 #include <dlpack/dlpack.h>
 
+#include <pbf/query.h>
+
 #include "support.h"
 
 typedef struct scene {
@@ -61,6 +63,19 @@ static pbf_status get_anisotropies(scene *s) {
   const pbf_anisotropy_desc wanted = {
       .struct_size = sizeof wanted, .count = 20, .positions = x, .stretches = shapes};
   return pbf_get_anisotropies(s->solver, &wanted);
+}
+static pbf_status ask(scene *s) {
+  const double x[3] = {0.5, 0.5, 0.5};
+  double v[3];
+  return pbf_sample(
+      s->solver,
+      &(pbf_samples){.struct_size = sizeof(pbf_samples), .count = 1, .points = x, .velocities = v});
+}
+static pbf_status find_in_ball(scene *s) {
+  pbf_volume ball;
+  uint32_t count;
+  assert_ok(pbf_volume_init(&ball, sizeof ball, PBF_VOLUME_SPHERE));
+  return pbf_find_in_volume(s->solver, &ball, 0, NULL, &count);
 }
 static pbf_status drop_box(scene *s) {
   const double lower[3] = {-1, -1, -1}, upper[3] = {0.3, 2, 2};
@@ -148,7 +163,8 @@ static void each_call(void **state) {
                             set_colliders, load,          save,          hash,
                             stats,         get_positions, get_densities, set_velocities,
                             export,        timing,        read_quads,    keep_previous,
-                            drop_box,      set_snapshots, step_apart,    get_anisotropies};
+                            drop_box,      set_snapshots, step_apart,    get_anisotropies,
+                            ask,           find_in_ball};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
 }
 

@@ -143,6 +143,30 @@ static void arrays_of_another_kind_are_refused(void **) {
   assert_int_equal(given(fluid.count()), 2);
 }
 
+static void queries_answer(void **) {
+  auto fluid = filled();
+  std::array<double, 3> point = {.55, .5, .5}, down = {0, -1, 0}, normal;
+  std::array<double, 1> density, distance, level;
+  std::array<std::uint32_t, 4> ids;
+  pbf_samples wanted = {};
+  wanted.count = 1;
+  wanted.points = point.data();
+  wanted.densities = density.data();
+  done(fluid.sample(wanted));
+  assert_true(density[0] > 0.1 && density[0] < 0.5);
+  pbf::volume ball(PBF_VOLUME_SPHERE);
+  ball.position[0] = .5, ball.position[1] = .5, ball.position[2] = .5;
+  ball.radius = .05;
+  assert_int_equal(given(fluid.find_in(ball, ids)), 1);
+  assert_int_equal(ids[0], 0);
+  assert_true(given(fluid.measure(ball)).volume > 5e-4);
+  done(fluid.cast_rays(point, down, 1, distance, normal));
+  done(fluid.get_levels(point, level));
+  assert_true(distance[0] > 1 && level[0] != level[0]);
+  assert_int_equal(fluid.cast_rays(point, down, 1, normal).status(), PBF_ERROR_INVALID_ARGUMENT);
+  done(fluid.end_queries());
+}
+
 static void struct_sizes_are_set(void **) {
   pbf::params params;
   params.struct_size = 1u << 30;
@@ -303,6 +327,7 @@ int main() {
     cmocka_unit_test_teardown(a_particle_falls, nothing_live),
     cmocka_unit_test_teardown(errors_keep_their_sentences, nothing_live),
     cmocka_unit_test_teardown(arrays_of_another_kind_are_refused, nothing_live),
+    cmocka_unit_test_teardown(queries_answer, nothing_live),
     cmocka_unit_test_teardown(struct_sizes_are_set, nothing_live),
     cmocka_unit_test_teardown(moved_from_is_refused, nothing_live),
     cmocka_unit_test_teardown(views_block_steps_and_outlive_solvers, nothing_live),

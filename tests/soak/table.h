@@ -66,6 +66,15 @@ void call_read(actor *a);
 void call_get_anisotropies(actor *a);
 void call_keep_previous(actor *a);
 
+void call_volume_init(actor *a);
+void call_find_in_volume(actor *a);
+void call_measure_volumes(actor *a);
+void call_sample(actor *a);
+void call_sample_on_grid(actor *a);
+void call_cast_rays(actor *a);
+void call_get_levels(actor *a);
+void call_end_queries(actor *a);
+
 void call_map(actor *a);
 void call_unmap(actor *a);
 void call_export_dlpack(actor *a);

@@ -5,10 +5,11 @@ SCALARS = {"void": "void", "uint8_t": "byte", "int32_t": "int", "uint32_t": "uin
            "uint64_t": "ulong", "double": "double", "pbf_status": "Status"}
 VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
 OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
-         "pbf_anisotropy_desc": "NativeAnisotropyDesc",
+         "pbf_anisotropy_desc": "NativeAnisotropyDesc", "pbf_samples": "NativeSamples",
          "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
 AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
 KEYWORDS = {"params": "parameters"}
+ARRAYS = {"ids", "counts", "distances", "normals", "levels"}  # of numbers, written to
 
 
 def struct_name(name):
@@ -25,8 +26,9 @@ def field_of(field):
         if of == {"scalar": "char"}:
             return (f"[MarshalAs(UnmanagedType.ByValTStr, SizeConst = {count})]\n"
                     f"        public string {name};")
+        element = SCALARS[of["scalar"]] if "scalar" in of else struct_name(of["struct"])
         return (f"[MarshalAs(UnmanagedType.ByValArray, SizeConst = {count})]\n"
-                f"        public {struct_name(of['struct'])}[] {name};")
+                f"        public {element}[] {name};")
     if "scalar" in kind:
         return f"public {SCALARS[kind['scalar']]} {name};"
     return f"public IntPtr {name};"  # a pointer, to data or to a function
@@ -51,7 +53,7 @@ def parameter_of(function, parameter):
             return f"out IntPtr {name}"
         if "struct" in target and not kind["const"]:
             return f"ref {struct_name(target['struct'])} {name}"
-        if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name not in ("ids", "counts"):
+        if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name not in ARRAYS:
             return f"ref {SCALARS[target['scalar']]} {name}"
     return f"IntPtr {name}"
 

@@ -163,13 +163,13 @@ def with_layout(structs, header):
 
 
 def describe(headers):
-    """`headers`: each includes those before it."""
+    """`headers`: the last includes those before it."""
     header = headers[-1]
     nodes = tree(header)
     names = Names(nodes)
     structs = with_layout(structs_of(nodes, names), header)
     functions = functions_of(nodes, names)
-    return {"comment": f"{' and '.join(f'include/pbf/{one.name}' for one in headers)} on a system with 64-bit pointers; written by tools/bindings.py",
+    return {"comment": f"include/pbf/{header.name} on a system with 64-bit pointers; written by tools/bindings.py",
             "numbers": numbers(headers), "enums": enumerators(nodes),
             "opaque": sorted(names.pointed_to),
             "callbacks": names.callbacks, "structs": structs, "functions": functions}

@@ -84,6 +84,9 @@ namespace Pbf
         public const uint LimitParticles = 3;
         public const uint LimitWalls = 4;
         public const uint LimitColliders = 5;
+        public const uint VolumeBox = 0;
+        public const uint VolumeSphere = 1;
+        public const uint VolumeCapsule = 2;
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -399,6 +402,52 @@ namespace Pbf
         public uint DeviceType;
     }
 
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Volume
+    {
+        public uint StructSize;
+        public uint Shape;
+        public Vector3d Position;
+        public Vector4d Orientation;
+        public Vector3d HalfExtents;
+        public Vector3d Axis;
+        public double Radius;
+        public double HalfLength;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct VolumeFlow
+    {
+        public uint StructSize;
+        public uint Reserved;
+        public double Volume;
+        public double Fraction;
+        public Vector3d Centre;
+        public Vector3d Velocity;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeSamples
+    {
+        public uint StructSize;
+        public uint Count;
+        public IntPtr Points;
+        public IntPtr Densities;
+        public IntPtr Velocities;
+        public IntPtr Pressures;
+        public IntPtr Wet;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct SampleGrid
+    {
+        public uint StructSize;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+        public uint[] Counts;
+        public Vector3d Origin;
+        public Vector3d Step;
+    }
+
     internal static class Native
     {
 #if UNITY_IOS && !UNITY_EDITOR
@@ -542,6 +591,22 @@ namespace Pbf
         internal static extern Status pbf_batch_read(IntPtr batch, IntPtr mask, IntPtr read, ulong world_stride);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_batch_export_dlpack(IntPtr batch, uint field, uint rows, out IntPtr tensor);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_volume_init(ref Volume volume, uint struct_size, uint shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_find_in_volume(SolverHandle solver, IntPtr volume, uint room, IntPtr ids, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_measure_volumes(SolverHandle solver, uint count, IntPtr volumes, ref VolumeFlow flows);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_sample(SolverHandle solver, IntPtr samples);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_sample_on_grid(SolverHandle solver, IntPtr grid, IntPtr samples);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_cast_rays(SolverHandle solver, uint count, IntPtr origins, IntPtr directions, double length, IntPtr distances, IntPtr normals);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_levels(SolverHandle solver, uint count, IntPtr points, IntPtr levels);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_end_queries(SolverHandle solver);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -565,7 +630,11 @@ namespace Pbf
             { typeof(Plan), new[] { "2976", "StructSize=0", "StageCount=4", "ArrayCount=8", "Reserved=12", "Variant=16", "BytesPerParticle=80", "Bytes=88", "Stages=96", "Arrays=1056" } },
             { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
             { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } },
-            { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } }
+            { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } },
+            { typeof(Volume), new[] { "128", "StructSize=0", "Shape=4", "Position=8", "Orientation=32", "HalfExtents=64", "Axis=88", "Radius=112", "HalfLength=120" } },
+            { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
+            { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },
+            { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } }
         };
     }
 }

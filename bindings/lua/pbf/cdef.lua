@@ -93,6 +93,11 @@ enum {
   PBF_LIMIT_COLLIDERS = 5,
 };
 enum {
+  PBF_VOLUME_BOX = 0,
+  PBF_VOLUME_SPHERE = 1,
+  PBF_VOLUME_CAPSULE = 2,
+};
+enum {
   PBF_VERSION_MAJOR = 0,
   PBF_VERSION_MINOR = 2,
   PBF_VERSION_PATCH = 0,
@@ -341,6 +346,39 @@ typedef struct pbf_batch_info {
   uint32_t threads;
   uint32_t device_type;
 } pbf_batch_info;
+typedef struct pbf_volume {
+  uint32_t struct_size;
+  uint32_t shape;
+  double position[3];
+  double orientation[4];
+  double half_extents[3];
+  double axis[3];
+  double radius;
+  double half_length;
+} pbf_volume;
+typedef struct pbf_volume_flow {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double volume;
+  double fraction;
+  double centre[3];
+  double velocity[3];
+} pbf_volume_flow;
+typedef struct pbf_samples {
+  uint32_t struct_size;
+  uint32_t count;
+  const double *points;
+  double *densities;
+  double *velocities;
+  double *pressures;
+  uint8_t *wet;
+} pbf_samples;
+typedef struct pbf_sample_grid {
+  uint32_t struct_size;
+  uint32_t counts[3];
+  double origin[3];
+  double step[3];
+} pbf_sample_grid;
 uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
@@ -409,6 +447,14 @@ pbf_status pbf_batch_add_particles(pbf_batch *batch, const uint32_t *counts, con
 pbf_status pbf_batch_get_counts(pbf_batch *batch, uint32_t *counts);
 pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *read, uint64_t world_stride);
 pbf_status pbf_batch_export_dlpack(pbf_batch *batch, uint32_t field, uint32_t rows, struct DLManagedTensor * *tensor);
+pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape);
+pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t room, uint32_t *ids, uint32_t *count);
+pbf_status pbf_measure_volumes(pbf_solver *solver, uint32_t count, const pbf_volume *volumes, pbf_volume_flow *flows);
+pbf_status pbf_sample(pbf_solver *solver, const pbf_samples *samples);
+pbf_status pbf_sample_on_grid(pbf_solver *solver, const pbf_sample_grid *grid, const pbf_samples *samples);
+pbf_status pbf_cast_rays(pbf_solver *solver, uint32_t count, const double *origins, const double *directions, double length, double *distances, double *normals);
+pbf_status pbf_get_levels(pbf_solver *solver, uint32_t count, const double *points, double *levels);
+pbf_status pbf_end_queries(pbf_solver *solver);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {
@@ -429,4 +475,8 @@ return {
   pbf_info = {size = 784, struct_size = 0, dimension = 4, precision = 8, capacity = 12, threads = 16, device = 20, device_type = 24, fell_back = 28, step = 32, time = 40, backend = 48, device_name = 80, build_id = 176, path = 272, fallback_reason = 528},
   pbf_backend_info = {size = 752, struct_size = 0, available = 4, score = 8, device_type = 12, name = 16, device_name = 48, build_id = 144, path = 240, reason = 496},
   pbf_batch_info = {size = 16, struct_size = 0, worlds = 4, threads = 8, device_type = 12},
+  pbf_volume = {size = 128, struct_size = 0, shape = 4, position = 8, orientation = 32, half_extents = 64, axis = 88, radius = 112, half_length = 120},
+  pbf_volume_flow = {size = 72, struct_size = 0, reserved = 4, volume = 8, fraction = 16, centre = 24, velocity = 48},
+  pbf_samples = {size = 48, struct_size = 0, count = 4, points = 8, densities = 16, velocities = 24, pressures = 32, wet = 40},
+  pbf_sample_grid = {size = 64, struct_size = 0, counts = 4, origin = 16, step = 40},
 }

@@ -1,4 +1,4 @@
-//! The C API of pbf (`include/pbf/pbf.h`, `batch.h`), which says what each of these is. Written by tools/bindings.py from bindings/abi.json; do not edit.
+//! The C API of pbf (`include/pbf/all.h`), which says what each of these is. Written by tools/bindings.py from bindings/abi.json; do not edit.
 #![allow(non_camel_case_types)]
 
 use std::os::raw::{c_char, c_void};
@@ -77,6 +77,9 @@ pub const PBF_LIMIT_ATTRACTION: u32 = 2;
 pub const PBF_LIMIT_PARTICLES: u32 = 3;
 pub const PBF_LIMIT_WALLS: u32 = 4;
 pub const PBF_LIMIT_COLLIDERS: u32 = 5;
+pub const PBF_VOLUME_BOX: u32 = 0;
+pub const PBF_VOLUME_SPHERE: u32 = 1;
+pub const PBF_VOLUME_CAPSULE: u32 = 2;
 
 #[repr(C)]
 pub struct DLManagedTensor {
@@ -392,6 +395,51 @@ pub struct pbf_batch_info {
     pub device_type: u32,
 }
 
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_volume {
+    pub struct_size: u32,
+    pub shape: u32,
+    pub position: [f64; 3],
+    pub orientation: [f64; 4],
+    pub half_extents: [f64; 3],
+    pub axis: [f64; 3],
+    pub radius: f64,
+    pub half_length: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_volume_flow {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub volume: f64,
+    pub fraction: f64,
+    pub centre: [f64; 3],
+    pub velocity: [f64; 3],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_samples {
+    pub struct_size: u32,
+    pub count: u32,
+    pub points: *const f64,
+    pub densities: *mut f64,
+    pub velocities: *mut f64,
+    pub pressures: *mut f64,
+    pub wet: *mut u8,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_sample_grid {
+    pub struct_size: u32,
+    pub counts: [u32; 3],
+    pub origin: [f64; 3],
+    pub step: [f64; 3],
+}
+
 extern "C" {
     pub fn pbf_version() -> u32;
     pub fn pbf_status_string(
@@ -705,6 +753,51 @@ extern "C" {
         rows: u32,
         tensor: *mut *mut DLManagedTensor,
     ) -> pbf_status;
+    pub fn pbf_volume_init(
+        volume: *mut pbf_volume,
+        struct_size: u32,
+        shape: u32,
+    ) -> pbf_status;
+    pub fn pbf_find_in_volume(
+        solver: *mut pbf_solver,
+        volume: *const pbf_volume,
+        room: u32,
+        ids: *mut u32,
+        count: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_measure_volumes(
+        solver: *mut pbf_solver,
+        count: u32,
+        volumes: *const pbf_volume,
+        flows: *mut pbf_volume_flow,
+    ) -> pbf_status;
+    pub fn pbf_sample(
+        solver: *mut pbf_solver,
+        samples: *const pbf_samples,
+    ) -> pbf_status;
+    pub fn pbf_sample_on_grid(
+        solver: *mut pbf_solver,
+        grid: *const pbf_sample_grid,
+        samples: *const pbf_samples,
+    ) -> pbf_status;
+    pub fn pbf_cast_rays(
+        solver: *mut pbf_solver,
+        count: u32,
+        origins: *const f64,
+        directions: *const f64,
+        length: f64,
+        distances: *mut f64,
+        normals: *mut f64,
+    ) -> pbf_status;
+    pub fn pbf_get_levels(
+        solver: *mut pbf_solver,
+        count: u32,
+        points: *const f64,
+        levels: *mut f64,
+    ) -> pbf_status;
+    pub fn pbf_end_queries(
+        solver: *mut pbf_solver,
+    ) -> pbf_status;
 }
 
 #[cfg(all(test, target_pointer_width = "64"))]
@@ -996,5 +1089,50 @@ mod layout {
         assert_eq!(offset!(pbf_batch_info, worlds), 4);
         assert_eq!(offset!(pbf_batch_info, threads), 8);
         assert_eq!(offset!(pbf_batch_info, device_type), 12);
+    }
+
+    #[test]
+    fn pbf_volume_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_volume>(), 128);
+        assert_eq!(offset!(pbf_volume, struct_size), 0);
+        assert_eq!(offset!(pbf_volume, shape), 4);
+        assert_eq!(offset!(pbf_volume, position), 8);
+        assert_eq!(offset!(pbf_volume, orientation), 32);
+        assert_eq!(offset!(pbf_volume, half_extents), 64);
+        assert_eq!(offset!(pbf_volume, axis), 88);
+        assert_eq!(offset!(pbf_volume, radius), 112);
+        assert_eq!(offset!(pbf_volume, half_length), 120);
+    }
+
+    #[test]
+    fn pbf_volume_flow_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_volume_flow>(), 72);
+        assert_eq!(offset!(pbf_volume_flow, struct_size), 0);
+        assert_eq!(offset!(pbf_volume_flow, reserved), 4);
+        assert_eq!(offset!(pbf_volume_flow, volume), 8);
+        assert_eq!(offset!(pbf_volume_flow, fraction), 16);
+        assert_eq!(offset!(pbf_volume_flow, centre), 24);
+        assert_eq!(offset!(pbf_volume_flow, velocity), 48);
+    }
+
+    #[test]
+    fn pbf_samples_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_samples>(), 48);
+        assert_eq!(offset!(pbf_samples, struct_size), 0);
+        assert_eq!(offset!(pbf_samples, count), 4);
+        assert_eq!(offset!(pbf_samples, points), 8);
+        assert_eq!(offset!(pbf_samples, densities), 16);
+        assert_eq!(offset!(pbf_samples, velocities), 24);
+        assert_eq!(offset!(pbf_samples, pressures), 32);
+        assert_eq!(offset!(pbf_samples, wet), 40);
+    }
+
+    #[test]
+    fn pbf_sample_grid_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_sample_grid>(), 64);
+        assert_eq!(offset!(pbf_sample_grid, struct_size), 0);
+        assert_eq!(offset!(pbf_sample_grid, counts), 4);
+        assert_eq!(offset!(pbf_sample_grid, origin), 16);
+        assert_eq!(offset!(pbf_sample_grid, step), 40);
     }
 }

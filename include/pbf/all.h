@@ -1,0 +1,9 @@
+/* pbf/all.h: all that a program calls, for tools that read declarations from one file. */
+#ifndef PBF_ALL_H
+#define PBF_ALL_H
+
+#include <pbf/batch.h>
+#include <pbf/pbf.h>
+#include <pbf/query.h>
+
+#endif

@@ -1,0 +1,50 @@
+/* Which particles are in a volume. */
+#include "error.h"
+#include "particles/numbers.h"
+#include "particles/row_set.h"
+#include "particles/values.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
+#include "volume.h"
+
+/* `inside` is empty. */
+static pbf_status mark(pbf_solver *solver, const pbf_volume_frame *frame, pbf_row_set *inside) {
+  pbf_numbers x;
+  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
+  for (uint32_t i = 0; i < x.elements && status == PBF_OK; ++i) {
+    uint32_t row = i;
+    double point[3] = {0, 0, 0};
+    for (uint32_t k = 0; k < frame->dimension; ++k)
+      point[k] = pbf_numbers_get(&x, i, k, solver->kind.precision);
+    if (!pbf_volume_has(frame, point)) continue;
+    if (!x.ids || pbf_ids_find(solver, x.ids[i], &row)) pbf_row_set_add(inside, row);
+  }
+  pbf_numbers_free(solver, &x);
+  return status;
+}
+
+static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t room, uint32_t *ids,
+                       uint32_t *count) {
+  pbf_row_set inside;
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  pbf_status status = pbf_volumes_check(solver->kind, "volume", 1, theirs);
+  if (status == PBF_OK && room > 0) status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
+  if (status != PBF_OK) return status;
+  const pbf_volume volume = pbf_volumes_get(theirs, 0);
+  const pbf_volume_frame frame = pbf_volume_frame_of(&volume, solver->kind.dimension);
+  status = mark(solver, &frame, &inside);
+  if (status == PBF_OK) {
+    pbf_row_set_ids(solver, &inside, room, ids);
+    *count = inside.count;
+  }
+  pbf_row_set_free(solver, &inside);
+  return status;
+}
+
+pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t room,
+                              uint32_t *ids, uint32_t *count) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, find(solver, volume, room, ids, count));
+}

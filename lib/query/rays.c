@@ -1,0 +1,232 @@
+/* Where rays meet the surface, and how high it is. */
+#include <pbf/query.h>
+
+#include <math.h>
+
+#include "error.h"
+#include "particles/values.h"
+#include "points.h"
+#include "solver/handles.h"
+#include "sums.h"
+#include "text.h"
+
+/* `direction` is a unit vector. */
+typedef struct ray {
+  double origin[3], direction[3];
+  double begin, end; /* what of it can meet anything */
+} ray;
+
+static void point_at(const ray *r, double t, double point[3]) {
+  for (int k = 0; k < 3; ++k) point[k] = r->origin[k] + t * r->direction[k];
+}
+
+/* ---- Going along a ray ----------------------------------------------------------------------- */
+
+/* To where particles are near; end < begin where that is nowhere. */
+static void clip(const pbf_query_index *index, ray *r) {
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const double lower = index->lower[k] - index->radius - r->origin[k];
+    const double upper = index->upper[k] + index->radius - r->origin[k];
+    if (r->direction[k] == 0) {
+      if (lower > 0 || upper < 0) r->end = -INFINITY;
+      continue;
+    }
+    const double a = lower / r->direction[k], b = upper / r->direction[k];
+    r->begin = fmax(r->begin, fmin(a, b));
+    r->end = fmin(r->end, fmax(a, b));
+  }
+}
+
+/* Where the ray leaves the cell that the place is at. The outermost cells have no outer end. */
+static double leave_cell(const pbf_query_place *place, const ray *r, double t) {
+  const pbf_query_index *index = place->index;
+  double leaves = INFINITY;
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const uint32_t cell = place->cell[k] - PBF_QUERY_REACH;
+    const double lower = index->lower[k] + cell * index->cell;
+    const int is_last = place->cell[k] + 1 + PBF_QUERY_REACH == index->cells[k];
+    if (r->direction[k] > 0 && !is_last)
+      leaves = fmin(leaves, (lower + index->cell - r->origin[k]) / r->direction[k]);
+    if (r->direction[k] < 0 && cell > 0)
+      leaves = fmin(leaves, (lower - r->origin[k]) / r->direction[k]);
+  }
+  return fmax(leaves, t) + 1e-6 * index->cell; /* into the next one, whatever is rounded */
+}
+
+static double density_at(pbf_query_place *place, const ray *r, double t) {
+  double point[3];
+  point_at(r, t, point);
+  return pbf_query_density(place, point, NULL);
+}
+
+/* Where the density is that of the surface between `a` and `b`, at which it is `at_a` and `at_b`
+ * beyond that, on both sides: by the false position, an end that stays counting half (Illinois). */
+static double refine(pbf_query_place *place, const ray *r, double a, double at_a, double b,
+                     double at_b) {
+  enum { MOST = 20 };
+  const double enough = 1e-6;
+  for (int i = 0; i < MOST; ++i) {
+    const double c = b - at_b * (b - a) / (at_b - at_a);
+    const double at_c = density_at(place, r, c) - PBF_QUERY_SURFACE;
+    if (fabs(at_c) < enough) return c;
+    if ((at_c < 0) == (at_b < 0)) {
+      at_a *= 0.5;
+    } else {
+      a = b;
+      at_a = at_b;
+    }
+    b = c;
+    at_b = at_c;
+  }
+  return b;
+}
+
+/* The first meeting's distance, or INFINITY. */
+static double meet(pbf_query_place *place, ray *r) {
+  const double step = 0.5 * place->index->spacing;
+  clip(place->index, r);
+  double t = r->begin;
+  if (!(t <= r->end)) return INFINITY;
+  double beyond = density_at(place, r, t) - PBF_QUERY_SURFACE;
+  while (t < r->end) {
+    const int is_far = place->is_set && place->count == 0;
+    const double next = fmin(is_far ? leave_cell(place, r, t) : t + step, r->end);
+    const double beyond_next = density_at(place, r, next) - PBF_QUERY_SURFACE;
+    if ((beyond_next < 0) != (beyond < 0)) return refine(place, r, t, beyond, next, beyond_next);
+    if (!(next > t)) break; /* too far out for steps of this length */
+    t = next;
+    beyond = beyond_next;
+  }
+  return INFINITY;
+}
+
+/* ---- Rays ------------------------------------------------------------------------------------ */
+
+static pbf_status set_direction(const pbf_solver *solver, ray *r, const double *direction,
+                                uint32_t i) {
+  double square = 0;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) square += direction[k] * direction[k];
+  const double length = sqrt(square);
+  char number[PBF_NUMBER_SIZE];
+  if (!(length > 0 && isfinite(length)))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "directions[%u] has the length %s; it must be above 0 and finite", i,
+                    pbf_text_number(number, length));
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) r->direction[k] = direction[k] / length;
+  return PBF_OK;
+}
+
+static pbf_status check_rays(const pbf_solver *solver, uint32_t count, const double *origins,
+                             const double *directions, double length, const double *distances,
+                             const double *normals) {
+  char number[PBF_NUMBER_SIZE];
+  ray r;
+  pbf_status status = pbf_query_check_points(solver, "origins", count, origins);
+  if (status == PBF_OK) status = pbf_query_check_points(solver, "directions", count, directions);
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    status = set_direction(solver, &r, directions + (uint64_t)i * solver->kind.dimension, i);
+  if (status == PBF_OK && !(length > 0))
+    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "length is %s; it must be above 0, or INFINITY",
+                      pbf_text_number(number, length));
+  if (status == PBF_OK && count > 0)
+    status = pbf_values_check_pointer("distances", distances, sizeof *distances);
+  if (status == PBF_OK && count > 0 && normals)
+    status = pbf_values_check_pointer("normals", normals, sizeof *normals);
+  return status;
+}
+
+/* Against the gradient of the density. */
+static void write_normal(pbf_query_place *place, const ray *r, double distance, double *normal) {
+  const uint32_t n = place->index->dimension;
+  double point[3], gradient[3] = {0, 0, 0}, square = 0;
+  for (uint32_t k = 0; k < n; ++k) normal[k] = 0;
+  if (isinf(distance)) return;
+  point_at(r, distance, point);
+  pbf_query_density(place, point, gradient);
+  for (uint32_t k = 0; k < n; ++k) square += gradient[k] * gradient[k];
+  for (uint32_t k = 0; k < n && square > 0; ++k) normal[k] = -gradient[k] / sqrt(square);
+}
+
+static pbf_status cast(pbf_solver *solver, uint32_t count, const double *origins,
+                       const double *directions, double length, double *distances,
+                       double *normals) {
+  const uint32_t n = solver->kind.dimension;
+  pbf_query_place place = {0};
+  pbf_status status = check_rays(solver, count, origins, directions, length, distances, normals);
+  if (status == PBF_OK) status = pbf_query_index_get(solver, 0, &place.index);
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i) {
+    ray r = {.end = length};
+    for (uint32_t k = 0; k < n; ++k) r.origin[k] = origins[(uint64_t)i * n + k];
+    set_direction(solver, &r, directions + (uint64_t)i * n, i);
+    const double distance = place.index->count > 0 ? meet(&place, &r) : INFINITY;
+    distances[i] = distance;
+    if (normals) write_normal(&place, &r, distance, normals + (uint64_t)i * n);
+  }
+  return status;
+}
+
+pbf_status pbf_cast_rays(pbf_solver *solver, uint32_t count, const double *origins,
+                         const double *directions, double length, double *distances,
+                         double *normals) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, cast(solver, count, origins, directions, length, distances, normals));
+}
+
+/* ---- Levels ---------------------------------------------------------------------------------- */
+
+/* A unit vector against gravity. */
+static pbf_status find_up(const pbf_solver *solver, double up[3]) {
+  double square = 0;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k)
+    square += solver->params.gravity[k] * solver->params.gravity[k];
+  if (!(square > 0))
+    return pbf_fail(PBF_ERROR_STATE,
+                    "params.gravity is 0, by which there is no up or down and no level");
+  for (uint32_t k = 0; k < 3; ++k)
+    up[k] = k < solver->kind.dimension ? -solver->params.gravity[k] / sqrt(square) : 0;
+  return PBF_OK;
+}
+
+/* Downwards from above all particles to below them. */
+static double level_at(pbf_query_place *place, const double *point, const double up[3]) {
+  const pbf_query_index *index = place->index;
+  double top = 0, bottom = 0, height = 0;
+  ray r = {{0}, {0}, 0, 0};
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const double a = up[k] * index->lower[k], b = up[k] * index->upper[k];
+    top += fmax(a, b);
+    bottom += fmin(a, b);
+    height += up[k] * point[k];
+  }
+  top += index->radius;
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    r.origin[k] = point[k] + (top - height) * up[k];
+    r.direction[k] = -up[k];
+  }
+  r.end = top - bottom + index->radius;
+  const double distance = meet(place, &r);
+  return isinf(distance) ? NAN : top - distance;
+}
+
+static pbf_status get_levels(pbf_solver *solver, uint32_t count, const double *points,
+                             double *levels) {
+  const uint32_t n = solver->kind.dimension;
+  pbf_query_place place = {0};
+  double up[3];
+  pbf_status status = find_up(solver, up);
+  if (status == PBF_OK) status = pbf_query_check_points(solver, "points", count, points);
+  if (status == PBF_OK && count > 0)
+    status = pbf_values_check_pointer("levels", levels, sizeof *levels);
+  if (status == PBF_OK) status = pbf_query_index_get(solver, 0, &place.index);
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    levels[i] = place.index->count > 0 ? level_at(&place, points + (uint64_t)i * n, up) : NAN;
+  return status;
+}
+
+pbf_status pbf_get_levels(pbf_solver *solver, uint32_t count, const double *points,
+                          double *levels) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_levels(solver, count, points, levels));
+}

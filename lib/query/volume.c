@@ -1,0 +1,191 @@
+#include "volume.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "error.h"
+#include "structs.h"
+#include "text.h"
+
+#define REAL(member, components, range) \
+  { #member, offsetof(pbf_volume, member), components, range, 0 }
+
+static const double pi = 3.14159265358979323846, quaternion_tolerance = 1e-6;
+
+static const pbf_count_rule shape_rule = {
+    "shape", offsetof(pbf_volume, shape), 0, PBF_VOLUME_CAPSULE, " (PBF_VOLUME_…)", 0};
+static const pbf_real_rule position_rule = REAL(position, 3, PBF_ANY);
+static const pbf_real_rule box_rule = REAL(half_extents, 3, PBF_ABOVE_ZERO);
+static const pbf_real_rule radius_rule = REAL(radius, 1, PBF_ABOVE_ZERO);
+static const pbf_real_rule length_rule = REAL(half_length, 1, PBF_AT_LEAST_ZERO);
+
+static double norm(const double *v, uint32_t components) {
+  double sum = 0;
+  for (uint32_t i = 0; i < components; ++i) sum += v[i] * v[i];
+  return sqrt(sum);
+}
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+static pbf_status check_orientation(const pbf_volume *volume, const char *label,
+                                    uint32_t dimension) {
+  const double *q = volume->orientation, length = norm(q, 4);
+  char number[PBF_NUMBER_SIZE];
+  if (!(fabs(length - 1) <= quaternion_tolerance))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation has the norm %s; it must be a unit quaternion x, y, z, w to "
+                    "within %g",
+                    label, pbf_text_number(number, length), quaternion_tolerance);
+  if (dimension == 2 && (q[0] != 0 || q[1] != 0))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g); in 2D x and y must be 0, a turn "
+                    "about z",
+                    label, q[0], q[1], q[2], q[3]);
+  return PBF_OK;
+}
+
+static pbf_status check_capsule(const pbf_volume *volume, const char *label, pbf_check_kind kind) {
+  const double length = norm(volume->axis, kind.dimension);
+  char number[PBF_NUMBER_SIZE];
+  if (!(length > 0 && isfinite(length)))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.axis has the length %s; it must be a direction, above 0 and finite", label,
+                    pbf_text_number(number, length));
+  return pbf_check_real(&length_rule, label, volume, kind);
+}
+
+/* Of the precision that queries have. */
+static pbf_status check(const pbf_volume *volume, const char *label, uint32_t dimension) {
+  const pbf_check_kind kind = {dimension, PBF_FLOAT64};
+  pbf_status status = pbf_check_count(&shape_rule, label, volume);
+  if (status == PBF_OK) status = pbf_check_real(&position_rule, label, volume, kind);
+  if (status == PBF_OK) status = check_orientation(volume, label, dimension);
+  if (status == PBF_OK)
+    status = pbf_check_real(volume->shape == PBF_VOLUME_BOX ? &box_rule : &radius_rule, label,
+                            volume, kind);
+  if (status == PBF_OK && volume->shape == PBF_VOLUME_CAPSULE)
+    status = check_capsule(volume, label, kind);
+  return status;
+}
+
+static const void *struct_at(const pbf_volume *theirs, uint32_t index) {
+  return (const unsigned char *)theirs + (uint64_t)index * pbf_struct_size(theirs);
+}
+
+pbf_status pbf_volumes_check(pbf_check_kind kind, const char *label, uint32_t count,
+                             const pbf_volume *theirs) {
+  char name[64];
+  pbf_volume ours;
+  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", label);
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t size = pbf_struct_size(struct_at(theirs, i)), first = pbf_struct_size(theirs);
+    if (size != first)
+      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                      "%s[%u].struct_size is %u; it must be that of %s[0], %u", label, i, size,
+                      label, first);
+    snprintf(name, sizeof name, "%s[%u]", label, i);
+    pbf_status status = pbf_struct_in(&pbf_kind_volume, struct_at(theirs, i), &ours);
+    if (status == PBF_OK) status = check(&ours, name, kind.dimension);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+pbf_volume pbf_volumes_get(const pbf_volume *theirs, uint32_t index) {
+  pbf_volume ours = {0};
+  pbf_struct_in(&pbf_kind_volume, struct_at(theirs, index), &ours);
+  return ours;
+}
+
+/* ---- Shapes ---------------------------------------------------------------------------------- */
+
+/* Rows are what the frame's axes are in the world. */
+static void axes_of(const double q[4], double axes[3][3]) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  const double rows[3][3] = {
+      {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+      {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+      {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+  };
+  memcpy(axes, rows, sizeof rows);
+}
+
+/* Turns the frame such that its first axis is that of the capsule. */
+static void align(pbf_volume_frame *frame, const pbf_volume *volume) {
+  const double length = norm(volume->axis, frame->dimension);
+  double d[3] = {0, 0, 0}, (*axes)[3] = frame->axes;
+  uint32_t least = 0;
+  for (uint32_t k = 0; k < frame->dimension; ++k)
+    for (uint32_t l = 0; l < frame->dimension; ++l) d[k] += volume->axis[l] / length * axes[l][k];
+  for (uint32_t k = 1; k < 3; ++k) least = fabs(d[k]) < fabs(d[least]) ? k : least;
+  if (frame->dimension == 2) least = 2;
+  const double across = sqrt(1 - fmin(d[least] * d[least], 1));
+  for (uint32_t k = 0; k < 3; ++k) { /* the third: along `least`, less what of it goes along d */
+    axes[0][k] = d[k];
+    axes[2][k] = ((k == least) - d[least] * d[k]) / across;
+  }
+  for (uint32_t k = 0; k < 3; ++k)
+    axes[1][k] = axes[2][(k + 1) % 3] * d[(k + 2) % 3] - axes[2][(k + 2) % 3] * d[(k + 1) % 3];
+}
+
+pbf_volume_frame pbf_volume_frame_of(const pbf_volume *volume, uint32_t dimension) {
+  pbf_volume_frame frame = {.shape = volume->shape, .dimension = dimension};
+  axes_of(volume->orientation, frame.axes);
+  for (uint32_t k = 0; k < dimension; ++k) {
+    frame.position[k] = volume->position[k];
+    frame.half[k] = volume->shape == PBF_VOLUME_BOX ? volume->half_extents[k] : volume->radius;
+  }
+  if (volume->shape != PBF_VOLUME_BOX) frame.radius = volume->radius;
+  if (volume->shape != PBF_VOLUME_CAPSULE) return frame;
+  frame.half_length = volume->half_length;
+  frame.half[0] += volume->half_length;
+  align(&frame, volume);
+  return frame;
+}
+
+int pbf_volume_has_local(const pbf_volume_frame *frame, const double *local) {
+  if (frame->shape == PBF_VOLUME_BOX) {
+    for (uint32_t k = 0; k < frame->dimension; ++k)
+      if (!(fabs(local[k]) <= frame->half[k])) return 0;
+    return 1;
+  }
+  const double beyond = fmax(fabs(local[0]) - frame->half_length, 0);
+  double square = beyond * beyond;
+  for (uint32_t k = 1; k < frame->dimension; ++k) square += local[k] * local[k];
+  return square <= frame->radius * frame->radius;
+}
+
+int pbf_volume_has(const pbf_volume_frame *frame, const double *point) {
+  double local[3] = {0, 0, 0};
+  for (uint32_t k = 0; k < frame->dimension; ++k)
+    for (uint32_t l = 0; l < frame->dimension; ++l)
+      local[k] += frame->axes[k][l] * (point[l] - frame->position[l]);
+  return pbf_volume_has_local(frame, local);
+}
+
+double pbf_volume_size(const pbf_volume_frame *frame) {
+  const double r = frame->radius, l = 2 * frame->half_length;
+  const int is_3d = frame->dimension == 3;
+  if (frame->shape == PBF_VOLUME_BOX)
+    return 4 * frame->half[0] * frame->half[1] * (is_3d ? 2 * frame->half[2] : 1);
+  const double ball = is_3d ? 4 * pi * r * r * r / 3 : pi * r * r;
+  return ball + l * (is_3d ? pi * r * r : 2 * r);
+}
+
+pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape) {
+  pbf_status status = pbf_struct_check_size(&pbf_kind_volume, struct_size);
+  if (status != PBF_OK) return status;
+  const pbf_volume initial = {.struct_size = struct_size,
+                              .shape = shape,
+                              .orientation = {0, 0, 0, 1},
+                              .half_extents = {1, 1, 1},
+                              .axis = {0, 1, 0},
+                              .radius = 1,
+                              .half_length = 1};
+  if (!volume) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "volume is null");
+  status = pbf_check_count(&shape_rule, "volume", &initial);
+  if (status != PBF_OK) return status;
+  pbf_struct_out(&pbf_kind_volume, &initial, volume, struct_size);
+  return PBF_OK;
+}
