@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include <pbf/batch.h>
-#include <pbf/query.h>
+#include <pbf/emit.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {
@@ -32,6 +32,8 @@ extern const pbf_struct_kind pbf_kind_volume;
 extern const pbf_struct_kind pbf_kind_volume_flow;
 extern const pbf_struct_kind pbf_kind_samples;
 extern const pbf_struct_kind pbf_kind_sample_grid;
+extern const pbf_struct_kind pbf_kind_emitter;
+extern const pbf_struct_kind pbf_kind_in_out;
 
 /* Fails unless `size` is one that a caller of this kind can have. */
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);

@@ -833,16 +833,17 @@ PBF_API pbf_status pbf_get_info(pbf_solver *solver, pbf_info *info);
 
 /* ---- State --------------------------------------------------------------------------------- */
 
-/* Writes parameters, colliders, time and particles, portable between backends. With `buffer` null,
- * *size gets the bytes needed; else *size is the room there is, and gets the bytes written. On the
- * same backend and build, a loaded solver continues with the same bits. */
+/* Writes parameters, colliders, emitters, drains, time and particles, portable between backends.
+ * With `buffer` null, *size gets the bytes needed; else *size is the room there is, and gets the
+ * bytes written. On the same backend and build, a loaded solver continues with the same bits. */
 PBF_API pbf_status pbf_save(pbf_solver *solver, void *buffer, uint64_t *size);
 
 /* Replaces the solver's whole state. PBF_ERROR_DATA for anything that pbf_save did not write, of
  * another dimension or precision; the solver is then unchanged. */
 PBF_API pbf_status pbf_load(pbf_solver *solver, const void *buffer, uint64_t size);
 
-/* FNV-1a, 64 bit, over step, count and, in the order of adding, ids, positions and velocities. */
+/* FNV-1a, 64 bit, over step, count and, in the order of adding, ids, positions and velocities; with
+ * emitters and drains (emit.h) over these, too. */
 PBF_API pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash);
 
 /* ---- Backends ------------------------------------------------------------------------------ */

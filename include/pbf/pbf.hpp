@@ -36,6 +36,7 @@
 #include <utility>
 #include <vector>
 
+#include <pbf/emit.h>
 #include <pbf/pbf.h>
 #include <pbf/query.h>
 
@@ -261,6 +262,14 @@ struct volume : pbf_volume {
     pbf_volume_init(this, sizeof(pbf_volume), of_shape);
   }
   volume(const pbf_volume &from) noexcept : pbf_volume(from) {}
+};
+
+/* pbf_emitter at the origin, sizes 1: a PBF_EMITTER_…. */
+struct emitter : pbf_emitter {
+  explicit emitter(std::uint32_t of_shape) noexcept : pbf_emitter(detail::sized<pbf_emitter>()) {
+    pbf_emitter_init(this, sizeof(pbf_emitter), of_shape);
+  }
+  emitter(const pbf_emitter &from) noexcept : pbf_emitter(from) {}
 };
 
 /* pbf_collider at rest at the origin, sizes 1. */
@@ -656,6 +665,14 @@ class solver {
     return detail::checked(
         pbf_get_levels(handle(), clamped(levels.size()), points.data(), levels.data()));
   }
+  /* What comes and goes in steps, see emit.h. */
+  result<void> set_emitters(span<const emitter> emitters) noexcept {
+    return detail::checked(pbf_set_emitters(handle(), clamped(emitters.size()), emitters.data()));
+  }
+  result<void> set_drains(span<const volume> drains) noexcept {
+    return detail::checked(pbf_set_drains(handle(), clamped(drains.size()), drains.data()));
+  }
+  result<pbf_in_out> in_out() noexcept { return filled(pbf_get_in_out); }
   result<void> end_queries() noexcept { return detail::checked(pbf_end_queries(handle())); }
   result<void> keep_previous(bool enabled) noexcept {
     return detail::checked(pbf_keep_previous(handle(), enabled));

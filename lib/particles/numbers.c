@@ -27,6 +27,8 @@ pbf_status pbf_numbers_find(pbf_solver *solver, uint32_t field, uint32_t first, 
                             pbf_numbers *numbers) {
   pbf_view view;
   *numbers = (pbf_numbers){0};
+  if (solver->ranks.count > 0) /* where there are no views */
+    return pbf_numbers_copy(solver, field, first, count, numbers);
   pbf_status status = pbf_view_of(solver, field, &view);
   if (status != PBF_OK) return status;
   if (view.device_type != PBF_DEVICE_CPU)

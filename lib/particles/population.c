@@ -1,4 +1,6 @@
 /* Adding particles. */
+#include "population.h"
+
 #include <inttypes.h>
 
 #include "coincident.h"
@@ -61,8 +63,8 @@ static void free_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids
   if (!solver->ids) pbf_memory_free(&solver->allocator, ids, (uint64_t)count * sizeof *ids);
 }
 
-static pbf_status append(pbf_solver *solver, uint32_t count, const void *positions,
-                         const void *velocities) {
+pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void *positions,
+                                 const void *velocities, int is_placed) {
   uint32_t *ids;
   pbf_status status = allocate_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
@@ -74,8 +76,9 @@ static pbf_status append(pbf_solver *solver, uint32_t count, const void *positio
   free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;
-  pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
-                             (uint32_t)(solver->next_id + count - 1));
+  if (is_placed)
+    pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
+                               (uint32_t)(solver->next_id + count - 1));
   solver->next_id += count;
   solver->step_length_checked = 0;
   ++solver->generation;
@@ -89,7 +92,7 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
   if (status == PBF_OK) status = check_capacity(solver, count);
   if (status == PBF_OK && count > 0) {
     status = check_new(solver, count, positions, velocities);
-    if (status == PBF_OK) status = append(solver, count, positions, velocities);
+    if (status == PBF_OK) status = pbf_population_append(solver, count, positions, velocities, 1);
   }
   if (status == PBF_OK && first_id) *first_id = (uint32_t)first;
   return status;

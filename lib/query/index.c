@@ -249,12 +249,6 @@ static int is_of_now(const pbf_solver *solver) {
          index->spacing == pbf_derive_spacing(&solver->params);
 }
 
-/* Ranks have no views. */
-static pbf_status find_numbers(pbf_solver *solver, uint32_t field, pbf_numbers *numbers) {
-  return solver->ranks.count > 0 ? pbf_numbers_copy(solver, field, 0, solver->count, numbers)
-                                 : pbf_numbers_find(solver, field, 0, solver->count, numbers);
-}
-
 static void describe(pbf_query_index *index, const pbf_solver *solver) {
   index->count = solver->count;
   index->radius = 1.5 * solver->params.smoothing_radius;
@@ -270,7 +264,7 @@ static pbf_status build(pbf_solver *solver) {
   pbf_query_index *index = solver->query;
   index->is_built = index->has_velocities = index->has_pressures = 0;
   describe(index, solver);
-  status = find_numbers(solver, PBF_FIELD_POSITION, &x);
+  status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
   if (status == PBF_OK && index->count > 0) {
     find_bounds(index, &x, solver->kind.precision);
     choose_cells(index);
@@ -286,7 +280,7 @@ static pbf_status build(pbf_solver *solver) {
 
 static pbf_status add_field(pbf_solver *solver, uint32_t field, uint32_t components, void *sorted) {
   pbf_numbers numbers;
-  pbf_status status = find_numbers(solver, field, &numbers);
+  pbf_status status = pbf_numbers_find(solver, field, 0, solver->count, &numbers);
   if (status == PBF_OK) gather(solver->query, &numbers, components, sorted);
   pbf_numbers_free(solver, &numbers);
   return status;

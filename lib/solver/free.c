@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "previous.h"
 #include "query/index.h"
+#include "emission/emission.h"
 #include "snapshot_memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
@@ -18,6 +19,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
   pbf_snapshots_free(solver, solver->snapshots);
   pbf_query_index_free(solver);
+  pbf_emission_free(solver, solver->emission);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);

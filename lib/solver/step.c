@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "backend_call.h"
+#include "emission/emission.h"
 #include "error.h"
 #include "handles.h"
 #include "overlap.h"
@@ -133,7 +134,9 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
 
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
-  pbf_status status = pbf_plan_step(solver);
+  pbf_status status = pbf_emission_work(solver);
+  if (pbf_emission_is_active(solver)) steps = 1;
+  if (status == PBF_OK) status = pbf_plan_step(solver);
   if (status != PBF_OK) return status;
   if (solver->count > 0) {
     status = pbf_prestabilize(solver);

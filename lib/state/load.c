@@ -125,6 +125,9 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;
+  pbf_emission_free(solver, solver->emission);
+  solver->emission = in->emission;
+  in->emission = NULL;
   uint32_t *old_ids = solver->ids;
   solver->ids = in->header.has_ids ? in->ids : NULL;
   in->ids = in->header.has_ids ? old_ids : in->ids;

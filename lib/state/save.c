@@ -1,6 +1,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "emission/saved.h"
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
@@ -23,6 +24,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .has_ids = solver->ids != NULL,
       .kept = pbf_kept_by(solver),
       .planned = solver->planned,
+      .emission = (uint32_t)pbf_emission_saved_size(solver),
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
@@ -78,6 +80,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
   put(buffer, layout.colliders, solver->colliders, pbf_colliders_bytes(solver->collider_count));
   if (header->has_ids)
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
+  if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);
   pbf_status status = write_particles(solver, header, &layout, buffer);
   uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
   put(buffer, layout.checksum, &checksum, sizeof checksum);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "collider.h"
+#include "emission/saved.h"
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
@@ -48,7 +49,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->kept >> PBF_KEPT_COUNT || header->reserved != 0 || header->placement.set_anew > 1 ||
+      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
       header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -176,15 +177,18 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
   return pbf_kept_allocate(solver, in->header.kept, in->header.count, "loading a state", &in->kept);
 }
 
-static pbf_status read_sections(const pbf_solver *solver, pbf_saved_state *in) {
+static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   pbf_status status = read_params(solver, in);
   if (status == PBF_OK) status = read_colliders(solver, in);
   if (status == PBF_OK) status = read_ids(in);
   if (status == PBF_OK) status = read_particles(solver, in);
+  if (status == PBF_OK)
+    status = pbf_emission_read(solver, in->buffer + in->layout.emission, in->header.emission,
+                               in->header.next_id, &in->emission);
   return reject_by_check(status);
 }
 
-pbf_status pbf_saved_state_read(const pbf_solver *solver, const void *buffer, uint64_t size,
+pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t size,
                                 pbf_saved_state *in) {
   *in = (pbf_saved_state){0};
   pbf_status status = check_envelope(solver, buffer, size, in);
@@ -195,7 +199,7 @@ pbf_status pbf_saved_state_read(const pbf_solver *solver, const void *buffer, ui
   return status;
 }
 
-void pbf_saved_state_free(const pbf_solver *solver, pbf_saved_state *in) {
+void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   pbf_memory_free(&solver->allocator, in->colliders,
                   pbf_colliders_bytes(in->header.collider_count));
@@ -203,4 +207,5 @@ void pbf_saved_state_free(const pbf_solver *solver, pbf_saved_state *in) {
   pbf_memory_free(&solver->allocator, in->positions, bytes);
   pbf_memory_free(&solver->allocator, in->velocities, bytes);
   pbf_kept_free(solver, &in->kept);
+  pbf_emission_free(solver, in->emission);
 }

@@ -2,6 +2,7 @@
 #ifndef PBF_LIB_STATE_SAVED_STATE_H
 #define PBF_LIB_STATE_SAVED_STATE_H
 
+#include "emission/emission.h"
 #include "snapshot.h"
 
 typedef struct pbf_saved_state {
@@ -15,13 +16,14 @@ typedef struct pbf_saved_state {
   void *positions;
   void *velocities;
   pbf_kept_fields kept;
+  pbf_emission *emission; /* or null */
 } pbf_saved_state;
 
 /* Fails with PBF_ERROR_DATA for what pbf_save did not write, and unless the solver can hold it. */
-pbf_status pbf_saved_state_read(const pbf_solver *solver, const void *buffer, uint64_t size,
+pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t size,
                                 pbf_saved_state *in);
 
 /* Whatever a solver is to own must be null in `in` by now. */
-void pbf_saved_state_free(const pbf_solver *solver, pbf_saved_state *in);
+void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in);
 
 #endif

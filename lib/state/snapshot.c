@@ -24,7 +24,8 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
     layout.kept[k] = next;
     next += padded(pbf_snapshot_kept_bytes(header, (pbf_kept)k));
   }
-  layout.checksum = next;
+  layout.emission = next;
+  layout.checksum = next + padded(header->emission);
   layout.size = layout.checksum + 8;
   return layout;
 }

@@ -1,6 +1,7 @@
 /* Layout of a saved state, little-endian, every section at a multiple of 8 bytes:
  *   header | parameters | colliders | ids, unless they are 0 … count - 1 | positions | velocities |
- *   what the backend keeps of each particle in some scenes (kept.h) | FNV-1a over all before it
+ *   what the backend keeps of each particle in some scenes (kept.h) | emitters, drains, lifetimes,
+ *   if any | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_STATE_SNAPSHOT_H
@@ -30,7 +31,7 @@ typedef struct pbf_snapshot_header {
   uint32_t has_ids;
   uint32_t kept; /* a bit for each pbf_kept */
   uint32_t planned;
-  uint32_t reserved;
+  uint32_t emission; /* bytes of what comes and goes, or 0 */
   uint64_t next_id;
   uint64_t step;
   uint64_t steps_since;
@@ -43,7 +44,8 @@ typedef struct pbf_snapshot_header {
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
-  uint64_t params, colliders, ids, positions, velocities, kept[PBF_KEPT_COUNT], checksum, size;
+  uint64_t params, colliders, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission, checksum,
+      size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);

@@ -17,6 +17,8 @@ from .batch import Batch, BatchTensor
 from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
+from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
+from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
 from .fill import fill_ball, fill_box, fill_lattice
 from .params import Collide, Kernel, Method, Params
 from .picture import Movie, png_bytes, render, save_png
@@ -32,11 +34,12 @@ __version__ = version()
 __all__ = [
     "AlembicPoints", "Anisotropies", "BackendInfo", "BallVolume", "Batch", "BatchTensor", "Box",
     "BoxVolume", "BusyError", "CancelledError", "CapacityError", "Capsule", "CapsuleVolume",
-    "Collide", "Collider", "DataError", "DeviceError", "Dump", "DumpFrame", "Error", "Flow",
-    "Hits", "Info", "InvalidArgumentError", "Kernel", "Limit", "Method", "MissingExtraError",
-    "MotionPath", "Movie", "NotFoundError", "OutOfMemoryError", "Params", "Plan", "PlanArray",
-    "PlanStage", "Plane", "PluginError", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot",
-    "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
+    "Collide", "Collider", "DataError", "DeviceError", "DiscEmitter", "Dump", "DumpFrame",
+    "Emitter", "Error", "Flow", "Hits", "InOut", "Info", "InvalidArgumentError", "Kernel",
+    "Limit", "Method", "MissingExtraError", "MotionPath", "Movie", "NotFoundError",
+    "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError",
+    "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solver",
+    "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
     "load_backend", "load_dump", "load_scene", "png_bytes", "render", "save_png", "scenes",

@@ -93,7 +93,7 @@ class Hits(NamedTuple):
     """Unit vectors out of the fluid; 0 where nothing is met."""
 
 
-def _struct_of(volume: Volume, target: Any) -> None:
+def struct_of(volume: Volume, target: Any) -> None:
     if not isinstance(volume, Volume) or type(volume) is Volume:
         raise InvalidArgumentError(
             f"volume is {volume!r}; it must be a BoxVolume, BallVolume or CapsuleVolume")
@@ -121,7 +121,7 @@ class Queries(Handle):
     def find_in(self, volume: Volume) -> NDArray[np.uint32]:
         """The ids of the particles in a volume, ascending."""
         struct, count = ffi.new("pbf_volume *"), ffi.new("uint32_t *")
-        _struct_of(volume, struct)
+        struct_of(volume, struct)
         self._call(lib.pbf_find_in_volume, struct, 0, ffi.NULL, count)
         ids = np.empty(count[0], np.uint32)
         if len(ids):
@@ -136,7 +136,7 @@ class Queries(Handle):
         structs = ffi.new("pbf_volume[]", max(len(listed), 1))
         flows = ffi.new("pbf_volume_flow[]", max(len(listed), 1))
         for i, volume in enumerate(listed):
-            _struct_of(volume, ffi.addressof(structs, i))
+            struct_of(volume, ffi.addressof(structs, i))
             flows[i].struct_size = ffi.sizeof("pbf_volume_flow")
         self._call(lib.pbf_measure_volumes, len(listed), structs, flows)
         n = self.dimension

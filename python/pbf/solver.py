@@ -18,6 +18,7 @@ from ._particles import Particles
 from ._state import State
 from ._steps import Steps
 from .colliders import Collider, collider_of, struct_array
+from .emission import Emission
 from .params import Params
 from .queries import Queries
 from .reports import Plan, StageTime, Stats
@@ -32,7 +33,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 DEFAULT_CAPACITY = 100_000
 
 
-class Solver(Steps, Particles, Queries, State):
+class Solver(Steps, Particles, Queries, Emission, State):
     """A fluid of particles.
 
     >>> fluid = pbf.Solver(pbf.fill_box((0, 0, 0), (0.5, 1, 1), 0.05), domain_max=(2, 1, 1))

@@ -378,4 +378,30 @@ AT(pbf_sample_grid, counts, 4);
 AT(pbf_sample_grid, origin, 16);
 AT(pbf_sample_grid, step, 40);
 
+SIZE(pbf_emitter, 136);
+AT(pbf_emitter, struct_size, 0);
+AT(pbf_emitter, shape, 4);
+AT(pbf_emitter, recycle, 8);
+AT(pbf_emitter, seed, 12);
+AT(pbf_emitter, position, 16);
+AT(pbf_emitter, velocity, 40);
+AT(pbf_emitter, across, 64);
+AT(pbf_emitter, half_width, 88);
+AT(pbf_emitter, half_height, 96);
+AT(pbf_emitter, radius, 104);
+AT(pbf_emitter, rate, 112);
+AT(pbf_emitter, jitter, 120);
+AT(pbf_emitter, lifetime, 128);
+
+SIZE(pbf_in_out, 56);
+AT(pbf_in_out, struct_size, 0);
+AT(pbf_in_out, emitters, 4);
+AT(pbf_in_out, drains, 8);
+AT(pbf_in_out, reserved, 12);
+AT(pbf_in_out, emitted, 16);
+AT(pbf_in_out, refused, 24);
+AT(pbf_in_out, recycled, 32);
+AT(pbf_in_out, drained, 40);
+AT(pbf_in_out, expired, 48);
+
 int main(void) { return 0; }

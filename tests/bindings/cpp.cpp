@@ -167,6 +167,20 @@ static void queries_answer(void **) {
   done(fluid.end_queries());
 }
 
+static void particles_come_and_go(void **) {
+  auto fluid = filled();
+  std::vector<pbf::emitter> taps(1, pbf::emitter(PBF_EMITTER_DISC));
+  std::vector<pbf::volume> drains(1, pbf::volume(PBF_VOLUME_BOX));
+  taps[0].position[0] = taps[0].position[1] = taps[0].position[2] = .5;
+  taps[0].radius = .1;
+  drains[0].half_extents[1] = .1;
+  done(fluid.set_emitters(taps));
+  done(fluid.set_drains(drains));
+  done(fluid.step(12));
+  assert_int_equal(given(fluid.in_out()).emitters, 1);
+  assert_true(given(fluid.in_out()).emitted > 10);
+}
+
 static void struct_sizes_are_set(void **) {
   pbf::params params;
   params.struct_size = 1u << 30;
@@ -328,6 +342,7 @@ int main() {
     cmocka_unit_test_teardown(errors_keep_their_sentences, nothing_live),
     cmocka_unit_test_teardown(arrays_of_another_kind_are_refused, nothing_live),
     cmocka_unit_test_teardown(queries_answer, nothing_live),
+    cmocka_unit_test_teardown(particles_come_and_go, nothing_live),
     cmocka_unit_test_teardown(struct_sizes_are_set, nothing_live),
     cmocka_unit_test_teardown(moved_from_is_refused, nothing_live),
     cmocka_unit_test_teardown(views_block_steps_and_outlive_solvers, nothing_live),

@@ -1,4 +1,6 @@
 /* Ranks give the bits of one solver, whatever the scene has, and wherever space is cut. */
+#include <pbf/emit.h>
+
 #include "support.h"
 
 #include <stdio.h>
@@ -12,11 +14,12 @@ typedef struct scene {
   uint32_t dimension, precision, count;
   pbf_params params;
   uint32_t colliders;
-  int jets;        /* particles come and go between steps */
+  int jets;        /* particles come and go between steps, and in them */
   const char *isa; /* null: the best */
   uint64_t hash;   /* after the steps */
   pbf_stats stats; /* and what else is asked for */
   void *densities, *pressures;
+  double asked[4]; /* velocity and level at a point, particles in a ball */
   uint64_t hashes_seen[MAX_THREAD_RANKS];
 } scene;
 
@@ -65,6 +68,35 @@ static void add_colliders(const scene *c, pbf_solver *s) {
   EXPECT_OK(pbf_set_colliders(s, COLLIDERS, list));
 }
 
+static void set_jets(pbf_solver *s) {
+  pbf_emitter tap;
+  pbf_volume drain;
+  EXPECT_OK(pbf_emitter_init(&tap, sizeof tap, PBF_EMITTER_DISC));
+  EXPECT_OK(pbf_volume_init(&drain, sizeof drain, PBF_VOLUME_SPHERE));
+  for (int k = 0; k < 3; ++k) tap.position[k] = 0.4, drain.position[k] = 0.2;
+  tap.radius = 0.1;
+  tap.lifetime = 4 / 120.0;
+  drain.radius = 0.06;
+  EXPECT_OK(pbf_set_emitters(s, 1, &tap));
+  EXPECT_OK(pbf_set_drains(s, 1, &drain));
+}
+
+static void ask(pbf_solver *s, double asked[4]) {
+  const double x[3] = {0.35, 0.3, 0.35};
+  double v[3];
+  uint32_t count = 0;
+  pbf_volume ball;
+  EXPECT_OK(pbf_sample(
+      s, &(pbf_samples){
+             .struct_size = sizeof(pbf_samples), .count = 1, .points = x, .velocities = v}));
+  EXPECT_OK(pbf_get_levels(s, 1, x, &asked[2]));
+  EXPECT_OK(pbf_volume_init(&ball, sizeof ball, PBF_VOLUME_SPHERE));
+  EXPECT_OK(pbf_find_in_volume(s, &ball, 0, NULL, &count));
+  asked[0] = v[0];
+  asked[1] = v[1];
+  asked[3] = count;
+}
+
 static void run_scene(const scene *c, pbf_solver *s) {
   add_colliders(c, s);
   fill(c, s, c->count, 0);
@@ -74,6 +106,7 @@ static void run_scene(const scene *c, pbf_solver *s) {
     for (uint32_t k = 0; k < 40; ++k) ids[k] = 3 + 17 * k;
     EXPECT_OK(pbf_remove_particles(s, 40, ids));
     fill(c, s, 300, 0.03);
+    set_jets(s);
   }
   EXPECT_OK(pbf_step(s, STEPS - STEPS / 2));
 }
@@ -99,6 +132,7 @@ static void run_alone(scene *c) {
   assert_int_equal(ranks_failures(), 0);
   const uint32_t count = count_of(s);
   c->hash = test_hash(s);
+  if (c->jets) ask(s, c->asked);
   c->stats = (pbf_stats){.struct_size = sizeof c->stats};
   assert_ok(pbf_get_stats(s, &c->stats));
   c->densities = calloc(count, c->precision);
@@ -126,6 +160,9 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   EXPECT_OK(pbf_get_stats(s, &stats));
   EXPECT(memcmp(&stats, &c->stats, sizeof stats) == 0);
+  double asked[4] = {0};
+  if (c->jets) ask(s, asked);
+  EXPECT(memcmp(asked, c->asked, sizeof asked) == 0);
   EXPECT_OK(pbf_get_densities(s, 0, count, values));
   EXPECT(memcmp(values, c->densities, (size_t)count * c->precision) == 0);
   if (c->params.solver == PBF_SOLVER_CHEBYSHEV) {

@@ -75,6 +75,13 @@ void call_cast_rays(actor *a);
 void call_get_levels(actor *a);
 void call_end_queries(actor *a);
 
+void call_emitter_init(actor *a);
+void call_set_emitters(actor *a);
+void call_get_emitter(actor *a);
+void call_set_drains(actor *a);
+void call_get_drain(actor *a);
+void call_get_in_out(actor *a);
+
 void call_map(actor *a);
 void call_unmap(actor *a);
 void call_export_dlpack(actor *a);

@@ -38,6 +38,8 @@ namespace Pbf
         public const uint MaxStages = 24;
         public const uint MaxArrays = 40;
         public const uint MaxWorlds = 65536;
+        public const uint MaxEmitters = 64;
+        public const uint MaxDrains = 64;
         public const uint Float32 = 4;
         public const uint Float64 = 8;
         public const uint LogInfo = 1;
@@ -87,6 +89,8 @@ namespace Pbf
         public const uint VolumeBox = 0;
         public const uint VolumeSphere = 1;
         public const uint VolumeCapsule = 2;
+        public const uint EmitterRectangle = 0;
+        public const uint EmitterDisc = 1;
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -448,6 +452,38 @@ namespace Pbf
         public Vector3d Step;
     }
 
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Emitter
+    {
+        public uint StructSize;
+        public uint Shape;
+        public uint Recycle;
+        public uint Seed;
+        public Vector3d Position;
+        public Vector3d Velocity;
+        public Vector3d Across;
+        public double HalfWidth;
+        public double HalfHeight;
+        public double Radius;
+        public double Rate;
+        public double Jitter;
+        public double Lifetime;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct InOut
+    {
+        public uint StructSize;
+        public uint Emitters;
+        public uint Drains;
+        public uint Reserved;
+        public ulong Emitted;
+        public ulong Refused;
+        public ulong Recycled;
+        public ulong Drained;
+        public ulong Expired;
+    }
+
     internal static class Native
     {
 #if UNITY_IOS && !UNITY_EDITOR
@@ -607,6 +643,18 @@ namespace Pbf
         internal static extern Status pbf_get_levels(SolverHandle solver, uint count, IntPtr points, IntPtr levels);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_end_queries(SolverHandle solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_emitter_init(ref Emitter emitter, uint struct_size, uint shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_emitters(SolverHandle solver, uint count, IntPtr emitters);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_emitter(SolverHandle solver, uint index, ref Emitter emitter);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_drains(SolverHandle solver, uint count, IntPtr drains);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_drain(SolverHandle solver, uint index, ref Volume drain);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_in_out(SolverHandle solver, ref InOut in_out);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -634,7 +682,9 @@ namespace Pbf
             { typeof(Volume), new[] { "128", "StructSize=0", "Shape=4", "Position=8", "Orientation=32", "HalfExtents=64", "Axis=88", "Radius=112", "HalfLength=120" } },
             { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },
-            { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } }
+            { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
+            { typeof(Emitter), new[] { "136", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128" } },
+            { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } }
         };
     }
 }

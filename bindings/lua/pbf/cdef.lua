@@ -98,6 +98,10 @@ enum {
   PBF_VOLUME_CAPSULE = 2,
 };
 enum {
+  PBF_EMITTER_RECTANGLE = 0,
+  PBF_EMITTER_DISC = 1,
+};
+enum {
   PBF_VERSION_MAJOR = 0,
   PBF_VERSION_MINOR = 2,
   PBF_VERSION_PATCH = 0,
@@ -109,6 +113,8 @@ enum {
   PBF_MAX_STAGES = 24,
   PBF_MAX_ARRAYS = 40,
   PBF_MAX_WORLDS = 65536,
+  PBF_MAX_EMITTERS = 64,
+  PBF_MAX_DRAINS = 64,
 };
 struct DLManagedTensor;
 typedef struct pbf_batch pbf_batch;
@@ -379,6 +385,32 @@ typedef struct pbf_sample_grid {
   double origin[3];
   double step[3];
 } pbf_sample_grid;
+typedef struct pbf_emitter {
+  uint32_t struct_size;
+  uint32_t shape;
+  uint32_t recycle;
+  uint32_t seed;
+  double position[3];
+  double velocity[3];
+  double across[3];
+  double half_width;
+  double half_height;
+  double radius;
+  double rate;
+  double jitter;
+  double lifetime;
+} pbf_emitter;
+typedef struct pbf_in_out {
+  uint32_t struct_size;
+  uint32_t emitters;
+  uint32_t drains;
+  uint32_t reserved;
+  uint64_t emitted;
+  uint64_t refused;
+  uint64_t recycled;
+  uint64_t drained;
+  uint64_t expired;
+} pbf_in_out;
 uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
@@ -455,6 +487,12 @@ pbf_status pbf_sample_on_grid(pbf_solver *solver, const pbf_sample_grid *grid, c
 pbf_status pbf_cast_rays(pbf_solver *solver, uint32_t count, const double *origins, const double *directions, double length, double *distances, double *normals);
 pbf_status pbf_get_levels(pbf_solver *solver, uint32_t count, const double *points, double *levels);
 pbf_status pbf_end_queries(pbf_solver *solver);
+pbf_status pbf_emitter_init(pbf_emitter *emitter, uint32_t struct_size, uint32_t shape);
+pbf_status pbf_set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *emitters);
+pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emitter);
+pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *drains);
+pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain);
+pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {
@@ -479,4 +517,6 @@ return {
   pbf_volume_flow = {size = 72, struct_size = 0, reserved = 4, volume = 8, fraction = 16, centre = 24, velocity = 48},
   pbf_samples = {size = 48, struct_size = 0, count = 4, points = 8, densities = 16, velocities = 24, pressures = 32, wet = 40},
   pbf_sample_grid = {size = 64, struct_size = 0, counts = 4, origin = 16, step = 40},
+  pbf_emitter = {size = 136, struct_size = 0, shape = 4, recycle = 8, seed = 12, position = 16, velocity = 40, across = 64, half_width = 88, half_height = 96, radius = 104, rate = 112, jitter = 120, lifetime = 128},
+  pbf_in_out = {size = 56, struct_size = 0, emitters = 4, drains = 8, reserved = 12, emitted = 16, refused = 24, recycled = 32, drained = 40, expired = 48},
 }

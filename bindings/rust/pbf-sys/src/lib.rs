@@ -17,6 +17,8 @@ pub const PBF_NAME_SIZE: u32 = 32;
 pub const PBF_MAX_STAGES: u32 = 24;
 pub const PBF_MAX_ARRAYS: u32 = 40;
 pub const PBF_MAX_WORLDS: u32 = 65536;
+pub const PBF_MAX_EMITTERS: u32 = 64;
+pub const PBF_MAX_DRAINS: u32 = 64;
 pub const PBF_OK: pbf_status = 0;
 pub const PBF_ERROR_INVALID_ARGUMENT: pbf_status = -1;
 pub const PBF_ERROR_STRUCT_SIZE: pbf_status = -2;
@@ -80,6 +82,8 @@ pub const PBF_LIMIT_COLLIDERS: u32 = 5;
 pub const PBF_VOLUME_BOX: u32 = 0;
 pub const PBF_VOLUME_SPHERE: u32 = 1;
 pub const PBF_VOLUME_CAPSULE: u32 = 2;
+pub const PBF_EMITTER_RECTANGLE: u32 = 0;
+pub const PBF_EMITTER_DISC: u32 = 1;
 
 #[repr(C)]
 pub struct DLManagedTensor {
@@ -440,6 +444,38 @@ pub struct pbf_sample_grid {
     pub step: [f64; 3],
 }
 
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_emitter {
+    pub struct_size: u32,
+    pub shape: u32,
+    pub recycle: u32,
+    pub seed: u32,
+    pub position: [f64; 3],
+    pub velocity: [f64; 3],
+    pub across: [f64; 3],
+    pub half_width: f64,
+    pub half_height: f64,
+    pub radius: f64,
+    pub rate: f64,
+    pub jitter: f64,
+    pub lifetime: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_in_out {
+    pub struct_size: u32,
+    pub emitters: u32,
+    pub drains: u32,
+    pub reserved: u32,
+    pub emitted: u64,
+    pub refused: u64,
+    pub recycled: u64,
+    pub drained: u64,
+    pub expired: u64,
+}
+
 extern "C" {
     pub fn pbf_version() -> u32;
     pub fn pbf_status_string(
@@ -798,6 +834,35 @@ extern "C" {
     pub fn pbf_end_queries(
         solver: *mut pbf_solver,
     ) -> pbf_status;
+    pub fn pbf_emitter_init(
+        emitter: *mut pbf_emitter,
+        struct_size: u32,
+        shape: u32,
+    ) -> pbf_status;
+    pub fn pbf_set_emitters(
+        solver: *mut pbf_solver,
+        count: u32,
+        emitters: *const pbf_emitter,
+    ) -> pbf_status;
+    pub fn pbf_get_emitter(
+        solver: *mut pbf_solver,
+        index: u32,
+        emitter: *mut pbf_emitter,
+    ) -> pbf_status;
+    pub fn pbf_set_drains(
+        solver: *mut pbf_solver,
+        count: u32,
+        drains: *const pbf_volume,
+    ) -> pbf_status;
+    pub fn pbf_get_drain(
+        solver: *mut pbf_solver,
+        index: u32,
+        drain: *mut pbf_volume,
+    ) -> pbf_status;
+    pub fn pbf_get_in_out(
+        solver: *mut pbf_solver,
+        in_out: *mut pbf_in_out,
+    ) -> pbf_status;
 }
 
 #[cfg(all(test, target_pointer_width = "64"))]
@@ -1134,5 +1199,37 @@ mod layout {
         assert_eq!(offset!(pbf_sample_grid, counts), 4);
         assert_eq!(offset!(pbf_sample_grid, origin), 16);
         assert_eq!(offset!(pbf_sample_grid, step), 40);
+    }
+
+    #[test]
+    fn pbf_emitter_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_emitter>(), 136);
+        assert_eq!(offset!(pbf_emitter, struct_size), 0);
+        assert_eq!(offset!(pbf_emitter, shape), 4);
+        assert_eq!(offset!(pbf_emitter, recycle), 8);
+        assert_eq!(offset!(pbf_emitter, seed), 12);
+        assert_eq!(offset!(pbf_emitter, position), 16);
+        assert_eq!(offset!(pbf_emitter, velocity), 40);
+        assert_eq!(offset!(pbf_emitter, across), 64);
+        assert_eq!(offset!(pbf_emitter, half_width), 88);
+        assert_eq!(offset!(pbf_emitter, half_height), 96);
+        assert_eq!(offset!(pbf_emitter, radius), 104);
+        assert_eq!(offset!(pbf_emitter, rate), 112);
+        assert_eq!(offset!(pbf_emitter, jitter), 120);
+        assert_eq!(offset!(pbf_emitter, lifetime), 128);
+    }
+
+    #[test]
+    fn pbf_in_out_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_in_out>(), 56);
+        assert_eq!(offset!(pbf_in_out, struct_size), 0);
+        assert_eq!(offset!(pbf_in_out, emitters), 4);
+        assert_eq!(offset!(pbf_in_out, drains), 8);
+        assert_eq!(offset!(pbf_in_out, reserved), 12);
+        assert_eq!(offset!(pbf_in_out, emitted), 16);
+        assert_eq!(offset!(pbf_in_out, refused), 24);
+        assert_eq!(offset!(pbf_in_out, recycled), 32);
+        assert_eq!(offset!(pbf_in_out, drained), 40);
+        assert_eq!(offset!(pbf_in_out, expired), 48);
     }
 }

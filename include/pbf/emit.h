@@ -1,0 +1,91 @@
+/* pbf/emit.h: in and out. Emitters add particles in each step, drains and lifetimes remove them.
+ *
+ * Each step begins with it: particles whose lifetime is over and those in drains go, then each
+ * emitter in turn adds what has left its opening by then. So results do not depend on how steps are
+ * divided into calls, and are the same bits again. It is part of saved states, and of pbf_hash
+ * where there is any. A step that fails afterwards is not given the same particles twice.
+ *
+ * A particle stands for the volume spacing^dimension. The rules of pbf.h hold here, too. A solver
+ * without emitters and drains has no memory and no time for them; with drains each step looks at
+ * all positions, on a device by a copy of them. One that adds or removes particles wakes those
+ * asleep.
+ */
+#ifndef PBF_EMIT_H
+#define PBF_EMIT_H
+
+#include <pbf/query.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Emitters and drains -------------------------------------------------------------------- */
+
+/* In 2D both are a line. */
+enum { PBF_EMITTER_RECTANGLE = 0, PBF_EMITTER_DISC = 1 };
+
+/* An opening across a stream. Particles leave it in columns, a spacing apart, and one after
+ * another, in a lattice that moves with the stream: so many a time unit as the rate is particles,
+ * to one after any number of steps. Until a particle is h away it goes on by the stream's velocity
+ * alone, whatever it meets: what is in its way gives way, and so an opening may lie under water. */
+typedef struct pbf_emitter {
+  uint32_t struct_size;
+  uint32_t shape;     /* PBF_EMITTER_… */
+  uint32_t recycle;   /* where the solver is full: 1: the oldest particles of it, those with the
+                         lowest ids, make way; 0: what does not fit is lost */
+  uint32_t seed;      /* of the jitter */
+  double position[3]; /* the middle of the opening, in the domain with all of its columns */
+  double velocity[3]; /* of the stream, not 0; the opening is across it */
+  double across[3];   /* rectangle in 3D: where its first side points, less what of it goes along
+                         the stream */
+  double half_width;  /* rectangle: half of its first side, > 0; in 2D the only one */
+  double half_height; /* half of the other, > 0 */
+  double radius;      /* disc, > 0 */
+  double rate;        /* volume a time unit, >= 0; 0: as much as columns of particles a spacing
+                         apart carry at this velocity, which is the most that may be */
+  double jitter;      /* 0 … 1, in spacings: so far columns waver along the opening */
+  double lifetime;    /* of its particles, >= 0; 0: for ever */
+} pbf_emitter;
+
+#define PBF_MAX_EMITTERS 64u
+#define PBF_MAX_DRAINS 64u
+
+/* Fills *emitter: at the origin, velocity 1 along -y, sizes 1, all else 0; across is x. */
+PBF_API pbf_status pbf_emitter_init(pbf_emitter *emitter, uint32_t struct_size, uint32_t shape);
+
+/* Replaces all emitters. `emitters` is an array of `count` structs, each of the size of the first.
+ * Emitter i goes on where emitter i before it was, so that a tap can be turned step by step. What
+ * has a lifetime keeps it. */
+PBF_API pbf_status pbf_set_emitters(pbf_solver *solver, uint32_t count,
+                                    const pbf_emitter *emitters);
+
+/* emitter->struct_size must be set. */
+PBF_API pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emitter);
+
+/* Replaces all drains: what is in one of these volumes when a step begins is removed. */
+PBF_API pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *drains);
+
+/* drain->struct_size must be set. */
+PBF_API pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain);
+
+/* What came and went, in particles, since emitters or drains were first set. */
+typedef struct pbf_in_out {
+  uint32_t struct_size;
+  uint32_t emitters; /* that there are */
+  uint32_t drains;
+  uint32_t reserved; /* 0 */
+  uint64_t emitted;
+  uint64_t refused;  /* lost: there was no room for them, or their place was outside the domain */
+  uint64_t recycled; /* made way for others */
+  uint64_t drained;
+  uint64_t expired; /* their lifetime was over */
+} pbf_in_out;
+
+/* in_out->struct_size must be set. */
+PBF_API pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,180 @@
+/* Emitters and drains as they are set. */
+#include "emission.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "emitter.h"
+#include "error.h"
+#include "memory.h"
+#include "query/volume.h"
+#include "solver/handles.h"
+#include "structs.h"
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
+
+pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission) {
+  void *memory;
+  if (!solver->emission) {
+    pbf_status status =
+        pbf_memory_allocate(&solver->allocator, sizeof **emission, "emitters and drains", &memory);
+    if (status != PBF_OK) return status;
+    memset(memory, 0, sizeof **emission);
+    solver->emission = memory;
+  }
+  *emission = solver->emission;
+  return PBF_OK;
+}
+
+void pbf_emission_free(pbf_solver *solver, pbf_emission *emission) {
+  const pbf_allocator *allocator = &solver->allocator;
+  if (!emission) return;
+  pbf_memory_free(allocator, emission->births,
+                  (uint64_t)emission->births_room * sizeof *emission->births);
+  pbf_memory_free(allocator, emission->guided,
+                  (uint64_t)emission->guided_room * sizeof *emission->guided);
+  pbf_memory_free(allocator, emission->particles, emission->particles_bytes);
+  pbf_memory_free(allocator, emission, sizeof *emission);
+}
+
+/* ---- Emitters -------------------------------------------------------------------------------- */
+
+static const void *emitter_at(const pbf_emitter *theirs, uint32_t index) {
+  return (const unsigned char *)theirs + (uint64_t)index * pbf_struct_size(theirs);
+}
+
+static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_emitter *theirs,
+                          pbf_emitter *ours) {
+  if (count > PBF_MAX_EMITTERS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
+                    PBF_MAX_EMITTERS);
+  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "emitters is null");
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t size = pbf_struct_size(emitter_at(theirs, i)), first = pbf_struct_size(theirs);
+    if (size != first)
+      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                      "emitters[%u].struct_size is %u; it must be that of emitters[0], %u", i, size,
+                      first);
+    pbf_status status = pbf_struct_in(&pbf_kind_emitter, emitter_at(theirs, i), &ours[i]);
+    if (status == PBF_OK) status = pbf_emitter_check(&ours[i], i, solver->kind);
+    if (status == PBF_OK) status = pbf_emitter_check_place(&ours[i], i, solver);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+/* Their openings are elsewhere, and their particles on their own. */
+static void let_go(pbf_emission *e, uint32_t source) {
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < e->head.guided_count; ++i)
+    if (e->guided[i].source != source) e->guided[kept++] = e->guided[i];
+  e->head.guided_count = kept;
+}
+
+static int same_opening(const pbf_emitter *a, const pbf_emitter *b) {
+  const size_t from = offsetof(pbf_emitter, position), to = offsetof(pbf_emitter, rate);
+  return a->shape == b->shape && a->seed == b->seed && a->jitter == b->jitter &&
+         memcmp((const char *)a + from, (const char *)b + from, to - from) == 0;
+}
+
+static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *theirs) {
+  pbf_emitter ours[PBF_MAX_EMITTERS];
+  pbf_emission *e;
+  pbf_status status = copy_in(solver, count, theirs, ours);
+  if (status != PBF_OK || (count == 0 && !solver->emission)) return status;
+  status = pbf_emission_need(solver, &e);
+  if (status != PBF_OK) return status;
+  for (uint32_t i = 0; i < PBF_MAX_EMITTERS; ++i) {
+    if (i >= count || !same_opening(&e->sources[i].emitter, &ours[i])) let_go(e, i);
+    if (i >= count || i >= e->head.source_count) e->sources[i] = (pbf_source){0};
+    if (i < count) e->sources[i].emitter = ours[i];
+  }
+  e->head.source_count = count;
+  return PBF_OK;
+}
+
+pbf_status pbf_set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *emitters) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_emitters(solver, count, emitters));
+}
+
+static pbf_status check_index(uint32_t index, uint32_t count, const char *what) {
+  if (index < count) return PBF_OK;
+  return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u %s", index, count, what);
+}
+
+static pbf_status get_emitter(const pbf_solver *solver, uint32_t index, pbf_emitter *emitter) {
+  const pbf_emission *e = solver->emission;
+  pbf_status status = pbf_struct_check_out(&pbf_kind_emitter, emitter);
+  if (status == PBF_OK) status = check_index(index, e ? e->head.source_count : 0, "emitters");
+  if (status != PBF_OK) return status;
+  pbf_struct_out(&pbf_kind_emitter, &e->sources[index].emitter, emitter, emitter->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emitter) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_emitter(solver, index, emitter));
+}
+
+/* ---- Drains ---------------------------------------------------------------------------------- */
+
+static pbf_status set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *theirs) {
+  pbf_emission *e;
+  if (count > PBF_MAX_DRAINS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
+                    PBF_MAX_DRAINS);
+  pbf_status status = pbf_volumes_check(solver->kind, "drains", count, theirs);
+  if (status != PBF_OK || (count == 0 && !solver->emission)) return status;
+  status = pbf_emission_need(solver, &e);
+  if (status != PBF_OK) return status;
+  memset(e->drains, 0, sizeof e->drains);
+  for (uint32_t i = 0; i < count; ++i) e->drains[i] = pbf_volumes_get(theirs, i);
+  e->head.drain_count = count;
+  return PBF_OK;
+}
+
+pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *drains) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_drains(solver, count, drains));
+}
+
+static pbf_status get_drain(const pbf_solver *solver, uint32_t index, pbf_volume *drain) {
+  const pbf_emission *e = solver->emission;
+  pbf_status status = pbf_struct_check_out(&pbf_kind_volume, drain);
+  if (status == PBF_OK) status = check_index(index, e ? e->head.drain_count : 0, "drains");
+  if (status != PBF_OK) return status;
+  pbf_struct_out(&pbf_kind_volume, &e->drains[index], drain, drain->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_drain(solver, index, drain));
+}
+
+/* ---- Counts ---------------------------------------------------------------------------------- */
+
+static pbf_status get_in_out(const pbf_solver *solver, pbf_in_out *theirs) {
+  pbf_in_out in_out = {0};
+  pbf_status status = pbf_struct_check_out(&pbf_kind_in_out, theirs);
+  if (status != PBF_OK) return status;
+  if (solver->emission) {
+    in_out = solver->emission->head.in_out;
+    in_out.emitters = solver->emission->head.source_count;
+    in_out.drains = solver->emission->head.drain_count;
+  }
+  pbf_struct_out(&pbf_kind_in_out, &in_out, theirs, theirs->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_in_out(solver, in_out));
+}

@@ -1,0 +1,68 @@
+/* What comes into a solver and goes out of it in each step. */
+#ifndef PBF_LIB_EMISSION_EMISSION_H
+#define PBF_LIB_EMISSION_EMISSION_H
+
+#include <pbf/emit.h>
+
+#include "solver/solver.h"
+
+/* An emitter, and how far it is. */
+typedef struct pbf_source {
+  pbf_emitter emitter;
+  double due;      /* of the next particle, the part that has left, 0 … 1 */
+  uint64_t number; /* of the next particle */
+} pbf_source;
+
+/* Particles that came at once and go at once. */
+typedef struct pbf_births {
+  uint32_t first_id, count;
+  double death; /* a time */
+} pbf_births;
+
+/* A particle that has just left its opening, and goes on by the stream's velocity, whatever it
+ * meets, until it is h away: fluid that is in its way gives way, as before a piston. */
+typedef struct pbf_guided {
+  uint32_t id, source;
+  uint64_t number;
+  double ahead; /* how far from the opening */
+} pbf_guided;
+
+/* How far it is with which step: one that has failed begins again where it was. */
+typedef struct pbf_emission_head {
+  uint32_t source_count, drain_count, births_count;
+  uint32_t stage;    /* of `step`: 0: nothing is done, 1: removals, 1 + i: and i emitters */
+  uint64_t step;     /* pbf_info.step when it began */
+  pbf_in_out in_out; /* counts alone */
+  uint32_t guided_count;
+  uint32_t reserved; /* 0 */
+} pbf_emission_head;
+
+/* Null in a solver that never had any. */
+typedef struct pbf_emission {
+  pbf_emission_head head;
+  pbf_source sources[PBF_MAX_EMITTERS];
+  pbf_volume drains[PBF_MAX_DRAINS];
+  pbf_births *births; /* ascending by id */
+  uint32_t births_room;
+  pbf_guided *guided;
+  uint32_t guided_room;
+  uint32_t is_advanced; /* 1: they are where they are to be after the last step */
+  void *particles;      /* positions, and then velocities, of those that come next */
+  uint64_t particles_bytes;
+} pbf_emission;
+
+static inline int pbf_emission_is_active(const pbf_solver *solver) {
+  const pbf_emission *e = solver->emission;
+  return e &&
+         e->head.source_count + e->head.drain_count + e->head.births_count + e->head.guided_count >
+             0;
+}
+
+/* The solver's, made where there is none. */
+pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission);
+void pbf_emission_free(pbf_solver *solver, pbf_emission *emission);
+
+/* What comes and goes before the next step. */
+pbf_status pbf_emission_work(pbf_solver *solver);
+
+#endif

@@ -1,0 +1,331 @@
+/* What comes and goes between two steps. */
+#include <math.h>
+#include <string.h>
+
+#include "emission.h"
+#include "memory.h"
+#include "opening.h"
+#include "params.h"
+#include "particles/numbers.h"
+#include "particles/particles.h"
+#include "particles/population.h"
+#include "particles/row_set.h"
+#include "physics/spacing.h"
+#include "query/volume.h"
+#include "solver/backend_call.h"
+#include "solver/ids.h"
+#include "solver/solver_time.h"
+
+/* ---- Out ------------------------------------------------------------------------------------- */
+
+/* The rows of births that are over, which go from the list when their particles have gone. */
+static void mark_expired(const pbf_solver *solver, const pbf_emission *e, double now,
+                         pbf_row_set *out) {
+  for (uint32_t i = 0; i < e->head.births_count; ++i) {
+    const pbf_births *b = &e->births[i];
+    uint32_t row;
+    if (b->death > now) continue;
+    pbf_ids_find(solver, b->first_id, &row);
+    for (; row < solver->count && pbf_ids_of_row(solver, row) - b->first_id < b->count; ++row)
+      pbf_row_set_add(out, row);
+  }
+}
+
+static void forget_expired(pbf_emission *e, double now) {
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < e->head.births_count; ++i)
+    if (e->births[i].death > now) e->births[kept++] = e->births[i];
+  e->head.births_count = kept;
+}
+
+static int is_drained(const pbf_volume_frame *frames, uint32_t count, const double point[3]) {
+  for (uint32_t i = 0; i < count; ++i)
+    if (pbf_volume_has(&frames[i], point)) return 1;
+  return 0;
+}
+
+static pbf_status mark_drained(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out) {
+  pbf_volume_frame frames[PBF_MAX_DRAINS];
+  pbf_numbers x;
+  if (e->head.drain_count == 0) return PBF_OK;
+  for (uint32_t i = 0; i < e->head.drain_count; ++i)
+    frames[i] = pbf_volume_frame_of(&e->drains[i], solver->kind.dimension);
+  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
+  for (uint32_t i = 0; i < x.elements && status == PBF_OK; ++i) {
+    double point[3] = {0, 0, 0};
+    uint32_t row = i;
+    for (uint32_t k = 0; k < solver->kind.dimension; ++k)
+      point[k] = pbf_numbers_get(&x, i, k, solver->kind.precision);
+    if (!is_drained(frames, e->head.drain_count, point)) continue;
+    if (!x.ids || pbf_ids_find(solver, x.ids[i], &row)) pbf_row_set_add(out, row);
+  }
+  pbf_numbers_free(solver, &x);
+  return status;
+}
+
+static pbf_status remove_some(pbf_solver *solver, pbf_emission *e) {
+  const double now = pbf_solver_time(solver);
+  pbf_row_set out;
+  if (solver->count == 0 || e->head.drain_count + e->head.births_count == 0) return PBF_OK;
+  pbf_status status = pbf_row_set_allocate(solver, &out);
+  if (status != PBF_OK) return status;
+  mark_expired(solver, e, now, &out);
+  const uint32_t expired = out.count;
+  status = mark_drained(solver, e, &out);
+  const uint32_t drained = out.count - expired;
+  if (status == PBF_OK) status = pbf_row_set_remove(solver, &out);
+  pbf_row_set_free(solver, &out);
+  if (status != PBF_OK) return status;
+  e->head.in_out.expired += expired;
+  e->head.in_out.drained += drained;
+  forget_expired(e, now);
+  return PBF_OK;
+}
+
+/* The oldest: ids ascend. */
+static pbf_status recycle(pbf_solver *solver, pbf_emission *e, uint32_t count) {
+  pbf_row_set out;
+  pbf_status status = pbf_row_set_allocate(solver, &out);
+  if (status != PBF_OK) return status;
+  for (uint32_t row = 0; row < count; ++row) pbf_row_set_add(&out, row);
+  status = pbf_row_set_remove(solver, &out);
+  pbf_row_set_free(solver, &out);
+  if (status == PBF_OK) e->head.in_out.recycled += count;
+  return status;
+}
+
+/* ---- In -------------------------------------------------------------------------------------- */
+
+/* What an emitter adds before a step. */
+typedef struct batch {
+  pbf_opening opening;
+  double way;     /* of the stream in a step */
+  double due;     /* before it, and … */
+  double a_step;  /* … in it, particles */
+  uint64_t count; /* that have left */
+} batch;
+
+static batch batch_of(const pbf_solver *solver, const pbf_source *source) {
+  const double most = 4294967296; /* as many as there are ids */
+  const double d = pbf_derive_spacing(&solver->params);
+  batch b = {.opening = pbf_opening_of(&source->emitter, solver->kind.dimension, d),
+             .due = source->due};
+  b.way = b.opening.speed * solver->params.time_step;
+  b.a_step =
+      b.opening.rate * solver->params.time_step / (solver->kind.dimension == 3 ? d * d * d : d * d);
+  b.count = (uint64_t)floor(fmin(b.due + b.a_step, most));
+  return b;
+}
+
+static pbf_status reserve_particles(pbf_solver *solver, pbf_emission *e, uint64_t count) {
+  const uint64_t bytes = 2 * count * pbf_point_bytes(solver);
+  void *memory;
+  if (e->particles_bytes >= bytes) return PBF_OK;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, bytes, "particles of emitters", &memory);
+  if (status != PBF_OK) return status;
+  pbf_memory_free(&solver->allocator, e->particles, e->particles_bytes);
+  e->particles = memory;
+  e->particles_bytes = bytes;
+  return PBF_OK;
+}
+
+static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
+  void *memory;
+  if (e->head.births_count < e->births_room) return PBF_OK;
+  const uint32_t room = 2 * e->births_room + 64;
+  pbf_status status = pbf_memory_allocate(&solver->allocator, (uint64_t)room * sizeof *e->births,
+                                          "lifetimes of particles", &memory);
+  if (status != PBF_OK) return status;
+  if (e->births_room > 0) memcpy(memory, e->births, (uint64_t)e->births_room * sizeof *e->births);
+  pbf_memory_free(&solver->allocator, e->births, (uint64_t)e->births_room * sizeof *e->births);
+  e->births = memory;
+  e->births_room = room;
+  return PBF_OK;
+}
+
+static double stored(double number, uint32_t precision) {
+  return precision == PBF_FLOAT32 ? (double)(float)number : number;
+}
+
+static void put(void *array, uint64_t index, uint32_t precision, double number) {
+  if (precision == PBF_FLOAT32)
+    ((float *)array)[index] = (float)number;
+  else
+    ((double *)array)[index] = number;
+}
+
+static int is_inside(const pbf_solver *solver, const pbf_box *box, const double place[3]) {
+  const uint32_t precision = solver->kind.precision;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+    const double x = stored(place[k], precision);
+    if (!(x >= stored(box->lower[k], precision) && x <= stored(box->upper[k], precision))) return 0;
+  }
+  return 1;
+}
+
+/* Particle j of the batch left when so much of the step was over as the due number says, and has
+ * gone on since. Those outside of the domain are left out; returns how many are left. */
+static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, const batch *b,
+                            uint32_t source, uint64_t number, uint64_t count) {
+  const uint32_t n = solver->kind.dimension, precision = solver->kind.precision;
+  const pbf_box box = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
+  uint32_t written = 0;
+  for (uint64_t j = 0; j < count; ++j) {
+    const double ahead = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
+    double place[3];
+    pbf_opening_place(&b->opening, number + j, place);
+    for (uint32_t k = 0; k < n; ++k) place[k] += ahead * b->opening.along[k];
+    if (!is_inside(solver, &box, place)) continue;
+    e->guided[e->head.guided_count + written] =
+        (pbf_guided){(uint32_t)solver->next_id + written, source, number + j, ahead};
+    for (uint32_t k = 0; k < n; ++k) {
+      put(e->particles, (uint64_t)written * n + k, precision, place[k]);
+      put(velocities, (uint64_t)written * n + k, precision, b->opening.emitter->velocity[k]);
+    }
+    ++written;
+  }
+  return written;
+}
+
+static pbf_status add_batch(pbf_solver *solver, pbf_emission *e, const pbf_source *source,
+                            uint32_t count, const void *velocities) {
+  const uint32_t first = (uint32_t)solver->next_id;
+  pbf_status status = PBF_OK;
+  if (source->emitter.lifetime > 0) status = reserve_births(solver, e);
+  if (status == PBF_OK && count > 0)
+    status = pbf_population_append(solver, count, e->particles, velocities, 0);
+  if (status != PBF_OK || count == 0 || !(source->emitter.lifetime > 0)) return status;
+  e->births[e->head.births_count++] =
+      (pbf_births){first, count, pbf_solver_time(solver) + source->emitter.lifetime};
+  return PBF_OK;
+}
+
+/* ---- On the way ------------------------------------------------------------------------------ */
+
+static pbf_status reserve_guided(pbf_solver *solver, pbf_emission *e, uint32_t count) {
+  void *memory;
+  if (e->guided_room - e->head.guided_count >= count) return PBF_OK;
+  const uint32_t room = 2 * e->guided_room + count + 64;
+  pbf_status status = pbf_memory_allocate(&solver->allocator, (uint64_t)room * sizeof *e->guided,
+                                          "particles that leave an emitter", &memory);
+  if (status != PBF_OK) return status;
+  if (e->head.guided_count > 0)
+    memcpy(memory, e->guided, (uint64_t)e->head.guided_count * sizeof *e->guided);
+  pbf_memory_free(&solver->allocator, e->guided, (uint64_t)e->guided_room * sizeof *e->guided);
+  e->guided = memory;
+  e->guided_room = room;
+  return PBF_OK;
+}
+
+static void put_on_way(const pbf_solver *solver, const pbf_emission *e, const batch *stream,
+                       const pbf_guided *g, uint32_t place, uint32_t places) {
+  const uint32_t n = solver->kind.dimension, precision = solver->kind.precision;
+  const pbf_box box = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  void *velocities = (char *)e->particles + places * pbf_point_bytes(solver);
+  double to[3];
+  pbf_opening_place(&stream->opening, g->number, to);
+  for (uint32_t k = 0; k < n; ++k) to[k] += g->ahead * stream->opening.along[k];
+  if (!is_inside(solver, &box, to)) return;
+  for (uint32_t k = 0; k < n; ++k) {
+    put(e->particles, (uint64_t)place * n + k, precision, to[k]);
+    put(velocities, (uint64_t)place * n + k, precision, stream->opening.emitter->velocity[k]);
+  }
+}
+
+/* The rows from the first to the last of them. */
+static pbf_status write_guided(pbf_solver *solver, pbf_emission *e, const batch *streams,
+                               uint32_t first, uint32_t count) {
+  const pbf_rows rows = pbf_ids_rows(solver, first, count);
+  pbf_status status = reserve_particles(solver, e, count);
+  if (status != PBF_OK) return status;
+  void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
+  status = pbf_read_rows(solver, PBF_FIELD_POSITION, first, count, e->particles);
+  if (status == PBF_OK)
+    status = pbf_read_rows(solver, PBF_FIELD_VELOCITY, first, count, velocities);
+  if (status != PBF_OK) return status;
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) {
+    uint32_t row;
+    pbf_ids_find(solver, e->guided[i].id, &row);
+    put_on_way(solver, e, &streams[e->guided[i].source], &e->guided[i], row - first, count);
+  }
+  status = solver->api.write(solver->backend, PBF_FIELD_POSITION, &rows, e->particles);
+  if (status == PBF_OK)
+    status = solver->api.write(solver->backend, PBF_FIELD_VELOCITY, &rows, velocities);
+  ++solver->generation;
+  return pbf_backend_result(solver, status, "write");
+}
+
+/* Sets those that have left an opening to where their stream has them after the last step. */
+static pbf_status guide(pbf_solver *solver, pbf_emission *e) {
+  batch streams[PBF_MAX_EMITTERS];
+  uint32_t kept = 0, first = UINT32_MAX, last = 0;
+  for (uint32_t i = 0; i < e->head.source_count; ++i) streams[i] = batch_of(solver, &e->sources[i]);
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) {
+    pbf_guided g = e->guided[i];
+    uint32_t row;
+    if (!e->is_advanced) g.ahead += streams[g.source].way;
+    if (g.ahead > solver->params.smoothing_radius || !pbf_ids_find(solver, g.id, &row)) continue;
+    first = row < first ? row : first;
+    last = row > last ? row : last;
+    e->guided[kept++] = g;
+  }
+  e->head.guided_count = kept;
+  e->is_advanced = 1;
+  return kept > 0 ? write_guided(solver, e, streams, first, last - first + 1) : PBF_OK;
+}
+
+/* How many of a batch there is room for, once the oldest have made way. */
+static pbf_status make_room(pbf_solver *solver, pbf_emission *e, const pbf_source *source,
+                            uint64_t *count) {
+  const uint64_t ids = (UINT64_C(1) << 32) - solver->next_id;
+  uint32_t room = solver->capacity - solver->count;
+  pbf_status status = PBF_OK;
+  if (*count > ids) *count = ids;
+  if (*count > solver->capacity) *count = solver->capacity;
+  if (*count > room && source->emitter.recycle)
+    status = recycle(solver, e, (uint32_t)*count - room);
+  room = solver->capacity - solver->count;
+  if (*count > room) *count = room;
+  return status;
+}
+
+static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) {
+  const batch b = batch_of(solver, source);
+  uint64_t count = b.count;
+  uint32_t written = 0;
+  pbf_status status = make_room(solver, e, source, &count);
+  if (status == PBF_OK) status = reserve_particles(solver, e, count);
+  if (status == PBF_OK) status = reserve_guided(solver, e, (uint32_t)count);
+  if (status == PBF_OK && count > 0) {
+    written = write_batch(solver, e, &b, (uint32_t)(source - e->sources), source->number, count);
+    status = add_batch(solver, e, source, written,
+                       (char *)e->particles + count * pbf_point_bytes(solver));
+  }
+  if (status != PBF_OK) return status;
+  e->head.guided_count += written;
+  e->head.in_out.emitted += written;
+  e->head.in_out.refused += b.count - written;
+  source->number += b.count;
+  source->due = fmin(b.due + b.a_step - (double)b.count, 1 - 0x1p-53);
+  return PBF_OK;
+}
+
+/* ---- A step ---------------------------------------------------------------------------------- */
+
+pbf_status pbf_emission_work(pbf_solver *solver) {
+  pbf_emission *e = solver->emission;
+  pbf_status status = PBF_OK;
+  if (!pbf_emission_is_active(solver)) return PBF_OK;
+  if (e->head.step != solver->step) e->head.stage = e->is_advanced = 0;
+  e->head.step = solver->step;
+  if (e->head.stage == 0) status = remove_some(solver, e);
+  if (status == PBF_OK && e->head.stage == 0) status = guide(solver, e);
+  if (status == PBF_OK && e->head.stage == 0) e->head.stage = 1;
+  while (status == PBF_OK && e->head.stage <= e->head.source_count) {
+    status = emit(solver, e, &e->sources[e->head.stage - 1]);
+    e->head.stage += status == PBF_OK;
+  }
+  return status;
+}

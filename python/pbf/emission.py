@@ -1,0 +1,153 @@
+"""What comes and goes in steps: emitters and drains; see pbf/emit.h."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ._errors import InvalidArgumentError, check
+from ._handle import Handle
+from ._library import ffi, lib, new_struct
+from ._numbers import Vector, real, reals, uint32
+from ._structs import dataclass_of
+from .queries import BallVolume, BoxVolume, CapsuleVolume, Volume, struct_of
+
+
+@dataclass
+class Emitter:
+    """What is common to `RectangleEmitter` and `DiscEmitter`, which are what to make: an opening
+    across a stream. In 2D vectors may have two numbers."""
+
+    shape: ClassVar[int]
+
+    position: Vector = (0.0, 0.0, 0.0)
+    """The middle of the opening."""
+    velocity: Vector = (0.0, -1.0, 0.0)
+    """Of the stream."""
+    rate: float = 0.0
+    """Volume a time unit; 0: as much as the opening carries."""
+    jitter: float = 0.0
+    """0 … 1, in spacings: so far columns of particles waver along the opening."""
+    lifetime: float = 0.0
+    """Of its particles; 0: for ever."""
+    recycle: bool = False
+    """Where the solver is full, the oldest particles make way."""
+    seed: int = 0
+    """Of the jitter."""
+
+    def _write(self, struct: Any) -> None:
+        check(lib.pbf_emitter_init(struct, ffi.sizeof("pbf_emitter"), self.shape))
+        for name, value in vars(self).items():
+            target = getattr(struct, name)
+            if isinstance(target, float):
+                setattr(struct, name, real(name, value))
+            elif isinstance(target, int):
+                setattr(struct, name, uint32(name, int(value)))
+            else:
+                for i, number in enumerate(reals(name, value, (2, 3))):
+                    target[i] = number
+
+
+@dataclass
+class RectangleEmitter(Emitter):
+    shape: ClassVar[int] = lib.PBF_EMITTER_RECTANGLE
+    half_width: float = 1.0
+    """Half of its first side; in 2D the only one."""
+    half_height: float = 1.0
+    across: Vector = (1.0, 0.0, 0.0)
+    """In 3D: where the first side points."""
+
+
+@dataclass
+class DiscEmitter(Emitter):
+    shape: ClassVar[int] = lib.PBF_EMITTER_DISC
+    radius: float = 1.0
+
+
+@dataclass(frozen=True)
+class InOut:
+    """What came and went, in particles."""
+
+    emitters: int
+    """That there are."""
+    drains: int
+    emitted: int
+    refused: int
+    """Lost: there was no room for them, or their place was outside the domain."""
+    recycled: int
+    """Made way for others."""
+    drained: int
+    expired: int
+    """Their lifetime was over."""
+
+
+EMITTERS: dict[int, type[Emitter]] = {kind.shape: kind for kind in (RectangleEmitter, DiscEmitter)}
+VOLUMES: dict[int, type[Volume]] = {
+    kind.shape: kind for kind in (BoxVolume, BallVolume, CapsuleVolume)}
+
+
+def _made(kind: type[Any], struct: Any) -> Any:
+    values = {}
+    for name in kind.__dataclass_fields__:
+        if name == "shape":
+            continue
+        value = getattr(struct, name)
+        values[name] = tuple(value) if isinstance(value, ffi.CData) else value
+    return kind(**values)
+
+
+def _listed(name: str, given: Any, kind: type[Any]) -> list[Any]:
+    listed = [given] if isinstance(given, kind) else list(given)
+    for i, each in enumerate(listed):
+        if not isinstance(each, kind) or type(each) is kind:
+            raise InvalidArgumentError(f"{name}[{i}] is {each!r}; it must be one of its kinds")
+    return listed
+
+
+class Emission(Handle):
+    """What comes and goes in a solver's steps."""
+
+    @property
+    def in_out(self) -> InOut:
+        """How many particles came and went so far."""
+        struct = new_struct("pbf_in_out")
+        self._call(lib.pbf_get_in_out, struct)
+        return dataclass_of(InOut, struct)
+
+    @property
+    def emitters(self) -> list[Emitter]:
+        """Copies. Assign a list to replace them all; each goes on where the one before it was."""
+        found = []
+        for index in range(self.in_out.emitters):
+            struct = new_struct("pbf_emitter")
+            self._call(lib.pbf_get_emitter, index, struct)
+            made = _made(EMITTERS[struct.shape], struct)
+            made.recycle = bool(made.recycle)
+            found.append(made)
+        return found
+
+    @emitters.setter
+    def emitters(self, emitters: Iterable[Emitter] | Emitter) -> None:
+        listed = _listed("emitters", emitters, Emitter)
+        structs = ffi.new("pbf_emitter[]", max(len(listed), 1))
+        for i, emitter in enumerate(listed):
+            emitter._write(ffi.addressof(structs, i))
+        self._call(lib.pbf_set_emitters, len(listed), structs)
+
+    @property
+    def drains(self) -> list[Volume]:
+        """Volumes that particles vanish in: copies. Assign a list to replace them all."""
+        found = []
+        for index in range(self.in_out.drains):
+            struct = new_struct("pbf_volume")
+            self._call(lib.pbf_get_drain, index, struct)
+            found.append(_made(VOLUMES[struct.shape], struct))
+        return found
+
+    @drains.setter
+    def drains(self, drains: Iterable[Volume] | Volume) -> None:
+        listed = _listed("drains", drains, Volume)
+        structs = ffi.new("pbf_volume[]", max(len(listed), 1))
+        for i, volume in enumerate(listed):
+            struct_of(volume, ffi.addressof(structs, i))
+        self._call(lib.pbf_set_drains, len(listed), structs)
