@@ -75,7 +75,7 @@ typedef struct pbf_in_out {
   uint32_t drains;
   uint32_t reserved; /* 0 */
   uint64_t emitted;
-  uint64_t refused;  /* lost: there was no room for them, or their place was outside the domain */
+  uint64_t refused;  /* lost: the solver was full, or their place was outside the domain */
   uint64_t recycled; /* made way for others */
   uint64_t drained;
   uint64_t expired; /* their lifetime was over */

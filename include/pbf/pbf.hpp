@@ -626,7 +626,7 @@ class solver {
     return detail::checked(pbf_get_anisotropies(handle(), &wanted));
   }
 
-  /* Questions by place, see query.h. Gives how many there are, be it more than `ids` has room for.
+  /* Questions by place, see query.h. Gives how many there are, be it more than `ids` holds.
    */
   result<std::uint32_t> find_in(const volume &where, span<std::uint32_t> ids) noexcept {
     std::uint32_t count = 0;
@@ -649,7 +649,7 @@ class solver {
     wanted.struct_size = sizeof wanted;
     return detail::checked(pbf_sample_on_grid(handle(), &grid, &wanted));
   }
-  /* As many rays as `distances` has room for. `normals` may be empty. */
+  /* As many rays as `distances` has numbers. `normals` may be empty. */
   result<void> cast_rays(span<const double> origins, span<const double> directions, double length,
                          span<double> distances, span<double> normals = {}) noexcept {
     const std::size_t numbers = distances.size() * dimension();

@@ -53,10 +53,11 @@ typedef struct pbf_volume {
 PBF_API pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape);
 
 /* The ids of the particles whose centres are in the volume or on its surface, ascending: the first
- * `room` of them go to `ids`, which may be null where room is 0, and *count gets how many there
- * are, be it more than room. Looks at all particles, and needs nothing of what a query keeps. */
-PBF_API pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t room,
-                                      uint32_t *ids, uint32_t *count);
+ * `capacity` of them go to `ids`, which may be null where capacity is 0, and *count gets how many
+ * there are, be it more than capacity. Looks at all particles, and needs nothing of what a query
+ * keeps. */
+PBF_API pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume,
+                                      uint32_t capacity, uint32_t *ids, uint32_t *count);
 
 /* What of the fluid is in a volume. */
 typedef struct pbf_volume_flow {

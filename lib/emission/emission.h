@@ -43,9 +43,9 @@ typedef struct pbf_emission {
   pbf_source sources[PBF_MAX_EMITTERS];
   pbf_volume drains[PBF_MAX_DRAINS];
   pbf_births *births; /* ascending by id */
-  uint32_t births_room;
+  uint32_t births_capacity;
   pbf_guided *guided;
-  uint32_t guided_room;
+  uint32_t guided_capacity;
   uint32_t is_advanced; /* 1: they are where they are to be after the last step */
   void *particles;      /* positions, and then velocities, of those that come next */
   uint64_t particles_bytes;

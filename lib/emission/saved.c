@@ -151,13 +151,13 @@ static pbf_status allocate(pbf_solver *solver, const stored_head *stored, pbf_em
     status = pbf_memory_allocate(allocator, births, "loading lifetimes", &memory);
     if (status != PBF_OK) return status;
     (*made)->births = memory;
-    (*made)->births_room = stored->head.births_count;
+    (*made)->births_capacity = stored->head.births_count;
   }
   if (guided == 0) return PBF_OK;
   status = pbf_memory_allocate(allocator, guided, "loading what leaves an emitter", &memory);
   if (status != PBF_OK) return status;
   (*made)->guided = memory;
-  (*made)->guided_room = stored->head.guided_count;
+  (*made)->guided_capacity = stored->head.guided_count;
   return PBF_OK;
 }
 

@@ -132,15 +132,17 @@ static pbf_status reserve_particles(pbf_solver *solver, pbf_emission *e, uint64_
 
 static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
   void *memory;
-  if (e->head.births_count < e->births_room) return PBF_OK;
-  const uint32_t room = 2 * e->births_room + 64;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, (uint64_t)room * sizeof *e->births,
-                                          "lifetimes of particles", &memory);
+  if (e->head.births_count < e->births_capacity) return PBF_OK;
+  const uint32_t capacity = 2 * e->births_capacity + 64;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, (uint64_t)capacity * sizeof *e->births,
+                          "lifetimes of particles", &memory);
   if (status != PBF_OK) return status;
-  if (e->births_room > 0) memcpy(memory, e->births, (uint64_t)e->births_room * sizeof *e->births);
-  pbf_memory_free(&solver->allocator, e->births, (uint64_t)e->births_room * sizeof *e->births);
+  if (e->births_capacity > 0)
+    memcpy(memory, e->births, (uint64_t)e->births_capacity * sizeof *e->births);
+  pbf_memory_free(&solver->allocator, e->births, (uint64_t)e->births_capacity * sizeof *e->births);
   e->births = memory;
-  e->births_room = room;
+  e->births_capacity = capacity;
   return PBF_OK;
 }
 
@@ -206,16 +208,17 @@ static pbf_status add_batch(pbf_solver *solver, pbf_emission *e, const pbf_sourc
 
 static pbf_status reserve_guided(pbf_solver *solver, pbf_emission *e, uint32_t count) {
   void *memory;
-  if (e->guided_room - e->head.guided_count >= count) return PBF_OK;
-  const uint32_t room = 2 * e->guided_room + count + 64;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, (uint64_t)room * sizeof *e->guided,
-                                          "particles that leave an emitter", &memory);
+  if (e->guided_capacity - e->head.guided_count >= count) return PBF_OK;
+  const uint32_t capacity = 2 * e->guided_capacity + count + 64;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, (uint64_t)capacity * sizeof *e->guided,
+                          "particles that leave an emitter", &memory);
   if (status != PBF_OK) return status;
   if (e->head.guided_count > 0)
     memcpy(memory, e->guided, (uint64_t)e->head.guided_count * sizeof *e->guided);
-  pbf_memory_free(&solver->allocator, e->guided, (uint64_t)e->guided_room * sizeof *e->guided);
+  pbf_memory_free(&solver->allocator, e->guided, (uint64_t)e->guided_capacity * sizeof *e->guided);
   e->guided = memory;
-  e->guided_room = room;
+  e->guided_capacity = capacity;
   return PBF_OK;
 }
 
@@ -276,18 +279,18 @@ static pbf_status guide(pbf_solver *solver, pbf_emission *e) {
   return kept > 0 ? write_guided(solver, e, streams, first, last - first + 1) : PBF_OK;
 }
 
-/* How many of a batch there is room for, once the oldest have made way. */
-static pbf_status make_room(pbf_solver *solver, pbf_emission *e, const pbf_source *source,
+/* How many of a batch fit, once the oldest have made way. */
+static pbf_status fit_batch(pbf_solver *solver, pbf_emission *e, const pbf_source *source,
                             uint64_t *count) {
   const uint64_t ids = (UINT64_C(1) << 32) - solver->next_id;
-  uint32_t room = solver->capacity - solver->count;
+  uint32_t left = solver->capacity - solver->count;
   pbf_status status = PBF_OK;
   if (*count > ids) *count = ids;
   if (*count > solver->capacity) *count = solver->capacity;
-  if (*count > room && source->emitter.recycle)
-    status = recycle(solver, e, (uint32_t)*count - room);
-  room = solver->capacity - solver->count;
-  if (*count > room) *count = room;
+  if (*count > left && source->emitter.recycle)
+    status = recycle(solver, e, (uint32_t)*count - left);
+  left = solver->capacity - solver->count;
+  if (*count > left) *count = left;
   return status;
 }
 
@@ -295,7 +298,7 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
   const batch b = batch_of(solver, source);
   uint64_t count = b.count;
   uint32_t written = 0;
-  pbf_status status = make_room(solver, e, source, &count);
+  pbf_status status = fit_batch(solver, e, source, &count);
   if (status == PBF_OK) status = reserve_particles(solver, e, count);
   if (status == PBF_OK) status = reserve_guided(solver, e, (uint32_t)count);
   if (status == PBF_OK && count > 0) {

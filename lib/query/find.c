@@ -23,28 +23,28 @@ static pbf_status mark(pbf_solver *solver, const pbf_volume_frame *frame, pbf_ro
   return status;
 }
 
-static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t room, uint32_t *ids,
-                       uint32_t *count) {
+static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t capacity,
+                       uint32_t *ids, uint32_t *count) {
   pbf_row_set inside;
   if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
   pbf_status status = pbf_volumes_check(solver->kind, "volume", 1, theirs);
-  if (status == PBF_OK && room > 0) status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  if (status == PBF_OK && capacity > 0) status = pbf_values_check_pointer("ids", ids, sizeof *ids);
   if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
   if (status != PBF_OK) return status;
   const pbf_volume volume = pbf_volumes_get(theirs, 0);
   const pbf_volume_frame frame = pbf_volume_frame_of(&volume, solver->kind.dimension);
   status = mark(solver, &frame, &inside);
   if (status == PBF_OK) {
-    pbf_row_set_ids(solver, &inside, room, ids);
+    pbf_row_set_ids(solver, &inside, capacity, ids);
     *count = inside.count;
   }
   pbf_row_set_free(solver, &inside);
   return status;
 }
 
-pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t room,
+pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t capacity,
                               uint32_t *ids, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, find(solver, volume, room, ids, count));
+  return pbf_leave(solver, find(solver, volume, capacity, ids, count));
 }

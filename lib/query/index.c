@@ -24,33 +24,35 @@ static uint32_t most_entry_bits(uint32_t count) {
   return bits + (bits < 31);
 }
 
-static uint64_t directory_size(uint32_t room) { return (UINT64_C(1) << most_entry_bits(room)) + 1; }
+static uint64_t directory_size(uint32_t capacity) {
+  return (UINT64_C(1) << most_entry_bits(capacity)) + 1;
+}
 
-static uint64_t bytes_for(uint64_t room, const pbf_solver *solver) {
+static uint64_t bytes_for(uint64_t capacity, const pbf_solver *solver) {
   const pbf_query_index *index = NULL;
-  return room * (pbf_point_bytes(solver) + sizeof *index->keys + 2 * sizeof *index->sorted +
-                 sizeof *index->elements) +
-         directory_size((uint32_t)room) * sizeof *index->first;
+  return capacity * (pbf_point_bytes(solver) + sizeof *index->keys + 2 * sizeof *index->sorted +
+                     sizeof *index->elements) +
+         directory_size((uint32_t)capacity) * sizeof *index->first;
 }
 
 /* Where the arrays lie behind the struct, those of the largest elements first. */
 static void lay_out(pbf_query_index *index, char *at) {
-  const uint64_t room = index->room, point = (uint64_t)index->dimension * index->precision;
+  const uint64_t capacity = index->capacity, point = (uint64_t)index->dimension * index->precision;
   index->sorted = (void *)at;
-  index->spare = index->sorted + room;
+  index->spare = index->sorted + capacity;
   index->velocities = at;
-  index->pressures = at + room * point;
-  at += 2 * room * sizeof *index->sorted;
+  index->pressures = at + capacity * point;
+  at += 2 * capacity * sizeof *index->sorted;
   index->keys = (void *)at;
-  at += room * sizeof *index->keys;
+  at += capacity * sizeof *index->keys;
   index->points = at;
-  at += room * point;
+  at += capacity * point;
   index->elements = (void *)at;
-  index->first = index->elements + room;
+  index->first = index->elements + capacity;
 }
 
 static uint64_t order_bytes(const pbf_query_index *index) {
-  return 2 * (uint64_t)index->order_room * sizeof *index->order;
+  return 2 * (uint64_t)index->order_capacity * sizeof *index->order;
 }
 
 void pbf_query_index_free(pbf_solver *solver) {
@@ -65,16 +67,16 @@ void pbf_query_index_free(pbf_solver *solver) {
 static pbf_status reserve(pbf_solver *solver) {
   void *memory;
   const uint32_t count = solver->count, more = count / 4 + 64;
-  const uint32_t room = more < solver->capacity - count ? count + more : solver->capacity;
+  const uint32_t capacity = more < solver->capacity - count ? count + more : solver->capacity;
   const uint64_t head = (sizeof(pbf_query_index) + 63) / 64 * 64;
-  const uint64_t bytes = head + bytes_for(room, solver);
-  if (solver->query && solver->query->room >= count) return PBF_OK;
+  const uint64_t bytes = head + bytes_for(capacity, solver);
+  if (solver->query && solver->query->capacity >= count) return PBF_OK;
   pbf_status status =
       pbf_memory_allocate(&solver->allocator, bytes, "particles sorted for queries", &memory);
   if (status != PBF_OK) return status;
   pbf_query_index_free(solver);
   solver->query = memory;
-  *solver->query = (pbf_query_index){.room = room,
+  *solver->query = (pbf_query_index){.capacity = capacity,
                                      .bytes = bytes,
                                      .dimension = solver->kind.dimension,
                                      .precision = solver->kind.precision};
@@ -361,14 +363,14 @@ void pbf_query_go(pbf_query_place *place, const double *point) {
 static pbf_status reserve_order(pbf_solver *solver, uint32_t count) {
   pbf_query_index *index = solver->query;
   void *memory;
-  if (index->order_room >= count) return PBF_OK;
+  if (index->order_capacity >= count) return PBF_OK;
   pbf_status status =
       pbf_memory_allocate(&solver->allocator, 2 * (uint64_t)count * sizeof *index->order,
                           "an order of points", &memory);
   if (status != PBF_OK) return status;
   pbf_memory_free(&solver->allocator, index->order, order_bytes(index));
   index->order = memory;
-  index->order_room = count;
+  index->order_capacity = count;
   return PBF_OK;
 }
 

@@ -20,7 +20,7 @@ typedef struct pbf_query_index {
   uint64_t generation; /* the solver's, of which this is */
   uint32_t is_built, has_velocities, has_pressures;
   uint32_t dimension, precision;
-  uint32_t count, room; /* particles that there are, and that the memory is for */
+  uint32_t count, capacity; /* particles that there are, and that the memory is for */
   double radius, spacing;
   double scale;               /* spacing^dimension times the norm of the kernel */
   double lower[3], upper[3];  /* of the particles' positions */
@@ -36,7 +36,7 @@ typedef struct pbf_query_index {
   uint32_t *elements;            /* places in the backend's order */
   uint32_t *first;      /* the directory: the first particle of an entry's keys, or of later ones */
   pbf_query_key *order; /* of points that are asked for */
-  uint32_t order_room;
+  uint32_t order_capacity;
 } pbf_query_index;
 
 /* Number `k` of an array of the index. */

@@ -73,7 +73,7 @@ class InOut:
     drains: int
     emitted: int
     refused: int
-    """Lost: there was no room for them, or their place was outside the domain."""
+    """Lost: the solver was full, or their place was outside the domain."""
     recycled: int
     """Made way for others."""
     drained: int

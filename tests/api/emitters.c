@@ -331,7 +331,7 @@ static void failures(void **state) {
   pbf_destroy(other);
 }
 
-/* ---- Lifetimes and room ---------------------------------------------------------------------- */
+/* ---- Lifetimes and capacity ------------------------------------------------------------------ */
 
 /* Those of the last 0.25, which are 32 steps. */
 static void check_lives(uint32_t dimension, uint32_t precision, double a_step) {
@@ -441,7 +441,7 @@ static void refusals(void **state) {
   assert_int_equal(test_count.live_blocks, 0);
 }
 
-/* Saved states whose part about emitters lies. */
+/* Saved states with other words where emitters are. */
 static void forged(void **state) {
   (void)state;
   pbf_solver *s = busy(3, PBF_FLOAT32);

@@ -9,7 +9,7 @@
 enum { MOST_ASKED = 40, GUARD = 0xa5 };
 
 typedef struct question {
-  uint32_t count, room, found[TWINS];
+  uint32_t count, capacity, found[TWINS];
   double x[MOST_ASKED * 3], to[MOST_ASKED * 3], length;
   pbf_volume volumes[2];
   pbf_sample_grid grid;
@@ -47,7 +47,7 @@ static question *draw_question(actor *a) {
   memset(&q, 0, sizeof q);
   q.asker = a;
   q.count = dice_below(d, MOST_ASKED + 1);
-  q.room = dice_below(d, MOST_PARTICLES);
+  q.capacity = dice_below(d, MOST_PARTICLES);
   q.fields = (int)dice_below(d, 16);
   for (uint32_t i = 0; i < MOST_ASKED * 3; ++i) {
     q.x[i] = wild_or(d, dice_in(d, -0.2, 1.2));
@@ -125,8 +125,8 @@ static pbf_status measure_volumes(pbf_solver *solver, int twin, void *context) {
 
 static pbf_status find_in_volume(pbf_solver *solver, int twin, void *context) {
   question *q = context;
-  return pbf_find_in_volume(solver, q->volumes, q->room, (uint32_t *)(void *)numbers_of(q, twin),
-                            &q->found[twin]);
+  return pbf_find_in_volume(solver, q->volumes, q->capacity,
+                            (uint32_t *)(void *)numbers_of(q, twin), &q->found[twin]);
 }
 
 static pbf_status end_queries(pbf_solver *solver, int twin, void *context) {
@@ -155,5 +155,5 @@ void call_find_in_volume(actor *a) {
   if (ask(a, find_in_volume, q) != PBF_OK) return;
   const uint32_t *ids = (const uint32_t *)(const void *)a->numbers[0];
   insist(a, q->found[0] == q->found[1] && q->found[0] <= a->subject->model.count);
-  for (uint32_t i = 1; i < q->found[0] && i < q->room; ++i) insist(a, ids[i - 1] < ids[i]);
+  for (uint32_t i = 1; i < q->found[0] && i < q->capacity; ++i) insist(a, ids[i - 1] < ids[i]);
 }

@@ -630,7 +630,7 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_volume_init(ref Volume volume, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_find_in_volume(SolverHandle solver, IntPtr volume, uint room, IntPtr ids, ref uint count);
+        internal static extern Status pbf_find_in_volume(SolverHandle solver, IntPtr volume, uint capacity, IntPtr ids, ref uint count);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_measure_volumes(SolverHandle solver, uint count, IntPtr volumes, ref VolumeFlow flows);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]

@@ -480,7 +480,7 @@ pbf_status pbf_batch_get_counts(pbf_batch *batch, uint32_t *counts);
 pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *read, uint64_t world_stride);
 pbf_status pbf_batch_export_dlpack(pbf_batch *batch, uint32_t field, uint32_t rows, struct DLManagedTensor * *tensor);
 pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape);
-pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t room, uint32_t *ids, uint32_t *count);
+pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t capacity, uint32_t *ids, uint32_t *count);
 pbf_status pbf_measure_volumes(pbf_solver *solver, uint32_t count, const pbf_volume *volumes, pbf_volume_flow *flows);
 pbf_status pbf_sample(pbf_solver *solver, const pbf_samples *samples);
 pbf_status pbf_sample_on_grid(pbf_solver *solver, const pbf_sample_grid *grid, const pbf_samples *samples);

@@ -797,7 +797,7 @@ extern "C" {
     pub fn pbf_find_in_volume(
         solver: *mut pbf_solver,
         volume: *const pbf_volume,
-        room: u32,
+        capacity: u32,
         ids: *mut u32,
         count: *mut u32,
     ) -> pbf_status;
