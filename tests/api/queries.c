@@ -388,6 +388,8 @@ static void check_settled(uint32_t dimension, uint32_t precision) {
   params.time_step = 1.0 / 480;
   params.iterations = 8;
   params.viscosity = 0.02;
+  params.shear_stress_correction =
+      0; /* with it pressures themselves are short by 0.65 d of depth */
   assert_ok(pbf_set_params(p.solver, &params));
   assert_ok(pbf_step(p.solver, 960));
   for (uint32_t i = 0; i < DEPTHS * dimension; ++i)
