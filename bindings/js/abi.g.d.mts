@@ -143,6 +143,8 @@ export declare const constants: {
   readonly MAX_STAGES: 24;
   readonly MAX_ARRAYS: 40;
   readonly MAX_WORLDS: 65536;
+  readonly MAX_EMITTERS: 64;
+  readonly MAX_DRAINS: 64;
   readonly OK: 0;
   readonly ERROR_INVALID_ARGUMENT: -1;
   readonly ERROR_STRUCT_SIZE: -2;
@@ -203,4 +205,9 @@ export declare const constants: {
   readonly LIMIT_PARTICLES: 3;
   readonly LIMIT_WALLS: 4;
   readonly LIMIT_COLLIDERS: 5;
+  readonly VOLUME_BOX: 0;
+  readonly VOLUME_SPHERE: 1;
+  readonly VOLUME_CAPSULE: 2;
+  readonly EMITTER_RECTANGLE: 0;
+  readonly EMITTER_DISC: 1;
 };

@@ -11,6 +11,8 @@ export const constants = Object.freeze({
   MAX_STAGES: 24,
   MAX_ARRAYS: 40,
   MAX_WORLDS: 65536,
+  MAX_EMITTERS: 64,
+  MAX_DRAINS: 64,
   OK: 0,
   ERROR_INVALID_ARGUMENT: -1,
   ERROR_STRUCT_SIZE: -2,
@@ -71,6 +73,11 @@ export const constants = Object.freeze({
   LIMIT_PARTICLES: 3,
   LIMIT_WALLS: 4,
   LIMIT_COLLIDERS: 5,
+  VOLUME_BOX: 0,
+  VOLUME_SPHERE: 1,
+  VOLUME_CAPSULE: 2,
+  EMITTER_RECTANGLE: 0,
+  EMITTER_DISC: 1,
 });
 
 // Of each field what it is, where it lies and, of an array, how many it has.

@@ -62,7 +62,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(density, STATS | PRESSURE_GRID),
       WATCH(diagnose_densities, STATS),
       WATCH(pbf_stats_add, STATS),
-      WATCH(seconds_now, TIMING),
+      WATCH(pbf_seconds, TIMING),
       WATCH(pbf_derive_from, NOTHING),
       WATCH(pbf_set_walls, NOTHING),
       WATCH(pbf_region_basins_of, NOTHING),
