@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include <pbf/pbf_backend.h>
+
 #include "error.h"
 #include "text.h"
 
@@ -15,7 +17,7 @@
 static const double quaternion_tolerance = 1e-6;
 
 static const pbf_count_rule counts[] = {
-    COUNT(shape, PBF_COLLIDER_BOX, " (PBF_COLLIDER_…)"),
+    COUNT(shape, PBF_COLLIDER_SHAPE, " (PBF_COLLIDER_…)"),
     COUNT(inverted, 1, ""),
     COUNT(path, PBF_PATH_SCREW, " (PBF_PATH_…)"),
 };
@@ -31,6 +33,8 @@ static const pbf_real_rule reals[] = {
     REAL(radius_rate, 1, PBF_ANY),
     REAL(half_length_rate, 1, PBF_ANY),
     REAL(duration, 1, PBF_AT_LEAST_ZERO),
+    REAL(scale, 1, PBF_ANY),
+    REAL(scale_rate, 1, PBF_ANY),
 };
 
 /* 2D turns about z alone: the four and the third component are not what 2D leaves out. */
@@ -41,18 +45,39 @@ static const pbf_real_rule turn_2d = {"angular_velocity[2]",
 static const pbf_real_rule box_sizes = REAL(half_extents, 3, PBF_ABOVE_ZERO);
 static const pbf_real_rule round_size = REAL(radius, 1, PBF_ABOVE_ZERO);
 static const pbf_real_rule capsule_size = REAL(half_length, 1, PBF_AT_LEAST_ZERO);
+static const pbf_real_rule shape_size = REAL(scale, 1, PBF_ABOVE_ZERO);
 
 static pbf_status check_sizes(const pbf_collider *collider, const char *label,
                               pbf_check_kind kind) {
   pbf_status status = PBF_OK;
   if (collider->shape == PBF_COLLIDER_BOX) {
     status = pbf_check_real(&box_sizes, label, collider, kind);
+  } else if (collider->shape == PBF_COLLIDER_SHAPE) {
+    status = pbf_check_real(&shape_size, label, collider, kind);
   } else if (collider->shape != PBF_COLLIDER_PLANE) {
     status = pbf_check_real(&round_size, label, collider, kind);
   }
   if (status == PBF_OK && collider->shape == PBF_COLLIDER_CAPSULE)
     status = pbf_check_real(&capsule_size, label, collider, kind);
   return status;
+}
+
+static pbf_status check_geometry(const pbf_collider *collider, const char *label,
+                                 pbf_check_kind kind) {
+  const pbf_shape *geometry = collider->geometry;
+  if (collider->shape != PBF_COLLIDER_SHAPE) {
+    if (!geometry) return PBF_OK;
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.geometry is set, and shape %u; it must be PBF_COLLIDER_SHAPE, %u", label,
+                    collider->shape, (unsigned)PBF_COLLIDER_SHAPE);
+  }
+  if (!geometry) {
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.geometry is null; with PBF_COLLIDER_SHAPE it must be a pbf_shape", label);
+  }
+  if (geometry->dimension == kind.dimension) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.geometry is a shape in %uD; the solver is in %uD",
+                  label, geometry->dimension, kind.dimension);
 }
 
 static double norm(const double *v, uint32_t components) {
@@ -101,6 +126,7 @@ pbf_status pbf_collider_check(const pbf_collider *collider, uint32_t index, pbf_
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, collider, kind);
   if (status == PBF_OK)
     status = pbf_check_real(kind.dimension == 2 ? &turn_2d : &turn_3d, label, collider, kind);
+  if (status == PBF_OK) status = check_geometry(collider, label, kind);
   if (status == PBF_OK) status = check_sizes(collider, label, kind);
   if (status == PBF_OK) status = check_orientation(collider, label, kind);
   if (status == PBF_OK) status = check_axis(collider, label, kind);

@@ -40,9 +40,9 @@ pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size) {
 }
 
 pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape) {
-  if (shape > PBF_COLLIDER_BOX) {
+  if (shape > PBF_COLLIDER_SHAPE) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "shape is %u; it must be 0 … %d (PBF_COLLIDER_…)",
-                    shape, PBF_COLLIDER_BOX);
+                    shape, PBF_COLLIDER_SHAPE);
   }
   const pbf_collider defaults = {
       .shape = shape,
@@ -51,6 +51,7 @@ pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint3
       .half_extents = {1, 1, 1},
       .radius = 1,
       .half_length = 1,
+      .scale = 1,
   };
   return init(&pbf_kind_collider, &defaults, collider, struct_size);
 }

@@ -55,23 +55,32 @@ void pbf_lock_release(pbf_lock lock) {
 /* ---- A process that forks ------------------------------------------------------------------ */
 
 /* The child has the thread alone that forks. What others hold at this moment would be held there
- * for ever, and be half done: so no search for backends is, while a process forks. The lock of the
- * solvers is not waited for: a signal handler may be, in a thread that has been interrupted within
- * malloc, and the C library takes its locks next. handles.c mends what it guards.
+ * for ever, and be half done: so no search for backends is, while a process forks, nor a change of
+ * the list of shapes, under whose lock nothing allocates. The lock of the solvers is not waited
+ * for: a signal handler may be, in a thread that has been interrupted within malloc, and the C
+ * library takes its locks next. handles.c mends what it guards.
  *
  * Written with the lock held. */
-static int taken_to_fork;
+static int taken_to_fork[PBF_LOCK_COUNT];
+static const pbf_lock waited_for[] = {PBF_LOCK_BACKENDS, PBF_LOCK_SHAPES};
+enum { WAITED_FOR = sizeof waited_for / sizeof *waited_for };
 
 static void before_fork(void) {
-  if (is_held_here(PBF_LOCK_BACKENDS)) return; /* in a plugin that is being loaded */
-  pbf_lock_take(PBF_LOCK_BACKENDS);
-  taken_to_fork = 1;
+  for (int k = 0; k < WAITED_FOR; ++k) {
+    const pbf_lock lock = waited_for[k];
+    if (is_held_here(lock)) continue; /* in a plugin that is being loaded */
+    pbf_lock_take(lock);
+    taken_to_fork[lock] = 1;
+  }
 }
 
 static void after_fork(void) {
-  if (!is_held_here(PBF_LOCK_BACKENDS) || !taken_to_fork) return;
-  taken_to_fork = 0;
-  pbf_lock_release(PBF_LOCK_BACKENDS);
+  for (int k = 0; k < WAITED_FOR; ++k) {
+    const pbf_lock lock = waited_for[k];
+    if (!is_held_here(lock) || !taken_to_fork[lock]) continue;
+    taken_to_fork[lock] = 0;
+    pbf_lock_release(lock);
+  }
 }
 
 int pbf_lock_forget_others(pbf_lock lock) {

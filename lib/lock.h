@@ -1,4 +1,4 @@
-/* The two locks of the library. They are held for moments only, and by no thread that waits for
+/* The locks of the library. They are held for moments only, and by no thread that waits for
  * another call. */
 #ifndef PBF_LIB_LOCK_H
 #define PBF_LIB_LOCK_H
@@ -8,6 +8,7 @@
 typedef enum pbf_lock {
   PBF_LOCK_BACKENDS, /* the list of backends, and the search for them */
   PBF_LOCK_SOLVERS,  /* which solvers there are, and where calls run */
+  PBF_LOCK_SHAPES,   /* which shapes there are, and what holds them */
   PBF_LOCK_COUNT
 } pbf_lock;
 

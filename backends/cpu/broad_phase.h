@@ -29,7 +29,8 @@ PBF_FN group_bounds bounds_between(pbf_vec lower, pbf_vec upper, pbf_real way) {
   return b;
 }
 
-/* A distance changes by no more than the way between two places, whatever the shape. */
+/* A distance changes by no more than `steepest` times the way between two places, whatever the
+ * shape. */
 static __attribute__((noinline)) int bounds_are_within(const group_bounds *of, const pbf_surface *s,
                                                        pbf_real reach) {
   const pbf_vec arm = pbf_sub(of->center, s->center);
@@ -37,7 +38,8 @@ static __attribute__((noinline)) int bounds_are_within(const group_bounds *of, c
   pbf_vec normal;
   if (arm2 > far * far) return 0;
   pbf_real rounding = bounds_rounding * pbf_real_sqrt(arm2);
-  return !(pbf_surface_distance(s, of->center, &normal) > of->radius + reach + rounding);
+  return !(pbf_surface_distance(s, of->center, &normal) >
+           s->steepest * (of->radius + reach) + rounding);
 }
 
 /* How far a surface takes one of them along in a step, at most. */
@@ -51,7 +53,7 @@ PBF_FN pbf_real way_of_carried(const group_bounds *of, const pbf_surface *s) {
 PBF_FN pbf_real way_pushed(const group_bounds *of, const pbf_surface *s, pbf_real push) {
   pbf_vec normal;
   if (!(push > 0)) return 0;
-  const pbf_real depth = of->radius - pbf_surface_distance(s, of->center, &normal);
+  const pbf_real depth = s->steepest * of->radius - pbf_surface_distance(s, of->center, &normal);
   return depth > 0 ? pbf_real_min(push, depth + s->skin) : 0;
 }
 

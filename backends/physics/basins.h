@@ -257,8 +257,20 @@ typedef struct pbf_basins {
   int sought;     /* 1: regions have been looked through */
   double deepest; /* none can be deeper */
   pbf_collider colliders[PBF_MAX_COLLIDERS];
+  uint64_t shapes[PBF_MAX_COLLIDERS]; /* their geometries' ids: a pointer may be another one's */
   pbf_region_basins regions[2];
 } pbf_basins;
+
+static inline uint64_t pbf_shape_id(const pbf_collider *collider) {
+  return collider->geometry ? collider->geometry->id : 0;
+}
+
+static inline int pbf_shapes_are(const pbf_basins *b, uint32_t count,
+                                 const pbf_collider *colliders) {
+  for (uint32_t k = 0; k < count; ++k)
+    if (b->shapes[k] != pbf_shape_id(&colliders[k])) return 0;
+  return 1;
+}
 
 /* Notes between what basins are to be; 1 where that has been so before. */
 static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uint32_t count,
@@ -271,11 +283,13 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
   }
   if (b->known && b->count == count && b->axis == axis && b->down == down &&
       b->gap == params->smoothing_radius && memcmp(b->domain, domain, sizeof domain) == 0 &&
-      (!count || memcmp(b->colliders, colliders, count * sizeof *colliders) == 0))
+      (!count || memcmp(b->colliders, colliders, count * sizeof *colliders) == 0) &&
+      pbf_shapes_are(b, count, colliders))
     return 1;
   memcpy(b->domain, domain, sizeof domain);
   b->gap = params->smoothing_radius;
   if (count) memcpy(b->colliders, colliders, count * sizeof *colliders);
+  for (uint32_t k = 0; k < count; ++k) b->shapes[k] = pbf_shape_id(&colliders[k]);
   b->count = count;
   b->axis = axis;
   b->down = down;

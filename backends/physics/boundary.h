@@ -5,6 +5,7 @@
 
 #include "physics/collide.h"
 #include "physics/constants.h"
+#include "physics/facets.h"
 
 enum { PBF_WALL_LAST = PBF_WALL_NODES - 1 };
 
@@ -139,11 +140,28 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
 /* From where on surfaces contribute nothing. */
 PBF_FN pbf_real pbf_boundary_reach(const pbf_constants *c) { return c->h - c->wall_offset; }
 
+/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
+PBF_FN_SELDOM void pbf_accumulate_field(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
+                                       pbf_boundary *boundary) {
+  const pbf_real reach = pbf_boundary_reach(c);
+  pbf_facets facets;
+  pbf_find_facets(s, reach, c->h, x, &facets);
+  for (int k = 0; k < facets.count; ++k) {
+    pbf_real slope, value = pbf_wall_density(c, facets.of[k].distance, &slope);
+    if (!pbf_surface_is_unbounded(s) && facets.of[k].distance < -c->wall_offset) slope = 0;
+    pbf_accumulate_plane(c, value, slope, facets.of[k].normal, boundary);
+  }
+}
+
 /* Deep inside a surface that has another side density stays what it is at its first node, and so
  * has no slope there: a push that never lowers what it is to undo would go on in every step. */
 PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
                                    pbf_boundary *boundary) {
   if (pbf_surface_is_beyond(s, x, pbf_boundary_reach(c))) return;
+  if (pbf_surface_is_field(s)) {
+    pbf_accumulate_field(c, s, x, boundary);
+    return;
+  }
   int planes = pbf_surface_planes(s);
   for (int plane = 0; plane < planes; ++plane) {
     pbf_vec normal;

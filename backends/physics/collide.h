@@ -60,6 +60,42 @@ PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_real push, pbf_vec 
          (distance < -s->rounding ? PBF_BEGINS_INSIDE : 0);
 }
 
+/* The same where the surface need not be convex: what touches it, or has met it and is before the
+ * tangent plane there, goes on along its way, to its end. None of that may be deeper than where
+ * it began, if that was inside. */
+PBF_FN_SELDOM int pbf_find_contact_with_field(const pbf_surface *s, pbf_real push, pbf_vec from,
+                                              pbf_vec x, pbf_contact *contact) {
+  const pbf_vec way = pbf_sub(x, from);
+  const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
+  if (pbf_surface_is_beyond(s, from, length + s->skin)) return 0;
+  pbf_vec at = from, normal;
+  pbf_real distance = pbf_surface_distance(s, from, &normal) - s->skin;
+  if (!(distance < length * s->steepest)) return 0;
+  const int begins = distance < -s->rounding ? PBF_BEGINS_INSIDE : 0;
+  if (!(distance > s->rounding)) {
+    const pbf_real out = begins ? pbf_way_out(distance, push) : -distance;
+    *contact = pbf_contact_at(pbf_add_scaled(from, out, normal), normal);
+    if (pbf_contact_gap(contact, x) < -s->rounding) return PBF_IN_THE_WAY | begins;
+    if (distance < -pbf_field_stride(s, 0)) return begins;
+  }
+  pbf_real least = pbf_real_min(distance, 0) - s->rounding, gone = 0;
+  for (int steps = 0; steps < PBF_FIELD_STEPS; ++steps) {
+    if (!(gone < length)) return begins;
+    gone += pbf_field_stride(s, distance);
+    at = gone < length ? pbf_add_scaled(from, gone / length, way) : x;
+    distance = pbf_surface_distance(s, at, &normal) - s->skin;
+    if (!(distance < least)) {
+      least = pbf_real_max(least, pbf_real_min(distance, 0) - s->rounding);
+      continue;
+    }
+    *contact = pbf_contact_at(pbf_add_scaled(at, -distance, normal), normal);
+    if (pbf_contact_gap(contact, x) < -s->rounding) return PBF_IN_THE_WAY | begins;
+  }
+  for (int k = 0; k < PBF_DIM; ++k) normal.c[k] = -way.c[k] / length;
+  *contact = pbf_contact_at(at, normal);
+  return PBF_IN_THE_WAY | begins;
+}
+
 /* How far behind a surface without another side a particle may be that has started there. */
 PBF_FN pbf_real pbf_min_distance(const pbf_surface *s, pbf_real push, pbf_vec from) {
   pbf_vec normal;
@@ -93,6 +129,7 @@ PBF_FN pbf_real pbf_push_of(const pbf_surface *s, int with_obstacle_motion) {
 PBF_FN_APART int pbf_find_contact(const pbf_surface *s, pbf_real push, int with_obstacle_motion,
                                   pbf_vec from, pbf_vec x, pbf_contact *contact) {
   const pbf_vec start = pbf_way_start(s, with_obstacle_motion, from);
+  if (pbf_surface_is_field(s)) return pbf_find_contact_with_field(s, push, start, x, contact);
   return pbf_surface_is_unbounded(s) ? pbf_find_contact_at(s, push, start, x, contact)
                                      : pbf_find_contact_on_way(s, push, start, x, contact);
 }

@@ -5,6 +5,9 @@
 
 #include "physics/containers.h"
 
+/* What one solid that need not be convex encloses, several convex ones may. */
+enum { PBF_SOLIDS_OF_FIELD = 2 };
+
 /* A group's bounds, wider on each side by what water does not pass. */
 typedef struct pbf_group {
   double lower[PBF_DIM], upper[PBF_DIM];
@@ -13,7 +16,7 @@ typedef struct pbf_group {
 
 static inline pbf_group pbf_group_of(const pbf_surface *s, double gap) {
   pbf_group g;
-  g.solids = 1;
+  g.solids = pbf_surface_is_field(s) ? PBF_SOLIDS_OF_FIELD : 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     const double middle = (double)s->center.c[k], reach = pbf_surface_extent(s, k) + gap;
     g.lower[k] = middle - reach;
@@ -96,8 +99,8 @@ static inline int pbf_group_is_inside(const pbf_group *g, const pbf_surface *s) 
  * the domain.
  *
  * Where water can be without solids is convex, and so is each solid: one that is at no more than
- * one wall encloses nothing. Several that touch enclose what lies within their bounds, unless they
- * go from wall to wall along all axes but one. */
+ * one wall encloses nothing. A field may be a vessel by itself. Several that touch enclose what
+ * lies within their bounds, unless they go from wall to wall along all axes but one. */
 static inline double pbf_group_deepest(const pbf_group *g, const pbf_group_walls *w, int axis) {
   int walls = 0, both = 0;
   for (int k = 0; k < PBF_DIM; ++k) {

@@ -140,6 +140,7 @@ static inline void pbf_motion_collider(const pbf_collider *at_set, double elapse
         pbf_motion_size(at_set->half_extents[a], at_set->half_extents_rate[a], time);
   now->radius = pbf_motion_size(at_set->radius, at_set->radius_rate, time);
   now->half_length = pbf_motion_size(at_set->half_length, at_set->half_length_rate, time);
+  now->scale = pbf_motion_size(at_set->scale, at_set->scale_rate, time);
   if (!pbf_motion_turns(at_set)) return;
   const double rate = pbf_motion_length(w);
   double s = pbf_sin(0.5 * rate * time) / rate;
@@ -158,7 +159,7 @@ static inline void pbf_motion_collider_state(const pbf_collider *at_set, double 
   if (pbf_motion_has_ended(at_set, elapsed)) {
     for (int a = 0; a < 3; ++a)
       now->velocity[a] = now->angular_velocity[a] = now->half_extents_rate[a] = 0;
-    now->radius_rate = now->half_length_rate = now->duration = 0;
+    now->radius_rate = now->half_length_rate = now->scale_rate = now->duration = 0;
     return;
   }
   if (at_set->duration > 0) now->duration = at_set->duration - elapsed;
@@ -182,6 +183,7 @@ static inline void pbf_motion_towards(pbf_collider *from, const pbf_collider *ta
     from->half_extents_rate[a] = (target->half_extents[a] - from->half_extents[a]) / duration;
   from->radius_rate = (target->radius - from->radius) / duration;
   from->half_length_rate = (target->half_length - from->half_length) / duration;
+  from->scale_rate = (target->scale - from->scale) / duration;
   from->path = PBF_PATH_SCREW;
   from->duration = duration;
 }

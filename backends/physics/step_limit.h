@@ -92,6 +92,8 @@ static inline double pbf_turning_speed(const pbf_collider *c, const pbf_params *
     far[k] = fmax(fabs(params->domain_min[k] - c->position[k]),
                   fabs(params->domain_max[k] - c->position[k]));
   if (c->shape == PBF_COLLIDER_BOX) return pbf_fastest_corner(c, rate, dimension);
+  if (c->shape == PBF_COLLIDER_SHAPE)
+    return pbf_motion_length(rate) * c->scale * c->geometry->bound;
   if (c->shape == PBF_COLLIDER_CAPSULE) return pbf_motion_length(speed) / length * c->half_length;
   if (c->shape == PBF_COLLIDER_PLANE)
     return pbf_motion_length(speed) / length * pbf_motion_length(far);
@@ -102,6 +104,7 @@ static inline double pbf_turning_speed(const pbf_collider *c, const pbf_params *
 static inline double pbf_growing_speed(const pbf_collider *c) {
   if (c->shape == PBF_COLLIDER_BOX) return pbf_motion_length(c->half_extents_rate);
   if (c->shape == PBF_COLLIDER_PLANE) return 0;
+  if (c->shape == PBF_COLLIDER_SHAPE) return fabs(c->scale_rate) * c->geometry->bound;
   return fabs(c->radius_rate) + (c->shape == PBF_COLLIDER_CAPSULE ? fabs(c->half_length_rate) : 0);
 }
 

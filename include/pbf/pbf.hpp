@@ -272,6 +272,48 @@ struct emitter : pbf_emitter {
   emitter(const pbf_emitter &from) noexcept : pbf_emitter(from) {}
 };
 
+/* A shape, by a reference of its own: what has been copied from it is the same one. */
+class shape {
+ public:
+  static result<shape> from(const pbf_grid_desc &desc) noexcept {
+    return made(pbf_shape_from_grid, desc);
+  }
+  static result<shape> from(const pbf_mesh_desc &desc) noexcept {
+    return made(pbf_shape_from_mesh, desc);
+  }
+  static result<shape> from(const pbf_heights_desc &desc) noexcept {
+    return made(pbf_shape_from_heights, desc);
+  }
+  static result<shape> from(const pbf_hull_desc &desc) noexcept {
+    return made(pbf_shape_from_points, desc);
+  }
+  shape(const shape &other) noexcept : handle_(other.handle_) { pbf_hold_shape(handle_); }
+  shape(shape &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  shape &operator=(shape other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~shape() { pbf_release_shape(handle_); }
+
+  pbf_shape *handle() const noexcept { return handle_; }
+  result<pbf_shape_info> info() const noexcept {
+    pbf_shape_info got = detail::sized<pbf_shape_info>();
+    const pbf_status status = pbf_get_shape_info(handle_, &got);
+    return detail::checked(status, got);
+  }
+
+ private:
+  explicit shape(pbf_shape *handle) noexcept : handle_(handle) {}
+  template <class Desc>
+  static result<shape> made(pbf_status (*make)(const Desc *, pbf_shape **),
+                            const Desc &desc) noexcept {
+    pbf_shape *handle = nullptr;
+    const pbf_status status = make(&desc, &handle);
+    return detail::checked(status, shape(handle));
+  }
+  pbf_shape *handle_;
+};
+
 /* pbf_collider at rest at the origin, sizes 1. */
 struct collider : pbf_collider {
   explicit collider(std::uint32_t of_shape) noexcept : pbf_collider(detail::sized<pbf_collider>()) {
@@ -290,6 +332,12 @@ struct collider : pbf_collider {
     made.place(x, y, z);
     made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
     return made;
+  }
+  /* As large as the shape is; the shape stays while a solver has such a collider. */
+  static collider solid(const pbf::shape &of, double x, double y, double z) noexcept {
+    collider made(PBF_COLLIDER_SHAPE);
+    made.geometry = of.handle();
+    return made.place(x, y, z);
   }
   /* Through a point, fluid on the side of the normal. */
   static collider plane(double x, double y, double z, double normal_x, double normal_y,

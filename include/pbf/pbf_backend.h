@@ -103,6 +103,23 @@ typedef struct pbf_rows {
   const uint32_t *ids;
 } pbf_rows;
 
+/* What pbf_collider.geometry points to: as long as a solver has a collider of it, it stays where it
+ * is and does not change. */
+struct pbf_shape {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint64_t id;       /* no other one in the process has or had it */
+  uint32_t nodes[3]; /* nodes along each axis; in 2D the third is 1 */
+  uint32_t reserved; /* 0 */
+  double origin[3], cell;
+  double lower[3], upper[3]; /* of a box around the inside */
+  double bound;              /* nothing of the inside is farther from 0 */
+  double volume, area;
+  double
+      steepest; /* the interpolated distance changes by no more than so many times the way, >= 1 */
+  const float *values;
+};
+
 /* What pbf_backend_api.describe reports; pbf_info and pbf_plan without what the host knows. */
 typedef struct pbf_backend_state {
   uint32_t struct_size;

@@ -2,6 +2,7 @@
 #include "colliders.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "backend_call.h"
@@ -12,12 +13,26 @@
 #include "overlap.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
+#include "shape/registry.h"
 #include "solver_time.h"
 #include "structs.h"
 
-/* Every struct of the array has the size of the first. */
+pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index) {
+  char label[40];
+  if (!collider->geometry) return PBF_OK;
+  snprintf(label, sizeof label, "colliders[%u].geometry", index);
+  return pbf_shape_hold(collider->geometry, label);
+}
+
+void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders) {
+  for (uint32_t i = 0; i < count; ++i)
+    if (colliders[i].geometry) pbf_shape_let_go(colliders[i].geometry);
+}
+
+/* Every struct of the array has the size of the first; *held counts those that have their
+ * references. */
 static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
-                          pbf_collider *ours) {
+                          pbf_collider *ours, uint32_t *held) {
   uint32_t stride = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
     const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
@@ -28,10 +43,36 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_co
                       size, stride);
     }
     pbf_status status = pbf_struct_in(&pbf_kind_collider, one, &ours[i]);
-    if (status == PBF_OK) status = pbf_collider_check(&ours[i], i, solver->kind);
+    if (status == PBF_OK) status = pbf_collider_hold(&ours[i], i);
+    if (status != PBF_OK) return status;
+    ++*held;
+    status = pbf_collider_check(&ours[i], i, solver->kind);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;
+}
+
+/* A copy of a caller's array, checked and with references of its own. */
+static pbf_status take(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
+                       pbf_collider **ours) {
+  void *memory = NULL;
+  uint32_t held = 0;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+  if (status != PBF_OK) return status;
+  status = copy_in(solver, count, theirs, memory, &held);
+  *ours = memory;
+  if (status == PBF_OK) return PBF_OK;
+  pbf_colliders_let_go(held, memory);
+  pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
+  return status;
+}
+
+/* What has been taken, where that comes to nothing. */
+static void drop(const pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
+  if (!colliders) return;
+  pbf_colliders_let_go(count, colliders);
+  pbf_memory_free(&solver->allocator, colliders, pbf_colliders_bytes(count));
 }
 
 pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,
@@ -94,8 +135,7 @@ static pbf_status check_array(uint32_t count, const pbf_collider *colliders) {
 
 void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
                            double time) {
-  pbf_memory_free(&solver->allocator, solver->colliders,
-                  pbf_colliders_bytes(solver->collider_count));
+  drop(solver, solver->collider_count, solver->colliders);
   solver->colliders = colliders;
   solver->collider_count = count;
   solver->collider_time = time;
@@ -109,13 +149,14 @@ static double turn_between(const pbf_collider *a, const pbf_collider *b) {
   double size = a->shape == PBF_COLLIDER_BOX
                     ? sqrt(pow(a->half_extents[0], 2) + pow(a->half_extents[1], 2) +
                            pow(a->half_extents[2], 2))
-                    : a->radius + a->half_length;
+                : a->shape == PBF_COLLIDER_SHAPE ? a->scale * a->geometry->bound
+                                                 : a->radius + a->half_length;
   return 2 * acos(fmin(fabs(dot), 1)) * size;
 }
 
 static int same_shape(const pbf_collider *a, const pbf_collider *b) {
   return a->shape == b->shape && a->inverted == b->inverted && a->radius == b->radius &&
-         a->half_length == b->half_length &&
+         a->half_length == b->half_length && a->geometry == b->geometry && a->scale == b->scale &&
          memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
 }
 
@@ -148,21 +189,18 @@ static void note_jumps(pbf_solver *solver, uint32_t count, const pbf_collider *n
 }
 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
-  void *memory = NULL;
+  pbf_collider *memory = NULL;
   double now = pbf_solver_time(solver);
   pbf_status status = check_array(count, theirs);
-  if (status == PBF_OK && count > 0)
-    status = pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders",
-                                 &memory);
+  if (status == PBF_OK && count > 0) status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
-  status = copy_in(solver, count, theirs, memory);
-  if (status == PBF_OK) choose_paths(solver, count, memory, now);
-  if (status == PBF_OK) note_jumps(solver, count, memory);
-  if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
+  choose_paths(solver, count, memory, now);
+  note_jumps(solver, count, memory);
+  status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
     pbf_colliders_replace(solver, count, memory, now);
   } else {
-    pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
+    drop(solver, count, memory);
   }
   return status;
 }
@@ -194,6 +232,8 @@ static pbf_collider present_collider(const pbf_solver *solver, uint32_t index) {
   collider.radius_rate = now.radius_rate;
   collider.half_length = now.half_length;
   collider.half_length_rate = now.half_length_rate;
+  collider.scale = now.scale;
+  collider.scale_rate = now.scale_rate;
   collider.duration = now.duration;
   return collider;
 }
@@ -207,6 +247,7 @@ static pbf_status check_target(const pbf_collider *collider, const pbf_collider 
   const char *what = NULL;
   if (target->shape != collider->shape) what = "shape";
   if (target->inverted != collider->inverted) what = "inverted";
+  if (target->geometry != collider->geometry) what = "geometry";
   if (has_axis(collider) &&
       memcmp(target->axis, collider->axis, dimension * sizeof target->axis[0]) != 0)
     what = "axis";
@@ -246,20 +287,18 @@ static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf
 
 static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
                                  double duration) {
-  void *memory = NULL;
+  pbf_collider *memory = NULL;
   const double now = pbf_solver_time(solver);
   pbf_status status = check_move(solver, count, theirs, duration);
   if (status != PBF_OK || count == 0) return status;
-  status =
-      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+  status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
-  status = copy_in(solver, count, theirs, memory);
-  if (status == PBF_OK) status = aim(solver, count, duration, memory);
+  status = aim(solver, count, duration, memory);
   if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK)
     pbf_colliders_replace(solver, count, memory, now);
   else
-    pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
+    drop(solver, count, memory);
   return status;
 }
 

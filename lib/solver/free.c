@@ -20,6 +20,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_snapshots_free(solver, solver->snapshots);
   pbf_query_index_free(solver);
   pbf_emission_free(solver, solver->emission);
+  if (solver->colliders) pbf_colliders_let_go(solver->collider_count, solver->colliders);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);

@@ -6,8 +6,8 @@
 #include "fnv.h"
 #include "memory.h"
 #include "particles/particles.h"
+#include "shape/registry.h"
 #include "snapshot.h"
-#include "solver/colliders.h"
 #include "solver/handles.h"
 
 static pbf_snapshot_header header_of(const pbf_solver *solver) {
@@ -72,12 +72,22 @@ static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header 
   return status;
 }
 
+/* Pointers mean nothing to another process: a geometry is named by its hash. */
+static void put_colliders(const pbf_solver *solver, uint64_t offset, void *buffer) {
+  for (uint32_t i = 0; i < solver->collider_count; ++i) {
+    pbf_collider collider = solver->colliders[i];
+    if (collider.geometry)
+      collider.geometry = (pbf_shape *)(uintptr_t)pbf_shape_hash(collider.geometry);
+    put(buffer, offset + (uint64_t)i * sizeof collider, &collider, sizeof collider);
+  }
+}
+
 static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *header, void *buffer) {
   pbf_snapshot_layout layout = pbf_snapshot_layout_of(header);
   memset(buffer, 0, layout.size);
   put(buffer, 0, header, sizeof *header);
   put(buffer, layout.params, &solver->params, sizeof solver->params);
-  put(buffer, layout.colliders, solver->colliders, pbf_colliders_bytes(solver->collider_count));
+  put_colliders(solver, layout.colliders, buffer);
   if (header->has_ids)
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
   if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);

@@ -11,6 +11,7 @@
 #include "memory.h"
 #include "params.h"
 #include "particles/values.h"
+#include "shape/registry.h"
 #include "solver/colliders.h"
 #include "solver/ids.h"
 #include "structs.h"
@@ -112,12 +113,28 @@ static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
   return pbf_params_check(&in->params, solver->kind, in->time);
 }
 
+/* What is stored in place of a geometry is its hash. */
+static pbf_status find_geometry(pbf_saved_state *in, uint32_t i) {
+  pbf_collider *collider = &in->colliders[i];
+  const uint64_t hash = (uint64_t)(uintptr_t)collider->geometry;
+  collider->geometry = hash ? pbf_shape_hold_by_hash(hash) : NULL;
+  if (hash && !collider->geometry) {
+    return pbf_fail(PBF_ERROR_DATA,
+                    "colliders[%u].geometry is the shape with the hash %016" PRIx64
+                    ", which no shape that lives has; it has to be made before pbf_load",
+                    i, hash);
+  }
+  in->collider_holds = i + 1;
+  return PBF_OK;
+}
+
 static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) {
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
         in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
     pbf_status status =
         read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
+    if (status == PBF_OK) status = find_geometry(in, i);
     if (status == PBF_OK) status = pbf_collider_check(&in->colliders[i], i, solver->kind);
     if (status != PBF_OK) return status;
   }
@@ -201,6 +218,7 @@ pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t
 
 void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
+  if (in->colliders) pbf_colliders_let_go(in->collider_holds, in->colliders);
   pbf_memory_free(&solver->allocator, in->colliders,
                   pbf_colliders_bytes(in->header.collider_count));
   pbf_memory_free(&solver->allocator, in->ids, pbf_ids_bytes(solver));

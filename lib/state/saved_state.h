@@ -12,6 +12,7 @@ typedef struct pbf_saved_state {
   pbf_params params;
   double time;
   pbf_collider *colliders; /* null when there are none */
+  uint32_t collider_holds; /* so many have references to what they are made of */
   uint32_t *ids;           /* `capacity` long */
   void *positions;
   void *velocities;

@@ -66,7 +66,57 @@ AT(pbf_params, struct_size, 0);
   AT_IN_TABLE(name, offset, double(*)[count]);
 #include "physics/params.def"
 
-SIZE(pbf_collider, 232);
+SIZE(pbf_grid_desc, 64);
+AT(pbf_grid_desc, struct_size, 0);
+AT(pbf_grid_desc, dimension, 4);
+AT(pbf_grid_desc, nodes, 8);
+AT(pbf_grid_desc, reserved, 20);
+AT(pbf_grid_desc, origin, 24);
+AT(pbf_grid_desc, cell, 48);
+AT(pbf_grid_desc, values, 56);
+
+SIZE(pbf_mesh_desc, 48);
+AT(pbf_mesh_desc, struct_size, 0);
+AT(pbf_mesh_desc, dimension, 4);
+AT(pbf_mesh_desc, vertex_count, 8);
+AT(pbf_mesh_desc, face_count, 12);
+AT(pbf_mesh_desc, vertices, 16);
+AT(pbf_mesh_desc, faces, 24);
+AT(pbf_mesh_desc, cell, 32);
+AT(pbf_mesh_desc, thickness, 40);
+
+SIZE(pbf_heights_desc, 48);
+AT(pbf_heights_desc, struct_size, 0);
+AT(pbf_heights_desc, dimension, 4);
+AT(pbf_heights_desc, count, 8);
+AT(pbf_heights_desc, heights, 16);
+AT(pbf_heights_desc, spacing, 24);
+AT(pbf_heights_desc, base, 32);
+AT(pbf_heights_desc, cell, 40);
+
+SIZE(pbf_hull_desc, 32);
+AT(pbf_hull_desc, struct_size, 0);
+AT(pbf_hull_desc, dimension, 4);
+AT(pbf_hull_desc, point_count, 8);
+AT(pbf_hull_desc, reserved, 12);
+AT(pbf_hull_desc, points, 16);
+AT(pbf_hull_desc, cell, 24);
+
+SIZE(pbf_shape_info, 136);
+AT(pbf_shape_info, struct_size, 0);
+AT(pbf_shape_info, dimension, 4);
+AT(pbf_shape_info, nodes, 8);
+AT(pbf_shape_info, references, 20);
+AT(pbf_shape_info, origin, 24);
+AT(pbf_shape_info, cell, 48);
+AT(pbf_shape_info, lower, 56);
+AT(pbf_shape_info, upper, 80);
+AT(pbf_shape_info, volume, 104);
+AT(pbf_shape_info, area, 112);
+AT(pbf_shape_info, bytes, 120);
+AT(pbf_shape_info, hash, 128);
+
+SIZE(pbf_collider, 256);
 AT(pbf_collider, struct_size, 0);
 AT(pbf_collider, shape, 4);
 AT(pbf_collider, inverted, 8);
@@ -83,6 +133,9 @@ AT(pbf_collider, half_extents_rate, 184);
 AT(pbf_collider, radius_rate, 208);
 AT(pbf_collider, half_length_rate, 216);
 AT(pbf_collider, duration, 224);
+AT(pbf_collider, geometry, 232);
+AT(pbf_collider, scale, 240);
+AT(pbf_collider, scale_rate, 248);
 
 SIZE(pbf_view, 72);
 AT(pbf_view, struct_size, 0);

@@ -281,7 +281,7 @@ static void colliders_by_table(void **state) {
   box.half_extents[2] = 1;
   box.radius = 0; /* not a box's business */
   assert_ok(pbf_set_colliders(s, 1, &box));
-  const count_case counts[] = {{"colliders[0].shape is 4", C(shape), 4},
+  const count_case counts[] = {{"colliders[0].shape is 5", C(shape), 5},
                                {"colliders[0].inverted is 2", C(inverted), 2},
                                {"colliders[0].path is 3", C(path), 3}};
   for (size_t i = 0; i < LENGTH(counts); ++i) {
@@ -290,7 +290,7 @@ static void colliders_by_table(void **state) {
     assert_fails(pbf_set_colliders(s, 1, &bad), PBF_ERROR_INVALID_ARGUMENT, counts[i].words);
   }
   assert_fails(pbf_set_colliders(s, 65, &box), PBF_ERROR_INVALID_ARGUMENT, "count is 65");
-  assert_fails(pbf_collider_init(&box, sizeof box, 4), PBF_ERROR_INVALID_ARGUMENT, "shape is 4");
+  assert_fails(pbf_collider_init(&box, sizeof box, 5), PBF_ERROR_INVALID_ARGUMENT, "shape is 5");
   uint32_t count = 0;
   assert_ok(pbf_get_collider_count(s, &count));
   assert_int_equal(count, 1);

@@ -38,7 +38,7 @@ static pbf_status fill_params(actor *a, void *to, uint32_t size) {
 }
 
 static pbf_status fill_collider(actor *a, void *to, uint32_t size) {
-  return pbf_collider_init(to, size, dice_below(&a->dice, 5));
+  return pbf_collider_init(to, size, dice_below(&a->dice, 6));
 }
 
 /* Of any size; what lies beyond it stays. */

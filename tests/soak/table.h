@@ -92,6 +92,15 @@ void call_save(actor *a);
 void call_load(actor *a);
 void call_hash(actor *a);
 
+void call_shape_from_grid(actor *a);
+void call_shape_from_mesh(actor *a);
+void call_shape_from_heights(actor *a);
+void call_shape_from_points(actor *a);
+void call_hold_shape(actor *a);
+void call_release_shape(actor *a);
+void call_get_shape_info(actor *a);
+void call_get_shape_distance(actor *a);
+
 void call_batch_create(actor *a);
 void call_batch_destroy(actor *a);
 void call_batch_get_info(actor *a);

@@ -2,14 +2,15 @@
 from .words import COMMENT, camel, is_status, is_text
 
 SCALARS = {"void": "void", "uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
-           "uint64_t": "ulong", "double": "double", "pbf_status": "Status"}
+           "uint64_t": "ulong", "float": "float", "double": "double", "pbf_status": "Status"}
 VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
 OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
          "pbf_anisotropy_desc": "NativeAnisotropyDesc", "pbf_samples": "NativeSamples",
+         "pbf_grid_desc": "NativeGridDesc",
          "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
 AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
 KEYWORDS = {"params": "parameters"}
-ARRAYS = {"ids", "counts", "distances", "normals", "levels"}  # of numbers, written to
+ARRAYS = {"ids", "counts", "distances", "normal", "normals", "levels"}  # of numbers, written to
 
 
 def struct_name(name):

@@ -2,7 +2,7 @@
 from .words import is_text
 
 SCALARS = {"char": "c.c_char", "int32_t": "c.c_int32", "uint32_t": "c.c_uint32",
-           "int64_t": "c.c_int64", "uint64_t": "c.c_uint64", "double": "c.c_double"}
+           "int64_t": "c.c_int64", "uint64_t": "c.c_uint64", "float": "c.c_float", "double": "c.c_double"}
 CLASSES = {"pbf_desc": "Desc", "pbf_params": "Params", "pbf_view": "View"}
 
 

@@ -15,7 +15,8 @@ import shlex
 import subprocess
 import tempfile
 
-SCALARS = {"void", "char", "uint8_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "double", "pbf_status"}
+SCALARS = {"void", "char", "uint8_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "float", "double",
+           "pbf_status"}
 
 
 class NoCompiler(Exception):

@@ -2,7 +2,7 @@
 from .words import COMMENT, is_status
 
 SCALARS = {"void": "c_void", "char": "c_char", "uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64",
-           "uint64_t": "u64", "double": "f64", "pbf_status": "pbf_status"}
+           "uint64_t": "u64", "float": "f32", "double": "f64", "pbf_status": "pbf_status"}
 
 HEAD = f"""//! The C API of pbf (`include/pbf/all.h`), which says what each of these is. {COMMENT}
 #![allow(non_camel_case_types)]

@@ -14,7 +14,8 @@ PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const pbf_pressure
     if (pbf_surface_is_unbounded(&t->surfaces[s]) ||
         pbf_surface_is_beyond(&t->surfaces[s], x, (pbf_real)reach))
       continue;
-    if ((double)pbf_surface_distance(&t->surfaces[s], x, &normal) < reach)
+    if ((double)pbf_surface_distance(&t->surfaces[s], x, &normal) <
+        (double)t->surfaces[s].steepest * reach)
       beside |= UINT64_C(1) << s;
   }
   return beside;

@@ -53,7 +53,8 @@ PBF_FN int pbf_thin_solid_reaches(const pbf_pressure_grid *c, const pbf_pressure
   for (int s = 0; s < t->surface_count; ++s) {
     pbf_vec normal;
     if (pbf_surface_is_thin(c, &t->surfaces[s]) &&
-        (double)pbf_surface_distance(&t->surfaces[s], middle, &normal) < pbf_cell_reach(c))
+        (double)pbf_surface_distance(&t->surfaces[s], middle, &normal) <
+            (double)t->surfaces[s].steepest * pbf_cell_reach(c))
       return 1;
   }
   return 0;
@@ -86,7 +87,7 @@ PBF_FN_APART void pbf_cell_points_around(const pbf_pressure_grid *c, const pbf_s
     for (int k = 0; k < PBF_DIM; ++k) {
       const int next = p + pbf_sample_stride(k);
       if (at[k] == PBF_SAMPLES - 1 || !(points->free >> next & 1)) continue;
-      if (distances[p] + distances[next] > 1.001f * spacing) continue;
+      if (distances[p] + distances[next] > 1.001f * (float)s->steepest * spacing) continue;
       pbf_vec to = from;
       to.c[k] += (pbf_real)spacing;
       if (pbf_surface_blocks(s, from, to)) points->open[k] &= ~(UINT64_C(1) << p);
@@ -116,7 +117,8 @@ PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c,
   for (int s = 0; s < t->surface_count; ++s) {
     pbf_vec normal;
     const double distance = (double)pbf_surface_distance(&t->surfaces[s], middle, &normal);
-    if (distance < pbf_cell_reach(c) + c->width / PBF_SAMPLES)
+    const double reach = pbf_cell_reach(c) + c->width / PBF_SAMPLES;
+    if (distance < (double)t->surfaces[s].steepest * reach)
       pbf_cell_points_around(c, &t->surfaces[s], i, points);
   }
   for (int k = 0; k < PBF_DIM; ++k) {

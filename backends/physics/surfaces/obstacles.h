@@ -78,7 +78,8 @@ typedef struct pbf_moving_obstacles {
 } pbf_moving_obstacles;
 
 static inline int pbf_collider_moves(const pbf_collider *collider) {
-  int moves = collider->radius_rate != 0 || collider->half_length_rate != 0;
+  int moves =
+      collider->radius_rate != 0 || collider->half_length_rate != 0 || collider->scale_rate != 0;
   for (int a = 0; a < 3; ++a)
     moves = moves || collider->velocity[a] != 0 || collider->angular_velocity[a] != 0 ||
             collider->half_extents_rate[a] != 0;

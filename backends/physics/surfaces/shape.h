@@ -21,7 +21,7 @@
 #ifndef PBF_PHYSICS_SURFACES_SHAPE_H
 #define PBF_PHYSICS_SURFACES_SHAPE_H
 
-#include <pbf/pbf.h>
+#include <pbf/pbf_backend.h>
 
 #include "physics/real.h"
 
@@ -42,6 +42,10 @@ typedef struct pbf_surface {
   pbf_real rounding;   /* what rounding may take from distances: see pbf_set_margins */
   pbf_real prediction_push, iteration_push; /* the way by which one of these takes out of it, at
                                                most, what it finds inside: see pbf_set_push */
+  pbf_real steepest;      /* its distance changes by so many times the way, at most */
+  pbf_real scale;         /* of what its distances are interpolated in: field.h; */
+  const pbf_shape *field; /* null: it has a closed form */
+  uint64_t field_id;      /* which tells one apart from a later one in the same place */
 } pbf_surface;
 
 #endif

@@ -7,6 +7,7 @@
 #include "physics/motion.h"
 #include "physics/surfaces/box.h"
 #include "physics/surfaces/capsule.h"
+#include "physics/surfaces/field.h"
 #include "physics/surfaces/plane.h"
 #include "physics/surfaces/sphere.h"
 
@@ -24,7 +25,7 @@ struct shape_list {
   }
 };
 
-using shapes = shape_list<plane_shape, box_shape, capsule_shape, sphere_shape>;
+using shapes = shape_list<plane_shape, box_shape, capsule_shape, field_shape, sphere_shape>;
 
 }  // namespace
 
@@ -77,6 +78,7 @@ static inline void pbf_place_surface(const pbf_collider *now, pbf_vec *center,
 static inline double pbf_growth(const pbf_collider *before, const pbf_collider *now, int row) {
   double from = before->radius, to = now->radius;
   if (now->shape == PBF_COLLIDER_PLANE) return 1;
+  if (now->shape == PBF_COLLIDER_SHAPE) from = before->scale, to = now->scale;
   if (now->shape == PBF_COLLIDER_BOX) from = before->half_extents[row], to = now->half_extents[row];
   if (now->shape == PBF_COLLIDER_CAPSULE && row == 0)
     from += before->half_length, to += now->half_length;
@@ -99,6 +101,15 @@ static inline void pbf_set_ways(pbf_surface *s) {
   s->turn = pbf_real_sqrt(turn2);
 }
 
+static inline void pbf_set_field(pbf_surface *s, const pbf_collider *collider) {
+  s->steepest = 1;
+  if (collider->shape != PBF_COLLIDER_SHAPE) return;
+  s->field = collider->geometry;
+  s->field_id = collider->geometry->id;
+  s->scale = (pbf_real)collider->scale;
+  s->steepest = (pbf_real)collider->geometry->steepest;
+}
+
 /* At the end of a step, in which a collider has come from `before` to `now`. What grows stretches
  * space: along with it go those before it. */
 static inline pbf_surface pbf_surface_between(const pbf_collider *before, const pbf_collider *now) {
@@ -108,6 +119,7 @@ static inline pbf_surface pbf_surface_between(const pbf_collider *before, const 
   s.radius = (pbf_real)now->radius;
   s.half_length = (pbf_real)now->half_length;
   for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)now->half_extents[k];
+  pbf_set_field(&s, now);
   const double bound = fmax(pbf_bound(before), pbf_bound(now));
   s.bound = (pbf_real)(now->inverted ? INFINITY : 1.0001 * bound);
   pbf_place_surface(now, &s.center, s.frame);
@@ -165,6 +177,9 @@ PBF_FN int pbf_surface_is_beyond(const pbf_surface *s, pbf_vec x, pbf_real reach
   pbf_real far = s->bound + reach;
   return pbf_dot(p, p) > far * far;
 }
+
+/* What need not be convex: beyond its tangent plane there may be more of it. */
+PBF_FN int pbf_surface_is_field(const pbf_surface *s) { return s->shape == PBF_COLLIDER_SHAPE; }
 
 /* What has no other side: a plane, and all that fluid is inside of. */
 PBF_FN int pbf_surface_is_unbounded(const pbf_surface *s) { return s->bound == (pbf_real)INFINITY; }

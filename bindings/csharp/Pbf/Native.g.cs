@@ -75,6 +75,7 @@ namespace Pbf
         public const uint ColliderSphere = 1;
         public const uint ColliderCapsule = 2;
         public const uint ColliderBox = 3;
+        public const uint ColliderShape = 4;
         public const uint PathAuto = 0;
         public const uint PathStraight = 1;
         public const uint PathScrew = 2;
@@ -223,6 +224,74 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeGridDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+        public uint[] Nodes;
+        public uint Reserved;
+        public Vector3d Origin;
+        public double Cell;
+        public IntPtr Values;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct MeshDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        public uint VertexCount;
+        public uint FaceCount;
+        public IntPtr Vertices;
+        public IntPtr Faces;
+        public double Cell;
+        public double Thickness;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct HeightsDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)]
+        public uint[] Count;
+        public IntPtr Heights;
+        public double Spacing;
+        public double Base;
+        public double Cell;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct HullDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        public uint PointCount;
+        public uint Reserved;
+        public IntPtr Points;
+        public double Cell;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct ShapeInfo
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+        public uint[] Nodes;
+        public uint References;
+        public Vector3d Origin;
+        public double Cell;
+        public Vector3d Lower;
+        public Vector3d Upper;
+        public double Volume;
+        public double Area;
+        public ulong Bytes;
+        public ulong Hash;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     public partial struct Collider
     {
         public uint StructSize;
@@ -241,6 +310,9 @@ namespace Pbf
         public double RadiusRate;
         public double HalfLengthRate;
         public double Duration;
+        public IntPtr Geometry;
+        public double Scale;
+        public double ScaleRate;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -550,6 +622,22 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_grid(IntPtr grid, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_mesh(IntPtr mesh, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_heights(IntPtr heights, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_points(IntPtr hull, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_hold_shape(IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void pbf_release_shape(IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_shape_info(IntPtr shape, ref ShapeInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_shape_distance(IntPtr shape, IntPtr point, ref double distance, IntPtr normal);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_collider_init(ref Collider collider, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
@@ -667,7 +755,12 @@ namespace Pbf
             { typeof(Params), new[] { "544", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Reserved=532", "ShearStressCorrection=536" } },
             { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
             { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
-            { typeof(Collider), new[] { "232", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224" } },
+            { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },
+            { typeof(MeshDesc), new[] { "48", "StructSize=0", "Dimension=4", "VertexCount=8", "FaceCount=12", "Vertices=16", "Faces=24", "Cell=32", "Thickness=40" } },
+            { typeof(HeightsDesc), new[] { "48", "StructSize=0", "Dimension=4", "Count=8", "Heights=16", "Spacing=24", "Base=32", "Cell=40" } },
+            { typeof(HullDesc), new[] { "32", "StructSize=0", "Dimension=4", "PointCount=8", "Reserved=12", "Points=16", "Cell=24" } },
+            { typeof(ShapeInfo), new[] { "136", "StructSize=0", "Dimension=4", "Nodes=8", "References=20", "Origin=24", "Cell=48", "Lower=56", "Upper=80", "Volume=104", "Area=112", "Bytes=120", "Hash=128" } },
+            { typeof(Collider), new[] { "256", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
             { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },
             { typeof(Stats), new[] { "184", "StructSize=0", "Count=4", "Iterations=8", "NeighborsMax=12", "NeighborsMean=16", "CenterOfMass=24", "PositionMin=48", "PositionMax=72", "Momentum=96", "KineticEnergy=120", "SpeedMax=128", "DensityErrorMean=136", "DensityErrorMax=144", "DensityMean=152", "Asleep=160", "Squeezed=164", "StepLimit=168", "LimitedBy=176", "Substeps=180" } },

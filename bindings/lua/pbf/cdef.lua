@@ -74,6 +74,7 @@ enum {
   PBF_COLLIDER_SPHERE = 1,
   PBF_COLLIDER_CAPSULE = 2,
   PBF_COLLIDER_BOX = 3,
+  PBF_COLLIDER_SHAPE = 4,
 };
 enum {
   PBF_PATH_AUTO = 0,
@@ -118,6 +119,7 @@ enum {
 };
 struct DLManagedTensor;
 typedef struct pbf_batch pbf_batch;
+typedef struct pbf_shape pbf_shape;
 typedef struct pbf_solver pbf_solver;
 typedef void (*pbf_log_fn)(void *, int32_t, const char *);
 typedef void (*pbf_task_fn)(void *, uint32_t, uint32_t);
@@ -221,6 +223,56 @@ typedef struct pbf_anisotropy_desc {
   void *positions;
   void *stretches;
 } pbf_anisotropy_desc;
+typedef struct pbf_grid_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t nodes[3];
+  uint32_t reserved;
+  double origin[3];
+  double cell;
+  const float *values;
+} pbf_grid_desc;
+typedef struct pbf_mesh_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t vertex_count;
+  uint32_t face_count;
+  const double *vertices;
+  const uint32_t *faces;
+  double cell;
+  double thickness;
+} pbf_mesh_desc;
+typedef struct pbf_heights_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t count[2];
+  const double *heights;
+  double spacing;
+  double base;
+  double cell;
+} pbf_heights_desc;
+typedef struct pbf_hull_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t point_count;
+  uint32_t reserved;
+  const double *points;
+  double cell;
+} pbf_hull_desc;
+typedef struct pbf_shape_info {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t nodes[3];
+  uint32_t references;
+  double origin[3];
+  double cell;
+  double lower[3];
+  double upper[3];
+  double volume;
+  double area;
+  uint64_t bytes;
+  uint64_t hash;
+} pbf_shape_info;
 typedef struct pbf_collider {
   uint32_t struct_size;
   uint32_t shape;
@@ -238,6 +290,9 @@ typedef struct pbf_collider {
   double radius_rate;
   double half_length_rate;
   double duration;
+  pbf_shape *geometry;
+  double scale;
+  double scale_rate;
 } pbf_collider;
 typedef struct pbf_view {
   uint32_t struct_size;
@@ -440,6 +495,14 @@ pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count,
 pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
 pbf_status pbf_get_anisotropies(pbf_solver *solver, const pbf_anisotropy_desc *anisotropy);
+pbf_status pbf_shape_from_grid(const pbf_grid_desc *grid, pbf_shape * *shape);
+pbf_status pbf_shape_from_mesh(const pbf_mesh_desc *mesh, pbf_shape * *shape);
+pbf_status pbf_shape_from_heights(const pbf_heights_desc *heights, pbf_shape * *shape);
+pbf_status pbf_shape_from_points(const pbf_hull_desc *hull, pbf_shape * *shape);
+pbf_status pbf_hold_shape(pbf_shape *shape);
+void pbf_release_shape(pbf_shape *shape);
+pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
+pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance, double *normal);
 pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
 pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
 pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets, double duration);
@@ -501,7 +564,12 @@ return {
   pbf_params = {size = 544, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, reserved = 532, shear_stress_correction = 536},
   pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
   pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
-  pbf_collider = {size = 232, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224},
+  pbf_grid_desc = {size = 64, struct_size = 0, dimension = 4, nodes = 8, reserved = 20, origin = 24, cell = 48, values = 56},
+  pbf_mesh_desc = {size = 48, struct_size = 0, dimension = 4, vertex_count = 8, face_count = 12, vertices = 16, faces = 24, cell = 32, thickness = 40},
+  pbf_heights_desc = {size = 48, struct_size = 0, dimension = 4, count = 8, heights = 16, spacing = 24, base = 32, cell = 40},
+  pbf_hull_desc = {size = 32, struct_size = 0, dimension = 4, point_count = 8, reserved = 12, points = 16, cell = 24},
+  pbf_shape_info = {size = 136, struct_size = 0, dimension = 4, nodes = 8, references = 20, origin = 24, cell = 48, lower = 56, upper = 80, volume = 104, area = 112, bytes = 120, hash = 128},
+  pbf_collider = {size = 256, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224, geometry = 232, scale = 240, scale_rate = 248},
   pbf_view = {size = 72, struct_size = 0, field = 4, device_type = 8, device_id = 12, element_type = 16, components = 20, count = 24, reserved = 28, particle_stride = 32, component_stride = 40, generation = 48, data = 56, ids = 64},
   pbf_snapshot = {size = 64, struct_size = 0, count = 4, dimension = 8, element_type = 12, step = 16, time = 24, positions = 32, velocities = 40, ids = 48, owner = 56},
   pbf_stats = {size = 184, struct_size = 0, count = 4, iterations = 8, neighbors_max = 12, neighbors_mean = 16, center_of_mass = 24, position_min = 48, position_max = 72, momentum = 96, kinetic_energy = 120, speed_max = 128, density_error_mean = 136, density_error_max = 144, density_mean = 152, asleep = 160, squeezed = 164, step_limit = 168, limited_by = 176, substeps = 180},

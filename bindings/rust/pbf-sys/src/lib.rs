@@ -68,6 +68,7 @@ pub const PBF_COLLIDER_PLANE: u32 = 0;
 pub const PBF_COLLIDER_SPHERE: u32 = 1;
 pub const PBF_COLLIDER_CAPSULE: u32 = 2;
 pub const PBF_COLLIDER_BOX: u32 = 3;
+pub const PBF_COLLIDER_SHAPE: u32 = 4;
 pub const PBF_PATH_AUTO: u32 = 0;
 pub const PBF_PATH_STRAIGHT: u32 = 1;
 pub const PBF_PATH_SCREW: u32 = 2;
@@ -93,6 +94,12 @@ pub struct DLManagedTensor {
 
 #[repr(C)]
 pub struct pbf_batch {
+    _opaque: [u8; 0],
+    _not_send: std::marker::PhantomData<*mut u8>,
+}
+
+#[repr(C)]
+pub struct pbf_shape {
     _opaque: [u8; 0],
     _not_send: std::marker::PhantomData<*mut u8>,
 }
@@ -234,6 +241,71 @@ pub struct pbf_anisotropy_desc {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
+pub struct pbf_grid_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub nodes: [u32; 3],
+    pub reserved: u32,
+    pub origin: [f64; 3],
+    pub cell: f64,
+    pub values: *const f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_mesh_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub vertex_count: u32,
+    pub face_count: u32,
+    pub vertices: *const f64,
+    pub faces: *const u32,
+    pub cell: f64,
+    pub thickness: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_heights_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub count: [u32; 2],
+    pub heights: *const f64,
+    pub spacing: f64,
+    pub base: f64,
+    pub cell: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_hull_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub point_count: u32,
+    pub reserved: u32,
+    pub points: *const f64,
+    pub cell: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_shape_info {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub nodes: [u32; 3],
+    pub references: u32,
+    pub origin: [f64; 3],
+    pub cell: f64,
+    pub lower: [f64; 3],
+    pub upper: [f64; 3],
+    pub volume: f64,
+    pub area: f64,
+    pub bytes: u64,
+    pub hash: u64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
 pub struct pbf_collider {
     pub struct_size: u32,
     pub shape: u32,
@@ -251,6 +323,9 @@ pub struct pbf_collider {
     pub radius_rate: f64,
     pub half_length_rate: f64,
     pub duration: f64,
+    pub geometry: *mut pbf_shape,
+    pub scale: f64,
+    pub scale_rate: f64,
 }
 
 #[repr(C)]
@@ -606,6 +681,38 @@ extern "C" {
     pub fn pbf_get_anisotropies(
         solver: *mut pbf_solver,
         anisotropy: *const pbf_anisotropy_desc,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_grid(
+        grid: *const pbf_grid_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_mesh(
+        mesh: *const pbf_mesh_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_heights(
+        heights: *const pbf_heights_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_points(
+        hull: *const pbf_hull_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_hold_shape(
+        shape: *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_release_shape(
+        shape: *mut pbf_shape,
+    );
+    pub fn pbf_get_shape_info(
+        shape: *mut pbf_shape,
+        info: *mut pbf_shape_info,
+    ) -> pbf_status;
+    pub fn pbf_get_shape_distance(
+        shape: *mut pbf_shape,
+        point: *const f64,
+        distance: *mut f64,
+        normal: *mut f64,
     ) -> pbf_status;
     pub fn pbf_collider_init(
         collider: *mut pbf_collider,
@@ -990,8 +1097,73 @@ mod layout {
     }
 
     #[test]
+    fn pbf_grid_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_grid_desc>(), 64);
+        assert_eq!(offset!(pbf_grid_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_grid_desc, dimension), 4);
+        assert_eq!(offset!(pbf_grid_desc, nodes), 8);
+        assert_eq!(offset!(pbf_grid_desc, reserved), 20);
+        assert_eq!(offset!(pbf_grid_desc, origin), 24);
+        assert_eq!(offset!(pbf_grid_desc, cell), 48);
+        assert_eq!(offset!(pbf_grid_desc, values), 56);
+    }
+
+    #[test]
+    fn pbf_mesh_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_mesh_desc>(), 48);
+        assert_eq!(offset!(pbf_mesh_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_mesh_desc, dimension), 4);
+        assert_eq!(offset!(pbf_mesh_desc, vertex_count), 8);
+        assert_eq!(offset!(pbf_mesh_desc, face_count), 12);
+        assert_eq!(offset!(pbf_mesh_desc, vertices), 16);
+        assert_eq!(offset!(pbf_mesh_desc, faces), 24);
+        assert_eq!(offset!(pbf_mesh_desc, cell), 32);
+        assert_eq!(offset!(pbf_mesh_desc, thickness), 40);
+    }
+
+    #[test]
+    fn pbf_heights_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_heights_desc>(), 48);
+        assert_eq!(offset!(pbf_heights_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_heights_desc, dimension), 4);
+        assert_eq!(offset!(pbf_heights_desc, count), 8);
+        assert_eq!(offset!(pbf_heights_desc, heights), 16);
+        assert_eq!(offset!(pbf_heights_desc, spacing), 24);
+        assert_eq!(offset!(pbf_heights_desc, base), 32);
+        assert_eq!(offset!(pbf_heights_desc, cell), 40);
+    }
+
+    #[test]
+    fn pbf_hull_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_hull_desc>(), 32);
+        assert_eq!(offset!(pbf_hull_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_hull_desc, dimension), 4);
+        assert_eq!(offset!(pbf_hull_desc, point_count), 8);
+        assert_eq!(offset!(pbf_hull_desc, reserved), 12);
+        assert_eq!(offset!(pbf_hull_desc, points), 16);
+        assert_eq!(offset!(pbf_hull_desc, cell), 24);
+    }
+
+    #[test]
+    fn pbf_shape_info_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_shape_info>(), 136);
+        assert_eq!(offset!(pbf_shape_info, struct_size), 0);
+        assert_eq!(offset!(pbf_shape_info, dimension), 4);
+        assert_eq!(offset!(pbf_shape_info, nodes), 8);
+        assert_eq!(offset!(pbf_shape_info, references), 20);
+        assert_eq!(offset!(pbf_shape_info, origin), 24);
+        assert_eq!(offset!(pbf_shape_info, cell), 48);
+        assert_eq!(offset!(pbf_shape_info, lower), 56);
+        assert_eq!(offset!(pbf_shape_info, upper), 80);
+        assert_eq!(offset!(pbf_shape_info, volume), 104);
+        assert_eq!(offset!(pbf_shape_info, area), 112);
+        assert_eq!(offset!(pbf_shape_info, bytes), 120);
+        assert_eq!(offset!(pbf_shape_info, hash), 128);
+    }
+
+    #[test]
     fn pbf_collider_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_collider>(), 232);
+        assert_eq!(size_of::<pbf_collider>(), 256);
         assert_eq!(offset!(pbf_collider, struct_size), 0);
         assert_eq!(offset!(pbf_collider, shape), 4);
         assert_eq!(offset!(pbf_collider, inverted), 8);
@@ -1008,6 +1180,9 @@ mod layout {
         assert_eq!(offset!(pbf_collider, radius_rate), 208);
         assert_eq!(offset!(pbf_collider, half_length_rate), 216);
         assert_eq!(offset!(pbf_collider, duration), 224);
+        assert_eq!(offset!(pbf_collider, geometry), 232);
+        assert_eq!(offset!(pbf_collider, scale), 240);
+        assert_eq!(offset!(pbf_collider, scale_rate), 248);
     }
 
     #[test]

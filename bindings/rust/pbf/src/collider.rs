@@ -8,6 +8,11 @@ use std::ops::{Deref, DerefMut};
 #[repr(transparent)]
 pub struct Collider(sys::pbf_collider);
 
+// SAFETY: whether `geometry` is a shape the library asks its own list, before it looks at one, and
+// shapes never change.
+unsafe impl Send for Collider {}
+unsafe impl Sync for Collider {}
+
 impl Collider {
     /// At rest at the origin, sizes 1. `shape` is one of `PBF_COLLIDER_…`, those that there are.
     fn new(shape: u32, position: [f64; 3]) -> Self {
