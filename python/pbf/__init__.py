@@ -18,8 +18,10 @@ from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
 from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
+from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Solid, Sphere
 from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
 from .fill import fill_ball, fill_box, fill_lattice
+from .geometry import Geometry
 from .params import Collide, Kernel, Method, Params
 from .picture import Movie, png_bytes, render, save_png
 from .queries import (BallVolume, BoxVolume, CapsuleVolume, Flow, Hits, Samples, Volume)
@@ -35,11 +37,11 @@ __all__ = [
     "AlembicPoints", "Anisotropies", "BackendInfo", "BallVolume", "Batch", "BatchTensor", "Box",
     "BoxVolume", "BusyError", "CancelledError", "CapacityError", "Capsule", "CapsuleVolume",
     "Collide", "Collider", "DataError", "DeviceError", "DiscEmitter", "Dump", "DumpFrame",
-    "Emitter", "Error", "Flow", "Hits", "InOut", "Info", "InvalidArgumentError", "Kernel",
-    "Limit", "Method", "MissingExtraError", "MotionPath", "Movie", "NotFoundError",
+    "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
+    "Kernel", "Limit", "Method", "MissingExtraError", "MotionPath", "Movie", "NotFoundError",
     "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError",
-    "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solver",
-    "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
+    "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
+    "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
     "load_backend", "load_dump", "load_scene", "png_bytes", "render", "save_png", "scenes",

@@ -1,4 +1,4 @@
-"""Colliders: planes, spheres, capsules and boxes."""
+"""Colliders: planes, spheres, capsules, boxes and solids of any geometry."""
 from __future__ import annotations
 
 import enum
@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib
 from ._numbers import Vector, real, reals, uint32
+from .geometry import Geometry
 
 
 class Shape(enum.IntEnum):
@@ -16,6 +17,7 @@ class Shape(enum.IntEnum):
     SPHERE = lib.PBF_COLLIDER_SPHERE
     CAPSULE = lib.PBF_COLLIDER_CAPSULE
     BOX = lib.PBF_COLLIDER_BOX
+    SHAPE = lib.PBF_COLLIDER_SHAPE
 
 
 class MotionPath(enum.IntEnum):
@@ -32,7 +34,8 @@ _THIRD = {"half_extents": 1.0}
 
 @dataclass
 class Collider:
-    """What is common to all shapes; `Plane`, `Sphere`, `Capsule` and `Box` are what to make.
+    """What is common to all shapes; `Plane`, `Sphere`, `Capsule`, `Box` and `Solid` are what to
+    make.
 
     In 2D vectors may have two numbers; `angular_velocity` has three, of which the third turns.
     """
@@ -57,6 +60,11 @@ class Collider:
     half_extents_rate: Vector = (0.0, 0.0, 0.0)
     radius_rate: float = 0.0
     half_length_rate: float = 0.0
+    geometry: Geometry | None = None
+    """Of a solid."""
+    scale: float = 1.0
+    """Of a solid: how many times as large as its geometry."""
+    scale_rate: float = 0.0
     duration: float = 0.0
     """So long it moves and grows, and then stands still; 0: for ever."""
     inverted: bool = False
@@ -70,6 +78,11 @@ class Collider:
         for field in fields(self):
             value, name = getattr(self, field.name), field.name
             if name in ("inverted", "path"):
+                continue
+            if name == "geometry":
+                if value is not None and not isinstance(value, Geometry):
+                    raise InvalidArgumentError(f"geometry is {value!r}; it must be a Geometry")
+                struct.geometry = ffi.NULL if value is None else value.handle
                 continue
             target = getattr(struct, name)
             if isinstance(target, float):
@@ -105,12 +118,22 @@ class Box(Collider):
     shape: ClassVar[Shape] = Shape.BOX
 
 
-KINDS: dict[int, type[Collider]] = {kind.shape: kind for kind in (Plane, Sphere, Capsule, Box)}
+@dataclass
+class Solid(Collider):
+    """Of a `geometry`: distances on a grid, a mesh, a terrain, a hull."""
+
+    shape: ClassVar[Shape] = Shape.SHAPE
+
+
+KINDS: dict[int, type[Collider]] = {kind.shape: kind for kind in (Plane, Sphere, Capsule, Box, Solid)}
 
 
 def collider_of(struct: Any) -> Collider:
     values: dict[str, Any] = {}
     for field in fields(Collider):
+        if field.name == "geometry":
+            values["geometry"] = Geometry._borrowed(struct.geometry)
+            continue
         value = getattr(struct, field.name)
         values[field.name] = tuple(value) if isinstance(value, ffi.CData) else value
     values.update(inverted=bool(struct.inverted), path=MotionPath(struct.path))
@@ -129,7 +152,7 @@ def struct_array(colliders: Iterable[Collider] | Collider) -> tuple[int, Any]:
     for i, collider in enumerate(listed):
         if not isinstance(collider, Collider) or type(collider) is Collider:
             raise InvalidArgumentError(
-                f"colliders[{i}] is {collider!r}; it must be a Plane, Sphere, Capsule or Box")
+                f"colliders[{i}] is {collider!r}; it must be a Plane, Sphere, Capsule, Box or Solid")
     array = ffi.new("pbf_collider[]", max(len(listed), 1))
     for i, collider in enumerate(listed):
         collider._write(ffi.addressof(array, i))

@@ -1,0 +1,157 @@
+"""Geometries: any solid, as signed distances on a grid, for `Solid` colliders."""
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import AnyArray, numpy_of, pointer
+from ._errors import InvalidArgumentError, check
+from ._library import ffi, lib, new_struct
+from ._numbers import Vector, real, reals
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+def _contiguous(name: str, array: AnyArray, dtype: Any, columns: int | None) -> NDArray[Any]:
+    given = np.ascontiguousarray(numpy_of(name, array), dtype=dtype)
+    if columns is not None and (given.ndim != 2 or given.shape[1] != columns):
+        raise InvalidArgumentError(
+            f"{name} has the shape {given.shape}; it must be (count, {columns})")
+    return given
+
+
+class Geometry:
+    """Any solid. It lives as long as this object, or a collider of a solver, has it."""
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+        self._finalizer = weakref.finalize(self, lib.pbf_release_shape, handle)
+
+    @classmethod
+    def _made(cls, function: Callable[[Any, Any], int], desc: Any) -> Self:
+        out = ffi.new("pbf_shape **")
+        check(function(desc, out))
+        return cls(out[0])
+
+    @classmethod
+    def from_grid(cls, values: AnyArray, origin: Vector, cell: float) -> Self:
+        """Of distances values[i, j, k] at origin + cell (i, j, k), negative inside."""
+        given = numpy_of("values", values)
+        if given.ndim not in (2, 3):
+            raise InvalidArgumentError(f"values has {given.ndim} axes; it must be 2 or 3")
+        packed = np.asfortranarray(given, dtype=np.float32)
+        desc = new_struct("pbf_grid_desc")
+        desc.dimension = packed.ndim
+        for axis, start in enumerate(reals("origin", origin, (packed.ndim,))):
+            desc.nodes[axis], desc.origin[axis] = packed.shape[axis], start
+        desc.cell = real("cell", cell)
+        desc.values = ffi.cast("const float *", packed.ctypes.data)
+        return cls._made(lib.pbf_shape_from_grid, desc)
+
+    @classmethod
+    def from_mesh(cls, mesh: Any, faces: AnyArray | None = None, *, cell: float,
+                  thickness: float = 0.0) -> Self:
+        """Of a closed mesh, or, with a thickness, a shell along any: vertices and faces as arrays, or
+        an object that has both, as trimesh has. In 2D faces are segments."""
+        if faces is None:
+            if not hasattr(mesh, "faces"):
+                raise InvalidArgumentError("faces is missing, and mesh has none of its own")
+            mesh, faces = mesh.vertices, mesh.faces
+        dimension = numpy_of("vertices", mesh).shape[-1]
+        if dimension not in (2, 3):
+            raise InvalidArgumentError(f"vertices have {dimension} coordinates; it must be 2 or 3")
+        points = _contiguous("vertices", mesh, np.float64, dimension)
+        corners = _contiguous("faces", faces, np.uint32, dimension)
+        desc = new_struct("pbf_mesh_desc")
+        desc.dimension, desc.vertex_count, desc.face_count = dimension, len(points), len(corners)
+        desc.vertices = ffi.cast("const double *", pointer(points))
+        desc.faces = ffi.cast("const uint32_t *", pointer(corners))
+        desc.cell, desc.thickness = real("cell", cell), real("thickness", thickness)
+        return cls._made(lib.pbf_shape_from_mesh, desc)
+
+    @classmethod
+    def from_heights(cls, heights: AnyArray, *, spacing: float, base: float, cell: float) -> Self:
+        """A terrain: heights[i, j] is the y above (i, j) spacing along x and z, in 2D heights[i];
+        solid down to `base`."""
+        given = numpy_of("heights", heights)
+        if given.ndim not in (1, 2):
+            raise InvalidArgumentError(f"heights has {given.ndim} axes; it must be 1 or 2")
+        packed = np.asfortranarray(given, dtype=np.float64)
+        desc = new_struct("pbf_heights_desc")
+        desc.dimension = packed.ndim + 1
+        for axis, count in enumerate(packed.shape):
+            desc.count[axis] = count
+        desc.heights = ffi.cast("const double *", packed.ctypes.data)
+        desc.spacing, desc.base = real("spacing", spacing), real("base", base)
+        desc.cell = real("cell", cell)
+        return cls._made(lib.pbf_shape_from_heights, desc)
+
+    @classmethod
+    def from_points(cls, points: AnyArray, *, cell: float) -> Self:
+        """The convex hull of points, shape (count, dimension)."""
+        dimension = numpy_of("points", points).shape[-1]
+        if dimension not in (2, 3):
+            raise InvalidArgumentError(f"points have {dimension} coordinates; it must be 2 or 3")
+        packed = _contiguous("points", points, np.float64, dimension)
+        desc = new_struct("pbf_hull_desc")
+        desc.dimension, desc.point_count = dimension, len(packed)
+        desc.points = ffi.cast("const double *", pointer(packed))
+        desc.cell = real("cell", cell)
+        return cls._made(lib.pbf_shape_from_points, desc)
+
+    @classmethod
+    def _borrowed(cls, handle: Any) -> Self | None:
+        """That of a collider, by a reference of its own."""
+        if handle == ffi.NULL:
+            return None
+        check(lib.pbf_hold_shape(handle))
+        return cls(handle)
+
+    @property
+    def handle(self) -> Any:
+        """That of the C API."""
+        return self._handle
+
+    def _info(self) -> Any:
+        info = new_struct("pbf_shape_info")
+        check(lib.pbf_get_shape_info(self._handle, info))
+        return info
+
+    @property
+    def dimension(self) -> int:
+        return int(self._info().dimension)
+
+    @property
+    def volume(self) -> float:
+        """Of the inside; in 2D its area."""
+        return float(self._info().volume)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The lower and the upper corner of a box around the inside."""
+        info = self._info()
+        n = info.dimension
+        return tuple(list(info.lower)[:n]), tuple(list(info.upper)[:n])
+
+    @property
+    def nbytes(self) -> int:
+        return int(self._info().bytes)
+
+    def distance(self, point: Vector) -> float:
+        """Of a point from the surface, negative inside."""
+        at = ffi.new("double[]", reals("point", point, (self.dimension,)))
+        distance = ffi.new("double *")
+        check(lib.pbf_get_shape_distance(self._handle, at, distance, ffi.NULL))
+        return float(distance[0])
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same one."""
+        return isinstance(other, Geometry) and bool(self._handle == other._handle)
+
+    def __hash__(self) -> int:
+        return hash(self._handle)
