@@ -1,8 +1,8 @@
 /* Any solid, by signed distances on a grid, between its nodes by quadratic B-splines: planes are
- * exact, spheres of radius r off by cell²/(4 r), and edges rounded off within a cell. Linear
- * interpolation, whose slopes have steps, kept water in a cup in motion at 0.06 to 0.09 √(g d)
- * instead of 0.02 (cells of half a spacing). What is between true distances may change by more
- * than the way, `steepest` says by how much. The solid ends within the grid. */
+ * exact, spheres of radius r off by cell²/(4 r), and edges rounded off within a cell. With
+ * linear interpolation the slopes have steps, and water in a cup stayed in motion at 0.06 to 0.09
+ * √(g d) instead of 0.02 (cells of half a spacing). What is between true distances may change by
+ * more than the way, `steepest` says by how much. The solid ends within the grid. */
 #ifndef PBF_PHYSICS_SURFACES_FIELD_H
 #define PBF_PHYSICS_SURFACES_FIELD_H
 
