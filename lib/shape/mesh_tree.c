@@ -46,7 +46,8 @@ static void halve(const pbf_mesh_tree *tree, uint32_t first, uint32_t last, uint
                   int axis) {
   uint32_t *order = tree->order;
   while (last - first > 1) {
-    const double pivot = tree->middles[order[first + (last - first) / 2]][axis];
+    /* Not the last one: what is not above it would be all of them. */
+    const double pivot = tree->middles[order[first + (last - first - 1) / 2]][axis];
     uint32_t i = first, j = last - 1;
     for (;;) {
       while (tree->middles[order[i]][axis] < pivot) ++i;

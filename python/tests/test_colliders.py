@@ -69,3 +69,40 @@ def test_moving_others(dam):
             dam.move_colliders(targets, 1.0)
     with pytest.raises(pbf.InvalidArgumentError, match="duration"):
         dam.move_colliders(dam.colliders, 0)
+
+
+def _box_mesh(half):
+    points = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * half
+    quads = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
+    faces = [corners for a, b, c, d in quads for corners in ((a, b, c), (a, c, d))]
+    return points, np.array(faces)
+
+
+def test_geometries_of_all_kinds():
+    points, faces = _box_mesh(0.2)
+    box = pbf.Geometry.from_mesh(points, faces, cell=0.02)
+    hull = pbf.Geometry.from_points(points, cell=0.02)
+    terrain = pbf.Geometry.from_heights(np.full((3, 3), 0.4), spacing=0.2, base=0, cell=0.02)
+    axes = np.meshgrid(*[np.arange(-0.3, 0.31, 0.02)] * 3, indexing="ij")
+    ball = pbf.Geometry.from_grid(np.sqrt(sum(a * a for a in axes)) - 0.2, (-0.3, -0.3, -0.3), 0.02)
+    for made in (box, hull, ball):
+        assert made.distance((0.25, 0, 0)) == pytest.approx(0.05, abs=1e-3)
+        assert made.dimension == 3
+    assert terrain.distance((0.2, 0.45, 0.2)) == pytest.approx(0.05, abs=1e-3)
+    assert box.volume == pytest.approx(0.064, rel=0.02)
+    with pytest.raises(pbf.InvalidArgumentError, match="open"):
+        pbf.Geometry.from_mesh(points, faces[1:], cell=0.02)
+    shell = pbf.Geometry.from_mesh(points, faces[1:], cell=0.02, thickness=0.04)
+    assert shell.distance((0, 0, 0.2)) < 0 < shell.distance((0, 0, 0))
+
+
+def test_a_solid_keeps_its_geometry():
+    box = pbf.Geometry.from_mesh(*_box_mesh(0.2), cell=0.02)
+    fluid = pbf.Solver(capacity=10)
+    fluid.colliders = [pbf.Solid((0.5, 0.5, 0.5), geometry=box, scale=0.5)]
+    distance = box.distance((0, 0, 0))
+    del box
+    back, = fluid.colliders
+    assert back.geometry.distance((0, 0, 0)) == distance and back.scale == 0.5
+    with pytest.raises(pbf.InvalidArgumentError, match="geometry is null"):
+        fluid.colliders = [pbf.Solid()]
