@@ -142,7 +142,7 @@ PBF_FN pbf_real pbf_boundary_reach(const pbf_constants *c) { return c->h - c->wa
 
 /* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
 PBF_FN_SELDOM void pbf_accumulate_field(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
-                                       pbf_boundary *boundary) {
+                                        pbf_boundary *boundary) {
   const pbf_real reach = pbf_boundary_reach(c);
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);
