@@ -57,6 +57,9 @@ export interface Collider {
   radiusRate: number;
   halfLengthRate: number;
   duration: number;
+  geometry: number;
+  scale: number;
+  scaleRate: number;
   shape: "plane" | "sphere" | "capsule" | "box";
 }
 
@@ -194,6 +197,7 @@ export declare const constants: {
   readonly COLLIDER_SPHERE: 1;
   readonly COLLIDER_CAPSULE: 2;
   readonly COLLIDER_BOX: 3;
+  readonly COLLIDER_SHAPE: 4;
   readonly PATH_AUTO: 0;
   readonly PATH_STRAIGHT: 1;
   readonly PATH_SCREW: 2;

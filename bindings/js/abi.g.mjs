@@ -62,6 +62,7 @@ export const constants = Object.freeze({
   COLLIDER_SPHERE: 1,
   COLLIDER_CAPSULE: 2,
   COLLIDER_BOX: 3,
+  COLLIDER_SHAPE: 4,
   PATH_AUTO: 0,
   PATH_STRAIGHT: 1,
   PATH_SCREW: 2,
@@ -152,7 +153,7 @@ export const structs = {
     },
   },
   pbf_collider: {
-    size: 232,
+    size: 256,
     fields: {
       structSize: ["u32", 0],
       shape: ["u32", 4],
@@ -170,6 +171,9 @@ export const structs = {
       radiusRate: ["f64", 208],
       halfLengthRate: ["f64", 216],
       duration: ["f64", 224],
+      geometry: ["pointer", 232],
+      scale: ["f64", 240],
+      scaleRate: ["f64", 248],
     },
   },
   pbf_stats: {

@@ -63,7 +63,7 @@ _Static_assert(offsetof(pbf_params, max_depenetration_speed) == 520, "as abi.g.m
 _Static_assert(offsetof(pbf_params, max_substeps) == 528, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, reserved) == 532, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, shear_stress_correction) == 536, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_collider) == 232, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_collider) == 256, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, shape) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, inverted) == 8, "as abi.g.mjs has it");
@@ -80,6 +80,9 @@ _Static_assert(offsetof(pbf_collider, half_extents_rate) == 184, "as abi.g.mjs h
 _Static_assert(offsetof(pbf_collider, radius_rate) == 208, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, half_length_rate) == 216, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, duration) == 224, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, geometry) == 232, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, scale) == 240, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, scale_rate) == 248, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_stats) == 184, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_stats, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_stats, count) == 4, "as abi.g.mjs has it");
