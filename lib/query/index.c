@@ -51,18 +51,6 @@ static void lay_out(pbf_query_index *index, char *at) {
   index->first = index->elements + capacity;
 }
 
-static uint64_t order_bytes(const pbf_query_index *index) {
-  return 2 * (uint64_t)index->order_capacity * sizeof *index->order;
-}
-
-void pbf_query_index_free(pbf_solver *solver) {
-  pbf_query_index *index = solver->query;
-  if (!index) return;
-  solver->query = NULL;
-  pbf_memory_free(&solver->allocator, index->order, order_bytes(index));
-  pbf_memory_free(&solver->allocator, index, index->bytes);
-}
-
 /* For as many particles as there are, and some more. */
 static pbf_status reserve(pbf_solver *solver) {
   void *memory;
@@ -368,7 +356,7 @@ static pbf_status reserve_order(pbf_solver *solver, uint32_t count) {
       pbf_memory_allocate(&solver->allocator, 2 * (uint64_t)count * sizeof *index->order,
                           "an order of points", &memory);
   if (status != PBF_OK) return status;
-  pbf_memory_free(&solver->allocator, index->order, order_bytes(index));
+  pbf_memory_free(&solver->allocator, index->order, pbf_query_order_bytes(index));
   index->order = memory;
   index->order_capacity = count;
   return PBF_OK;

@@ -51,6 +51,9 @@ enum { PBF_QUERY_VELOCITIES = 1, PBF_QUERY_PRESSURES = 2 };
 pbf_status pbf_query_index_get(pbf_solver *solver, uint32_t fields, const pbf_query_index **index);
 void pbf_query_index_free(pbf_solver *solver);
 
+/* Of its order. */
+uint64_t pbf_query_order_bytes(const pbf_query_index *index);
+
 /* Particles begin … end - 1 of the index. */
 typedef struct pbf_query_run {
   uint32_t begin, end;

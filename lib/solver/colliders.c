@@ -2,7 +2,6 @@
 #include "colliders.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "backend_call.h"
@@ -13,21 +12,8 @@
 #include "overlap.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
-#include "shape/registry.h"
 #include "solver_time.h"
 #include "structs.h"
-
-pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index) {
-  char label[40];
-  if (!collider->geometry) return PBF_OK;
-  snprintf(label, sizeof label, "colliders[%u].geometry", index);
-  return pbf_shape_hold(collider->geometry, label);
-}
-
-void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders) {
-  for (uint32_t i = 0; i < count; ++i)
-    if (colliders[i].geometry) pbf_shape_let_go(colliders[i].geometry);
-}
 
 /* Every struct of the array has the size of the first; *held counts those that have their
  * references. */
