@@ -164,10 +164,6 @@ static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, 
     for (uint32_t c = 0; c < s->collider_count; ++c)
       placed[k * s->collider_count + c] =
           pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);
-    for (uint32_t c = 0; c < s->collider_count && s->shapes.count; ++c) {
-      pbf_surface *one = &placed[k * s->collider_count + c];
-      one->field = shape_on_device(s->shapes, one->field_id);
-    }
   }
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const double d = 0.05, gravity = 9.81;
 
@@ -333,8 +334,35 @@ static void bad_meshes_are_refused(void **state) {
   mesh_free(&m);
 }
 
+/* In a GPU's kernels distances on a grid cost too much, whether or not there are any. */
+static int refuses_shapes(void) { return strcmp(test_backend(), "cuda") == 0; }
+
+static void skip_without_shapes(void) {
+  if (refuses_shapes()) test_skip("cuda has no colliders of shapes");
+}
+
+static void skip_without_fluid_at_shapes(void) {
+  skip_without_shapes();
+  if (test_is_stub()) test_skip("the stub has no fluid");
+}
+
+static void a_backend_without_them_says_so(void **state) {
+  (void)state;
+  if (!refuses_shapes()) test_skip("the backend has colliders of shapes");
+  pbf_shape *ball = small_ball(3);
+  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 8, 8);
+  const pbf_collider collider = collider_of(ball);
+  const uint64_t before = test_hash(solver);
+  assert_fails(pbf_set_colliders(solver, 1, &collider), PBF_ERROR_UNSUPPORTED,
+               "colliders[0] has a geometry");
+  assert_true(test_hash(solver) == before);
+  pbf_destroy(solver);
+  pbf_release_shape(ball);
+}
+
 static void bad_colliders_are_refused(void **state) {
   (void)state;
+  skip_without_shapes();
   pbf_shape *flat = small_ball(2), *full = small_ball(3);
   pbf_solver *solver = test_filled(3, PBF_FLOAT32, 8, 8);
   pbf_collider bad = collider_of(flat);
@@ -361,6 +389,7 @@ static void bad_colliders_are_refused(void **state) {
 
 static void shapes_live_as_long_as_they_are_held(void **state) {
   (void)state;
+  skip_without_shapes();
   pbf_shape *shape = small_ball(3);
   pbf_solver *a = test_filled(3, PBF_FLOAT32, 8, 8), *b = test_filled(3, PBF_FLOAT32, 8, 8);
   pbf_collider two[2] = {collider_of(shape), collider_of(shape)};
@@ -387,6 +416,7 @@ static void shapes_live_as_long_as_they_are_held(void **state) {
 /* A saved state names the shape, and finds another one of the same content. */
 static void states_name_shapes(void **state) {
   (void)state;
+  skip_without_shapes();
   pbf_shape *shape = small_ball(3);
   pbf_solver *solver = test_filled(3, PBF_FLOAT32, 64, 64);
   pbf_collider collider = collider_of(shape), loaded = {.struct_size = sizeof loaded};
@@ -566,7 +596,7 @@ static void a_tilted_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void cups_hold_water(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_long_kinds(a_cup_holds);
   test_for_long_kinds(a_tilted_cup_holds);
 }
@@ -591,7 +621,7 @@ static void a_carried_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void carried_cups_hold_water(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_long_kinds(a_carried_cup_holds);
 }
 
@@ -629,7 +659,7 @@ static void a_box_is_a_box(uint32_t dimension, uint32_t precision) {
 
 static void boxes_are_boxes(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_long_kinds(a_box_is_a_box);
 }
 
@@ -674,7 +704,7 @@ static void nothing_passes(uint32_t dimension, uint32_t precision) {
 
 static void nothing_passes_a_plate(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_each_kind(nothing_passes);
 }
 
@@ -742,13 +772,13 @@ static void a_bowl_holds(uint32_t dimension, uint32_t precision) {
 
 static void bowls_hold_water(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_long_kinds(a_bowl_holds);
 }
 
 static void scales_are_sizes(void **state) {
   (void)state;
-  if (test_is_stub()) test_skip("the stub has no fluid");
+  skip_without_fluid_at_shapes();
   test_for_long_kinds(a_scale_is_a_size);
 }
 
@@ -761,6 +791,7 @@ int main(void) {
       cmocka_unit_test(bad_colliders_are_refused),
       cmocka_unit_test(shapes_live_as_long_as_they_are_held),
       cmocka_unit_test(states_name_shapes),
+      cmocka_unit_test(a_backend_without_them_says_so),
       cmocka_unit_test(cups_hold_water),
       cmocka_unit_test(carried_cups_hold_water),
       cmocka_unit_test(boxes_are_boxes),
