@@ -100,7 +100,8 @@ static void place_of_disc(const pbf_opening *o, uint64_t column, double at[2]) {
 
 static void place_of_rectangle(const pbf_opening *o, uint64_t column, double at[2]) {
   at[0] = (double)(column % o->sides[0]) + 0.5 - 0.5 * (double)o->sides[0];
-  at[1] = (double)(column / o->sides[0]) + 0.5 - 0.5 * (double)o->sides[1];
+  const uint64_t row = column / o->sides[0];
+  at[1] = (double)row + 0.5 - 0.5 * (double)o->sides[1];
 }
 
 /* Between -1/2 and 1/2, by the finalizer of Steele, Lea and Flood's SplitMix64 (OOPSLA 2014). */

@@ -65,7 +65,7 @@ static void find_part(const pbf_query_index *index, const double *point, const p
 static void add_density(const near *n, double *sum) {
   double kernels[PART];
   for (uint32_t j = 0; j < n->count; ++j) kernels[j] = kernel(sqrt(n->squares[j]));
-  for (uint32_t j = 0; j < n->count; ++j) *sum += kernels[j];
+  for (uint32_t j = 0; j < n->count; ++j) *sum += kernels[j]; /* NOLINT */
 }
 
 static void add_slope(const near *n, uint32_t dimension, double slope[3]) {
@@ -130,7 +130,7 @@ static inline __attribute__((always_inline)) void collect(const pbf_query_index 
   double values[VALUES] = {0};
   for (uint32_t j = 0; j < n->count; ++j) {
     read_values(index, n->particles[j], fields, values);
-    add(m, kernel(sqrt(n->squares[j])), n->ways[j], values, dimension);
+    add(m, kernel(sqrt(n->squares[j])), n->ways[j], values, dimension); /* NOLINT */
   }
 }
 

@@ -50,9 +50,10 @@ static void add_face(pbf_mesh *mesh, uint32_t *n, uint32_t a, uint32_t b, uint32
 static void place(pbf_mesh *mesh, const pbf_heights_desc *desc, uint32_t nx, uint32_t nz) {
   const uint32_t all = nx * nz;
   for (uint32_t i = 0; i < 2 * all; ++i) {
-    mesh->vertices[i][0] = i % all % nx * desc->spacing;
+    const uint32_t column = i % all % nx, row = i % all / nx; /* NOLINT */
+    mesh->vertices[i][0] = column * desc->spacing;
     mesh->vertices[i][1] = i < all ? desc->heights[i] : desc->base;
-    mesh->vertices[i][2] = i % all / nx * desc->spacing;
+    mesh->vertices[i][2] = row * desc->spacing;
   }
 }
 

