@@ -71,7 +71,7 @@ static void add_density(const near *n, double *sum) {
 static void add_slope(const near *n, uint32_t dimension, double slope[3]) {
   for (uint32_t j = 0; j < n->count; ++j) {
     const double s = kernel_slope(sqrt(n->squares[j]));
-    for (uint32_t k = 0; k < dimension; ++k) slope[k] -= s * n->ways[j][k];
+    for (uint32_t k = 0; k < dimension; ++k) slope[k] -= s * n->ways[j][k]; /* NOLINT */
   }
 }
 
@@ -129,7 +129,7 @@ static inline __attribute__((always_inline)) void collect(const pbf_query_index 
                                                           uint32_t dimension, moments *m) {
   double values[VALUES] = {0};
   for (uint32_t j = 0; j < n->count; ++j) {
-    read_values(index, n->particles[j], fields, values);
+    read_values(index, n->particles[j], fields, values); /* NOLINT */
     add(m, kernel(sqrt(n->squares[j])), n->ways[j], values, dimension); /* NOLINT */
   }
 }
