@@ -129,7 +129,7 @@ static inline __attribute__((always_inline)) void collect(const pbf_query_index 
                                                           uint32_t dimension, moments *m) {
   double values[VALUES] = {0};
   for (uint32_t j = 0; j < n->count; ++j) {
-    read_values(index, n->particles[j], fields, values); /* NOLINT */
+    read_values(index, n->particles[j], fields, values);                /* NOLINT */
     add(m, kernel(sqrt(n->squares[j])), n->ways[j], values, dimension); /* NOLINT */
   }
 }
