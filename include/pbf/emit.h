@@ -1,9 +1,9 @@
 /* pbf/emit.h: in and out. Emitters add particles in each step, drains and lifetimes remove them.
  *
- * Each step begins with it: particles whose lifetime is over and those in drains go, then each
- * emitter in turn adds what has left its opening by then. So results do not depend on how steps are
- * divided into calls, and are the same bits again. It is part of saved states, and of pbf_hash
- * where there is any. A step that fails afterwards is not given the same particles twice.
+ * Each step begins with it: particles at the end of their lifetime and those in drains go, then
+ * each emitter in turn adds what has left its opening by then. So results do not depend on how
+ * steps are divided into calls, and are the same bits again. It is part of saved states, and of
+ * pbf_hash where there is any. A step that fails afterwards is not given the same particles twice.
  *
  * A particle stands for the volume spacing^dimension. The rules of pbf.h hold here, too. A solver
  * without emitters and drains has no memory and no time for them; with drains each step looks at

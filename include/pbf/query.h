@@ -52,7 +52,7 @@ typedef struct pbf_volume {
 /* Fills *volume: at the origin, not turned, axis +y, sizes 1. */
 PBF_API pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape);
 
-/* The ids of the particles whose centres are in the volume or on its surface, ascending: the first
+/* The ids of the particles with their centres in the volume or on its surface, ascending: the first
  * `capacity` of them go to `ids`, which may be null where capacity is 0, and *count gets how many
  * there are, be it more than capacity. Looks at all particles, and needs nothing of what a query
  * keeps. */

@@ -295,7 +295,7 @@ pbf_status pbf_query_index_get(pbf_solver *solver, uint32_t fields, const pbf_qu
 
 /* ---- Looking up ----------------------------------------------------------------------------- */
 
-/* The first particle whose key is at least `key`. */
+/* The first particle with a key of at least `key`. */
 static uint32_t find_key(const pbf_query_index *index, uint64_t key) {
   const uint64_t entry = key >> index->shift;
   if (entry >= index->entries) return index->count;
@@ -337,7 +337,7 @@ void pbf_query_go(pbf_query_place *place, const double *point) {
       place->count = place->is_set = 0;
       return;
     }
-    /* Before the first particle and behind the last, in whose cells nothing but these is near. */
+    /* Before the first particle and behind the last; in their cells nothing else is near. */
     cell[k] = inner_cell(index, k, fmax(cell_of(index, k, at), PBF_QUERY_REACH));
   }
   if (place->is_set && memcmp(cell, place->cell, sizeof cell) == 0) return;

@@ -60,7 +60,7 @@ typedef struct pbf_query_run {
 } pbf_query_run;
 
 /* All particles within the radius of points in one cell, and others. Points that follow each other
- * are often in the same cell, whose runs are found once. */
+ * are often in the same cell: its runs are found once. */
 typedef struct pbf_query_place {
   const pbf_query_index *index;
   uint32_t cell[3];

@@ -4,7 +4,7 @@
 
 #include "registry.h"
 
-/* Checks the values of a grid whose size, origin and cell are set, measures the solid and publishes
+/* Checks the values of a grid that has its size, origin and cell, measures the solid and publishes
  * it; frees it where it fails. `label` is what messages call the values. */
 pbf_status pbf_shape_finish(pbf_live_shape *made, const char *label, pbf_shape **shape);
 

@@ -55,7 +55,7 @@ void pbf_mesh_look(const pbf_mesh *mesh, uint32_t face, const double place[3],
 /* `nearest` has a bound, such as that of any face, or INFINITY. */
 void pbf_mesh_find(const pbf_mesh_tree *tree, const double place[3], pbf_nearest *nearest);
 
-/* Calls visit for the faces whose boxes meet a box, until it returns 0. */
+/* Calls visit for the faces that have boxes which meet a box, until it returns 0. */
 int pbf_mesh_each_in(const pbf_mesh_tree *tree, const double lower[3], const double upper[3],
                      int (*visit)(void *context, uint32_t face), void *context);
 
