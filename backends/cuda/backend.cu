@@ -230,21 +230,19 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   return PBF_OK;
 }
 
-static pbf_status refuse_shape(uint32_t index) {
-  char text[160];
-  snprintf(text, sizeof text,
-           "colliders[%u] has a geometry, which cuda does not have yet; serial, threads and openmp "
-           "have it",
-           index);
-  pbf_cuda_host->set_error(text);
-  return PBF_ERROR_UNSUPPORTED;
+/* Once no kernel that reads those before is to come. */
+static void keep_shapes(solver *s, const device_shapes &next) {
+  if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, s->shapes.memory);
+  s->shapes = next;
+}
+
+static void drop_shapes(solver *s, const device_shapes &next) {
+  if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, next.memory);
 }
 
 static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
                                 const pbf_collider *colliders, double time) {
   solver *s = of(handle);
-  for (uint32_t k = 0; k < count; ++k)
-    if (colliders[k].shape == PBF_COLLIDER_SHAPE) return refuse_shape(k);
   pbf_cuda_scope scope(s->context);
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
@@ -252,13 +250,21 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   pbf_moving_obstacles changed =
       pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
   changed.surfaces |= s->moving_obstacles.surfaces;
-  if (pbf_status status = apply_params(s, &s->params, room, first)) return status;
-  if (pbf_status status = wake_near_colliders(s, changed, s->time)) return status;
+  device_shapes shapes;
+  pbf_status status = take_shapes(&s->memory, s->shapes, count, colliders, &shapes);
+  if (status) return status;
+  status = apply_params(s, &s->params, room, first);
+  if (!status) status = wake_near_colliders(s, changed, s->time);
+  if (status) {
+    drop_shapes(s, shapes);
+    return status;
+  }
+  keep_shapes(s, shapes);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->time = time;
   if (room != count)
-    if (pbf_status status = apply_params(s, &s->params, count, s->colliders)) return status;
+    if ((status = apply_params(s, &s->params, count, s->colliders))) return status;
   s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
   return wake_near_colliders(s, changed, time);
 }

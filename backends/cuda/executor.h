@@ -154,8 +154,10 @@ struct executor {
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(s->residual_density),
               at_start{time_step}, n.particles.velocities);
-        launch(residual_density_kernel<F>, n, extras, before, time_step, with_ghosts,
-               s->residual_density);
+        with_surfaces(s, [&](auto surfaces) {
+          launch(residual_density_kernel<F, decltype(surfaces)::value>, n, extras, before,
+                 time_step, with_ghosts, s->residual_density);
+        });
       });
     });
   }
@@ -172,14 +174,21 @@ struct executor {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_ghosts_of_lambda<F>();
-        launch(torn ? deposit_kernel<F, true> : deposit_kernel<F, false>, n, extras, ghosts,
-               s->pressure_grid, arrays);
+        with_surfaces(s, [&](auto surfaces) {
+          constexpr surfaces_met SURFACES = decltype(surfaces)::value;
+          launch(torn ? deposit_kernel<F, true, SURFACES> : deposit_kernel<F, false, SURFACES>, n,
+                 extras, ghosts, s->pressure_grid, arrays);
+        });
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
-      launch(torn ? apply_correction_kernel<true> : apply_correction_kernel<false>, n.particles,
-             s->pressure_grid, arrays, extras.obstacles, collides_with_surfaces(),
-             (pbf_real)(1 / s->params.time_step));
+      with_surfaces(s, [&](auto surfaces) {
+        constexpr surfaces_met SURFACES = decltype(surfaces)::value;
+        launch(torn ? apply_correction_kernel<true, SURFACES>
+                    : apply_correction_kernel<false, SURFACES>,
+               n.particles, s->pressure_grid, arrays, extras.obstacles, collides_with_surfaces(),
+               (pbf_real)(1 / s->params.time_step));
+      });
     });
   }
 
@@ -260,8 +269,11 @@ struct executor {
         constexpr int F = decltype(features)::value;
         if (with_ghosts)
           sum_ghosts<fabric_pass<fixed<F>>>(s, n, unwatched, domain(), s->fabric_ghosts);
-        launch(deviator_kernel<F>, n, extras.obstacles, s->schedule.wall_density, s->activity,
-               with_ghosts ? s->fabric_ghosts : nullptr, s->deviators, s->other);
+        with_surfaces(s, [&](auto surfaces) {
+          launch(deviator_kernel<F, decltype(surfaces)::value>, n, extras.obstacles,
+                 s->schedule.wall_density, s->activity, with_ghosts ? s->fabric_ghosts : nullptr,
+                 s->deviators, s->other);
+        });
       });
     });
   }
@@ -284,9 +296,10 @@ struct executor {
       with_kernel(s->schedule.features, [&](auto features) {
         launch(shear_stress_kernel<decltype(features)::value>, n, s->other, changes);
       });
-      auto kernel = met == MANY_SURFACES  ? shear_way_kernel<MANY_SURFACES>
-                    : met == FEW_SURFACES ? shear_way_kernel<FEW_SURFACES>
-                                          : shear_way_kernel<NO_SURFACES>;
+      auto kernel = met == FIELD_SURFACES  ? shear_way_kernel<FIELD_SURFACES>
+                    : met == MANY_SURFACES ? shear_way_kernel<MANY_SURFACES>
+                    : met == FEW_SURFACES  ? shear_way_kernel<FEW_SURFACES>
+                                           : shear_way_kernel<NO_SURFACES>;
       launch(kernel, n.particles.points, s->count, s->activity, extras.obstacles,
              (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
              s->velocities);
@@ -306,10 +319,13 @@ struct executor {
     run(PBF_STAGE_DAMPING_COMPENSATION, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        launch(s->torques ? compensate_damping_kernel<F | PBF_FEATURE_TORQUE>
-                          : compensate_damping_kernel<F>,
-               n, extras.obstacles, s->schedule.wall_density,
-               (pbf_real)pbf_per_time_step(&s->params), s->other, s->torques, s->velocities);
+        with_surfaces(s, [&](auto surfaces) {
+          constexpr surfaces_met SURFACES = decltype(surfaces)::value;
+          launch(s->torques ? compensate_damping_kernel<F | PBF_FEATURE_TORQUE, SURFACES>
+                            : compensate_damping_kernel<F, SURFACES>,
+                 n, extras.obstacles, s->schedule.wall_density,
+                 (pbf_real)pbf_per_time_step(&s->params), s->other, s->torques, s->velocities);
+        });
       });
     });
   }

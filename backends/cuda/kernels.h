@@ -230,7 +230,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What a very short step leaves of the density error where the particles were at its start, between
  * these walls, and the colliders, of that time. `with_ghosts`: `residual_density` holds
  * what these add to it. */
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     residual_density_kernel(neighborhood n, iteration_extras extras, pbf_domain domain,
                             pbf_real time_step, bool with_ghosts, pbf_real *residual_density) {
@@ -245,7 +245,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (with_ghosts) density += residual_density[i];
   if (extras.wall_density) {
     const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    pbf_boundary boundary = pbf_boundary_at_time(c, obstacles_met<SURFACES>(before), x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
   }
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
@@ -346,7 +346,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* Lambda of the step is in the points. Images take a quarter more registers, so that scenes without
  * them have an instance of their own. */
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     compensate_damping_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
                               pbf_real inv_time_step, const point *flow, pbf_curl *torques,
@@ -362,14 +362,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = change_near_obstacles(c, obstacles, x, mean, here.lambda, vec_of(sums.end),
-                                   vec_of(sums.start));
+    change = change_near_obstacles(c, obstacles_met<SURFACES>(obstacles), x, mean, here.lambda,
+                                   vec_of(sums.end), vec_of(sums.start));
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
 
 /* lambda D of shear_stress.h, of particles awake, and what walls push with.
  * `activity` is null where nothing sleeps, `ghosts` where there are none. */
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deviator_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
                     const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
@@ -382,7 +382,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   if (PBF_GHOSTS && ghosts) add_sums(&sums, ghosts[i]);
   pbf_fabric fabric = fabric_of(sums);
-  const bool counts = !wall_density || add_walls(&n.constants, obstacles, x, &fabric);
+  const bool counts =
+      !wall_density || add_walls(&n.constants, obstacles_met<SURFACES>(obstacles), x, &fabric);
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   const pbf_deviator none = {{0}};
   deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;

@@ -7,7 +7,23 @@
 #include "cuda/solver.h"
 
 static inline surfaces_met surfaces_of(const solver *s) {
+  if (s->shapes.count) return FIELD_SURFACES;
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? surfaces_of(s->collider_count) : NO_SURFACES;
+}
+
+template <surfaces_met SURFACES>
+struct surfaces_constant {
+  static constexpr surfaces_met value = SURFACES;
+};
+
+/* Calls launch(constant) with what kernels that are built for fields, and for what has none, are to
+ * meet. */
+template <class Launch>
+static inline void with_surfaces(const solver *s, Launch launch) {
+  if (s->shapes.count)
+    launch(surfaces_constant<FIELD_SURFACES>{});
+  else
+    launch(surfaces_constant<FEW_SURFACES>{});
 }
 
 /* Predicts and counts the particles of each cell. */
@@ -18,13 +34,15 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
           "cudaMemsetAsync"))
     return status;
   surfaces_met met = surfaces_of(s);
-  auto kernel = met == MANY_SURFACES  ? predict_kernel<MANY_SURFACES, false>
-                : met == FEW_SURFACES ? predict_kernel<FEW_SURFACES, false>
-                                      : predict_kernel<NO_SURFACES, false>;
+  auto kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, false>
+                : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, false>
+                : met == FEW_SURFACES  ? predict_kernel<FEW_SURFACES, false>
+                                       : predict_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      kernel = met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
-                                    : predict_kernel<FEW_SURFACES, true>;
+      kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, true>
+               : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
+                                      : predict_kernel<FEW_SURFACES, true>;
   kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
                                                             scratch_of(s));
   return PBF_OK;
@@ -39,13 +57,15 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
     return status;
   scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
   surfaces_met met = surfaces_of(s);
-  auto place = met == MANY_SURFACES  ? place_kernel<MANY_SURFACES, false>
-               : met == FEW_SURFACES ? place_kernel<FEW_SURFACES, false>
-                                     : place_kernel<NO_SURFACES, false>;
+  auto place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, false>
+               : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, false>
+               : met == FEW_SURFACES  ? place_kernel<FEW_SURFACES, false>
+                                      : place_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      place = met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
-                                   : place_kernel<FEW_SURFACES, true>;
+      place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, true>
+              : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
+                                     : place_kernel<FEW_SURFACES, true>;
   place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
   return PBF_OK;
 }
@@ -102,14 +122,16 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
   uint32_t blocks = blocks_for(s->count);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    bool many = surfaces_of(s) == MANY_SURFACES;
-    auto kernel = many            ? lambda_kernel<F, true, MANY_SURFACES, false>
-                  : has_extras(s) ? lambda_kernel<F, true, FEW_SURFACES, false>
-                                  : lambda_kernel<F, false, FEW_SURFACES, false>;
+    surfaces_met met = surfaces_of(s);
+    auto kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, false>
+                  : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, false>
+                  : has_extras(s)        ? lambda_kernel<F, true, FEW_SURFACES, false>
+                                         : lambda_kernel<F, false, FEW_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
-        kernel = many ? lambda_kernel<F, true, MANY_SURFACES, true>
-                      : lambda_kernel<F, true, FEW_SURFACES, true>;
+        kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, true>
+                 : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, true>
+                                        : lambda_kernel<F, true, FEW_SURFACES, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
   });
 }
@@ -120,14 +142,16 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
     surfaces_met met = surfaces_of(s);
-    auto kernel = met == MANY_SURFACES  ? move_kernel<F, true, MANY_SURFACES, false>
-                  : met == FEW_SURFACES ? move_kernel<F, true, FEW_SURFACES, false>
-                  : has_extras(s)       ? move_kernel<F, true, NO_SURFACES, false>
-                                        : move_kernel<F, false, NO_SURFACES, false>;
+    auto kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, false>
+                  : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, false>
+                  : met == FEW_SURFACES  ? move_kernel<F, true, FEW_SURFACES, false>
+                  : has_extras(s)        ? move_kernel<F, true, NO_SURFACES, false>
+                                         : move_kernel<F, false, NO_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
-        kernel = met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, true>
-                                      : move_kernel<F, true, FEW_SURFACES, true>;
+        kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, true>
+                 : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, true>
+                                        : move_kernel<F, true, FEW_SURFACES, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
 }
@@ -164,6 +188,10 @@ static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, 
     for (uint32_t c = 0; c < s->collider_count; ++c)
       placed[k * s->collider_count + c] =
           pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);
+    for (uint32_t c = 0; c < s->collider_count && s->shapes.count; ++c) {
+      pbf_surface *one = &placed[k * s->collider_count + c];
+      one->field = shape_on_device(s->shapes, one->field_id);
+    }
   }
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =

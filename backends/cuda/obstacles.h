@@ -18,6 +18,14 @@ struct step_obstacles {
   const pbf_surface *surfaces;
 };
 
+/* The same, of surfaces of such a type. */
+template <class Surface>
+struct obstacles_of {
+  const pbf_domain &domain;
+  int count;
+  const Surface *surfaces;
+};
+
 /* A bit for each collider. */
 typedef unsigned long long surface_set;
 
@@ -31,9 +39,19 @@ static __host__ __device__ __forceinline__ int lowest_of(surface_set set) {
 }
 static_assert(PBF_MAX_COLLIDERS <= 64, "a set has 64 bits");
 
-/* Kernels that are short of registers are built for each: colliders take half as many again, and
- * looking for them takes more. */
-enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES };
+/* Kernels that are short of registers are built for each: colliders take half as many again,
+ * looking for them takes more, and distances between the nodes of a field a stack. */
+enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES, FIELD_SURFACES };
+
+/* What a kernel that is built for such surfaces sees of them. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ auto obstacles_met(const step_obstacles &o) {
+  if constexpr (SURFACES == FIELD_SURFACES)
+    return obstacles_of<pbf_surface>{o.domain, o.count, o.surfaces};
+  else
+    return obstacles_of<pbf_closed_surface>{o.domain, o.count,
+                                            static_cast<const pbf_closed_surface *>(o.surfaces)};
+}
 
 /* Fewer are asked faster than looked for. */
 static inline surfaces_met surfaces_of(uint32_t count) {
@@ -132,7 +150,7 @@ static __device__ __forceinline__ surface_set surfaces_that(const step_obstacles
 
 /* Calls visit(surface) for those of the set, in their order. */
 struct surface_subset {
-  const pbf_surface *surfaces;
+  const pbf_closed_surface *surfaces;
   surface_set set;
 
   template <class Visit>
@@ -145,15 +163,19 @@ struct surface_subset {
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *c,
                                                            const step_obstacles &o, pbf_vec x) {
-  if (SURFACES != MANY_SURFACES) return pbf_boundary_at(c, o, x);
-  pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  const surface_subset near = {
-      o.surfaces, surfaces_that(o, x, pbf_boundary_reach(c),
-                                [](const lane_box &box, float reach, const pbf_surface &s) {
-                                  return is_near_box(box, s, reach);
-                                })};
-  near.each([&](const pbf_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
-  return boundary;
+  const auto met = obstacles_met<SURFACES>(o);
+  if constexpr (SURFACES != MANY_SURFACES) {
+    return pbf_boundary_at(c, met, x);
+  } else {
+    pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
+    const surface_subset near = {
+        met.surfaces, surfaces_that(o, x, pbf_boundary_reach(c),
+                                    [](const lane_box &box, float reach, const pbf_surface &s) {
+                                      return is_near_box(box, s, reach);
+                                    })};
+    near.each([&](const pbf_closed_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
+    return boundary;
+  }
 }
 
 template <surfaces_met SURFACES>
@@ -172,23 +194,29 @@ template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacles &o,
                                                              int with_obstacle_motion, pbf_vec from,
                                                              pbf_vec x) {
-  if (SURFACES == NO_SURFACES) return pbf_keep_in_domain(&o.domain, x);
-  if (SURFACES == FEW_SURFACES) return pbf_resolve_collisions(o, with_obstacle_motion, from, x);
-  const pbf_vec kept = pbf_keep_in_domain(&o.domain, x);
-  const pbf_vec way = pbf_sub(x, from), kept_way = pbf_sub(kept, from);
-  const pbf_real length =
-      pbf_real_sqrt(pbf_real_max(pbf_dot(way, way), pbf_dot(kept_way, kept_way)));
-  surface_subset near = {
-      o.surfaces,
-      surfaces_that(o, from, length, [&](const lane_box &box, float longest, const pbf_surface &s) {
-        return with_obstacle_motion ? may_meet_moving(box, s, longest)
-                                    : is_near_box(box, s, longest + 2 * above(s.skin));
-      })};
-  const pbf_vec after = pbf_resolve_among(&o.domain, near, with_obstacle_motion, from, x);
-  if (!with_obstacle_motion && !(o.surfaces[0].iteration_push > 0)) return after;
-  bool pushed = false;
-  for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
-  return pushed ? pbf_resolve_collisions(o, with_obstacle_motion, from, x) : after;
+  const auto met = obstacles_met<SURFACES>(o);
+  if constexpr (SURFACES == NO_SURFACES) {
+    return pbf_keep_in_domain(&o.domain, x);
+  } else if constexpr (SURFACES != MANY_SURFACES) {
+    return pbf_resolve_collisions(met, with_obstacle_motion, from, x);
+  } else {
+    const pbf_vec kept = pbf_keep_in_domain(&o.domain, x);
+    const pbf_vec way = pbf_sub(x, from), kept_way = pbf_sub(kept, from);
+    const pbf_real length =
+        pbf_real_sqrt(pbf_real_max(pbf_dot(way, way), pbf_dot(kept_way, kept_way)));
+    surface_subset near = {
+        met.surfaces, surfaces_that(o, from, length,
+                                    [&](const lane_box &box, float longest, const pbf_surface &s) {
+                                      return with_obstacle_motion
+                                                 ? may_meet_moving(box, s, longest)
+                                                 : is_near_box(box, s, longest + 2 * above(s.skin));
+                                    })};
+    const pbf_vec after = pbf_resolve_among(&o.domain, near, with_obstacle_motion, from, x);
+    if (!with_obstacle_motion && !(o.surfaces[0].iteration_push > 0)) return after;
+    bool pushed = false;
+    for (int k = 0; k < PBF_DIM; ++k) pushed |= after.c[k] != kept.c[k];
+    return pushed ? pbf_resolve_collisions(met, with_obstacle_motion, from, x) : after;
+  }
 }
 
 #endif

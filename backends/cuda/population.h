@@ -156,8 +156,10 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
   if (pbf_status status = sort_present(s, grid)) return status;
   with_kernel(s->schedule.features, [&](auto features) {
-    density_kernel<decltype(features)::value>
-        <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), extras, densities);
+    with_surfaces(s, [&](auto surfaces) {
+      density_kernel<decltype(features)::value, decltype(surfaces)::value>
+          <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), extras, densities);
+    });
   });
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,

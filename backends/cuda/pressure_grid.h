@@ -69,7 +69,7 @@ static __device__ __forceinline__ double *pressure_grid_lambda(const pressure_gr
 
 /* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
  * these add, or null. */
-template <int FEATURES, bool TORN>
+template <int FEATURES, bool TORN, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
     deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
                    pbf_pressure_grid grid, pressure_grid_arrays a) {
@@ -82,7 +82,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
   if (i >= n.particles.count) return;
   if (ghosts) density += ghosts[i].density;
-  if (extras.wall_density) add_boundary<FEW_SURFACES>(c, extras.obstacles, x, &density, &gradient);
+  if (extras.wall_density) add_boundary<SURFACES>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
@@ -150,6 +150,7 @@ static __device__ __forceinline__ bool has_compartment(const pbf_pressure_grid &
 
 /* ---- The cells ------------------------------------------------------------------------------ */
 
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     pressure_grid_cells_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
   const pbf_pressure_grid_topology *t = &a.topology;
@@ -157,7 +158,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (!has_compartment(grid, a, cell)) return;
   double free_volume = 0;
   if (cell < grid.nodes && !pbf_cell_is_cut(t, cell))
-    free_volume = pbf_pressure_grid_free_volume(&grid, o, cell);
+    free_volume = pbf_pressure_grid_free_volume(&grid, obstacles_met<SURFACES>(o), cell);
   if (t->surface_count) free_volume = pbf_compartment_volume(t, cell, free_volume);
   a.free_volumes[cell] = free_volume;
   if (!pbf_pressure_grid_is_filled(&grid, (int64_t)a.sums[cell], free_volume)) return;
@@ -312,7 +313,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* What the grid adds to the moves. */
-template <bool TORN>
+template <bool TORN, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
                             step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
@@ -325,7 +326,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
-  if (collide) u = pbf_move_past_obstacles(obstacles, x, u);
+  if (collide) u = pbf_move_past_obstacles(obstacles_met<SURFACES>(obstacles), x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);

@@ -153,7 +153,10 @@ static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &ob
   pressure_grid_arrays arrays = pressure_grid_of(s);
   const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
   const uint32_t blocks = blocks_for(indices), with_torn = blocks_for(grid.nodes + torn);
-  pressure_grid_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  with_surfaces(s, [&](auto surfaces) {
+    pressure_grid_cells_kernel<decltype(surfaces)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+  });
   pressure_grid_depths_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   pressure_grid_nodes_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   launch_guess(s, arrays);

@@ -54,8 +54,11 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
       blocks_for(s->count) < PBF_SUM_BLOCKS ? blocks_for(s->count) : (uint32_t)PBF_SUM_BLOCKS;
   partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_storage);
   with_kernel(s->schedule.features, [&](auto features) {
-    stats_kernel<decltype(features)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
-        state_of(s), neighborhood_of(s, grid), extras, on_device);
+    with_surfaces(s, [&](auto surfaces) {
+      stats_kernel<decltype(features)::value, decltype(surfaces)::value>
+          <<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), neighborhood_of(s, grid), extras,
+                                                on_device);
+    });
   });
   if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;

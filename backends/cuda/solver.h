@@ -11,6 +11,7 @@
 #include "cuda/memory.h"
 #include "cuda/kernels.h"
 #include "cuda/scan.h"
+#include "cuda/shapes.h"
 #include "cuda/sleep.h"
 #include "cuda/small/kernel.h"
 #include "cuda/status.h"
@@ -85,6 +86,7 @@ struct solver {
   uint32_t collider_count;
   double collider_time;
   pbf_collider colliders[PBF_MAX_COLLIDERS];
+  device_shapes shapes; /* theirs */
 };
 
 /* Launches blocks that wait for each other. */

@@ -41,15 +41,15 @@ static __host__ __device__ inline partial_stats empty_stats() {
 }
 
 /* rho/rho0 of particle i of the sorted ones. */
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_real full_density(const neighborhood &n,
                                                         const iteration_extras &extras, uint32_t i,
                                                         uint32_t *neighbors) {
   pbf_real density = density_at<FEATURES>(n, extras.obstacles.domain, i, neighbors);
   pbf_vec gradient = {{0}};
   if (extras.wall_density)
-    add_boundary<FEW_SURFACES>(&n.constants, extras.obstacles,
-                               position_of(load(n.particles.points, i)), &density, &gradient);
+    add_boundary<SURFACES>(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)),
+                           &density, &gradient);
   return density;
 }
 
@@ -68,7 +68,7 @@ static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v)
 }
 
 /* `state` gives positions and velocities, `n` the same particles sorted. */
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     stats_kernel(unsorted_particles state, neighborhood n, iteration_extras extras,
                  partial_stats *partial) {
@@ -76,14 +76,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   partial_stats s = empty_stats();
   for (uint32_t i = thread_index(); i < state.count; i += gridDim.x * blockDim.x) {
     uint32_t neighbors = 0;
-    double density = (double)full_density<FEATURES>(n, extras, i, &neighbors);
+    double density = (double)full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
     add_motion(&s, position_of(load(state.points, i)), state.velocities[i]);
     s.density += density;
     s.density_error += larger(density - 1, 0);
     s.density_max = larger(s.density_max, density);
     s.neighbors += neighbors;
     s.neighbors_max = max(s.neighbors_max, neighbors);
-    s.squeezed += pbf_is_squeezed_by(extras.obstacles, position_of(load(state.points, i)));
+    s.squeezed += pbf_is_squeezed_by(obstacles_met<SURFACES>(extras.obstacles),
+                                     position_of(load(state.points, i)));
   }
   /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
   for (uint32_t lane = 0; lane < 32; ++lane) {
@@ -102,11 +103,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   partial[blockIdx.x] = s;
 }
 
-template <int FEATURES>
+template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
   uint32_t i = thread_index(), neighbors = 0;
-  if (i < n.particles.count) densities[i] = full_density<FEATURES>(n, extras, i, &neighbors);
+  if (i < n.particles.count)
+    densities[i] = full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
 }
 
 #endif

@@ -155,7 +155,8 @@ PBF_FN_SELDOM void pbf_accumulate_field(const pbf_constants *c, const pbf_surfac
 
 /* Deep inside a surface that has another side density stays what it is at its first node, and so
  * has no slope there: a push that never lowers what it is to undo would go on in every step. */
-PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
+template <class Surface>
+PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const Surface *s, pbf_vec x,
                                    pbf_boundary *boundary) {
   if (pbf_surface_is_beyond(s, x, pbf_boundary_reach(c))) return;
   if (pbf_surface_is_field(s)) {
@@ -200,7 +201,7 @@ PBF_FN_APART pbf_boundary pbf_boundary_at_time(const pbf_constants *c, const Obs
                                                pbf_vec x, pbf_vec at, int before) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
   for (int k = 0; k < pbf_surface_count(o); ++k) {
-    const pbf_surface surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
+    const auto surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
     pbf_accumulate_surface(c, &surface, at, &boundary);
   }
   return boundary;

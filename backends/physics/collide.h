@@ -16,8 +16,9 @@ enum { PBF_IN_THE_WAY = 1, PBF_BEGINS_INSIDE = 2 };
  * there. A way that grazes it for long comes to no end and counts as one that meets it at
  * the nearest point: shapes are convex, so none of it is before that point's tangent plane. Returns
  * 0 where it does not meet it. */
-PBF_FN int pbf_meet(const pbf_surface *s, pbf_vec from, pbf_vec x, pbf_real length,
-                    pbf_real distance, pbf_vec *at, pbf_vec *normal) {
+template <class Surface>
+PBF_FN int pbf_meet(const Surface *s, pbf_vec from, pbf_vec x, pbf_real length, pbf_real distance,
+                    pbf_vec *at, pbf_vec *normal) {
   enum { STEPS = 48 };
   pbf_real way = distance;
   for (int k = 0; k < STEPS && way < length; ++k) {
@@ -41,7 +42,8 @@ PBF_FN pbf_real pbf_way_out(pbf_real distance, pbf_real push) {
  * it, it slides on along the tangent plane, so that nothing goes through however thin the shape
  * and however fast the particle. What starts inside leaves by the face that is nearest to the
  * start, by no more than `push`. */
-PBF_FN int pbf_find_contact_on_way(const pbf_surface *s, pbf_real push, pbf_vec from, pbf_vec x,
+template <class Surface>
+PBF_FN int pbf_find_contact_on_way(const Surface *s, pbf_real push, pbf_vec from, pbf_vec x,
                                    pbf_contact *contact) {
   const pbf_vec way = pbf_sub(x, from);
   const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
@@ -97,14 +99,16 @@ PBF_FN_SELDOM int pbf_find_contact_with_field(const pbf_surface *s, pbf_real pus
 }
 
 /* How far behind a surface without another side a particle may be that has started there. */
-PBF_FN pbf_real pbf_min_distance(const pbf_surface *s, pbf_real push, pbf_vec from) {
+template <class Surface>
+PBF_FN pbf_real pbf_min_distance(const Surface *s, pbf_real push, pbf_vec from) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, from, &normal);
   return distance < -s->rounding ? distance + pbf_way_out(distance, push) : 0;
 }
 
 /* What has no other side holds particles as walls do: planes, too, make corners. */
-PBF_FN int pbf_find_contact_at(const pbf_surface *s, pbf_real push, pbf_vec from, pbf_vec x,
+template <class Surface>
+PBF_FN int pbf_find_contact_at(const Surface *s, pbf_real push, pbf_vec from, pbf_vec x,
                                pbf_contact *contact) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
@@ -126,7 +130,8 @@ PBF_FN pbf_real pbf_push_of(const pbf_surface *s, int with_obstacle_motion) {
 
 /* Whether the surface has something against the way of a particle from `from` to x, and the plane
  * that it then stays before; what is found inside it takes out by as much as `push`. */
-PBF_FN_APART int pbf_find_contact(const pbf_surface *s, pbf_real push, int with_obstacle_motion,
+template <class Surface>
+PBF_FN_APART int pbf_find_contact(const Surface *s, pbf_real push, int with_obstacle_motion,
                                   pbf_vec from, pbf_vec x, pbf_contact *contact) {
   const pbf_vec start = pbf_way_start(s, with_obstacle_motion, from);
   if (pbf_surface_is_field(s)) return pbf_find_contact_with_field(s, push, start, x, contact);
@@ -146,8 +151,9 @@ PBF_FN int pbf_find_wall_contact(const pbf_domain *domain, int wall, pbf_vec x,
 
 /* What has no other side gives back of the depth what walls do, unless the particle has been behind
  * it before. */
-PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const pbf_surface *s,
-                            int with_obstacle_motion, pbf_vec from, pbf_vec x) {
+template <class Surface>
+PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const Surface *s, int with_obstacle_motion,
+                            pbf_vec from, pbf_vec x) {
   pbf_vec normal;
   const pbf_real distance = pbf_surface_distance(s, x, &normal);
   if (!(distance < 0)) return x;
@@ -163,15 +169,21 @@ namespace {
 
 /* Surfaces in an array. Another set of them has the same function each(visit), which calls
  * visit(surface) for one after another. */
+template <class Surface>
 struct surface_array {
   int count;
-  const pbf_surface *first;
+  const Surface *first;
 
   template <class Visit>
   PBF_IN void each(Visit visit) const {
     for (int k = 0; k < count; ++k) visit(first[k]);
   }
 };
+
+template <class Surface>
+PBF_FN surface_array<Surface> surface_array_of(int count, const Surface *first) {
+  return {count, first};
+}
 
 /* The way of a particle from `from` to wherever. */
 template <class Surfaces>
@@ -182,7 +194,8 @@ struct collision {
   pbf_vec from;
 
   /* How far a surface takes what begins at `from`: along with it, and out of it. */
-  PBF_IN pbf_real way_by(const pbf_surface &s) const {
+  template <class Surface>
+  PBF_IN pbf_real way_by(const Surface &s) const {
     pbf_vec normal;
     const pbf_vec start = pbf_way_start(&s, with_obstacle_motion, from);
     const pbf_vec carried = pbf_sub(start, from);
@@ -195,7 +208,7 @@ struct collision {
    * particle that they find inside, or else only keep it from getting deeper: by that way. */
   template <class Visit>
   PBF_IN void each_contact(const pbf_vec &x, bool push, Visit visit) const {
-    surfaces->each([&](const pbf_surface &s) {
+    surfaces->each([&](const auto &s) {
       pbf_contact contact;
       const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
       if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact) & PBF_IN_THE_WAY)
@@ -239,7 +252,7 @@ struct collision {
     bool stays = is_free(from);
     pbf_vec place = from;
     if (with_obstacle_motion && !stays)
-      surfaces->each([&](const pbf_surface &s) {
+      surfaces->each([&](const auto &s) {
         pbf_contact contact;
         if (stays || pbf_surface_is_unbounded(&s)) return;
         if (!pbf_find_contact(&s, 0, with_obstacle_motion, from, x, &contact)) return;
@@ -257,7 +270,7 @@ PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, c
                            MaySqueeze may_squeeze) {
   int inside = 0, at = 0;
   pbf_real skin = 0;
-  surfaces.each([&](const pbf_surface &s) {
+  surfaces.each([&](const auto &s) {
     if (pbf_surface_is_beyond(&s, x, s.skin)) return;
     pbf_vec normal;
     const pbf_real distance = pbf_surface_distance(&s, x, &normal);
@@ -271,9 +284,9 @@ PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, c
 
 template <class Obstacles>
 PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
-  const surface_array surfaces = {pbf_surface_count(o), o.surfaces};
+  const auto surfaces = surface_array_of(pbf_surface_count(o), o.surfaces);
   return surfaces.count > 0 &&
-         pbf_is_between(&o.domain, surfaces, x, [](const pbf_surface &) { return true; });
+         pbf_is_between(&o.domain, surfaces, x, [](const auto &) { return true; });
 }
 
 /* Obstacle after obstacle pushes x off, until none has anything to do: one may push a particle into
@@ -284,7 +297,7 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
   enum { PASSES = 8 };
   /* The nearest face says nothing of how it has come in: it would slip through what closes on it,
    * unless that has no other side. */
-  const auto has_faces = [](const pbf_surface &s) { return !pbf_surface_is_unbounded(&s); };
+  const auto has_faces = [](const auto &s) { return !pbf_surface_is_unbounded(&s); };
   if (!of.with_obstacle_motion && pbf_is_between(of.domain, *of.surfaces, of.from, has_faces))
     return of.from;
   pbf_contacts held = {0, {{{{0}}, 0}}};
@@ -311,12 +324,12 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
 template <class Surfaces>
 PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfaces,
                                  int with_obstacle_motion, pbf_vec from, pbf_vec x) {
-  surfaces.each([&](const pbf_surface &s) {
+  surfaces.each([&](const auto &s) {
     if (pbf_surface_is_unbounded(&s)) x = pbf_keep_out(domain, &s, with_obstacle_motion, from, x);
   });
   x = pbf_keep_in_domain(domain, x);
   bool touched = false;
-  surfaces.each([&](const pbf_surface &s) {
+  surfaces.each([&](const auto &s) {
     pbf_contact contact;
     touched = touched || pbf_find_contact(&s, pbf_push_of(&s, with_obstacle_motion),
                                           with_obstacle_motion, from, x, &contact) != 0;
@@ -330,7 +343,7 @@ PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfa
 template <class Obstacles>
 PBF_FN pbf_vec pbf_resolve_collisions(const Obstacles &o, int with_obstacle_motion, pbf_vec from,
                                       pbf_vec x) {
-  const surface_array surfaces = {pbf_surface_count(o), o.surfaces};
+  const auto surfaces = surface_array_of(pbf_surface_count(o), o.surfaces);
   return pbf_resolve_among(&o.domain, surfaces, with_obstacle_motion, from, x);
 }
 

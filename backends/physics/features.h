@@ -60,7 +60,7 @@ static inline int pbf_features_of(const pbf_params *params) {
 #define PBF_IN __host__ __device__ __forceinline__
 #define PBF_FN static __host__ __device__ __forceinline__
 #define PBF_FN_APART PBF_FN
-#define PBF_FN_SELDOM static __host__ __device__ __noinline__
+#define PBF_FN_SELDOM static __host__ __device__ __noinline__ __attribute__((unused))
 #else
 #define PBF_IN inline __attribute__((always_inline))
 #define PBF_FN static inline __attribute__((always_inline, unused))

@@ -682,7 +682,7 @@ enum {
   PBF_COLLIDER_SPHERE = 1,
   PBF_COLLIDER_CAPSULE = 2,
   PBF_COLLIDER_BOX = 3,
-  PBF_COLLIDER_SHAPE = 4 /* that of `geometry`; not on `cuda`: PBF_ERROR_UNSUPPORTED */
+  PBF_COLLIDER_SHAPE = 4 /* that of `geometry` */
 };
 
 /* How a collider that turns goes from where it is set. */

@@ -104,17 +104,7 @@ static inline uint32_t references_to(pbf_shape *shape) {
   return info.references;
 }
 
-/* ---- Backends without them ------------------------------------------------------------------ */
-
-/* In a GPU's kernels distances on a grid cost too much, whether or not there are any. */
-static inline int refuses_shapes(void) { return strcmp(test_backend(), "cuda") == 0; }
-
-static inline void skip_without_shapes(void) {
-  if (refuses_shapes()) test_skip("cuda has no colliders of shapes");
-}
-
-static inline void skip_without_fluid_at_shapes(void) {
-  skip_without_shapes();
+static inline void skip_without_fluid(void) {
   if (test_is_stub()) test_skip("the stub has no fluid");
 }
 

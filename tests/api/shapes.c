@@ -238,23 +238,8 @@ static void bad_meshes_are_refused(void **state) {
   mesh_free(&m);
 }
 
-static void a_backend_without_them_says_so(void **state) {
-  (void)state;
-  if (!refuses_shapes()) test_skip("the backend has colliders of shapes");
-  pbf_shape *ball = small_ball(3);
-  pbf_solver *solver = test_filled(3, PBF_FLOAT32, 8, 8);
-  const pbf_collider collider = collider_of(ball);
-  const uint64_t before = test_hash(solver);
-  assert_fails(pbf_set_colliders(solver, 1, &collider), PBF_ERROR_UNSUPPORTED,
-               "colliders[0] has a geometry");
-  assert_true(test_hash(solver) == before);
-  pbf_destroy(solver);
-  pbf_release_shape(ball);
-}
-
 static void bad_colliders_are_refused(void **state) {
   (void)state;
-  skip_without_shapes();
   pbf_shape *flat = small_ball(2), *full = small_ball(3);
   pbf_solver *solver = test_filled(3, PBF_FLOAT32, 8, 8);
   pbf_collider bad = collider_of(flat);
@@ -281,7 +266,6 @@ static void bad_colliders_are_refused(void **state) {
 
 static void shapes_live_as_long_as_they_are_held(void **state) {
   (void)state;
-  skip_without_shapes();
   pbf_shape *shape = small_ball(3);
   pbf_solver *a = test_filled(3, PBF_FLOAT32, 8, 8), *b = test_filled(3, PBF_FLOAT32, 8, 8);
   pbf_collider two[2] = {collider_of(shape), collider_of(shape)};
@@ -308,7 +292,6 @@ static void shapes_live_as_long_as_they_are_held(void **state) {
 /* A saved state names the shape, and finds another one of the same content. */
 static void states_name_shapes(void **state) {
   (void)state;
-  skip_without_shapes();
   pbf_shape *shape = small_ball(3);
   pbf_solver *solver = test_filled(3, PBF_FLOAT32, 64, 64);
   pbf_collider collider = collider_of(shape), loaded = {.struct_size = sizeof loaded};
@@ -342,7 +325,6 @@ int main(void) {
       cmocka_unit_test(bad_colliders_are_refused),
       cmocka_unit_test(shapes_live_as_long_as_they_are_held),
       cmocka_unit_test(states_name_shapes),
-      cmocka_unit_test(a_backend_without_them_says_so),
   };
   return TEST_RUN(tests);
 }

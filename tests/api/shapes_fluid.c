@@ -160,7 +160,7 @@ static void a_tilted_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void cups_hold_water(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_long_kinds(a_cup_holds);
   test_for_long_kinds(a_tilted_cup_holds);
 }
@@ -185,7 +185,7 @@ static void a_carried_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void carried_cups_hold_water(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_long_kinds(a_carried_cup_holds);
 }
 
@@ -223,7 +223,7 @@ static void a_box_is_a_box(uint32_t dimension, uint32_t precision) {
 
 static void boxes_are_boxes(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_long_kinds(a_box_is_a_box);
 }
 
@@ -268,7 +268,7 @@ static void nothing_passes(uint32_t dimension, uint32_t precision) {
 
 static void nothing_passes_a_plate(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_each_kind(nothing_passes);
 }
 
@@ -336,13 +336,13 @@ static void a_bowl_holds(uint32_t dimension, uint32_t precision) {
 
 static void bowls_hold_water(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_long_kinds(a_bowl_holds);
 }
 
 static void scales_are_sizes(void **state) {
   (void)state;
-  skip_without_fluid_at_shapes();
+  skip_without_fluid();
   test_for_long_kinds(a_scale_is_a_size);
 }
 

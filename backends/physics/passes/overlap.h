@@ -48,7 +48,7 @@ PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o
   if (found.walls) boundary = pbf_boundary_of_domain(c, &o.domain, x);
   for (int k = 0; k < pbf_surface_count(o); ++k)
     if (found.colliders >> k & 1) {
-      const pbf_surface surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
+      const auto surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
       pbf_accumulate_surface(c, &surface, x, &boundary);
     }
   return boundary.overlapping + boundary.additive;

@@ -48,4 +48,8 @@ typedef struct pbf_surface {
   uint64_t field_id;      /* which tells one apart from a later one in the same place */
 } pbf_surface;
 
+/* One that is known to have a closed form. Code for these alone has none for fields, for which a
+ * GPU's kernels would need registers whether or not there are any. */
+struct pbf_closed_surface : pbf_surface {};
+
 #endif

@@ -25,13 +25,19 @@ struct shape_list {
   }
 };
 
-/* A GPU's kernels would take a stack for a field's distances, and six times as long where there is
- * none: cuda refuses it. */
-#ifdef __CUDACC__
-using shapes = shape_list<plane_shape, box_shape, capsule_shape, sphere_shape>;
-#else
 using shapes = shape_list<plane_shape, box_shape, capsule_shape, field_shape, sphere_shape>;
-#endif
+using closed_shapes = shape_list<plane_shape, box_shape, capsule_shape, sphere_shape>;
+
+/* Those that a surface of such a type may have. */
+template <class Ask>
+PBF_FN auto ask_shape(const pbf_surface *s, Ask question) {
+  return shapes::ask(s->shape, question);
+}
+
+template <class Ask>
+PBF_FN auto ask_shape(const pbf_closed_surface *s, Ask question) {
+  return closed_shapes::ask(s->shape, question);
+}
 
 }  // namespace
 
@@ -148,8 +154,9 @@ static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elap
 }
 
 /* As it stood at the start of the step. */
-PBF_FN pbf_surface pbf_surface_before(const pbf_surface *surface) {
-  pbf_surface before = *surface;
+template <class Surface>
+PBF_FN Surface pbf_surface_before(const Surface *surface) {
+  Surface before = *surface;
   before.center = surface->start_center;
   for (int k = 0; k < PBF_DIM; ++k) before.frame[k] = surface->start_frame[k];
   return before;
@@ -168,11 +175,11 @@ PBF_FN pbf_vec pbf_surface_carries(const pbf_surface *s, pbf_vec x) {
 /* Distance of x from the surface, negative where the fluid must not be; *normal points to the
  * fluid.
  */
-PBF_FN_APART pbf_real pbf_surface_distance(const pbf_surface *s, pbf_vec x, pbf_vec *normal) {
+template <class Surface>
+PBF_FN_APART pbf_real pbf_surface_distance(const Surface *s, pbf_vec x, pbf_vec *normal) {
   const pbf_vec p = pbf_sub(x, s->center);
   pbf_vec n;
-  const pbf_real distance =
-      shapes::ask(s->shape, [&](auto shape) { return shape.distance(s, p, &n); });
+  const pbf_real distance = ask_shape(s, [&](auto shape) { return shape.distance(s, p, &n); });
   for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
   return s->sign * distance;
 }
@@ -185,11 +192,8 @@ PBF_FN int pbf_surface_is_beyond(const pbf_surface *s, pbf_vec x, pbf_real reach
 }
 
 /* What need not be convex: beyond its tangent plane there may be more of it. */
-#ifdef __CUDACC__
-PBF_FN int pbf_surface_is_field(const pbf_surface *) { return 0; }
-#else
 PBF_FN int pbf_surface_is_field(const pbf_surface *s) { return s->shape == PBF_COLLIDER_SHAPE; }
-#endif
+PBF_FN int pbf_surface_is_field(const pbf_closed_surface *) { return 0; }
 
 /* What has no other side: a plane, and all that fluid is inside of. */
 PBF_FN int pbf_surface_is_unbounded(const pbf_surface *s) { return s->bound == (pbf_real)INFINITY; }
@@ -216,16 +220,18 @@ PBF_FN int pbf_surface_blocks(const pbf_surface *s, pbf_vec from, pbf_vec to) {
 
 /* An inside with faces contributes by all of these, as the domain does, everything else by its
  * nearest plane. */
-PBF_FN int pbf_surface_planes(const pbf_surface *s) {
-  const int faces = shapes::ask(s->shape, [](auto shape) -> int { return shape.FACES; });
+template <class Surface>
+PBF_FN int pbf_surface_planes(const Surface *s) {
+  const int faces = ask_shape(s, [](auto shape) -> int { return shape.FACES; });
   return faces > 0 && s->sign < 0 ? faces : 1;
 }
 
-PBF_FN pbf_real pbf_surface_plane_distance(const pbf_surface *s, int plane, int planes, pbf_vec x,
+template <class Surface>
+PBF_FN pbf_real pbf_surface_plane_distance(const Surface *s, int plane, int planes, pbf_vec x,
                                            pbf_vec *normal) {
   if (planes == 1) return pbf_surface_distance(s, x, normal);
   const pbf_vec p = pbf_sub(x, s->center);
-  return shapes::ask(s->shape, [&](auto shape) -> pbf_real {
+  return ask_shape(s, [&](auto shape) -> pbf_real {
     if constexpr (decltype(shape)::FACES > 0)
       return shape.face(s, plane, p, normal);
     else
