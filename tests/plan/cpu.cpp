@@ -51,7 +51,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(add_cross<pbf_real>, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_surface_at, COLLIDERS),
-      WATCH(pbf_find_contact, COLLIDERS),
+      WATCH(pbf_find_contact<pbf_surface>, COLLIDERS),
       WATCH(resolve_group, COLLIDERS),
       WATCH(pbf_wall_interpolated, WALL_DENSITY),
       WATCH(domain_distances, WALL_DENSITY),

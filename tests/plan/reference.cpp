@@ -43,7 +43,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(add_cross<pbf_real>, VORTICITY),
       WATCH(pbf_confine, VORTICITY),
       WATCH(pbf_surface_at, COLLIDERS),
-      WATCH(pbf_find_contact, COLLIDERS),
+      WATCH(pbf_find_contact<pbf_surface>, COLLIDERS),
       WATCH(pbf_wall_density, WALL_DENSITY),
       WATCH(pbf_accelerate, CHEBYSHEV),
       WATCH(pbf_error_units, TOLERANCE),
