@@ -98,6 +98,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   }
   if (was_small && !small)
     take_lists(s, chunks, false); /* if that fails, it has more than it needs */
+  if (s->topology.memory != s->topology_memory) s->topology.memory = nullptr;
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
   s->constants = constants;
@@ -260,6 +261,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
     return status;
   }
   keep_shapes(s, shapes);
+  s->topology.memory = nullptr;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->time = time;

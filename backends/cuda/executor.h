@@ -168,7 +168,8 @@ struct executor {
       place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       status = clear_pressure_grid(s, arrays);
-      if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces);
+      const bool stand = !moving_obstacles_at(s, time - s->params.time_step).surfaces;
+      if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
       if (status != PBF_OK) return;
       const bool torn = s->pressure_grid_solids > 0;
       with_kernel(s->schedule.features, [&](auto features) {

@@ -46,6 +46,16 @@ static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity)
       pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)));
 }
 
+/* What a topology has been found of, beside colliders that stand still. While it is the same, all
+ * that would be found again is. */
+struct found_topology {
+  const void *memory; /* null: none has been found */
+  uint32_t particles;
+  int solids;
+  pbf_pressure_grid grid;
+  pbf_domain domain;
+};
+
 /* `nodes`: of the grid, or all indices where further ones are used. */
 static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_t capacity,
                                                            uint32_t nodes) {
@@ -67,6 +77,15 @@ static __device__ __forceinline__ double *pressure_grid_lambda(const pressure_gr
   return a.control->odd ? a.before : a.lambda;
 }
 
+/* What a kernel that is built for such surfaces sees of the topology. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays &a) {
+  if constexpr (SURFACES == FIELD_SURFACES)
+    return &a.topology;
+  else
+    return static_cast<const pbf_closed_topology *>(&a.topology);
+}
+
 /* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
  * these add, or null. */
 template <int FEATURES, bool TORN, surfaces_met SURFACES>
@@ -86,7 +105,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
+  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
   atomicAdd(&a.sums[cell],
@@ -96,6 +115,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
 
 /* ---- Thin solids: a thread a cell, or a node ------------------------------------------------ */
 
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     divide_cells_kernel(const __grid_constant__ pbf_pressure_grid grid,
                         const __grid_constant__ pressure_grid_arrays a) {
@@ -103,9 +123,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (cell >= grid.nodes) return;
   int i[PBF_DIM];
   pbf_pressure_grid_place(&grid, cell, i);
-  if (pbf_cell_is_inside(&grid, i)) pbf_divide_cell(&grid, &a.topology, cell, i);
+  if (pbf_cell_is_inside(&grid, i)) pbf_divide_cell(&grid, topology_met<SURFACES>(a), cell, i);
 }
 
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     link_cells_kernel(const __grid_constant__ pbf_pressure_grid grid,
                       const __grid_constant__ pressure_grid_arrays a) {
@@ -113,7 +134,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (cell >= grid.nodes) return;
   int i[PBF_DIM];
   pbf_pressure_grid_place(&grid, cell, i);
-  pbf_link_cell(&grid, &a.topology, cell, i);
+  pbf_link_cell(&grid, topology_met<SURFACES>(a), cell, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -323,7 +344,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, &a.topology, cell, x, at);
+  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
   if (collide) u = pbf_move_past_obstacles(obstacles_met<SURFACES>(obstacles), x, u);

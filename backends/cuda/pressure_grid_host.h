@@ -114,12 +114,28 @@ static inline pbf_status clear_topology(solver *s, const pressure_grid_arrays &a
   return PBF_OK;
 }
 
-/* What thin solids divide the grid into, of these colliders. */
+/* As bytes: what is padding has been zeroed with the solver, or here. */
+static inline found_topology topology_wanted(const solver *s) {
+  found_topology wanted;
+  memset(static_cast<void *>(&wanted), 0, sizeof wanted);
+  wanted.memory = s->topology_memory;
+  wanted.particles = s->planned;
+  wanted.solids = s->pressure_grid_solids;
+  wanted.grid = s->pressure_grid;
+  wanted.domain = s->pressure_grid_domain;
+  return wanted;
+}
+
+/* What thin solids divide the grid into, of these colliders: none of them moves in this step where
+ * they `stand`. */
 static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &arrays,
-                                       const pbf_surface *surfaces) {
+                                       const pbf_surface *surfaces, bool stand) {
   if (!s->pressure_grid_solids) return PBF_OK;
   const pbf_pressure_grid &grid = s->pressure_grid;
   const uint32_t blocks = blocks_for(grid.nodes);
+  const found_topology wanted = topology_wanted(s);
+  if (stand && memcmp(&s->topology, &wanted, sizeof wanted) == 0) return PBF_OK;
+  s->topology.memory = nullptr;
   if (pbf_status status = clear_topology(s, arrays)) return status;
   if (pbf_status status =
           pbf_cuda_check(cudaMemcpyAsync(pressure_grid_surfaces(s->topology_memory, s->capacity),
@@ -127,12 +143,17 @@ static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &ar
                                          cudaMemcpyDeviceToDevice, s->stream),
                          "cudaMemcpyAsync"))
     return status;
-  divide_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  link_cells_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  with_surfaces(s, [&](auto surfaces_of_step) {
+    constexpr surfaces_met SURFACES = decltype(surfaces_of_step)::value;
+    divide_cells_kernel<SURFACES><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+    link_cells_kernel<SURFACES><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  });
   merge_compartments_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   tear_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   list_torn_nodes_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  return pbf_cuda_check_launch("list_torn_nodes_kernel");
+  if (pbf_status status = pbf_cuda_check_launch("list_torn_nodes_kernel")) return status;
+  if (stand) s->topology = wanted;
+  return PBF_OK;
 }
 
 static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {

@@ -67,6 +67,7 @@ struct solver {
   double pressure_grid_scale;      /* … as is this, of lambda, … */
   int pressure_grid_solids;        /* … and the colliders in it; 0: none is thin */
   pbf_domain pressure_grid_domain; /* between these walls */
+  found_topology topology;         /* what the device's is of */
   uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that; with
                            sleep only */
   uint64_t epoch;       /* between two events that may wake a particle */

@@ -64,6 +64,17 @@ typedef struct pbf_pressure_grid_topology {
   double *right, *inverse, *next, *before; /* of torn nodes */
 } pbf_pressure_grid_topology;
 
+/* One whose surfaces are known to have closed forms. */
+struct pbf_closed_topology : pbf_pressure_grid_topology {};
+
+PBF_FN const pbf_surface *pbf_topology_surface(const pbf_pressure_grid_topology *t, int s) {
+  return &t->surfaces[s];
+}
+
+PBF_FN const pbf_closed_surface *pbf_topology_surface(const pbf_closed_topology *t, int s) {
+  return static_cast<const pbf_closed_surface *>(&t->surfaces[s]);
+}
+
 enum { PBF_FURTHER_COMPARTMENTS, PBF_FURTHER_COPIES, PBF_TORN_NODES, PBF_TOPOLOGY_COUNTS };
 
 /* Behind the counts: whether a host has found all of it. */

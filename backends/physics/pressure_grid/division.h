@@ -9,8 +9,9 @@
 
 /* The compartments of the cell, the i-th along each axis, and their free volumes. Where no index is
  * left it stays in one. */
-PBF_FN void pbf_divide_cell(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                            uint32_t cell, const int i[PBF_DIM]) {
+template <class Topology>
+PBF_FN void pbf_divide_cell(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
+                            const int i[PBF_DIM]) {
   pbf_cell_points points;
   uint64_t found[PBF_COMPARTMENTS] = {0};
   int count = 0;
@@ -50,15 +51,16 @@ PBF_FN int pbf_compartment_with(const pbf_pressure_grid_topology *t, uint32_t ce
   return -1;
 }
 
-PBF_FN int pbf_way_is_open(const pbf_pressure_grid_topology *t, pbf_vec from, pbf_vec to) {
+template <class Topology>
+PBF_FN int pbf_way_is_open(const Topology *t, pbf_vec from, pbf_vec to) {
   for (int s = 0; s < t->surface_count; ++s)
-    if (pbf_surface_blocks(&t->surfaces[s], from, to)) return 0;
+    if (pbf_surface_blocks(pbf_topology_surface(t, s), from, to)) return 0;
   return 1;
 }
 
 /* Which compartments of a cell are connected with which of the next one along the axis. */
-PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c,
-                                      const pbf_pressure_grid_topology *t, uint32_t cell,
+template <class Topology>
+PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
                                       const int i[PBF_DIM], int axis) {
   const uint32_t next = cell + c->corner[1u << axis];
   const int stride = pbf_sample_stride(axis);
@@ -79,8 +81,9 @@ PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c,
 }
 
 /* Once all cells have been divided. */
-PBF_FN void pbf_link_cell(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                          uint32_t cell, const int i[PBF_DIM]) {
+template <class Topology>
+PBF_FN void pbf_link_cell(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
+                          const int i[PBF_DIM]) {
   if (!pbf_cell_is_inside(c, i)) return;
   for (int k = 0; k < PBF_DIM; ++k) {
     if (i[k] == c->n[k]) continue;

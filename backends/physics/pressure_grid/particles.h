@@ -5,8 +5,8 @@
 #include "physics/pressure_grid/division.h"
 
 /* The solids that can be between x and a point near it. */
-PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                                  pbf_vec x) {
+template <class Topology>
+PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const Topology *t, pbf_vec x) {
   const double reach = 2.0 * c->width / PBF_SAMPLES;
   uint64_t beside = 0;
   for (int s = 0; s < t->surface_count; ++s) {
@@ -14,24 +14,24 @@ PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const pbf_pressure
     if (pbf_surface_is_unbounded(&t->surfaces[s]) ||
         pbf_surface_is_beyond(&t->surfaces[s], x, (pbf_real)reach))
       continue;
-    if ((double)pbf_surface_distance(&t->surfaces[s], x, &normal) <
+    if ((double)pbf_surface_distance(pbf_topology_surface(t, s), x, &normal) <
         (double)t->surfaces[s].steepest * reach)
       beside |= UINT64_C(1) << s;
   }
   return beside;
 }
 
-PBF_FN int pbf_is_seen(const pbf_pressure_grid_topology *t, uint64_t beside, pbf_vec x,
-                       pbf_vec point) {
+template <class Topology>
+PBF_FN int pbf_is_seen(const Topology *t, uint64_t beside, pbf_vec x, pbf_vec point) {
   for (int s = 0; s < t->surface_count && beside >> s; ++s)
-    if ((beside >> s & 1) && pbf_surface_blocks(&t->surfaces[s], x, point)) return 0;
+    if ((beside >> s & 1) && pbf_surface_blocks(pbf_topology_surface(t, s), x, point)) return 0;
   return 1;
 }
 
 /* The compartment of the nearest point that no solid hides from x; PBF_NO_INDEX: none is near. */
-PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c,
-                                              const pbf_pressure_grid_topology *t, pbf_vec x,
-                                              const double before[PBF_DIM]) {
+template <class Topology>
+PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
+                                              pbf_vec x, const double before[PBF_DIM]) {
   const uint64_t beside = pbf_solids_beside(c, t, x);
   uint32_t nearest = PBF_NO_INDEX;
   double nearest2 = 1e30;
@@ -59,8 +59,9 @@ PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c,
 
 /* What a particle at x, `before` cells and `at` in the one that it is in, belongs to: the cell, or
  * the compartment that has it, with its place in the cell of that, which may be beyond its edge. */
-PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                                   uint32_t cell, pbf_vec x, double at[PBF_DIM]) {
+template <class Topology>
+PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
+                                   pbf_vec x, double at[PBF_DIM]) {
   if (!pbf_cell_is_cut(t, cell)) return cell;
   double before[PBF_DIM];
   int i[PBF_DIM];

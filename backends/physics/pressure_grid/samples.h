@@ -47,13 +47,14 @@ PBF_FN int pbf_surface_is_thin(const pbf_pressure_grid *c, const pbf_surface *s)
   return !pbf_surface_is_unbounded(s) && pbf_surface_width(s) < 4 * pbf_cell_reach(c);
 }
 
-PBF_FN int pbf_thin_solid_reaches(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+template <class Topology>
+PBF_FN int pbf_thin_solid_reaches(const pbf_pressure_grid *c, const Topology *t,
                                   const int i[PBF_DIM]) {
   const pbf_vec middle = pbf_cell_middle(c, i);
   for (int s = 0; s < t->surface_count; ++s) {
     pbf_vec normal;
     if (pbf_surface_is_thin(c, &t->surfaces[s]) &&
-        (double)pbf_surface_distance(&t->surfaces[s], middle, &normal) <
+        (double)pbf_surface_distance(pbf_topology_surface(t, s), middle, &normal) <
             (double)t->surfaces[s].steepest * pbf_cell_reach(c))
       return 1;
   }
@@ -68,7 +69,8 @@ typedef struct pbf_cell_points {
 } pbf_cell_points;
 
 /* A way is free of a solid that is farther from both its ends together than it is long. */
-PBF_FN_APART void pbf_cell_points_around(const pbf_pressure_grid *c, const pbf_surface *s,
+template <class Surface>
+PBF_FN_APART void pbf_cell_points_around(const pbf_pressure_grid *c, const Surface *s,
                                          const int i[PBF_DIM], pbf_cell_points *points) {
   const float spacing = (float)(c->width / PBF_SAMPLES);
   float distances[64];
@@ -109,17 +111,18 @@ PBF_FN void pbf_cell_points_within(const pbf_pressure_grid *c, const pbf_domain 
   }
 }
 
-PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c,
-                                       const pbf_pressure_grid_topology *t, const int i[PBF_DIM],
-                                       pbf_cell_points *points) {
+template <class Topology>
+PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c, const Topology *t,
+                                       const int i[PBF_DIM], pbf_cell_points *points) {
   const pbf_vec middle = pbf_cell_middle(c, i);
   pbf_cell_points_within(c, &t->domain, i, points);
   for (int s = 0; s < t->surface_count; ++s) {
     pbf_vec normal;
-    const double distance = (double)pbf_surface_distance(&t->surfaces[s], middle, &normal);
+    const double distance =
+        (double)pbf_surface_distance(pbf_topology_surface(t, s), middle, &normal);
     const double reach = pbf_cell_reach(c) + c->width / PBF_SAMPLES;
     if (distance < (double)t->surfaces[s].steepest * reach)
-      pbf_cell_points_around(c, &t->surfaces[s], i, points);
+      pbf_cell_points_around(c, pbf_topology_surface(t, s), i, points);
   }
   for (int k = 0; k < PBF_DIM; ++k) {
     const int stride = pbf_sample_stride(k);

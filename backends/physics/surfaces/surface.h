@@ -210,10 +210,11 @@ PBF_FN double pbf_surface_width(const pbf_surface *s) {
 
 /* Whether the straight way between two points in the fluid leads through it. Where fluid is inside,
  * or before a plane, it does not. */
-PBF_FN int pbf_surface_blocks(const pbf_surface *s, pbf_vec from, pbf_vec to) {
+template <class Surface>
+PBF_FN int pbf_surface_blocks(const Surface *s, pbf_vec from, pbf_vec to) {
   if (pbf_surface_is_unbounded(s)) return 0;
   const pbf_vec p = pbf_sub(from, s->center), way = pbf_sub(to, from);
-  return shapes::ask(s->shape, [&](auto shape) -> int { return shape.blocks(s, p, way); });
+  return ask_shape(s, [&](auto shape) -> int { return shape.blocks(s, p, way); });
 }
 
 /* ---- Planes that it contributes density by ------------------------------------------------- */
