@@ -39,7 +39,9 @@ class Params(c.Structure):
         ("damping_compensation", c.c_double), ("angular_momentum_correction", c.c_double),
         ("drag", c.c_double), ("drag_velocity", c.c_double * 3),
         ("max_depenetration_speed", c.c_double), ("max_substeps", c.c_uint32),
-        ("reserved", c.c_uint32), ("shear_stress_correction", c.c_double),
+        ("loads", c.c_uint32), ("shear_stress_correction", c.c_double),
+        ("wall_friction", c.c_double), ("wall_static_friction", c.c_double),
+        ("wall_no_slip", c.c_double),
     ]
 
 

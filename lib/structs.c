@@ -21,6 +21,7 @@ const pbf_struct_kind pbf_kind_mesh_desc = KIND(pbf_mesh_desc, thickness);
 const pbf_struct_kind pbf_kind_heights_desc = KIND(pbf_heights_desc, cell);
 const pbf_struct_kind pbf_kind_hull_desc = KIND(pbf_hull_desc, cell);
 const pbf_struct_kind pbf_kind_shape_info = KIND(pbf_shape_info, hash);
+const pbf_struct_kind pbf_kind_collider_load = KIND(pbf_collider_load, wetted_area);
 const pbf_struct_kind pbf_kind_view = KIND(pbf_view, ids);
 const pbf_struct_kind pbf_kind_read_desc = KIND(pbf_read_desc, w_value);
 const pbf_struct_kind pbf_kind_anisotropy_desc = KIND(pbf_anisotropy_desc, stretches);

@@ -23,6 +23,7 @@ extern const pbf_struct_kind pbf_kind_mesh_desc;
 extern const pbf_struct_kind pbf_kind_heights_desc;
 extern const pbf_struct_kind pbf_kind_hull_desc;
 extern const pbf_struct_kind pbf_kind_shape_info;
+extern const pbf_struct_kind pbf_kind_collider_load;
 extern const pbf_struct_kind pbf_kind_view;
 extern const pbf_struct_kind pbf_kind_read_desc;
 extern const pbf_struct_kind pbf_kind_anisotropy_desc;

@@ -14,9 +14,12 @@ typedef struct pbf_array {
   uint64_t bytes;
 } pbf_array;
 
+/* More than a plan has entries for: the last ones are in its bytes alone. */
+enum { PBF_MEMORY_ARRAYS = PBF_MAX_ARRAYS + 8 };
+
 typedef struct pbf_memory {
   pbf_allocator allocator;
-  pbf_array arrays[PBF_MAX_ARRAYS];
+  pbf_array arrays[PBF_MEMORY_ARRAYS];
   uint32_t count;
 } pbf_memory;
 
@@ -40,7 +43,7 @@ static inline void pbf_memory_free_all(pbf_memory *memory) {
 /* Null when there is no memory, or no place left in the table. `name` must outlive the array. */
 static inline void *pbf_memory_take(pbf_memory *memory, const char *name, uint64_t count,
                                     uint64_t element) {
-  if (memory->count == PBF_MAX_ARRAYS || (count && element > UINT64_MAX / count)) return NULL;
+  if (memory->count == PBF_MEMORY_ARRAYS || (count && element > UINT64_MAX / count)) return NULL;
   uint64_t bytes = count * element;
   if (bytes < PBF_ALIGNMENT) bytes = PBF_ALIGNMENT;
   void *data = memory->allocator.allocate(memory->allocator.user, bytes, PBF_ALIGNMENT);
@@ -68,13 +71,15 @@ static inline bool pbf_memory_keep(pbf_memory *memory, bool wanted, const char *
 
 /* Adds the arrays to the plan; sums up its bytes. */
 static inline void pbf_memory_plan(const pbf_memory *memory, uint32_t capacity, pbf_plan *plan) {
-  for (uint32_t k = 0; k < memory->count && plan->array_count < PBF_MAX_ARRAYS; ++k) {
+  for (uint32_t k = 0; k < memory->count; ++k) {
+    const uint64_t bytes = memory->arrays[k].bytes;
+    plan->bytes += bytes;
+    plan->bytes_per_particle += (double)bytes / capacity;
+    if (plan->array_count == PBF_MAX_ARRAYS) continue;
     pbf_plan_array *entry = &plan->arrays[plan->array_count++];
     strncpy(entry->name, memory->arrays[k].name, sizeof entry->name - 1);
-    entry->bytes = memory->arrays[k].bytes;
-    entry->bytes_per_particle = (double)entry->bytes / capacity;
-    plan->bytes += entry->bytes;
-    plan->bytes_per_particle += entry->bytes_per_particle;
+    entry->bytes = bytes;
+    entry->bytes_per_particle = (double)bytes / capacity;
   }
 }
 

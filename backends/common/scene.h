@@ -15,6 +15,7 @@
 #include "common/host_only.h"
 #include "common/memory.h"
 #include "common/without.h"
+#include "physics/loads.h"
 #include "physics/project.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
@@ -95,6 +96,8 @@ static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *c
       pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
   changed.surfaces |= s->moving_obstacles.surfaces;
   wake_near_moving(s, changed, s->now);
+  if (s->load_tally)
+    pbf_forget_loads(s->load_tally, count < s->collider_count ? count : s->collider_count);
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
   s->collider_time = s->now = time;
@@ -160,6 +163,12 @@ static pbf_status max_speed(Solver *s, double *speed) {
     max2 = v2 > max2 ? v2 : max2;
   }
   *speed = sqrt(max2);
+  return PBF_OK;
+}
+
+template <class Solver>
+static pbf_status get_loads(Solver *s, uint32_t first, uint32_t count, pbf_collider_load *loads) {
+  pbf_read_loads(s->load_tally, first, count, loads);
   return PBF_OK;
 }
 

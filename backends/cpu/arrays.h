@@ -141,6 +141,8 @@ static extent chunks(const solver *s) {
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
+static extent single(const solver *) { return {1, 0}; }
+
 static extent topology_bytes(const solver *s) {
   return {pbf_topology_memory_bytes(s->capacity), 0};
 }

@@ -74,6 +74,10 @@ static void describe_ranks(solver *s, const pbf_ranks *ranks) {
 static const char *refusal_on_ranks(const pbf_params *params, const pbf_schedule *schedule) {
   if (params->sleep_speed > 0)
     return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
+  if (params->loads)
+    return "params.loads is 1: ranks do not know what others' particles do to solids; 0 is without";
+  if (schedule->runs[PBF_STAGE_FRICTION])
+    return "walls or colliders have friction, which ranks do not share; 0 is without";
   if (schedule->may_have_grid)
     return "params.pressure_grid is -1 or above 0 in a scene that can get a pressure grid, which "
            "ranks can't solve together; 0 is without";

@@ -2,6 +2,7 @@
 #ifndef PBF_CPU_EXECUTOR_H
 #define PBF_CPU_EXECUTOR_H
 
+#include "cpu/load_shares.h"
 #include "cpu/pressure_grid.h"
 #include "cpu/sleep.h"
 #include "cpu/solve.h"
@@ -22,6 +23,12 @@ static void predict_task(void *context, uint32_t task) {
   copy_sleeping(w, all, &w->b.x, &w->b.predicted());
   zero_sleeping(w, all, w->b.predicted_velocity().c, PBF_DIM);
   find_bounds(w, task);
+}
+
+static void end_predict(void *context) {
+  const worker *w = static_cast<const worker *>(context);
+  if (finds_loads(w->s)) pbf_clear_load_sums(w->s->load_tally);
+  make_grid(context);
 }
 
 namespace {
@@ -63,13 +70,14 @@ struct executor {
   }
   void predict() {
     if (sorted) return;
-    parallel_for(w->self, particle_task_count(w), predict_task, make_grid, w);
+    parallel_for(w->self, particle_task_count(w), predict_task, end_predict, w);
     stage_end(w, PBF_STAGE_PREDICT);
   }
   bool find_neighbors() {
     if (!sorted && !sort_step(w)) return false;
     w->activity = w->b.sorted_activity;
     w->sleeping_lambda = w->b.sorted_sleeping_lambda;
+    if (!sorted && notes_pushes(w->s)) parallel_for(w->self, range_tasks(w), push_task, NULL, w);
     if (!::find_neighbors(w, has_pressure_grid(w) ? end_search_with_grid : end_search))
       return false;
     if (corrects_torque(w)) over_pairs(start_task);
@@ -117,6 +125,16 @@ struct executor {
   void compensate_damping() { over_pairs(compensate_damping_task, PBF_STAGE_DAMPING_COMPENSATION); }
   void correction_rate() { over_pairs(turn_rate_task, PBF_STAGE_CORRECTION_RATE); }
   void correct_angular_momentum() { over_pairs(turn_task, PBF_STAGE_ANGULAR_MOMENTUM); }
+  void friction() {
+    over_pairs(friction_task);
+    w->b.accept_sheared_x();
+    moved = true;
+    stage_end(w, PBF_STAGE_FRICTION);
+  }
+  void loads() {
+    over_pairs(loads_task, end_loads_of_step);
+    stage_end(w, PBF_STAGE_LOADS);
+  }
   void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
   void viscosity(uint32_t k) {

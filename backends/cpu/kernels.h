@@ -82,7 +82,8 @@ typedef struct move_pass {
   int collide; /* with these */
   pbf_real inv_time_step;
   field predicted, to;
-  field velocity; /* goes along */
+  field velocity;    /* goes along */
+  const field *push; /* of solids, to which what they do here is added; null: it is not */
 } move_pass;
 
 /* What the compensation of damping works on. */

@@ -172,6 +172,26 @@ PBF_FN void store_velocities(const move_pass *m, const lane_vector<lane> &pushed
   }
 }
 
+/* The sums of a group over pairs alone. */
+template <class Pass>
+static __attribute__((noinline)) move_sums<lane> sums_of_pairs(const Pass &pass, const pair_pass *p,
+                                                               const lookups *of, uint32_t g) {
+  return sums_of_group(pass, p, *of, {lane_load(of->number + g * WIDTH)}, g);
+}
+
+/* What solids do to a group's velocities, which were v, and without them would have got `pairs`. */
+static __attribute__((noinline)) void note_push(const pbf_constants *c, const move_pass *m,
+                                                const lane_values *v, const lane_values *pairs,
+                                                uint32_t first, uint32_t lanes) {
+  const lane push = ops<lane>::set(m->inv_time_step * c->omega);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    alignas(64) pbf_real without[WIDTH];
+    lane_store(without, ops<lane>::multiply_add(push, lane_load(pairs->c[k]), lane_load(v->c[k])));
+    for (uint32_t l = 0, i = first; l < lanes; ++l, ++i)
+      m->push->c[k][i] += m->velocity.c[k][i] - without[l];
+  }
+}
+
 /* Whether symmetry may hold particles of a group: pressed, and not moved along an axis. */
 PBF_FN int any_may_be_held(lane lambda, const lane_vector<lane> &change) {
   const lane tiny =
@@ -204,6 +224,11 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       sums = with_ghosts;
     else
       sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
+    lane_values pairs, v_before;
+    if (m->push) {
+      pairs = values_of(has_ghosts(p) ? sums_of_pairs(pass, p, &of, g).change : sums.change);
+      v_before = values_of(v);
+    }
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
       lane_values change;
       for (int k = 0; k < PBF_DIM; ++k) lane_store(change.c[k], sums.change.c[k]);
@@ -225,6 +250,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       clamp_group(m->obstacles, &after);
     }
     store_velocities(m, v, &moved, &after, g * WIDTH, lanes);
+    if (m->push) note_push(pass.c, m, &v_before, &pairs, g * WIDTH, lanes);
     store_lanes(&m->to, g * WIDTH, lanes, &after);
   }
 }

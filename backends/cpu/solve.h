@@ -4,6 +4,7 @@
 #define PBF_CPU_SOLVE_H
 
 #include "cpu/lists.h"
+#include "cpu/loads.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/overlap.h"
 
@@ -178,7 +179,8 @@ static void move_task(void *context, uint32_t task) {
                        w->forces.inv_time_step,
                        w->b.sorted_predicted,
                        w->b.next_x_star(),
-                       w->b.sorted_velocity};
+                       w->b.sorted_velocity,
+                       notes_pushes(s) ? &s->push : NULL};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
@@ -236,6 +238,7 @@ static void velocity_task(void *context, uint32_t task) {
   solver *s = w->s;
   range all = task_sorted(w, task);
   if (has_convergence_check(s)) fetch_x_star(w, all);
+  if (notes_pushes(s)) begin_noting(s, &w->b.sorted_velocity, all);
   for (range r = awake_particles(w, all.first, all.last);
        s->schedule.collide_after_solve && r.first < r.last;
        r = awake_particles(w, r.last, all.last))
@@ -243,6 +246,7 @@ static void velocity_task(void *context, uint32_t task) {
                         w->b.sorted_velocity, r.first, r.last);
   zero_sleeping(w, all, w->b.sorted_velocity.c, PBF_DIM);
   zero_woken_velocity(w, all, &w->b.sorted_velocity);
+  if (notes_pushes(s)) end_noting(s, &w->b.sorted_velocity, all);
   keep_sleeping_lambda(w, all);
   if (s->schedule.collide_after_solve) fill_packed(s, packed_positions(s), &x_star(w), NULL, all);
 }

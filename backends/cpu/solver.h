@@ -12,6 +12,7 @@
 #include "cpu/state.h"
 #include "cpu/team.h"
 #include "cpu/team_worth.h"
+#include "physics/loads.h"
 #include "physics/schedule.h"
 
 /* The smallest box around some particles. */

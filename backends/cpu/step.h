@@ -72,7 +72,9 @@ static void run_job(step_job *job) {
   uint32_t before = job->done;
   do {
     uint32_t left = job->steps - job->done;
-    job->done += job->sorted ? 0 : steps_asleep(s, &job->times, job->done, left);
+    const uint32_t asleep = job->sorted ? 0 : steps_asleep(s, &job->times, job->done, left);
+    if (asleep && finds_loads(s)) pbf_repeat_loads(s->load_tally, asleep, s->params.time_step);
+    job->done += asleep;
     if (job->done == job->steps) break;
     atomic_store(&s->stopped, 0);
     atomic_store(&s->all_asleep, 0);

@@ -76,8 +76,10 @@ static void shear_way_task(void *context, uint32_t task) {
       field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, v));
       field_set(&to, i, pbf_add_scaled(field_at(&w->b.x, i), w->forces.time_step, v));
     }
+    if (notes_pushes(w->s)) begin_noting(w->s, &w->b.v, r);
     w->s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.x, to, w->b.v, r.first,
                            r.last);
+    if (notes_pushes(w->s)) end_noting(w->s, &w->b.v, r);
   }
   copy_sleeping(w, all, &w->b.x, &to);
   fill_packed(w->s, packed_positions(w->s), &to, NULL, all);

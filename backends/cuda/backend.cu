@@ -256,6 +256,8 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   if (status) return status;
   status = apply_params(s, &s->params, room, first);
   if (!status) status = wake_near_colliders(s, changed, s->time);
+  if (!status)
+    status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
   if (status) {
     drop_shapes(s, shapes);
     return status;
@@ -282,6 +284,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
     if (all_asleep(s, pbf_time_after(&times, *done))) {
       s->time = pbf_time_after(&times, steps);
       s->pressure_scale = s->constants.pressure;
+      if (pbf_status status = repeat_loads(s, steps - *done)) return status;
       *done = steps;
       break;
     }
@@ -451,6 +454,12 @@ static pbf_status map_pressures(pbf_backend_solver *handle, pbf_view *view) {
   return PBF_OK;
 }
 
+static pbf_status get_loads(pbf_backend_solver *handle, uint32_t first, uint32_t count,
+                            pbf_collider_load *loads) {
+  pbf_cuda_scope scope(of(handle)->context);
+  return read_loads(of(handle), first, count, loads);
+}
+
 static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS))
     return pbf_refuse_without(of(handle)->host, PBF_FEATURE_STATS);
@@ -522,4 +531,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     take_array,
     release_array,
     read_array,
+    get_loads,
 };

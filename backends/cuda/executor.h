@@ -3,6 +3,7 @@
 #define PBF_CUDA_EXECUTOR_H
 
 #include "cuda/launches.h"
+#include "cuda/loads.h"
 #include "cuda/pressure_grid_host.h"
 #include "physics/overfull.h"
 #include "physics/passes/drag.h"
@@ -11,7 +12,7 @@
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
-                 solids = s->topology_memory != nullptr;
+                 solids = s->topology_memory != nullptr, loads = notes_pushes(s);
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"
@@ -92,11 +93,15 @@ struct executor {
   void predict() {
     run(PBF_STAGE_PREDICT,
         [&] { status = launch_predict(s, state_of(s), n.grid, prediction_inputs); });
+    if (status == PBF_OK && finds_loads(s)) status = clear_load_sums(s);
   }
 
   bool find_neighbors() {
     run(PBF_STAGE_NEIGHBORS, [&] {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
+      if (notes_pushes(s))
+        launch(begin_push_kernel, state_of(s), prediction_inputs.forces, scratch_of(s), n.particles,
+               s->push, s->load_tally);
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
@@ -240,9 +245,16 @@ struct executor {
           typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
           sum_ghosts<pass>(s, n, extras, domain(), ghost_moves);
         });
+      const push_noting noting = {extras, n.constants.h, (pbf_real)pbf_per_time_step(&s->params),
+                                  place.first};
+      if (notes_pushes(s))
+        with_features(s->schedule.features, [&](auto features) {
+          launch(push_before_kernel<decltype(features)::value>, n, noting, s->velocities, s->push);
+        });
       launch_move(s, n, moved, extras,
                   {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
                    s->schedule.collide_after_solve, s->velocities, ghost_moves});
+      if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
     });
     swap_arrays(&n.particles.points, &moved);
   }
@@ -338,6 +350,26 @@ struct executor {
 
   void correct_angular_momentum() {
     run(PBF_STAGE_ANGULAR_MOMENTUM, [&] { launch(turn_kernel, n, s->other, s->velocities); });
+  }
+
+  void friction() {
+    const pbf_friction_scales scales =
+        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
+    run(PBF_STAGE_FRICTION, [&] {
+      launch(friction_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
+             (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push, s->load_tally);
+    });
+  }
+
+  void loads() {
+    const pbf_load_scales scales =
+        pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
+    run(PBF_STAGE_LOADS, [&] {
+      launch(loads_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
+             extras.rest.all, s->velocities, s->push, s->load_tally);
+      end_loads_kernel<<<1, PBF_MAX_SOLIDS, 0, s->stream>>>(extras.obstacles, scales,
+                                                            extras.rest.all, s->load_tally);
+    });
   }
 
   /* … the sizes of curls … */

@@ -16,6 +16,7 @@
 #include "cuda/small/kernel.h"
 #include "cuda/status.h"
 #include "cuda/timing.h"
+#include "physics/loads.h"
 #include "physics/schedule.h"
 
 /* Steps whose colliders are placed and uploaded at once. */

@@ -17,6 +17,7 @@ static inline pbf_params pbf_projection_of(const pbf_params *params, uint32_t it
   for (int k = 0; PBF_PROJECTED_##projected && k < count; ++k) p.name[k] = 0;
 #include "physics/params.def"
   p.iterations = iterations;
+  p.loads = 0;
   return p;
 }
 

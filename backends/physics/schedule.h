@@ -31,6 +31,15 @@ typedef struct pbf_schedule {
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
 
+static inline uint32_t pbf_has_friction(const pbf_params *params, uint32_t colliders,
+                                        const pbf_collider *list) {
+  uint32_t has =
+      params->wall_friction > 0 || params->wall_static_friction > 0 || params->wall_no_slip > 0;
+  for (uint32_t k = 0; k < colliders; ++k)
+    has |= list[k].friction > 0 || list[k].static_friction > 0 || list[k].no_slip > 0;
+  return has && params->time_step > 0;
+}
+
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
  * `derived` is of the same parameters; `basins` are looked for where they are others than before.

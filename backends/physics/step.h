@@ -96,6 +96,11 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.exchange(FIELD_CORRECTION_RATE);
     e.correct_angular_momentum();
   }
+  if (runs<PBF_STAGE_FRICTION>(has)) {
+    e.friction();
+    e.exchange(FIELD_POSITION);
+  }
+  if (runs<PBF_STAGE_LOADS>(has)) e.loads();
   if (runs<PBF_STAGE_CURL>(has)) {
     e.exchange(FIELD_VELOCITY);
     e.curl();

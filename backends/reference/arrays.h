@@ -38,6 +38,9 @@ struct optional_array {
   bool keep(pbf_pressure_grid_storage *storage) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
+  bool keep(pbf_load_tally **tally) const {
+    return pbf_memory_keep(&s->memory, wanted, name, 1, 0, tally);
+  }
   bool keep(pbf_topology_memory *memory) const {
     return pbf_memory_keep(&s->memory, wanted, name, pbf_topology_memory_bytes(s->capacity), 0,
                            &memory->bytes);

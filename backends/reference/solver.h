@@ -5,6 +5,7 @@
 
 #include "common/pressure_grid.h"
 #include "physics/constants.h"
+#include "physics/loads.h"
 #include "physics/passes/shear_stress.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"

@@ -20,6 +20,7 @@
 #include "physics/passes/viscous_stress.h"
 #include "physics/step.h"
 #include "reference/driver.h"
+#include "reference/loads.h"
 #include "reference/pressure_grid.h"
 #include "reference/sleep.h"
 
@@ -34,9 +35,10 @@ static inline void collide_all(const solver *s, const pbf_obstacles *o, int with
 
 /* And once the velocity is that of x*. */
 static inline void collide_one(const solver *s, const pbf_obstacles *o, pbf_vec from, uint32_t i) {
-  const pbf_vec x = pbf_resolve_collisions(*o, 0, from, s->moved[i]);
-  s->v[i] = pbf_velocity((pbf_real)pbf_per_time_step(&s->params), s->v[i], s->moved[i], x);
+  const pbf_vec x = pbf_resolve_collisions(*o, 0, from, s->moved[i]), before = s->v[i];
+  s->v[i] = pbf_velocity((pbf_real)pbf_per_time_step(&s->params), before, s->moved[i], x);
   s->moved[i] = x;
+  note_push(s, i, pbf_sub(s->v[i], before));
 }
 
 static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
@@ -49,11 +51,14 @@ static inline void predict(solver *s, double time, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i)
     s->moved[i] = asleep(s, i) ? s->x[i] : pbf_predict(&forces, s->x[i], s->v[i]);
   if (s->schedule.collide_after_prediction) collide_all(s, o, 1, s->x);
+  begin_loads(s);
   for (uint32_t i = 0; i < s->count; ++i) {
     s->predicted[i] = s->moved[i];
     if (asleep(s, i)) continue;
     pbf_vec free = pbf_predict(&forces, s->x[i], s->v[i]);
+    const pbf_vec forced = pbf_apply_forces(&forces, s->x[i], s->v[i]);
     s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], free, s->predicted[i]);
+    begin_push(s, &forces, i, forced);
   }
 }
 
@@ -187,12 +192,14 @@ static inline void move(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     auto sums = sums_around(s, pass, s->moved, of, {of.number[i]}, i);
+    const pbf_vec pairs = vec_of(sums.change);
     add_ghosts(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
     s->change[i] = vec_of(sums.change);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
       pbf_boundary boundary = pbf_boundary_at(c, *o, s->moved[i]);
       s->change[i] = pbf_boundary_correction(s->change[i], of.number[i], &boundary);
     }
+    note_push(s, i, pbf_push(c, inv_time_step, {{0}}, pbf_sub(s->change[i], pairs)));
   }
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
@@ -212,7 +219,10 @@ static inline void end_solve(solver *s, const pbf_obstacles *o) {
       s->held[i] = s->lambda[i];
   if (s->schedule.collide_after_solve) collide_moving(s, o);
   for (uint32_t i = 0; i < s->count; ++i)
-    if (just_woke(s, i)) s->v[i] = (pbf_vec){{0}};
+    if (just_woke(s, i)) {
+      note_push(s, i, pbf_sub({{0}}, s->v[i]));
+      s->v[i] = (pbf_vec){{0}};
+    }
 }
 
 /* And what walls push with. */
@@ -255,6 +265,18 @@ static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
     const pbf_vec from = s->moved[i];
     s->v[i] = pbf_add_scaled(s->v[i], 1, change[i]);
     s->moved[i] = pbf_add_scaled(from, (pbf_real)s->params.time_step, change[i]);
+    collide_one(s, o, from, i);
+  }
+}
+
+/* Changes velocities, and moves by that. */
+static inline void apply_friction(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
+  const pbf_friction_scales scales = pbf_friction_scales_of(&s->constants, &forces, &s->params);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    const pbf_vec from = s->moved[i], change = rub(s, scales, o, i);
+    s->v[i] = pbf_add_scaled(s->v[i], 1, change);
+    s->moved[i] = pbf_add_scaled(from, (pbf_real)s->params.time_step, change);
     collide_one(s, o, from, i);
   }
 }
@@ -371,7 +393,9 @@ struct executor {
   bool wake() {
     if (!sleeps(s)) return true;
     wake_near_moving(s, moving_obstacles_at(s, began), ends);
-    return sleepers(s) < s->count;
+    if (sleepers(s) < s->count) return true;
+    if (finds_loads(s)) pbf_repeat_loads(s->load_tally, 1, s->params.time_step);
+    return false;
   }
   void predict() { ::predict(s, began, &obstacles); }
   bool find_neighbors() {
@@ -409,6 +433,8 @@ struct executor {
   void compensate_damping() { ::compensate_damping(s, &obstacles); }
   void correction_rate() { find_turn_rates(s); }
   void correct_angular_momentum() { ::turn(s); }
+  void friction() { apply_friction(s, pbf_forces_of(&s->params, began), &obstacles); }
+  void loads() { find_loads(s, pbf_forces_of(&s->params, began), &obstacles); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
   void viscosity(uint32_t k) { apply_viscosity(s, k); }

@@ -39,7 +39,11 @@ export interface Params {
   dragVelocity: number[];
   maxDepenetrationSpeed: number;
   maxSubsteps: number;
+  loads: number;
   shearStressCorrection: number;
+  wallFriction: number;
+  wallStaticFriction: number;
+  wallNoSlip: number;
 }
 
 export interface Collider {
@@ -60,6 +64,9 @@ export interface Collider {
   geometry: number;
   scale: number;
   scaleRate: number;
+  friction: number;
+  staticFriction: number;
+  noSlip: number;
   shape: "plane" | "sphere" | "capsule" | "box";
 }
 

@@ -106,7 +106,7 @@ export const structs = {
     },
   },
   pbf_params: {
-    size: 544,
+    size: 568,
     fields: {
       structSize: ["u32", 0],
       kernel: ["u32", 4],
@@ -148,12 +148,15 @@ export const structs = {
       dragVelocity: ["f64", 496, 3],
       maxDepenetrationSpeed: ["f64", 520],
       maxSubsteps: ["u32", 528],
-      reserved: ["u32", 532],
+      loads: ["u32", 532],
       shearStressCorrection: ["f64", 536],
+      wallFriction: ["f64", 544],
+      wallStaticFriction: ["f64", 552],
+      wallNoSlip: ["f64", 560],
     },
   },
   pbf_collider: {
-    size: 256,
+    size: 280,
     fields: {
       structSize: ["u32", 0],
       shape: ["u32", 4],
@@ -174,6 +177,9 @@ export const structs = {
       geometry: ["pointer", 232],
       scale: ["f64", 240],
       scaleRate: ["f64", 248],
+      friction: ["f64", 256],
+      staticFriction: ["f64", 264],
+      noSlip: ["f64", 272],
     },
   },
   pbf_stats: {

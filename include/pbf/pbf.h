@@ -364,7 +364,8 @@ typedef struct pbf_params {
                             depends on time_step is each part's, pbf_stats.iterations the last
                             one's. A step that fails between two parts leaves the time there. Looks
                             at the fastest particle in each step. 0 or 1: never; 0, the default */
-  uint32_t reserved;     /* 0 */
+  uint32_t loads;        /* 1: each step finds what the fluid does to walls and colliders, for
+                            pbf_get_collider_loads and pbf_get_wall_loads. 0, the default: none of it */
   double shear_stress_correction; /* 0 … 1, with PBF_SOLVER_CHEBYSHEV, which it needs: how much of
                        the shear stress that pushes along pairs have under pressure, since sheared
                        arrangements are not isotropic, is taken back as velocity. At 0 pressed fluid
@@ -378,6 +379,13 @@ typedef struct pbf_params {
                        smoothing_radius / spacing is above 2, and at least 0.25, with
                        PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
                        gravity (decided as for pressure_grid) and a pressure grid may be, or 0 */
+  double wall_friction; /* Coulomb friction of the domain's walls, >= 0: so much of what a wall
+                           pushes a particle with acts along it against its motion. 0, the default:
+                           fluid slides on walls freely */
+  double wall_static_friction; /* what is at rest on a wall, >= 0; below wall_friction that */
+  double wall_no_slip;         /* 0 … 1: how much of the shear of a fluid of this viscosity, with
+                                  PBF_SOLVER_CHEBYSHEV, acts between a wall and the fluid at it, which then
+                                  goes with the wall. 0, the default: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -720,6 +728,8 @@ typedef struct pbf_collider {
       *geometry;     /* PBF_COLLIDER_SHAPE; others: null. The solver takes references of its own */
   double scale;      /* > 0: how many times as large as `geometry` it is */
   double scale_rate; /* 1/time */
+  double friction, static_friction, no_slip; /* as pbf_params.wall_friction, _static_friction and
+                                                _no_slip, against the collider's own motion */
 } pbf_collider;
 
 #define PBF_MAX_COLLIDERS 64u
@@ -752,6 +762,38 @@ PBF_API pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count);
 /* Collider `index` as it stands and moves now; of a motion with an end, `duration` is what is left
  * of it. collider->struct_size must be set. */
 PBF_API pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *collider);
+
+/* What the fluid does to a solid. Impulses are over rest density, so those in kg m/s are these
+ * times 1000 kg/m³ for water; over time_step they are the mean force in a step. A particle's mass
+ * is particle_volume, or spacing^dimension where that is 0. All impulses of one step, on walls and
+ * colliders, sum up to the momentum that the fluid has lost to them: its momentum before the step,
+ * with what gravity and attraction gave it, less that after it, without the parameters vorticity,
+ * viscosity and drag, which act on it in between. Pressure pushes by the same path as velocities,
+ * with lambda, collisions and a pressure grid, and by that is shared out.
+ */
+typedef struct pbf_collider_load {
+  uint32_t struct_size;
+  uint32_t contacts;             /* particles nearer than a spacing */
+  double impulse[3];             /* of the last step; of a divided one, of its last part */
+  double angular_impulse[3];     /* about the collider's position; of a wall, the origin; 2D: z */
+  double impulse_sum[3];         /* since these sums were last read, … */
+  double angular_impulse_sum[3]; /* … or params.loads was set, or the collider came */
+  double time_sum;               /* for which they are sums */
+  double penetration;            /* of the deepest particle centre behind the surface; 0: none is */
+  double wetted_area;            /* in 2D a length; good to a few parts of a hundred on a face */
+} pbf_collider_load;
+
+/* Loads of all colliders, as many as pbf_get_collider_count tells, in their order. `loads` is an
+ * array of `count` structs, each of the size in loads[0].struct_size. Begins the sums of those that
+ * it gives anew. A collider keeps its sums where pbf_set_colliders replaces it by one of the same
+ * number. Not part of a saved state. The same bits with any number of threads.
+ * Fluid asleep presses with the pressure with which it fell asleep. PBF_ERROR_STATE: params.loads
+ * is 0. PBF_ERROR_UNSUPPORTED: on ranks, or the backend has none. */
+PBF_API pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count,
+                                          pbf_collider_load *loads);
+
+/* The same of the domain's walls, by PBF_WALL_…: `count` is 2 * dimension. */
+PBF_API pbf_status pbf_get_wall_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
 
 /* ---- Views without a copy ------------------------------------------------------------------ */
 

@@ -742,6 +742,15 @@ class solver {
     const pbf_status status = pbf_get_collider(handle(), index, &got);
     return detail::checked(status, collider(got));
   }
+  /* As many as there are colliders, or walls: 2 * dimension. */
+  result<void> get_collider_loads(span<pbf_collider_load> loads) noexcept {
+    for (pbf_collider_load &load : loads) load = detail::sized<pbf_collider_load>();
+    return detail::checked(pbf_get_collider_loads(handle(), clamped(loads.size()), loads.data()));
+  }
+  result<void> get_wall_loads(span<pbf_collider_load> loads) noexcept {
+    for (pbf_collider_load &load : loads) load = detail::sized<pbf_collider_load>();
+    return detail::checked(pbf_get_wall_loads(handle(), clamped(loads.size()), loads.data()));
+  }
 
   result<view> map(std::uint32_t field) noexcept {
     pbf_view raw = detail::sized<pbf_view>();

@@ -250,6 +250,11 @@ struct pbf_backend_api {
   void (*release_array)(const pbf_backend_array *array);
   pbf_status (*read_array)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows,
                            uint32_t room, void *data);
+
+  /* Optional: loads of solids first … first + count - 1, the six walls before the colliders; begins
+   * their sums anew. Called while params.loads is 1. `struct_size` is the host's to set. */
+  pbf_status (*get_loads)(pbf_backend_solver *solver, uint32_t first, uint32_t count,
+                          pbf_collider_load *loads);
 };
 
 /* What the plugin answers. */

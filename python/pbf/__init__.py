@@ -25,7 +25,7 @@ from .geometry import Geometry
 from .params import Collide, Kernel, Method, Params
 from .picture import Movie, png_bytes, render, save_png
 from .queries import (BallVolume, BoxVolume, CapsuleVolume, Flow, Hits, Samples, Volume)
-from .reports import (BackendInfo, Info, Limit, Plan, PlanArray, PlanStage, StageTime, Stats,
+from .reports import (BackendInfo, Info, Limit, Load, Plan, PlanArray, PlanStage, StageTime, Stats,
                       backends, load_backend)
 from .scene import Scene, SceneSolver, load_scene, scenes
 from .solver import Solver
@@ -38,8 +38,8 @@ __all__ = [
     "BoxVolume", "BusyError", "CancelledError", "CapacityError", "Capsule", "CapsuleVolume",
     "Collide", "Collider", "DataError", "DeviceError", "DiscEmitter", "Dump", "DumpFrame",
     "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
-    "Kernel", "Limit", "Method", "MissingExtraError", "MotionPath", "Movie", "NotFoundError",
-    "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError",
+    "Kernel", "Limit", "Load", "Method", "MissingExtraError", "MotionPath", "Movie",
+    "NotFoundError", "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError",
     "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
     "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",

@@ -128,11 +128,24 @@ class ParamFields(Holder):
     max_substeps = Integer(
         "Into how many parts the library may divide a step that is too long; 0 or 1: none. Range: "
         "0 … 1000. Default: `0`.")
+    loads = Integer(
+        "1: each step finds what the fluid does to walls and colliders, for "
+        "`pbf_get_collider_loads` and `pbf_get_wall_loads`; 0: it does not. Range: 0 … 1. "
+        "Default: `0`.")
     shear_stress_correction = Number(
         "How much of the shear stress that pushes along pairs have under pressure is taken back, "
         "so that slow eddies live on; -1: with PBF_SOLVER_CHEBYSHEV 0.75 where water could be 18 "
         "layers deep, less with wide kernels, 0 elsewhere. Range: -1, 0 … 1; 0 unless "
         "`PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
+    wall_friction = Number(
+        "Coulomb friction of the domain's walls: how much of what a wall pushes with acts along "
+        "it against a particle's motion; 0: none. Range: ≥ 0. Default: `0`.")
+    wall_static_friction = Number(
+        "The same for what is at rest on a wall; below `wall_friction` that. Range: ≥ 0. Default: "
+        "`0`.")
+    wall_no_slip = Number(
+        "How much of the fluid's shear, by its `viscosity`, acts between walls and the fluid at "
+        "them. Range: 0 … 1. Default: `0`.")
 
 
 class ParamValues(TypedDict, total=False):
@@ -177,4 +190,8 @@ class ParamValues(TypedDict, total=False):
     drag_velocity: Vector
     max_depenetration_speed: float
     max_substeps: int
+    loads: int
     shear_stress_correction: float
+    wall_friction: float
+    wall_static_friction: float
+    wall_no_slip: float

@@ -67,6 +67,10 @@ class Collider:
     scale_rate: float = 0.0
     duration: float = 0.0
     """So long it moves and grows, and then stands still; 0: for ever."""
+    friction: float = 0.0
+    """Coulomb's coefficient, against the collider's own motion; see pbf_params.wall_friction."""
+    static_friction: float = 0.0
+    no_slip: float = 0.0
     inverted: bool = False
     """A container: the fluid stays inside."""
     path: MotionPath = MotionPath.AUTO

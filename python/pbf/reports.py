@@ -54,6 +54,24 @@ class Stats:
 
 
 @dataclass(frozen=True)
+class Load:
+    """What the fluid does to a solid, over rest density; see pbf_collider_load in pbf.h."""
+
+    contacts: int
+    impulse: Triple
+    angular_impulse: Triple
+    impulse_sum: Triple
+    angular_impulse_sum: Triple
+    time_sum: float
+    penetration: float
+    wetted_area: float
+
+    @classmethod
+    def _of(cls, struct: Any) -> Load:
+        return dataclass_of(cls, struct)
+
+
+@dataclass(frozen=True)
 class Info:
     """Which backend serves a solver, and how far it has come."""
 

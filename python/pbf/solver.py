@@ -21,7 +21,7 @@ from .colliders import Collider, collider_of, struct_array
 from .emission import Emission
 from .params import Params
 from .queries import Queries
-from .reports import Plan, StageTime, Stats
+from .reports import Load, Plan, StageTime, Stats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -88,6 +88,23 @@ class Solver(Steps, Particles, Queries, Emission, State):
     @colliders.setter
     def colliders(self, colliders: Iterable[Collider] | Collider) -> None:
         self._call(lib.pbf_set_colliders, *struct_array(colliders))
+
+    def collider_loads(self) -> list[Load]:
+        """What the fluid does to each collider; begins their sums anew. Needs params.loads."""
+        count = ffi.new("uint32_t *")
+        self._call(lib.pbf_get_collider_count, count)
+        return self._loads(lib.pbf_get_collider_loads, count[0])
+
+    def wall_loads(self) -> list[Load]:
+        """The same of the domain's walls, in the order of params.wall_velocity."""
+        return self._loads(lib.pbf_get_wall_loads, 2 * self.dimension)
+
+    def _loads(self, get: Any, count: int) -> list[Load]:
+        structs = ffi.new("pbf_collider_load[]", max(count, 1))
+        for struct in structs:
+            struct.struct_size = ffi.sizeof("pbf_collider_load")
+        self._call(get, count, structs)
+        return [Load._of(structs[index]) for index in range(count)]
 
     def move_colliders(self, targets: Iterable[Collider] | Collider, duration: float) -> None:
         """Has each reach its target's pose and size in so long a time, and then stand still."""

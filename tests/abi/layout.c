@@ -116,7 +116,7 @@ AT(pbf_shape_info, area, 112);
 AT(pbf_shape_info, bytes, 120);
 AT(pbf_shape_info, hash, 128);
 
-SIZE(pbf_collider, 256);
+SIZE(pbf_collider, 280);
 AT(pbf_collider, struct_size, 0);
 AT(pbf_collider, shape, 4);
 AT(pbf_collider, inverted, 8);
@@ -136,6 +136,20 @@ AT(pbf_collider, duration, 224);
 AT(pbf_collider, geometry, 232);
 AT(pbf_collider, scale, 240);
 AT(pbf_collider, scale_rate, 248);
+AT(pbf_collider, friction, 256);
+AT(pbf_collider, static_friction, 264);
+AT(pbf_collider, no_slip, 272);
+
+SIZE(pbf_collider_load, 128);
+AT(pbf_collider_load, struct_size, 0);
+AT(pbf_collider_load, contacts, 4);
+AT(pbf_collider_load, impulse, 8);
+AT(pbf_collider_load, angular_impulse, 32);
+AT(pbf_collider_load, impulse_sum, 56);
+AT(pbf_collider_load, angular_impulse_sum, 80);
+AT(pbf_collider_load, time_sum, 104);
+AT(pbf_collider_load, penetration, 112);
+AT(pbf_collider_load, wetted_area, 120);
 
 SIZE(pbf_view, 72);
 AT(pbf_view, struct_size, 0);
@@ -359,7 +373,7 @@ AT(pbf_backend_array, reserved, 12);
 AT(pbf_backend_array, data, 16);
 AT(pbf_backend_array, owner, 24);
 
-SIZE(pbf_backend_api, 232);
+SIZE(pbf_backend_api, 240);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -390,6 +404,7 @@ AT(pbf_backend_api, max_speed, 200);
 AT(pbf_backend_api, take_array, 208);
 AT(pbf_backend_api, release_array, 216);
 AT(pbf_backend_api, read_array, 224);
+AT(pbf_backend_api, get_loads, 232);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

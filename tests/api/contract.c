@@ -33,6 +33,9 @@ static pbf_status get_p(pbf_solver *s) { return pbf_get_pressures(s, 0, 1, numbe
 static pbf_status set_c(pbf_solver *s) { return pbf_set_colliders(s, 1, &collider); }
 static pbf_status count_c(pbf_solver *s) { return pbf_get_collider_count(s, integers); }
 static pbf_status get_c(pbf_solver *s) { return pbf_get_collider(s, 0, &collider); }
+static pbf_collider_load one_load;
+static pbf_status get_l(pbf_solver *s) { return pbf_get_collider_loads(s, 1, &one_load); }
+static pbf_status get_w(pbf_solver *s) { return pbf_get_wall_loads(s, 1, &one_load); }
 static pbf_status map(pbf_solver *s) { return pbf_map(s, PBF_FIELD_POSITION, &view); }
 static pbf_status unmap(pbf_solver *s) { return pbf_unmap(s, PBF_FIELD_POSITION); }
 static pbf_status export(pbf_solver *s) {
@@ -53,7 +56,7 @@ static const solver_call calls[] = {set_params, get_params, step,        pbf_syn
                                     set_v,      get_ids,    get_rho,     get_p,           set_c,
                                     count_c,    get_c,      map,         unmap,           export,
                                     get_stats,  set_timing, get_timings, get_plan,        get_info,
-                                    save,       load,       hash};
+                                    save,       load,       hash,        get_l,           get_w};
 
 static void null_and_dead_handles(void **state) {
   (void)state;

@@ -58,6 +58,8 @@ struct watcher {
   void viscosity(uint32_t) {
     stage_of("viscosity", FIELD_POSITION | FIELD_VELOCITY, FIELD_VELOCITY);
   }
+  void friction() { stage_of("friction", 0, FIELD_POSITION | FIELD_VELOCITY); }
+  void loads() { stage_of("loads", 0, 0); }
   void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);

@@ -42,6 +42,7 @@ typedef struct out {
   uint32_t number[TWINS];
   pbf_params params[TWINS];
   pbf_collider collider[TWINS];
+  pbf_collider_load loads[TWINS][PBF_MAX_COLLIDERS];
   pbf_info info[TWINS];
   pbf_plan plan[TWINS];
   pbf_stats stats[TWINS];
@@ -134,6 +135,34 @@ void call_get_collider(actor *a) {
   o->index = dice_below(&a->dice, 5);
   if (call_both(a, get_collider, o, CALL_READS) != PBF_OK) return;
   insist(a, memcmp(&o->collider[0], &o->collider[1], sizeof o->collider[0]) == 0);
+}
+
+static pbf_collider_load *loads_of(out *o, int twin) {
+  for (uint32_t k = 0; k < o->index && k < PBF_MAX_COLLIDERS; ++k)
+    o->loads[twin][k].struct_size = sizeof o->loads[twin][k];
+  return o->loads[twin];
+}
+
+static pbf_status get_collider_loads(pbf_solver *solver, int twin, void *context) {
+  out *o = context;
+  return pbf_get_collider_loads(solver, o->index, loads_of(o, twin));
+}
+
+static pbf_status get_wall_loads(pbf_solver *solver, int twin, void *context) {
+  out *o = context;
+  return pbf_get_wall_loads(solver, o->index, loads_of(o, twin));
+}
+
+void call_get_collider_loads(actor *a) {
+  out *o = zeros();
+  o->index = dice_below(&a->dice, 5);
+  call_both(a, get_collider_loads, o, CALL_READS);
+}
+
+void call_get_wall_loads(actor *a) {
+  out *o = zeros();
+  o->index = 4 + dice_below(&a->dice, 3);
+  call_both(a, get_wall_loads, o, CALL_READS);
 }
 
 /* ---- Reports ---- */

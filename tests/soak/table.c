@@ -27,6 +27,8 @@ const entry table[] = {
     {"pbf_release_shape", 1, call_release_shape},
     {"pbf_get_shape_info", 1, call_get_shape_info},
     {"pbf_get_shape_distance", 1, call_get_shape_distance},
+    {"pbf_get_collider_loads", 1, call_get_collider_loads},
+    {"pbf_get_wall_loads", 1, call_get_wall_loads},
     {"pbf_set_timing", 1, call_set_timing},
     {"pbf_get_timings", 1, call_get_timings},
     {"pbf_get_plan", 1, call_get_plan},

@@ -37,6 +37,8 @@ void call_set_colliders(actor *a);
 void call_move_colliders(actor *a);
 void call_get_collider_count(actor *a);
 void call_get_collider(actor *a);
+void call_get_collider_loads(actor *a);
+void call_get_wall_loads(actor *a);
 void call_set_timing(actor *a);
 void call_get_timings(actor *a);
 void call_get_plan(actor *a);

@@ -203,8 +203,11 @@ pub struct pbf_params {
     pub drag_velocity: [f64; 3],
     pub max_depenetration_speed: f64,
     pub max_substeps: u32,
-    pub reserved: u32,
+    pub loads: u32,
     pub shear_stress_correction: f64,
+    pub wall_friction: f64,
+    pub wall_static_friction: f64,
+    pub wall_no_slip: f64,
 }
 
 #[repr(C)]
@@ -326,6 +329,23 @@ pub struct pbf_collider {
     pub geometry: *mut pbf_shape,
     pub scale: f64,
     pub scale_rate: f64,
+    pub friction: f64,
+    pub static_friction: f64,
+    pub no_slip: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_collider_load {
+    pub struct_size: u32,
+    pub contacts: u32,
+    pub impulse: [f64; 3],
+    pub angular_impulse: [f64; 3],
+    pub impulse_sum: [f64; 3],
+    pub angular_impulse_sum: [f64; 3],
+    pub time_sum: f64,
+    pub penetration: f64,
+    pub wetted_area: f64,
 }
 
 #[repr(C)]
@@ -739,6 +759,16 @@ extern "C" {
         index: u32,
         collider: *mut pbf_collider,
     ) -> pbf_status;
+    pub fn pbf_get_collider_loads(
+        solver: *mut pbf_solver,
+        count: u32,
+        loads: *mut pbf_collider_load,
+    ) -> pbf_status;
+    pub fn pbf_get_wall_loads(
+        solver: *mut pbf_solver,
+        count: u32,
+        loads: *mut pbf_collider_load,
+    ) -> pbf_status;
     pub fn pbf_map(
         solver: *mut pbf_solver,
         field: u32,
@@ -1019,7 +1049,7 @@ mod layout {
 
     #[test]
     fn pbf_params_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_params>(), 544);
+        assert_eq!(size_of::<pbf_params>(), 568);
         assert_eq!(offset!(pbf_params, struct_size), 0);
         assert_eq!(offset!(pbf_params, kernel), 4);
         assert_eq!(offset!(pbf_params, smoothing_radius), 8);
@@ -1060,8 +1090,11 @@ mod layout {
         assert_eq!(offset!(pbf_params, drag_velocity), 496);
         assert_eq!(offset!(pbf_params, max_depenetration_speed), 520);
         assert_eq!(offset!(pbf_params, max_substeps), 528);
-        assert_eq!(offset!(pbf_params, reserved), 532);
+        assert_eq!(offset!(pbf_params, loads), 532);
         assert_eq!(offset!(pbf_params, shear_stress_correction), 536);
+        assert_eq!(offset!(pbf_params, wall_friction), 544);
+        assert_eq!(offset!(pbf_params, wall_static_friction), 552);
+        assert_eq!(offset!(pbf_params, wall_no_slip), 560);
     }
 
     #[test]
@@ -1163,7 +1196,7 @@ mod layout {
 
     #[test]
     fn pbf_collider_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_collider>(), 256);
+        assert_eq!(size_of::<pbf_collider>(), 280);
         assert_eq!(offset!(pbf_collider, struct_size), 0);
         assert_eq!(offset!(pbf_collider, shape), 4);
         assert_eq!(offset!(pbf_collider, inverted), 8);
@@ -1183,6 +1216,23 @@ mod layout {
         assert_eq!(offset!(pbf_collider, geometry), 232);
         assert_eq!(offset!(pbf_collider, scale), 240);
         assert_eq!(offset!(pbf_collider, scale_rate), 248);
+        assert_eq!(offset!(pbf_collider, friction), 256);
+        assert_eq!(offset!(pbf_collider, static_friction), 264);
+        assert_eq!(offset!(pbf_collider, no_slip), 272);
+    }
+
+    #[test]
+    fn pbf_collider_load_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_collider_load>(), 128);
+        assert_eq!(offset!(pbf_collider_load, struct_size), 0);
+        assert_eq!(offset!(pbf_collider_load, contacts), 4);
+        assert_eq!(offset!(pbf_collider_load, impulse), 8);
+        assert_eq!(offset!(pbf_collider_load, angular_impulse), 32);
+        assert_eq!(offset!(pbf_collider_load, impulse_sum), 56);
+        assert_eq!(offset!(pbf_collider_load, angular_impulse_sum), 80);
+        assert_eq!(offset!(pbf_collider_load, time_sum), 104);
+        assert_eq!(offset!(pbf_collider_load, penetration), 112);
+        assert_eq!(offset!(pbf_collider_load, wetted_area), 120);
     }
 
     #[test]

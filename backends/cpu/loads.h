@@ -1,0 +1,58 @@
+/* Part of executor.h: what solids do to particles, noted while a step goes on (physics/loads.h). */
+#ifndef PBF_CPU_LOADS_H
+#define PBF_CPU_LOADS_H
+
+#include "cpu/sort.h"
+#include "physics/loads.h"
+
+static inline bool finds_loads(const solver *s) { return s->schedule.runs[PBF_STAGE_LOADS] != 0; }
+
+/* Whether what solids push with is wanted of each particle. */
+static inline bool notes_pushes(const solver *s) {
+  return finds_loads(s) || s->schedule.runs[PBF_STAGE_FRICTION];
+}
+
+/* Adds to the tally: all threads do. */
+static inline void add_to_shared(pbf_wide_sum *to, pbf_wide_sum more) {
+  __atomic_fetch_add(&to->high, more.high, __ATOMIC_RELAXED);
+  __atomic_fetch_add(&to->low, more.low, __ATOMIC_RELAXED);
+}
+
+static inline void add_change(const solver *s, const pbf_wide_sum change[PBF_DIM]) {
+  for (int k = 0; k < PBF_DIM; ++k) add_to_shared(&s->load_tally->change[k], change[k]);
+}
+
+/* What solids have done in the prediction, of sorted particles: the old state, in its old order, is
+ * there until neighbours are found. */
+static void push_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const solver *s = w->s;
+  const double units = -pbf_units_of_velocity((double)w->forces.max_speed);
+  pbf_wide_sum change[PBF_DIM] = {};
+  for (uint32_t i = s->first_place[task]; i < s->first_place[task + 1]; ++i) {
+    const uint32_t before = s->order[i];
+    const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
+    const pbf_vec v = field_at(&w->b.sorted_velocity, i);
+    const pbf_vec forced =
+        sleeps ? v
+               : pbf_apply_forces(&w->forces, field_at(&w->b.x, before), field_at(&w->b.v, before));
+    field_set(&s->push, i, pbf_sub(v, forced));
+    for (int k = 0; k < PBF_DIM; ++k)
+      pbf_wide_add(&change[k], pbf_wide_of(units * (double)forced.c[k]));
+  }
+  if (finds_loads(s)) add_change(s, change);
+}
+
+/* Around what solids alone do to velocities. */
+static inline void add_velocities(const solver *s, pbf_real factor, const field *v, range r) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t i = r.first; i < r.last; ++i) s->push.c[k][i] += factor * v->c[k][i];
+}
+static inline void begin_noting(const solver *s, const field *v, range r) {
+  add_velocities(s, -1, v, r);
+}
+static inline void end_noting(const solver *s, const field *v, range r) {
+  add_velocities(s, 1, v, r);
+}
+
+#endif

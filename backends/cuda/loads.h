@@ -1,0 +1,270 @@
+/* Part of executor.h: what the fluid does to solids (physics/loads.h). What they do to particles is
+ * noted around the kernels in which they do it, of those near solids alone: what others get there
+ * is in the sum of all. */
+#ifndef PBF_CUDA_LOADS_H
+#define PBF_CUDA_LOADS_H
+
+#include "cuda/launches.h"
+#include "cuda/pressures.h"
+#include "physics/friction.h"
+
+/* ---- Sums ----------------------------------------------------------------------------------- */
+
+static __device__ __forceinline__ void add_number(int64_t *to, int64_t more) {
+  if (more)
+    atomicAdd(reinterpret_cast<unsigned long long *>(to), static_cast<unsigned long long>(more));
+}
+
+static __device__ __forceinline__ void add_wide(pbf_wide_sum *to, const pbf_wide_sum &more) {
+  add_number(&to->high, more.high);
+  add_number(&to->low, more.low);
+}
+
+/* Adds a change of each thread to the sum of all, by way of its block's. All threads call it. */
+static __device__ __forceinline__ void add_changes(pbf_load_tally *tally, double units,
+                                                   const pbf_vec &change, bool counts) {
+  __shared__ pbf_wide_sum sums[PBF_DIM];
+  if (threadIdx.x < PBF_DIM) sums[threadIdx.x] = {0, 0};
+  __syncthreads();
+  for (int k = 0; k < PBF_DIM && counts; ++k)
+    add_wide(&sums[k], pbf_wide_of(units * (double)change.c[k]));
+  __syncthreads();
+  if (threadIdx.x < PBF_DIM) add_wide(&tally->change[threadIdx.x], sums[threadIdx.x]);
+}
+
+/* ---- What solids do to particles ------------------------------------------------------------- */
+
+/* Whether one of them may have something to do with a particle at x. */
+static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pbf_vec x,
+                                                     pbf_real reach) {
+  if (pbf_domain_distance(&o.domain, x) < reach) return true;
+  for (int k = 0; k < pbf_surface_count(o); ++k) {
+    pbf_vec normal;
+    if (pbf_surface_is_beyond(&o.surfaces[k], x, reach)) continue;
+    if (pbf_surface_distance(&o.surfaces[k], x, &normal) < reach) return true;
+  }
+  return false;
+}
+
+/* In the prediction, once particles are sorted; the sort's scratch is as it was. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
+                      sorted_particles to, pbf_vec *push, pbf_load_tally *tally) {
+  const uint32_t i = thread_index();
+  pbf_vec forced = {{0}};
+  if (i < from.count) {
+    const uint32_t cell = scratch.cell[i], id = from.ids[i];
+    uint32_t place = to.cell_start[cell];
+    for (uint32_t k = to.cell_start[cell]; k < to.cell_start[cell + 1]; ++k)
+      place += scratch.id_by_cell[k] < id;
+    if (PBF_SLEEP && from.activity && *from.all_asleep) place = i;
+    const bool asleep = PBF_SLEEP && from.activity && pbf_is_asleep(from.activity[i]);
+    const pbf_vec v = to.velocities[place];
+    forced = asleep
+                 ? v
+                 : pbf_apply_forces(&forces, position_of(load(from.points, i)), from.velocities[i]);
+    push[place] = pbf_sub(v, forced);
+  }
+  if (tally)
+    add_changes(tally, -pbf_units_of_velocity((double)forces.max_speed), forced, i < from.count);
+}
+
+/* What an iteration is to be noted by. */
+struct push_noting {
+  iteration_extras extras;
+  pbf_real reach, inv_time_step;
+  bool first; /* iteration */
+};
+
+static __device__ __forceinline__ bool notes_push(const push_noting &p, const neighborhood &n,
+                                                  uint32_t i, pbf_vec x) {
+  if (i >= n.particles.count) return false;
+  if (PBF_SLEEP && p.extras.rest.activity && pbf_is_asleep(p.extras.rest.activity[i])) return false;
+  return is_near_solid(p.extras.obstacles, x, p.reach);
+}
+
+/* Takes from pushes the velocities that pairs alone would make in the move that comes. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    push_before_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
+  const uint32_t i = thread_index();
+  if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
+  const point own = load(n.particles.points, min(i, n.particles.count - 1));
+  const pbf_vec x = position_of(own);
+  const bool notes = notes_push(p, n, i, x);
+  if (__all_sync(~0u, !notes)) return;
+  const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {&n.constants, {}};
+  const auto sums =
+      sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
+  if (!notes) return;
+  const pbf_vec v = p.first ? n.particles.velocities[i] : velocities[i];
+  push[i] = pbf_sub(push[i], pbf_push(&n.constants, p.inv_time_step, v, vec_of(sums.change)));
+}
+
+/* And adds those that it has made. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    push_after_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
+  const uint32_t i = thread_index();
+  if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
+  const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
+  if (notes_push(p, n, i, x)) push[i] = pbf_add_scaled(push[i], 1, velocities[i]);
+}
+
+/* ---- Shares --------------------------------------------------------------------------------- */
+
+static __device__ __forceinline__ load_particle load_particle_of(const pressure_source &source,
+                                                                 const point &own, pbf_vec v,
+                                                                 pbf_vec push) {
+  return {position_of(own), v, push, own.lambda, whole_lambda(source, own) - own.lambda};
+}
+
+static __device__ __forceinline__ void add_shared_part(pbf_load_sums *to, const load_part &part,
+                                                       bool counts) {
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_wide(&to->of[k], part.of[k]);
+  if (counts) atomicAdd(reinterpret_cast<unsigned long long *>(&to->contacts), 1ull);
+  if (part.depth)
+    atomicMax(reinterpret_cast<unsigned long long *>(&to->depth),
+              static_cast<unsigned long long>(part.depth));
+}
+
+/* Changes velocities, and moves by that. Each thread writes to its particle alone; the tally is
+ * null where loads are not wanted. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    friction_kernel(neighborhood n, step_obstacles o, pbf_friction_scales scales,
+                    pressure_source source, const pbf_real *activity, pbf_real inv_time_step,
+                    pbf_vec *velocities, pbf_vec *push, pbf_load_tally *tally) {
+  const uint32_t i = thread_index();
+  if (i >= n.particles.count) return;
+  if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
+  point own = load(n.particles.points, i);
+  const load_particle p = load_particle_of(source, own, velocities[i], push[i]);
+  const pbf_vec change = friction_change(
+      &n.constants, scales, o, p, [&](const pbf_load_plane &plane, const load_share &share) {
+        if (tally)
+          add_shared_part(&tally->sums[plane.solid],
+                          friction_load(&scales.loads, o, p.x, plane, share), false);
+      });
+  const pbf_vec moved = pbf_add_scaled(p.x, (pbf_real)scales.loads.time_step, change);
+  const pbf_vec x = pbf_resolve_collisions(o, 0, p.x, moved);
+  const pbf_vec v = pbf_add_scaled(p.change, 1, change);
+  const pbf_vec after = pbf_velocity(inv_time_step, v, moved, x);
+  for (int k = 0; k < PBF_DIM; ++k) own.c[k] = x.c[k];
+  store(n.particles.points, i, own);
+  velocities[i] = after;
+  push[i] = pbf_add_scaled(push[i], 1, pbf_sub(after, v));
+}
+
+/* Walls have many particles at them, and are summed up by blocks first. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    loads_kernel(neighborhood n, step_obstacles o, pbf_load_scales scales, pressure_source source,
+                 const pbf_real *activity, const uint32_t *all_asleep, const pbf_vec *velocities,
+                 const pbf_vec *push, pbf_load_tally *tally) {
+  __shared__ pbf_load_sums walls[2 * PBF_DIM];
+  const uint32_t i = thread_index();
+  if (PBF_SLEEP && all_asleep && *all_asleep) return;
+  for (uint32_t k = threadIdx.x; k < sizeof walls / sizeof(uint64_t); k += blockDim.x)
+    reinterpret_cast<uint64_t *>(walls)[k] = 0;
+  __syncthreads();
+  load_particle p = {};
+  if (i < n.particles.count) {
+    p = load_particle_of(source, load(n.particles.points, i), velocities[i], push[i]);
+    if (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))
+      p = sleeping_load_particle(&n.constants, &scales, o, p);
+    int last = -1;
+    share_push(&n.constants, &scales, o, p,
+               [&](const pbf_load_plane &plane, const load_share &share) {
+                 const load_part part = load_part_of(&scales, o, p.x, plane, share);
+                 pbf_load_sums *to =
+                     plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
+                 add_shared_part(to, part, part.touches && plane.solid != last);
+                 if (part.touches) last = plane.solid;
+               });
+  }
+  add_changes(tally, scales.velocity, p.change, i < n.particles.count);
+  if (threadIdx.x >= 2 * PBF_DIM) return;
+  const pbf_load_sums &mine = walls[threadIdx.x];
+  pbf_load_sums *to = &tally->sums[threadIdx.x];
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_wide(&to->of[k], mine.of[k]);
+  atomicAdd(reinterpret_cast<unsigned long long *>(&to->contacts),
+            static_cast<unsigned long long>(mine.contacts));
+  atomicMax(reinterpret_cast<unsigned long long *>(&to->depth),
+            static_cast<unsigned long long>(mine.depth));
+}
+
+/* A thread a solid. Where all sleep they keep what they had. */
+static __global__ void end_loads_kernel(step_obstacles o, pbf_load_scales scales,
+                                        const uint32_t *all_asleep, pbf_load_tally *tally) {
+  const int solid = (int)threadIdx.x;
+  if (PBF_SLEEP && all_asleep && *all_asleep) {
+    add_load(&tally->loads[solid], 1, scales.time_step);
+    return;
+  }
+  end_load(tally, o, load_rests_of(tally), &scales, solid);
+}
+
+/* Steps in which all sleep, and which are not launched. */
+static __global__ void repeat_loads_kernel(uint32_t steps, double time_step,
+                                           pbf_load_tally *tally) {
+  add_load(&tally->loads[threadIdx.x], steps, time_step);
+}
+
+static __global__ void begin_load_sums_kernel(pbf_collider_load *loads) {
+  pbf_begin_load_sums(&loads[threadIdx.x]);
+}
+
+/* ---- By the host ---------------------------------------------------------------------------- */
+
+static inline bool finds_loads(const solver *s) { return s->schedule.runs[PBF_STAGE_LOADS] != 0; }
+
+/* Whether what solids push with is wanted of each particle. */
+static inline bool notes_pushes(const solver *s) {
+  return finds_loads(s) || s->schedule.runs[PBF_STAGE_FRICTION];
+}
+
+static inline pbf_status clear_load_sums(solver *s) {
+  return pbf_cuda_check(
+      cudaMemsetAsync(s->load_tally, 0, offsetof(pbf_load_tally, loads), s->stream),
+      "cudaMemsetAsync");
+}
+
+/* Of the step that ends; its grid is the last one's. */
+static inline pressure_source present_pressures(const solver *s) {
+  pressure_source source = {s->constants.pressure, {}};
+  if (!PBF_HAS_PRESSURE_GRID || !s->schedule.runs[PBF_STAGE_GRID] || !(source.scale > 0) ||
+      !s->pressure_grid.nodes)
+    return source;
+  source.grid = {s->pressure_grid, pressure_grid_of(s), s->pressure_grid_scale};
+  return source;
+}
+
+static inline pbf_status repeat_loads(solver *s, uint32_t steps) {
+  if (!finds_loads(s) || !steps) return PBF_OK;
+  repeat_loads_kernel<<<1, PBF_MAX_SOLIDS, 0, s->stream>>>(steps, s->params.time_step,
+                                                           s->load_tally);
+  return pbf_cuda_check_launch("repeat_loads_kernel");
+}
+
+/* Colliders from this number on are other ones. */
+static inline pbf_status forget_loads(solver *s, uint32_t collider) {
+  if (!s->load_tally || collider == PBF_MAX_COLLIDERS) return PBF_OK;
+  return pbf_cuda_check(
+      cudaMemsetAsync(&s->load_tally->loads[PBF_WALLS + collider], 0,
+                      (PBF_MAX_COLLIDERS - collider) * sizeof(pbf_collider_load), s->stream),
+      "cudaMemsetAsync");
+}
+
+static inline pbf_status read_loads(solver *s, uint32_t first, uint32_t count,
+                                    pbf_collider_load *loads) {
+  pbf_collider_load *there = s->load_tally->loads + first;
+  const uint64_t bytes = count * sizeof *loads;
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemcpyAsync(loads, there, bytes, cudaMemcpyDeviceToHost, s->stream),
+                         "cudaMemcpyAsync to the host"))
+    return status;
+  if (pbf_status status = pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize"))
+    return status;
+  begin_load_sums_kernel<<<1, count, 0, s->stream>>>(there);
+  return pbf_cuda_check_launch("begin_load_sums_kernel");
+}
+
+#endif

@@ -1,0 +1,515 @@
+/* Loads: the impulse that the fluid gives to each solid in a step, and where.
+ *
+ * Two things are measured. Of each particle, its push: the velocity that it has got where walls and
+ * colliders act on it by itself, by collisions, by the density that they contribute and by ghosts.
+ * And of all particles together, what their velocities have changed by beside forces. Pairs
+ * conserve momentum, so the latter is the solids' in all: with what no particle tells, the pressure
+ * of a pressure grid first of all.
+ *
+ * A push is shared out among the solids near its particle. Each gets what the step's lambda makes
+ * of the density that it contributes, which is its pressure: so a layer between two plates presses
+ * on both. What is left goes to each along its normal, as far as normals span it; colliders also
+ * take the rest. But what walls do along themselves stands in for fluid that they cut off
+ * (pbf_boundary_correction), the weight of which is on the walls across: they share it, where there
+ * are any that the fluid is at. What is then left of the whole goes to all, in proportion to what
+ * they have got along the axis. So the sum over all solids is the momentum that the fluid has lost,
+ * whatever errors the parts have.
+ *
+ * Sums are of integers: their order, and with it threads, changes no bit. */
+#ifndef PBF_PHYSICS_LOADS_H
+#define PBF_PHYSICS_LOADS_H
+
+#include <stddef.h>
+
+#include "physics/boundary.h"
+#include "physics/passes/predict.h"
+
+/* Solids by number: the walls, 2 * axis and + 1, and after six of these the colliders. */
+enum { PBF_WALLS = 6, PBF_MAX_SOLIDS = PBF_WALLS + PBF_MAX_COLLIDERS };
+
+/* ---- Sums ----------------------------------------------------------------------------------- */
+
+/* high * 2^32 + low, of 2^31 numbers and more. */
+typedef struct pbf_wide_sum {
+  int64_t high, low;
+} pbf_wide_sum;
+
+/* Of a number in units: at most 2^62 of them, and what is no number counts as none. */
+PBF_FN pbf_wide_sum pbf_wide_of(double units) {
+  const double limit = 0x1p62;
+  units = units > -limit ? units : -limit;
+  units = units < limit ? units : limit;
+  const double high = floor(units * 0x1p-32);
+  pbf_wide_sum sum = {(int64_t)high, (int64_t)(units - high * 0x1p32)};
+  return sum;
+}
+
+PBF_FN double pbf_wide_value(pbf_wide_sum sum) {
+  return (double)sum.high * 0x1p32 + (double)sum.low;
+}
+
+/* What is summed up of a solid, as changes of particles' velocities: the fluid's, opposite to the
+ * solid's. In 2D the third components, and of the turn the first two, stay 0. */
+enum {
+  PBF_LOAD_CHANGE = 0,
+  PBF_LOAD_TURN = 3,   /* place before the solid's position x change */
+  PBF_LOAD_SIZE = 6,   /* |change|, by component */
+  PBF_LOAD_WET = 9,    /* particles of a wet layer */
+  PBF_LOAD_PLACE = 10, /* their places before the solid's position */
+  PBF_LOAD_ALONG = 13, /* what a wall changes along itself, which is not in its change */
+  PBF_LOAD_SUMS = 16
+};
+
+typedef struct pbf_load_sums {
+  pbf_wide_sum of[PBF_LOAD_SUMS];
+  uint64_t contacts;
+  uint64_t depth; /* the largest, as its bits, which are in order */
+} pbf_load_sums;
+
+/* Of a solver. `change` is of all velocities. */
+typedef struct pbf_load_tally {
+  pbf_wide_sum change[3];
+  pbf_load_sums sums[PBF_MAX_SOLIDS];
+  pbf_collider_load loads[PBF_MAX_SOLIDS];
+} pbf_load_tally;
+
+PBF_FN void pbf_wide_add(pbf_wide_sum *to, pbf_wide_sum more) {
+  to->high += more.high;
+  to->low += more.low;
+}
+
+/* Units of one, of sums of velocities and of lengths by velocities or by nothing, `lever` being
+ * above all of these. A number of the former is at most twice the largest speed that walls stop. */
+PBF_FN double pbf_units_of_velocity(double max_speed) { return 0x1p60 / max_speed; }
+
+/* No particle is farther from a solid's position. */
+template <class Obstacles>
+PBF_FN double pbf_lever(const Obstacles &o, int solid) {
+  double lever = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double lower = (double)o.domain.lower.c[k], upper = (double)o.domain.upper.c[k];
+    const double at = solid < PBF_WALLS ? 0 : (double)o.surfaces[solid - PBF_WALLS].center.c[k];
+    lever += fabs(upper - lower) + fabs(at - lower);
+  }
+  return lever;
+}
+
+PBF_FN double pbf_load_units(double units_of_velocity, double lever, int sum) {
+  if (sum < PBF_LOAD_TURN) return units_of_velocity;
+  if (sum < PBF_LOAD_SIZE) return units_of_velocity / lever;
+  if (sum < PBF_LOAD_WET) return units_of_velocity;
+  if (sum < PBF_LOAD_PLACE) return 0x1p59;
+  return sum < PBF_LOAD_ALONG ? 0x1p59 / lever : units_of_velocity;
+}
+
+/* ---- A particle's part ---------------------------------------------------------------------- */
+
+/* What all particles of a step have in common. */
+typedef struct pbf_load_scales {
+  double velocity; /* units */
+  double spacing;
+  double reach;     /* solids farther away have no part in a push */
+  double by_lambda; /* from lambda times the gradient of a density to a change of velocity; 0 where
+                       lambda does not add up over a step */
+  double mass;      /* of a particle, over rest density */
+  double time_step;
+} pbf_load_scales;
+
+/* A particle has the mass of the cell that it fills in a fluid at rest, or what the caller says. */
+static inline double pbf_particle_mass(const pbf_params *params) {
+  const double given = params->particle_volume;
+  return given > 0 ? given : pow(pbf_derive_spacing(params), PBF_DIM);
+}
+
+static inline pbf_load_scales pbf_load_scales_of(const pbf_constants *c, const pbf_forces *f,
+                                                 const pbf_params *params) {
+  pbf_load_scales s;
+  s.velocity = pbf_units_of_velocity((double)f->max_speed);
+  s.spacing = pbf_derive_spacing(params);
+  s.reach = fmax(params->smoothing_radius, 2 * s.spacing);
+  s.by_lambda = c->accelerated ? (double)c->omega * pbf_per_time_step(params) : 0;
+  s.mass = pbf_particle_mass(params);
+  s.time_step = params->time_step;
+  return s;
+}
+
+/* A plane of a solid near a particle, and the slope of the density that it contributes. */
+typedef struct pbf_load_plane {
+  int solid;
+  pbf_real distance, slope;
+  pbf_vec normal;
+} pbf_load_plane;
+
+namespace {
+
+/* A particle at the end of a step. */
+struct load_particle {
+  pbf_vec x;
+  pbf_vec change;               /* of its velocity, or the velocity: what is summed up of all */
+  pbf_vec push;                 /* by solids, of that */
+  pbf_real lambda, grid_lambda; /* of the iterations, and of the pressure grid */
+};
+
+PBF_FN pbf_load_plane load_plane_of_wall(const pbf_constants *c, const pbf_domain *domain, int wall,
+                                         pbf_vec x) {
+  pbf_load_plane p = {wall, pbf_wall_distance(domain, wall, x), 0, {{0}}};
+  p.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
+  pbf_wall_density(c, p.distance, &p.slope);
+  return p;
+}
+
+/* At a distance from a surface, where `normal` points to the fluid. */
+PBF_FN pbf_load_plane load_plane_at(const pbf_constants *c, const pbf_surface *s, int solid,
+                                    pbf_real distance, pbf_vec normal) {
+  pbf_load_plane p = {solid, distance, 0, normal};
+  pbf_wall_density(c, distance, &p.slope);
+  if (!pbf_surface_is_unbounded(s) && distance < -c->wall_offset) p.slope = 0;
+  return p;
+}
+
+PBF_FN pbf_load_plane load_plane_of_surface(const pbf_constants *c, const pbf_surface *s, int solid,
+                                            int plane, int planes, pbf_vec x) {
+  pbf_vec normal;
+  const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
+  return load_plane_at(c, s, solid, distance, normal);
+}
+
+/* Of a field, those by which it contributes density: pbf_accumulate_field. */
+template <class Visit>
+PBF_FN void each_load_facet(const pbf_constants *c, const pbf_surface *s, int solid, pbf_vec x,
+                            pbf_real reach, Visit visit) {
+  pbf_facets facets;
+  pbf_find_facets(s, reach, c->h, x, &facets);
+  for (int k = 0; k < facets.count; ++k) {
+    const pbf_facet &facet = facets.of[k];
+    if (facet.distance < reach) visit(load_plane_at(c, s, solid, facet.distance, facet.normal));
+  }
+}
+
+/* Calls visit(plane) for those within reach, of one solid after another. */
+template <class Obstacles, class Visit>
+PBF_FN void each_load_plane(const pbf_constants *c, const Obstacles &o, pbf_vec x, pbf_real reach,
+                            Visit visit) {
+  for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
+    if (pbf_wall_distance(&o.domain, wall, x) < reach)
+      visit(load_plane_of_wall(c, &o.domain, wall, x));
+  for (int k = 0; k < pbf_surface_count(o); ++k) {
+    const pbf_surface *s = &o.surfaces[k];
+    const int planes = pbf_surface_planes(s);
+    if (pbf_surface_is_beyond(s, x, reach)) continue;
+    if (pbf_surface_is_field(s)) {
+      each_load_facet(c, s, PBF_WALLS + k, x, reach, visit);
+      continue;
+    }
+    for (int plane = 0; plane < planes; ++plane) {
+      const pbf_load_plane p = load_plane_of_surface(c, s, PBF_WALLS + k, plane, planes, x);
+      if (p.distance < reach) visit(p);
+    }
+  }
+}
+
+/* A symmetric positive system: what solids take of a push is to be found from it. */
+struct load_system {
+  double matrix[PBF_DIM][PBF_DIM], right[PBF_DIM];
+  bool any;
+};
+
+/* So much of what is across its normal a plane takes as well, where no other normal does. */
+PBF_FN double load_across() { return 1e-3; }
+
+/* The nearer a plane, the more it takes of what others could take as well. */
+PBF_FN double load_weight(const pbf_load_scales *s, pbf_real distance) {
+  const double part = 1 - fmax((double)distance, 0.0) / s->reach;
+  return part * part;
+}
+
+PBF_FN void add_to_system(load_system *to, double weight, pbf_vec normal) {
+  for (int j = 0; j < PBF_DIM; ++j)
+    for (int k = 0; k < PBF_DIM; ++k)
+      to->matrix[j][k] +=
+          weight * ((double)normal.c[j] * (double)normal.c[k] + (j == k ? load_across() : 0));
+  to->any = true;
+}
+
+/* By Gauss's elimination; `right` is then the solution. */
+PBF_FN void solve_system(load_system *s) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (int j = k + 1; j < PBF_DIM; ++j) {
+      const double factor = s->matrix[j][k] / s->matrix[k][k];
+      for (int m = k; m < PBF_DIM; ++m) s->matrix[j][m] -= factor * s->matrix[k][m];
+      s->right[j] -= factor * s->right[k];
+    }
+  for (int k = PBF_DIM - 1; k >= 0; --k) {
+    for (int m = k + 1; m < PBF_DIM; ++m) s->right[k] -= s->matrix[k][m] * s->right[m];
+    s->right[k] /= s->matrix[k][k];
+  }
+}
+
+/* The nearest of all planes, where none is within reach of what has been pushed. */
+template <class Obstacles>
+PBF_FN_SELDOM pbf_load_plane nearest_load_plane(const pbf_constants *c, const Obstacles &o,
+                                                pbf_vec x) {
+  pbf_load_plane nearest = load_plane_of_wall(c, &o.domain, 0, x);
+  for (int wall = 1; wall < 2 * PBF_DIM; ++wall) {
+    const pbf_load_plane p = load_plane_of_wall(c, &o.domain, wall, x);
+    if (p.distance < nearest.distance) nearest = p;
+  }
+  for (int k = 0; k < pbf_surface_count(o); ++k) {
+    const pbf_load_plane p = load_plane_of_surface(c, &o.surfaces[k], PBF_WALLS + k, 0, 1, x);
+    if (p.distance < nearest.distance) nearest = p;
+  }
+  return nearest;
+}
+
+/* A plane's part in a push; of a wall, what it does along itself apart. */
+struct load_share {
+  double change[PBF_DIM], along[PBF_DIM];
+};
+
+/* Of the particle's push so far as it is not by lambda, `left` being the solution for it;
+ * `by_lambda` is the size of what is. */
+PBF_FN load_share load_share_of_plane(const pbf_load_plane &p, double weight, double by_lambda,
+                                      const double left[PBF_DIM]) {
+  load_share share;
+  double normal = 0;
+  for (int k = 0; k < PBF_DIM; ++k) normal += (double)p.normal.c[k] * left[k];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double n = (double)p.normal.c[k];
+    const double along = weight * load_across() * (left[k] - normal * n);
+    share.change[k] = (by_lambda + weight * (1 + load_across()) * normal) * n;
+    share.change[k] += p.solid < PBF_WALLS ? 0 : along;
+    share.along[k] = p.solid < PBF_WALLS ? along : 0;
+  }
+  return share;
+}
+
+/* All of a push. */
+PBF_FN load_share load_share_of_all(const double push[PBF_DIM]) {
+  load_share share = {{0}, {0}};
+  for (int k = 0; k < PBF_DIM; ++k) share.change[k] = push[k];
+  return share;
+}
+
+/* Calls take(plane, share) for each plane that has a part in what has changed the velocity of a
+ * particle: its push, of which lambda of the iterations is the most, and what that of the pressure
+ * grid does beside. */
+template <class Obstacles, class Take>
+PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const Obstacles &o,
+                       const load_particle &of, Take take) {
+  load_system system = {{{0}}, {0}, false};
+  const double own = s->by_lambda * (double)of.lambda, grid = s->by_lambda * (double)of.grid_lambda;
+  const pbf_vec x = of.x;
+  bool pushed = false;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    system.right[k] = (double)of.push.c[k];
+    pushed = pushed || of.push.c[k] < 0 || of.push.c[k] > 0;
+  }
+  each_load_plane(c, o, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+    add_to_system(&system, load_weight(s, p.distance), p.normal);
+    for (int k = 0; k < PBF_DIM; ++k)
+      system.right[k] -= own * (double)p.slope * (double)p.normal.c[k];
+  });
+  if (!system.any) {
+    if (pushed) take(nearest_load_plane(c, o, x), load_share_of_all(system.right));
+    return;
+  }
+  solve_system(&system);
+  each_load_plane(c, o, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+    take(p, load_share_of_plane(p, load_weight(s, p.distance), (own + grid) * (double)p.slope,
+                                system.right));
+  });
+}
+
+/* One that sleeps: what its lambda makes of the density of solids. */
+template <class Obstacles>
+PBF_FN load_particle sleeping_load_particle(const pbf_constants *c, const pbf_load_scales *s,
+                                            const Obstacles &o, load_particle of) {
+  of.lambda += of.grid_lambda;
+  of.grid_lambda = 0;
+  of.push = {{0}};
+  const pbf_real push = (pbf_real)(s->by_lambda * (double)of.lambda);
+  each_load_plane(c, o, of.x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+    of.push = pbf_add_scaled(of.push, push * p.slope, p.normal);
+  });
+  of.change = of.push;
+  return of;
+}
+
+/* A plane's part, in units, as it is added to the sums of its solid. */
+struct load_part {
+  pbf_wide_sum of[PBF_LOAD_SUMS];
+  uint64_t depth;
+  bool touches;
+};
+
+/* How much of a layer a particle is, such that layers a spacing apart, wherever they are, are one
+ * together. */
+PBF_FN double wet_part(const pbf_load_scales *s, pbf_real distance) {
+  return fmax(0.0, 1 - fmax((double)distance, 0.0) / (2 * s->spacing));
+}
+
+template <class Obstacles>
+PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
+                              const pbf_load_plane &p, const load_share &share) {
+  double number[PBF_LOAD_SUMS] = {0}, r[3] = {0}, u[3] = {0};
+  const double lever = pbf_lever(o, p.solid), depth = fmax(0.0, -(double)p.distance);
+  load_part part;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const bool is_wall = p.solid < PBF_WALLS;
+    u[k] = share.change[k];
+    number[PBF_LOAD_ALONG + k] = share.along[k];
+    r[k] = (double)x.c[k] - (is_wall ? 0 : (double)o.surfaces[p.solid - PBF_WALLS].center.c[k]);
+  }
+  number[PBF_LOAD_WET] = wet_part(s, p.distance);
+  for (int k = 0; k < 3; ++k) {
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    number[PBF_LOAD_CHANGE + k] = u[k];
+    number[PBF_LOAD_TURN + k] = r[l] * u[m] - r[m] * u[l];
+    number[PBF_LOAD_SIZE + k] = fabs(u[k]);
+    number[PBF_LOAD_PLACE + k] = number[PBF_LOAD_WET] * r[k];
+  }
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k)
+    part.of[k] = pbf_wide_of(number[k] * pbf_load_units(s->velocity, lever, k));
+  memcpy(&part.depth, &depth, sizeof part.depth);
+  part.touches = (double)p.distance < s->spacing;
+  return part;
+}
+
+PBF_FN void add_part(pbf_load_sums *to, const load_part &part, bool counts) {
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) pbf_wide_add(&to->of[k], part.of[k]);
+  to->contacts += counts;
+  to->depth = to->depth > part.depth ? to->depth : part.depth;
+}
+
+/* ---- The end of a step ---------------------------------------------------------------------- */
+
+/* What is left of the whole along an axis, in units, and by which of their sums solids share it:
+ * what they have got, or how much of them is wet where none has got anything. */
+typedef struct load_rest {
+  double change, sum;
+  int by;
+} load_rest;
+
+PBF_FN double load_sum_over(const pbf_load_tally *t, int solids, int which) {
+  double sum = 0;
+  for (int solid = 0; solid < solids; ++solid) sum += pbf_wide_value(t->sums[solid].of[which]);
+  return sum;
+}
+
+/* How the first `solids` of all share a change. */
+PBF_FN load_rest load_rest_of(const pbf_load_tally *t, int solids, int axis, double change) {
+  load_rest rest = {change, load_sum_over(t, solids, PBF_LOAD_SIZE + axis), PBF_LOAD_SIZE + axis};
+  if (rest.sum > 0) return rest;
+  rest.by = PBF_LOAD_WET;
+  rest.sum = load_sum_over(t, solids, PBF_LOAD_WET);
+  return rest;
+}
+
+/* What walls share, and then what all do. */
+struct load_rests {
+  load_rest walls[3], all[3];
+};
+
+PBF_FN load_rests load_rests_of(const pbf_load_tally *t) {
+  load_rests rests;
+  for (int k = 0; k < 3; ++k) {
+    const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
+    const double known = load_sum_over(t, PBF_MAX_SOLIDS, PBF_LOAD_CHANGE + k) + along;
+    const bool are_walls_across = load_sum_over(t, PBF_WALLS, PBF_LOAD_SIZE + k) > 0;
+    double rest = pbf_wide_value(t->change[k]) - known;
+    if (!are_walls_across) rest += along;
+    rests.walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
+    rests.all[k] = load_rest_of(t, PBF_MAX_SOLIDS, k, rest);
+  }
+  return rests;
+}
+
+PBF_FN double load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
+  return rest.sum > 0 ? rest.change * (pbf_wide_value(sums->of[rest.by]) / rest.sum) : 0;
+}
+
+/* A solid's load from its sums. */
+PBF_FN void find_load(const pbf_load_sums *sums, const load_rests &rests, bool is_wall,
+                      const pbf_load_scales *s, double lever, pbf_collider_load *load) {
+  double number[PBF_LOAD_SUMS], rest[3], place[3];
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k)
+    number[k] = pbf_wide_value(sums->of[k]) / pbf_load_units(s->velocity, lever, k);
+  for (int k = 0; k < 3; ++k) {
+    rest[k] = load_share_of(rests.all[k], sums);
+    if (is_wall) rest[k] += load_share_of(rests.walls[k], sums);
+    rest[k] /= s->velocity;
+    place[k] = number[PBF_LOAD_WET] > 0 ? number[PBF_LOAD_PLACE + k] / number[PBF_LOAD_WET] : 0;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    const double turn = number[PBF_LOAD_TURN + k] + place[l] * rest[m] - place[m] * rest[l];
+    load->impulse[k] = -s->mass * (number[PBF_LOAD_CHANGE + k] + rest[k]);
+    load->angular_impulse[k] = PBF_DIM == 3 || k == 2 ? -s->mass * turn : 0;
+  }
+  load->contacts = (uint32_t)sums->contacts;
+  load->wetted_area = s->mass / s->spacing * number[PBF_LOAD_WET];
+  memcpy(&load->penetration, &sums->depth, sizeof load->penetration);
+}
+
+/* Adds a step's load so many times to the sums since they were read. */
+PBF_FN void add_load(pbf_collider_load *load, double steps, double time_step) {
+  for (int k = 0; k < 3; ++k) {
+    load->impulse_sum[k] += steps * load->impulse[k];
+    load->angular_impulse_sum[k] += steps * load->angular_impulse[k];
+  }
+  load->time_sum += steps * time_step;
+}
+
+PBF_FN bool is_solid_there(int solid, int colliders) {
+  return solid < PBF_WALLS ? solid < 2 * PBF_DIM : solid < PBF_WALLS + colliders;
+}
+
+/* Once all particles have added theirs: of one solid, from what is left of the whole. */
+template <class Obstacles>
+PBF_FN void end_load(pbf_load_tally *t, const Obstacles &o, const load_rests &rests,
+                     const pbf_load_scales *s, int solid) {
+  if (!is_solid_there(solid, pbf_surface_count(o))) return;
+  find_load(&t->sums[solid], rests, solid < PBF_WALLS, s, pbf_lever(o, solid), &t->loads[solid]);
+  add_load(&t->loads[solid], 1, s->time_step);
+}
+
+template <class Obstacles>
+PBF_FN void end_loads(pbf_load_tally *t, const Obstacles &o, const pbf_load_scales *s) {
+  const load_rests rests = load_rests_of(t);
+  for (int solid = 0; solid < PBF_MAX_SOLIDS; ++solid) end_load(t, o, rests, s, solid);
+}
+
+}  // namespace
+
+/* ---- Between steps -------------------------------------------------------------------------- */
+
+/* At the start of a step. */
+static inline void pbf_clear_load_sums(pbf_load_tally *t) {
+  memset(t, 0, offsetof(pbf_load_tally, loads));
+}
+
+/* Steps in which all sleep, and which are not made. */
+static inline void pbf_repeat_loads(pbf_load_tally *t, uint32_t steps, double time_step) {
+  for (int solid = 0; solid < PBF_MAX_SOLIDS; ++solid) add_load(&t->loads[solid], steps, time_step);
+}
+
+/* Colliders from this number on are other ones. */
+static inline void pbf_forget_loads(pbf_load_tally *t, uint32_t collider) {
+  for (uint32_t solid = PBF_WALLS + collider; solid < PBF_MAX_SOLIDS; ++solid)
+    memset(&t->loads[solid], 0, sizeof t->loads[solid]);
+}
+
+/* Once they have been read. */
+PBF_FN void pbf_begin_load_sums(pbf_collider_load *load) {
+  for (int k = 0; k < 3; ++k) load->impulse_sum[k] = load->angular_impulse_sum[k] = 0;
+  load->time_sum = 0;
+}
+
+/* Gives loads of solids, and begins their sums anew. */
+static inline void pbf_read_loads(pbf_load_tally *t, uint32_t first, uint32_t count,
+                                  pbf_collider_load *out) {
+  memcpy(out, t->loads + first, count * sizeof *out);
+  for (uint32_t k = first; k < first + count; ++k) pbf_begin_load_sums(&t->loads[k]);
+}
+
+#endif

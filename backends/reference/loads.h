@@ -1,0 +1,79 @@
+/* Part of step.h: what the fluid does to solids (physics/loads.h). */
+#ifndef PBF_REFERENCE_LOADS_H
+#define PBF_REFERENCE_LOADS_H
+
+#include "physics/friction.h"
+#include "physics/passes/predict.h"
+#include "reference/pressure_grid.h"
+#include "reference/sleep.h"
+
+static inline bool finds_loads(const solver *s) { return s->schedule.runs[PBF_STAGE_LOADS] != 0; }
+
+/* Whether what solids push with is wanted of each particle. */
+static inline bool notes_pushes(const solver *s) {
+  return finds_loads(s) || s->schedule.runs[PBF_STAGE_FRICTION];
+}
+
+static inline void add_change(solver *s, double units, pbf_vec change) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    pbf_wide_add(&s->load_tally->change[k], pbf_wide_of(units * (double)change.c[k]));
+}
+
+static inline void begin_loads(solver *s) {
+  if (finds_loads(s)) pbf_clear_load_sums(s->load_tally);
+  if (notes_pushes(s)) memset(s->push, 0, s->count * sizeof *s->push);
+}
+
+/* Once it has its velocity in the prediction: without solids it would be `forced`. */
+static inline void begin_push(solver *s, const pbf_forces *forces, uint32_t i, pbf_vec forced) {
+  if (!notes_pushes(s)) return;
+  s->push[i] = pbf_sub(s->v[i], forced);
+  if (finds_loads(s)) add_change(s, -pbf_units_of_velocity((double)forces->max_speed), forced);
+}
+
+/* A particle's velocity has been changed by solids. */
+static inline void note_push(const solver *s, uint32_t i, pbf_vec change) {
+  if (notes_pushes(s)) s->push[i] = pbf_add_scaled(s->push[i], 1, change);
+}
+
+static inline pbf_real grid_lambda_of(const solver *s, uint32_t i) {
+  if (!s->schedule.runs[PBF_STAGE_GRID] || !s->schedule.accelerated) return 0;
+  return pbf_pressure_grid_particle_lambda(&s->pressure_grid, s->constants.pressure,
+                                           (pbf_real)(1 / s->params.time_step), s->moved[i]);
+}
+
+static inline load_particle load_particle_at(const solver *s, uint32_t i) {
+  return {s->moved[i], s->v[i], s->push[i], s->lambda[i], grid_lambda_of(s, i)};
+}
+
+/* What friction changes the velocity of particle i by. */
+static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pbf_obstacles *o,
+                          uint32_t i) {
+  const load_particle p = load_particle_at(s, i);
+  return friction_change(&s->constants, scales, *o, p,
+                         [&](const pbf_load_plane &plane, const load_share &share) {
+                           if (finds_loads(s))
+                             add_part(&s->load_tally->sums[plane.solid],
+                                      friction_load(&scales.loads, *o, p.x, plane, share), false);
+                         });
+}
+
+static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
+  const pbf_constants *c = &s->constants;
+  const pbf_load_scales scales = pbf_load_scales_of(c, &forces, &s->params);
+  pbf_load_tally *tally = s->load_tally;
+  for (uint32_t i = 0; i < s->count; ++i) {
+    load_particle p = load_particle_at(s, i);
+    if (asleep(s, i)) p = sleeping_load_particle(c, &scales, *o, p);
+    add_change(s, scales.velocity, p.change);
+    int last = -1;
+    share_push(c, &scales, *o, p, [&](const pbf_load_plane &plane, const load_share &share) {
+      const load_part part = load_part_of(&scales, *o, p.x, plane, share);
+      add_part(&tally->sums[plane.solid], part, part.touches && plane.solid != last);
+      if (part.touches) last = plane.solid;
+    });
+  }
+  end_loads(tally, *o, &scales);
+}
+
+#endif

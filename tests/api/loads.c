@@ -1,0 +1,413 @@
+/* What the fluid does to walls and colliders, against what it must be: the weight of water, the
+ * momentum that the fluid loses, buoyancy, the push of a jet. */
+#include "load_scene.h"
+
+#include <stdio.h>
+
+enum { WALLS = 6 };
+
+static double force(const pbf_collider_load *load, int k) {
+  return load->impulse_sum[k] / load->time_sum;
+}
+
+static double turn(const pbf_collider_load *load, int k) {
+  return load->angular_impulse_sum[k] / load->time_sum;
+}
+
+static void check_near(const char *what, double is, double right, double part) {
+  if (!(fabs(is - right) <= part * fabs(right)))
+    fail_msg("%s is %.9g, it must be %.9g to %g", what, is, right, part);
+}
+
+/* ---- Water at rest -------------------------------------------------------------------------- */
+
+/* Its weight, which is known, and the torque that has about the origin; walls press each other
+ * apart. */
+static void check_tank(uint32_t dimension, uint32_t precision, uint32_t layers, double grid) {
+  enum { SETTLES = 150, LOOKS = 60 };
+  const double width = 0.4, high = load_spacing * layers, domain[3] = {width, 2 * high, width};
+  const double size[3] = {width, high, width};
+  pbf_params params = load_params(dimension, domain);
+  params.pressure_grid = grid;
+  load_scene s = load_scene_of(dimension, precision, &params, size, load_everywhere, 0, NULL);
+  const double weight = s.count * s.mass * load_gravity;
+  pbf_collider_load walls[WALLS];
+  assert_ok(pbf_step(s.solver, SETTLES));
+  load_walls(&s, walls);
+  assert_ok(pbf_step(s.solver, LOOKS));
+  load_walls(&s, walls);
+  check_near("the weight on the floor", -force(&walls[PBF_WALL_Y_MIN], 1), weight, 0.01);
+  check_near("its torque", -turn(&walls[PBF_WALL_Y_MIN], 2), weight * width / 2, 0.02);
+  const double side = 0.5 * load_gravity * high * high * (dimension == 3 ? width : 1);
+  check_near("the push on a side", force(&walls[PBF_WALL_X_MAX], 0), side, 0.08);
+  check_near("the push on the other", -force(&walls[PBF_WALL_X_MIN], 0), side, 0.08);
+  assert_true(fabs(force(&walls[PBF_WALL_Y_MAX], 1)) < 1e-6 * weight);
+  const double floor_area = dimension == 3 ? width * width : width;
+  check_near("the wet floor", walls[PBF_WALL_Y_MIN].wetted_area, floor_area, 0.05);
+  assert_int_equal(walls[PBF_WALL_Y_MAX].contacts, 0);
+  assert_true(walls[PBF_WALL_Y_MIN].contacts > 0);
+  check_near("the time", walls[0].time_sum, LOOKS * params.time_step, 1e-9);
+  load_end(&s);
+}
+
+static void check_tanks(uint32_t dimension, uint32_t precision) {
+  check_tank(dimension, precision, 8, 0);
+  check_tank(dimension, precision, dimension == 3 ? 16 : 30, 2);
+}
+
+static void water_weighs_on_its_floor(void **state) {
+  (void)state;
+  test_for_long_kinds(check_tanks);
+}
+
+/* Two boxes side by side, one of them a hull or not, are the floor: each carries half, and no more
+ * because of the seam. */
+static void check_halves_of(uint32_t dimension, uint32_t precision, int has_hull) {
+  const double width = 0.4, domain[3] = {width, 1, width}, size[3] = {width, 0.6, width};
+  const pbf_params params = load_params(dimension, domain);
+  pbf_collider halves[2] = {load_collider(PBF_COLLIDER_BOX, width / 4, 0, width / 2),
+                            load_collider(PBF_COLLIDER_BOX, 3 * width / 4, 0, width / 2)};
+  for (int k = 0; k < 2; ++k) {
+    halves[k].half_extents[0] = width / 4;
+    halves[k].half_extents[1] = 0.1;
+    halves[k].half_extents[2] = width / 2;
+  }
+  pbf_params raised = params;
+  raised.domain_min[1] = -0.1;
+  for (int k = 0; k < 2; ++k) halves[k].position[1] = -0.1;
+  if (has_hull) load_make_hull(dimension, 0.25 * load_spacing, &halves[0]);
+  load_scene s = load_scene_of(dimension, precision, &raised, size, load_everywhere, 2, halves);
+  if (has_hull) pbf_release_shape(halves[0].geometry);
+  const double weight = s.count * s.mass * load_gravity;
+  pbf_collider_load loads[2];
+  assert_ok(pbf_step(s.solver, 200));
+  load_colliders(&s, 2, loads);
+  assert_ok(pbf_step(s.solver, 60));
+  load_colliders(&s, 2, loads);
+  check_near("the weight on the left half", -force(&loads[0], 1), weight / 2, 0.02);
+  check_near("the weight on the right half", -force(&loads[1], 1), weight / 2, 0.02);
+  check_near("the sum", -force(&loads[0], 1) - force(&loads[1], 1), weight, 0.01);
+  assert_true(fabs(turn(&loads[0], 2)) < 0.05 * weight / 2 * width / 4);
+  load_end(&s);
+}
+
+static void check_halves(uint32_t dimension, uint32_t precision) {
+  check_halves_of(dimension, precision, 0);
+  if (dimension == 2) check_halves_of(dimension, precision, 1);
+}
+
+static void halves_of_a_floor_share_it(void **state) {
+  (void)state;
+  test_for_long_kinds(check_halves);
+}
+
+/* ---- Buoyancy ------------------------------------------------------------------------------- */
+
+static const double body_size = 0.3, body_at[3] = {0.8, 0.65, 0.8};
+static uint32_t body_shape, body_dimension;
+
+static int outside_body(const double x[3]) {
+  double r2 = 0, far = 0;
+  for (uint32_t k = 0; k < body_dimension; ++k) {
+    r2 += (x[k] - body_at[k]) * (x[k] - body_at[k]);
+    far = fmax(far, fabs(x[k] - body_at[k]));
+  }
+  const double distance = body_shape == PBF_COLLIDER_BOX ? far : sqrt(r2);
+  return distance > body_size + 0.49 * load_spacing;
+}
+
+/* The ball as distances on a grid. */
+static pbf_shape *ball_of_grid(void) {
+  enum { NODES = 80 };
+  const double cell = 0.5 * load_spacing, first = -0.5 * cell * (NODES - 1);
+  float *values = calloc(NODES * NODES, sizeof *values);
+  pbf_shape *shape = NULL;
+  for (int n = 0; n < NODES * NODES; ++n) {
+    const double x = first + cell * (n % NODES), y = first + cell * (n / NODES);
+    values[n] = (float)(hypot(x, y) - body_size);
+  }
+  const pbf_grid_desc grid = {.struct_size = sizeof grid,
+                              .dimension = 2,
+                              .nodes = {NODES, NODES, 1},
+                              .origin = {first, first, 0},
+                              .cell = cell,
+                              .values = values};
+  assert_ok(pbf_shape_from_grid(&grid, &shape));
+  free(values);
+  return shape;
+}
+
+/* A body that is held under water is lifted by the weight of its own volume: particles keep half a
+ * spacing before it, which is where fluid that fills a lattice ends. */
+static void check_body(uint32_t precision, uint32_t shape, double volume, double part) {
+  const double domain[3] = {1.6, 2, 1}, size[3] = {1.6, 1.3, 1};
+  const pbf_params params = load_params(2, domain);
+  pbf_collider body = load_collider(shape, body_at[0], body_at[1], 0);
+  for (int k = 0; k < 3; ++k) body.half_extents[k] = body_size;
+  body.radius = body_size;
+  if (shape == PBF_COLLIDER_SHAPE) body.geometry = ball_of_grid();
+  body_shape = shape;
+  body_dimension = 2;
+  load_scene s = load_scene_of(2, precision, &params, size, outside_body, 1, &body);
+  pbf_collider_load load;
+  assert_ok(pbf_step(s.solver, 400));
+  load_colliders(&s, 1, &load);
+  assert_ok(pbf_step(s.solver, 200));
+  load_colliders(&s, 1, &load);
+  const double lift = load_gravity * volume;
+  check_near("buoyancy", force(&load, 1), lift, part);
+  assert_true(fabs(force(&load, 0)) < 0.02 * lift);
+  assert_true(fabs(turn(&load, 2)) < 0.02 * lift * body_size);
+  load_end(&s);
+  if (body.geometry) pbf_release_shape(body.geometry);
+}
+
+static void check_bodies(uint32_t dimension, uint32_t precision) {
+  if (dimension != 2) return;
+  check_body(precision, PBF_COLLIDER_BOX, 4 * body_size * body_size, 0.03);
+  check_body(precision, PBF_COLLIDER_SPHERE, acos(-1) * body_size * body_size, 0.02);
+  check_body(precision, PBF_COLLIDER_SHAPE, acos(-1) * body_size * body_size, 0.02);
+}
+
+static void bodies_are_buoyant(void **state) {
+  (void)state;
+  test_for_long_kinds(check_bodies);
+}
+
+/* ---- A jet ---------------------------------------------------------------------------------- */
+
+static int in_jet(const double x[3]) { return x[1] > 0.8 && x[1] < 1.2; }
+
+/* What comes at a plate and flows off along it leaves all of its momentum across: rho Q v each time
+ * unit, all of it in the end. */
+static void check_jet(uint32_t dimension, uint32_t precision) {
+  if (dimension != 2) return;
+  const double speed = 2, domain[3] = {3, 2, 1}, size[3] = {1, 2, 1};
+  pbf_params params = load_params(2, domain);
+  for (int k = 0; k < 3; ++k) params.gravity[k] = 0;
+  pbf_collider plate = load_collider(PBF_COLLIDER_BOX, 1.3, 1, 0);
+  plate.half_extents[0] = 0.05;
+  plate.half_extents[1] = 1;
+  load_scene s = load_scene_of(2, precision, &params, size, in_jet, 1, &plate);
+  char *v = calloc((size_t)s.count * 2, precision);
+  for (uint32_t i = 0; i < s.count; ++i) test_put(v, 2 * i, precision, speed);
+  assert_ok(pbf_set_velocities(s.solver, 0, s.count, v));
+  pbf_collider_load load;
+  assert_ok(pbf_step(s.solver, 24)); /* the jet meets the plate */
+  load_colliders(&s, 1, &load);
+  assert_ok(pbf_step(s.solver, 30));
+  load_colliders(&s, 1, &load);
+  check_near("the force of the jet", force(&load, 0), 0.4 * speed * speed, 0.1);
+  free(v);
+  load_end(&s);
+}
+
+static void a_jet_pushes_a_plate(void **state) {
+  (void)state;
+  test_for_long_kinds(check_jet);
+}
+
+/* ---- Balance -------------------------------------------------------------------------------- */
+
+static int in_drop(const double x[3]) { return x[1] < 0.3 || (x[1] > 0.5 && x[0] < 0.4); }
+
+static void sum_up(const pbf_collider_load *loads, uint32_t count, double sum[3]) {
+  for (uint32_t i = 0; i < count; ++i)
+    for (int k = 0; k < 3; ++k) sum[k] += loads[i].impulse_sum[k];
+}
+
+/* A drop falls into a pool, through which a box sweeps and in which a ball turns and grows. */
+static load_scene splash(uint32_t dimension, uint32_t precision, const pbf_params *params) {
+  const double size[3] = {0.8, 0.8, 0.4};
+  pbf_collider solids[3] = {load_collider(PBF_COLLIDER_BOX, 0.2, 0.15, 0.2),
+                            load_collider(PBF_COLLIDER_SPHERE, 0.6, 0.2, 0.2),
+                            load_collider(PBF_COLLIDER_PLANE, 0.8, 0, 0)};
+  for (int k = 0; k < 3; ++k) solids[0].half_extents[k] = 0.06;
+  solids[0].velocity[0] = 0.7;
+  solids[0].angular_velocity[2] = 2;
+  solids[1].radius = 0.08;
+  solids[1].radius_rate = 0.05;
+  solids[2].axis[0] = -1;
+  solids[2].axis[1] = 0.5;
+  return load_scene_of(dimension, precision, params, size, in_drop, 3, solids);
+}
+
+static pbf_params splash_params(uint32_t dimension) {
+  const double domain[3] = {0.8, 1.2, 0.4};
+  return load_params(dimension, domain);
+}
+
+/* To a part of the momentum that gravity gives in a step, or that solids get in one. */
+static void check_balance(uint32_t dimension, uint32_t precision, const pbf_params *params) {
+  enum { STEPS = 60 };
+  load_scene s = splash(dimension, precision, params);
+  const double weight = s.count * s.mass * load_gravity;
+  pbf_collider_load walls[WALLS], solids[3];
+  double before[3], after[3], moved = weight * params->time_step;
+  load_momentum(&s, before);
+  for (int step = 0; step < STEPS; ++step) {
+    double given[3] = {0};
+    assert_ok(pbf_step(s.solver, 1));
+    load_walls(&s, walls);
+    load_colliders(&s, 3, solids);
+    load_momentum(&s, after);
+    sum_up(walls, 2 * dimension, given);
+    sum_up(solids, 3, given);
+    for (uint32_t k = 0; k < dimension; ++k) {
+      const double lost = before[k] - after[k] - (k == 1 ? weight * params->time_step : 0);
+      moved = fmax(moved, fabs(lost));
+      if (!(fabs(given[k] - lost) <= 1e-6 * moved))
+        fail_msg("step %d, axis %u: solids got %.9g, the fluid lost %.9g", step, k, given[k], lost);
+      before[k] = after[k];
+    }
+  }
+  assert_true(moved > 1.5 * weight * params->time_step);
+  load_end(&s);
+}
+
+static void check_balances(uint32_t dimension, uint32_t precision) {
+  pbf_params params = splash_params(dimension);
+  check_balance(dimension, precision, &params);
+  params.pressure_grid = 2;
+  params.shear_stress_correction = 0.75;
+  check_balance(dimension, precision, &params);
+  params = splash_params(dimension);
+  params.wall_density = 0;
+  params.collide = PBF_COLLIDE_AFTER_PREDICTION | PBF_COLLIDE_AFTER_SOLVE;
+  check_balance(dimension, precision, &params);
+  params = splash_params(dimension);
+  params.smoothing_radius = 3 * load_spacing;
+  params.solver = PBF_SOLVER_JACOBI;
+  params.tolerance = 1e-3;
+  check_balance(dimension, precision, &params);
+}
+
+static void solids_get_what_the_fluid_loses(void **state) {
+  (void)state;
+  test_for_each_kind(check_balances);
+}
+
+/* ---- Bits ----------------------------------------------------------------------------------- */
+
+static void loads_with_threads(uint32_t dimension, uint32_t precision, uint32_t threads,
+                               pbf_collider_load loads[WALLS + 3]) {
+  const pbf_params params = splash_params(dimension);
+  const double size[3] = {0.8, 0.8, 0.4};
+  load_scene s = {dimension, precision, load_count(size, dimension, in_drop), params, NULL,
+                  0,         NULL};
+  load_scene other = splash(dimension, precision, &params);
+  uint64_t bytes;
+  void *state = test_save(other.solver, &bytes);
+  pbf_desc desc = test_desc(dimension, precision, s.count);
+  desc.threads = threads;
+  s.solver = test_create(&desc, &params);
+  assert_ok(pbf_load(s.solver, state, bytes));
+  assert_ok(pbf_step(s.solver, 40));
+  load_walls(&s, loads);
+  load_colliders(&s, 3, loads + 2 * dimension);
+  free(state);
+  load_end(&s);
+  load_end(&other);
+}
+
+static void check_threads(uint32_t dimension, uint32_t precision) {
+  pbf_collider_load one[WALLS + 3] = {{0}}, three[WALLS + 3] = {{0}};
+  loads_with_threads(dimension, precision, 1, one);
+  loads_with_threads(dimension, precision, 3, three);
+  assert_memory_equal(one, three, sizeof one);
+  assert_true(one[0].impulse[0] != 0);
+}
+
+static void threads_change_no_bit(void **state) {
+  (void)state;
+  test_for_each_kind(check_threads);
+}
+
+/* Not a bit of the fluid changes with loads, and without them there is no stage and no array. */
+static void check_cost(uint32_t dimension, uint32_t precision) {
+  pbf_params params = splash_params(dimension);
+  uint64_t hash[2], bytes[2];
+  for (uint32_t loads = 0; loads < 2; ++loads) {
+    params.loads = loads;
+    load_scene s = splash(dimension, precision, &params);
+    pbf_plan plan = {.struct_size = sizeof plan};
+    assert_ok(pbf_step(s.solver, 30));
+    hash[loads] = test_hash(s.solver);
+    assert_ok(pbf_get_plan(s.solver, &plan));
+    bytes[loads] = plan.bytes;
+    uint32_t stages = 0;
+    for (uint32_t k = 0; k < plan.stage_count; ++k)
+      stages += strcmp(plan.stages[k].name, "loads") == 0;
+    assert_int_equal(stages, loads);
+    load_end(&s);
+  }
+  assert_true(hash[0] == hash[1]);
+  assert_true(bytes[0] < bytes[1]);
+}
+
+static void loads_change_no_bit(void **state) {
+  (void)state;
+  test_for_each_kind(check_cost);
+}
+
+/* ---- Reading -------------------------------------------------------------------------------- */
+
+static void check_reading(uint32_t dimension, uint32_t precision) {
+  pbf_params params = splash_params(dimension);
+  load_scene s = splash(dimension, precision, &params);
+  pbf_collider_load loads[WALLS], solids[3];
+  double sum = 0;
+  for (int step = 0; step < 10; ++step) {
+    assert_ok(pbf_step(s.solver, 1));
+    if (step == 3) load_colliders(&s, 3, solids);
+    for (int k = 0; k < WALLS; ++k) loads[k].struct_size = sizeof loads[k];
+    if (step < 5) load_walls(&s, loads);
+  }
+  load_walls(&s, loads);
+  check_near("five steps", loads[0].time_sum, 5 * params.time_step, 1e-9);
+  sum = loads[2].impulse_sum[1];
+  assert_ok(pbf_step(s.solver, 1));
+  load_walls(&s, loads);
+  assert_true(loads[2].impulse[1] == loads[2].impulse_sum[1]);
+  assert_true(sum != loads[2].impulse_sum[1]);
+  load_colliders(&s, 3, solids);
+  check_near("seven steps", solids[2].time_sum, 7 * params.time_step, 1e-9);
+  assert_fails(pbf_get_collider_loads(s.solver, 2, solids), PBF_ERROR_INVALID_ARGUMENT,
+               "count is 2; the solver has 3 colliders");
+  assert_fails(pbf_get_wall_loads(s.solver, 5, loads), PBF_ERROR_INVALID_ARGUMENT,
+               "count is 5; the solver has");
+  assert_fails(pbf_get_collider_loads(s.solver, 3, NULL), PBF_ERROR_INVALID_ARGUMENT, "null");
+  solids[1].struct_size = 8;
+  assert_fails(pbf_get_collider_loads(s.solver, 3, solids), PBF_ERROR_STRUCT_SIZE,
+               "loads[1].struct_size is 8");
+  assert_ok(pbf_set_colliders(s.solver, 0, NULL));
+  assert_ok(pbf_get_collider_loads(s.solver, 0, NULL));
+  params.loads = 2;
+  assert_fails(pbf_set_params(s.solver, &params), PBF_ERROR_INVALID_ARGUMENT, "loads is 2");
+  params.loads = 0;
+  assert_ok(pbf_set_params(s.solver, &params));
+  assert_fails(pbf_get_wall_loads(s.solver, 2 * dimension, loads), PBF_ERROR_STATE,
+               "params.loads is 0");
+  load_end(&s);
+}
+
+static void loads_are_read(void **state) {
+  (void)state;
+  test_for_each_kind(check_reading);
+}
+
+/* The stub finds none. */
+int main(void) {
+  if (test_is_stub()) return TEST_SKIPPED;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(water_weighs_on_its_floor),
+      cmocka_unit_test(halves_of_a_floor_share_it),
+      cmocka_unit_test(bodies_are_buoyant),
+      cmocka_unit_test(a_jet_pushes_a_plate),
+      cmocka_unit_test(solids_get_what_the_fluid_loses),
+      cmocka_unit_test(threads_change_no_bit),
+      cmocka_unit_test(loads_change_no_bit),
+      cmocka_unit_test(loads_are_read),
+  };
+  return TEST_RUN(tests);
+}
