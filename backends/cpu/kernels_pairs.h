@@ -220,13 +220,16 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
   for (uint32_t g = first; g < last; ++g) {
     lane_vector<lane> x = load_vector(p->x, g * WIDTH), v = load_vector(m->velocity, g * WIDTH);
     move_sums<lane> sums, with_ghosts;
-    if (has_ghosts(p) && sum_with_ghosts<move_pass_of>(p, pass.features, of, g, &with_ghosts))
+    const bool meets_ghosts =
+        has_ghosts(p) && sum_with_ghosts<move_pass_of>(p, pass.features, of, g, &with_ghosts);
+    if (meets_ghosts)
       sums = with_ghosts;
     else
       sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
     lane_values pairs, v_before;
+    bool by_solids = meets_ghosts; /* has been changed */
     if (m->push) {
-      pairs = values_of(has_ghosts(p) ? sums_of_pairs(pass, p, &of, g).change : sums.change);
+      pairs = values_of(meets_ghosts ? sums_of_pairs(pass, p, &of, g).change : sums.change);
       v_before = values_of(v);
     }
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
@@ -234,6 +237,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       for (int k = 0; k < PBF_DIM; ++k) lane_store(change.c[k], sums.change.c[k]);
       correct_change(p, m->lambda, g, &change);
       for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
+      by_solids = m->push && (by_solids || memcmp(&pairs, &change, sizeof pairs) != 0);
     }
     pass.finish(sums, m->inv_time_step, &x, &v);
     lane_values moved = values_of(x);
@@ -250,7 +254,8 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       clamp_group(m->obstacles, &after);
     }
     store_velocities(m, v, &moved, &after, g * WIDTH, lanes);
-    if (m->push) note_push(pass.c, m, &v_before, &pairs, g * WIDTH, lanes);
+    if (m->push && (by_solids || memcmp(&moved, &after, sizeof moved) != 0))
+      note_push(pass.c, m, &v_before, &pairs, g * WIDTH, lanes);
     store_lanes(&m->to, g * WIDTH, lanes, &after);
   }
 }

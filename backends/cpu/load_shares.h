@@ -2,11 +2,49 @@
 #ifndef PBF_CPU_LOAD_SHARES_H
 #define PBF_CPU_LOAD_SHARES_H
 
+#include "cpu/broad_phase.h"
 #include "cpu/loads.h"
 #include "cpu/pressure_grid.h"
 #include "physics/friction.h"
 
 namespace {
+
+/* The surfaces that some particles may be within a reach of, by number. */
+struct near_surfaces {
+  enum { PARTICLES = 16 };
+  int count;
+  bool any; /* these, or walls */
+  uint16_t of[PBF_MAX_COLLIDERS];
+
+  template <class Visit>
+  void each(const pbf_obstacles &, Visit visit) const {
+    for (int k = 0; k < count; ++k) visit((int)of[k]);
+  }
+
+  /* Of particles first … last - 1. A surface that one of them asks about is never left out, so that
+   * what it finds does not depend on the others. */
+  void find(const pbf_obstacles *o, const field *x, pbf_real reach, range r) {
+    pbf_vec lower = field_at(x, r.first), upper = lower;
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (uint32_t i = r.first; i < r.last; ++i) {
+        lower.c[k] = pbf_real_min(lower.c[k], x->c[k][i]);
+        upper.c[k] = pbf_real_max(upper.c[k], x->c[k][i]);
+      }
+    const group_bounds bounds = bounds_between(lower, upper, 0);
+    const pbf_real to_wall = pbf_domain_distance(&o->domain, bounds.center);
+    count = 0;
+    for (int k = 0; k < pbf_surface_count(*o); ++k)
+      if (may_be_near(&bounds, &o->surfaces[k], reach)) of[count++] = (uint16_t)k;
+    any = count || to_wall < bounds.radius + reach;
+  }
+
+  /* Of a field planes may be nearer than the surface is. */
+  static bool may_be_near(const group_bounds *bounds, const pbf_surface *s, pbf_real reach) {
+    if (pbf_surface_is_field(s))
+      return !pbf_surface_is_beyond(s, bounds->center, bounds->radius + reach);
+    return bounds_are_within(bounds, s, reach);
+  }
+};
 
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {
@@ -51,44 +89,65 @@ struct recent_loads {
 
 }  // namespace
 
+static bool has_grid_pressure(const worker *w) {
+  return has_pressure_grid(w) && w->s->schedule.accelerated;
+}
+
+/* What the pressure grid adds to the lambda of particle i. */
 static pbf_real grid_lambda_of(const worker *w, uint32_t i) {
-  const solver *s = w->s;
-  if (!has_pressure_grid(w) || !s->schedule.accelerated) return 0;
-  return pbf_pressure_grid_particle_lambda(&s->pressure_grid, s->constants.pressure,
-                                           (pbf_real)(1 / s->params.time_step),
+  return pbf_pressure_grid_particle_lambda(&w->s->pressure_grid, w->s->constants.pressure,
+                                           (pbf_real)(1 / w->s->params.time_step),
                                            field_at(&w->b.x, i));
 }
 
-static load_particle load_particle_at(const worker *w, const pbf_load_scales *scales, uint32_t i) {
+static load_particle load_particle_at(const worker *w, const pbf_load_scales *scales,
+                                      const near_surfaces &near, uint32_t i) {
   const load_particle p = {field_at(&w->b.x, i), field_at(&w->b.v, i), field_at(&w->s->push, i),
-                           w->s->lambda[i], grid_lambda_of(w, i)};
+                           w->s->lambda[i], has_grid_pressure(w)};
   if (!sleep_is_on(w) || !pbf_is_asleep(w->activity[i])) return p;
-  return sleeping_load_particle(&w->constants, scales, w->obstacles, p);
+  return sleeping_load_particle(&w->constants, scales, w->obstacles, near, p,
+                                [&] { return grid_lambda_of(w, i); });
+}
+
+/* Calls visit(near, particles) for some particles of a range after others. */
+template <class Visit>
+static void each_near_surfaces(const worker *w, const pbf_load_scales *scales, range all,
+                               Visit visit) {
+  near_surfaces near;
+  for (range r = {all.first, all.first}; r.first < all.last; r.first = r.last) {
+    const uint32_t left = all.last - r.first, most = near_surfaces::PARTICLES;
+    r.last = r.first + (left < most ? left : most);
+    near.find(&w->obstacles, &w->b.x, (pbf_real)scales->reach, r);
+    visit(near, r);
+  }
 }
 
 /* What friction changes velocities by moves particles at once. */
 static void friction_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const solver *s = w->s;
-  const pbf_friction_scales scales = pbf_friction_scales_of(&w->constants, &w->forces, &s->params);
+  const pbf_friction_scales scales = pbf_friction_scales_of(&w->constants, &w->forces, &s->params,
+                                                            s->collider_count, s->colliders);
   const range all = task_sorted(w, task);
   const field to = w->b.sheared_x();
   recent_loads loads;
   loads.begin(s->load_tally);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last)) {
-    for (uint32_t i = r.first; i < r.last; ++i) {
-      const load_particle p = load_particle_at(w, &scales.loads, i);
-      const pbf_vec change = friction_change(
-          &w->constants, scales, w->obstacles, p,
-          [&](const pbf_load_plane &plane, const load_share &share) {
-            if (finds_loads(s))
-              add_part(loads.of(plane.solid),
-                       friction_load(&scales.loads, w->obstacles, p.x, plane, share), false);
-          });
-      field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
-      field_set(&to, i, pbf_add_scaled(p.x, w->forces.time_step, change));
-    }
+    each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
+      for (uint32_t i = some.first; i < some.last; ++i) {
+        const load_particle p = load_particle_at(w, &scales.loads, near, i);
+        const pbf_vec change = friction_change(
+            &w->constants, scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
+            [&](const pbf_load_plane &plane, const load_share &share) {
+              if (finds_loads(s))
+                add_part(loads.of(plane.solid),
+                         friction_load(&scales.loads, w->obstacles, p.x, plane, share), false);
+            });
+        field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
+        field_set(&to, i, pbf_add_scaled(p.x, w->forces.time_step, change));
+      }
+    });
     begin_noting(s, &w->b.v, r);
     s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.x, to, w->b.v, r.first,
                         r.last);
@@ -99,6 +158,11 @@ static void friction_task(void *context, uint32_t task) {
   fill_packed(s, packed_positions(s), &to, NULL, all);
 }
 
+static bool is_pushed(const worker *w, uint32_t i) {
+  const pbf_vec push = field_at(&w->s->push, i);
+  return pbf_dot(push, push) > 0;
+}
+
 static void loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
@@ -106,18 +170,22 @@ static void loads_task(void *context, uint32_t task) {
   pbf_wide_sum change[PBF_DIM] = {};
   recent_loads loads;
   loads.begin(w->s->load_tally);
-  for (uint32_t i = all.first; i < all.last; ++i) {
-    const load_particle p = load_particle_at(w, &scales, i);
-    int last = -1;
-    for (int k = 0; k < PBF_DIM; ++k)
-      pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));
-    share_push(&w->constants, &scales, w->obstacles, p,
-               [&](const pbf_load_plane &plane, const load_share &share) {
-                 const load_part part = load_part_of(&scales, w->obstacles, p.x, plane, share);
-                 add_part(loads.of(plane.solid), part, part.touches && plane.solid != last);
-                 if (part.touches) last = plane.solid;
-               });
-  }
+  each_near_surfaces(w, &scales, all, [&](const near_surfaces &near, range some) {
+    for (uint32_t i = some.first; i < some.last; ++i) {
+      const load_particle p = load_particle_at(w, &scales, near, i);
+      int last = -1;
+      for (int k = 0; k < PBF_DIM; ++k)
+        pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));
+      if (!near.any && !is_pushed(w, i)) continue;
+      share_push(
+          &w->constants, &scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
+          [&](const pbf_load_plane &plane, const load_share &share) {
+            const load_part part = load_part_of(&scales, w->obstacles, p.x, plane, share);
+            add_part(loads.of(plane.solid), part, part.touches && plane.solid != last);
+            if (part.touches) last = plane.solid;
+          });
+    }
+  });
   loads.end();
   add_change(w->s, change);
 }

@@ -353,8 +353,8 @@ struct executor {
   }
 
   void friction() {
-    const pbf_friction_scales scales =
-        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
+    const pbf_friction_scales scales = pbf_friction_scales_of(
+        &n.constants, &prediction_inputs.forces, &s->params, s->collider_count, s->colliders);
     run(PBF_STAGE_FRICTION, [&] {
       launch(friction_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
              (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push, s->load_tally);

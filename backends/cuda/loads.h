@@ -115,7 +115,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __device__ __forceinline__ load_particle load_particle_of(const pressure_source &source,
                                                                  const point &own, pbf_vec v,
                                                                  pbf_vec push) {
-  return {position_of(own), v, push, own.lambda, whole_lambda(source, own) - own.lambda};
+  return {position_of(own), v, push, own.lambda, source.grid.arrays.control != nullptr};
+}
+
+/* What the pressure grid adds to a particle's lambda. */
+static __device__ __forceinline__ pbf_real grid_lambda_of(const pressure_source &source,
+                                                          const point &own) {
+  return whole_lambda(source, own) - own.lambda;
 }
 
 static __device__ __forceinline__ void add_shared_part(pbf_load_sums *to, const load_part &part,
@@ -139,7 +145,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   point own = load(n.particles.points, i);
   const load_particle p = load_particle_of(source, own, velocities[i], push[i]);
   const pbf_vec change = friction_change(
-      &n.constants, scales, o, p, [&](const pbf_load_plane &plane, const load_share &share) {
+      &n.constants, scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
+      [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
           add_shared_part(&tally->sums[plane.solid],
                           friction_load(&scales.loads, o, p.x, plane, share), false);
@@ -167,18 +174,21 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   __syncthreads();
   load_particle p = {};
   if (i < n.particles.count) {
-    p = load_particle_of(source, load(n.particles.points, i), velocities[i], push[i]);
+    const point own = load(n.particles.points, i);
+    p = load_particle_of(source, own, velocities[i], push[i]);
     if (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))
-      p = sleeping_load_particle(&n.constants, &scales, o, p);
+      p = sleeping_load_particle(&n.constants, &scales, o, all_surfaces{}, p,
+                                 [&] { return grid_lambda_of(source, own); });
     int last = -1;
-    share_push(&n.constants, &scales, o, p,
-               [&](const pbf_load_plane &plane, const load_share &share) {
-                 const load_part part = load_part_of(&scales, o, p.x, plane, share);
-                 pbf_load_sums *to =
-                     plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
-                 add_shared_part(to, part, part.touches && plane.solid != last);
-                 if (part.touches) last = plane.solid;
-               });
+    share_push(
+        &n.constants, &scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
+        [&](const pbf_load_plane &plane, const load_share &share) {
+          const load_part part = load_part_of(&scales, o, p.x, plane, share);
+          pbf_load_sums *to =
+              plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
+          add_shared_part(to, part, part.touches && plane.solid != last);
+          if (part.touches) last = plane.solid;
+        });
   }
   add_changes(tally, scales.velocity, p.change, i < n.particles.count);
   if (threadIdx.x >= 2 * PBF_DIM) return;

@@ -13,29 +13,36 @@
 
 #include "physics/loads.h"
 
-/* Of a solid. */
+/* Of a solid. Surfaces have none of it: steps without friction copy them. */
 typedef struct pbf_friction {
-  double kinetic, at_rest, no_slip;
+  pbf_real kinetic, at_rest, no_slip;
 } pbf_friction;
 
 typedef struct pbf_friction_scales {
   pbf_load_scales loads;
-  pbf_friction walls;
+  pbf_friction of[PBF_MAX_SOLIDS];
   double spread; /* viscosity times the time step */
 } pbf_friction_scales;
 
 PBF_FN pbf_friction pbf_friction_of(double kinetic, double at_rest, double no_slip) {
-  pbf_friction f = {kinetic, at_rest > kinetic ? at_rest : kinetic, no_slip};
+  const pbf_friction f = {(pbf_real)kinetic, (pbf_real)fmax(at_rest, kinetic), (pbf_real)no_slip};
   return f;
 }
 
+/* `list` is of the colliders. */
 static inline pbf_friction_scales pbf_friction_scales_of(const pbf_constants *c,
                                                          const pbf_forces *forces,
-                                                         const pbf_params *params) {
-  pbf_friction_scales s;
+                                                         const pbf_params *params,
+                                                         uint32_t colliders,
+                                                         const pbf_collider *list) {
+  pbf_friction_scales s = {0};
   s.loads = pbf_load_scales_of(c, forces, params);
-  s.walls =
-      pbf_friction_of(params->wall_friction, params->wall_static_friction, params->wall_no_slip);
+  for (int k = 0; k < PBF_WALLS; ++k)
+    s.of[k] =
+        pbf_friction_of(params->wall_friction, params->wall_static_friction, params->wall_no_slip);
+  for (uint32_t k = 0; k < colliders; ++k)
+    s.of[PBF_WALLS + k] =
+        pbf_friction_of(list[k].friction, list[k].static_friction, list[k].no_slip);
   s.spread = c->accelerated ? params->viscosity * params->time_step : 0;
   return s;
 }
@@ -57,54 +64,52 @@ PBF_FN void surface_velocity(const pbf_surface *s, double time_step, pbf_vec x, 
  */
 PBF_FN double friction_part(const pbf_friction &f, double push, double speed) {
   if (!(push > 0) || !(speed > 0)) return 0;
-  return speed <= f.at_rest * push ? 1 : fmin(1.0, f.kinetic * push / speed);
+  return speed <= (double)f.at_rest * push ? 1 : fmin(1.0, (double)f.kinetic * push / speed);
 }
 
 /* The part that no slip takes. */
 PBF_FN double no_slip_part(const pbf_friction &f, const pbf_friction_scales &s, pbf_real distance) {
   const double d = s.loads.spacing, y = fmax((double)distance, d / 4);
-  const double way = (double)distance < d ? f.no_slip * s.spread / (y * d) : 0;
+  const double way = (double)distance < d ? (double)f.no_slip * s.spread / (y * d) : 0;
   return way / (1 + way);
 }
 
 /* What friction changes a particle's velocity by. Calls take(plane, share) for what each plane
  * does.
  */
-template <class Obstacles, class Take>
+template <class Obstacles, class Near, class GridLambda, class Take>
 PBF_FN pbf_vec friction_change(const pbf_constants *c, const pbf_friction_scales &s,
-                               const Obstacles &o, const load_particle &of, Take take) {
+                               const Obstacles &o, const Near &near, const load_particle &of,
+                               GridLambda grid_lambda, Take take) {
   double v[PBF_DIM];
   pbf_vec change = {{0}};
   for (int k = 0; k < PBF_DIM; ++k) v[k] = (double)of.change.c[k];
-  share_push(c, &s.loads, o, of, [&](const pbf_load_plane &p, const load_share &pushed) {
-    const bool is_wall = p.solid < PBF_WALLS;
-    pbf_friction f = s.walls;
-    double own[PBF_DIM] = {0}, along[PBF_DIM], across = 0, push = 0, speed2 = 0;
-    if (!is_wall) {
-      const pbf_surface *surface = &o.surfaces[p.solid - PBF_WALLS];
-      f = pbf_friction_of((double)surface->friction, (double)surface->static_friction,
-                          (double)surface->no_slip);
-      surface_velocity(surface, s.loads.time_step, of.x, own);
-    }
-    if (!(f.at_rest > 0 || f.no_slip > 0)) return;
-    for (int k = 0; k < PBF_DIM; ++k) {
-      across += (v[k] - own[k]) * (double)p.normal.c[k];
-      push += pushed.change[k] * (double)p.normal.c[k];
-    }
-    for (int k = 0; k < PBF_DIM; ++k) {
-      along[k] = v[k] - own[k] - across * (double)p.normal.c[k];
-      speed2 += along[k] * along[k];
-    }
-    const double stick = friction_part(f, push, sqrt(speed2));
-    const double part = stick + (1 - stick) * no_slip_part(f, s, p.distance);
-    load_share share = {{0}, {0}};
-    for (int k = 0; k < PBF_DIM; ++k) {
-      share.change[k] = -part * along[k];
-      v[k] += share.change[k];
-      change.c[k] += (pbf_real)share.change[k];
-    }
-    if (part > 0) take(p, share);
-  });
+  share_push(c, &s.loads, o, near, of, grid_lambda,
+             [&](const pbf_load_plane &p, const load_share &pushed) {
+               const bool is_wall = p.solid < PBF_WALLS;
+               const pbf_friction &f = s.of[p.solid];
+               double own[PBF_DIM] = {0}, along[PBF_DIM], across = 0, push = 0, speed2 = 0;
+               if (!(f.at_rest > 0 || f.no_slip > 0)) return;
+               if (!is_wall)
+                 surface_velocity(&o.surfaces[p.solid - PBF_WALLS], s.loads.time_step, of.x, own);
+               for (int k = 0; k < PBF_DIM; ++k) {
+                 across += (v[k] - own[k]) * (double)p.normal.c[k];
+                 push += pushed.change[k] * (double)p.normal.c[k];
+               }
+               for (int k = 0; k < PBF_DIM; ++k) {
+                 along[k] = v[k] - own[k] - across * (double)p.normal.c[k];
+                 speed2 += along[k] * along[k];
+               }
+               const double stick = friction_part(f, push, sqrt(speed2));
+               const double part = stick + (1 - stick) * no_slip_part(f, s, p.distance);
+               load_share share = {{0}, {0}};
+               for (int k = 0; k < PBF_DIM; ++k) {
+                 share.change[k] = -part * along[k];
+                 v[k] += share.change[k];
+                 change.c[k] += (pbf_real)share.change[k];
+               }
+               if (part > 0) take(p, share);
+             });
   return change;
 }
 

@@ -27,6 +27,9 @@
 /* Solids by number: the walls, 2 * axis and + 1, and after six of these the colliders. */
 enum { PBF_WALLS = 6, PBF_MAX_SOLIDS = PBF_WALLS + PBF_MAX_COLLIDERS };
 
+/* Planes near a particle that share its push, the first ones of all: more than a corner has. */
+enum { PBF_LOAD_PLANES = 12 };
+
 /* ---- Sums ----------------------------------------------------------------------------------- */
 
 /* high * 2^32 + low, of 2^31 numbers and more. */
@@ -39,8 +42,8 @@ PBF_FN pbf_wide_sum pbf_wide_of(double units) {
   const double limit = 0x1p62;
   units = units > -limit ? units : -limit;
   units = units < limit ? units : limit;
-  const double high = floor(units * 0x1p-32);
-  pbf_wide_sum sum = {(int64_t)high, (int64_t)(units - high * 0x1p32)};
+  const int64_t whole = (int64_t)units, low = whole & 0xffffffff;
+  pbf_wide_sum sum = {(whole - low) / 0x100000000, low};
   return sum;
 }
 
@@ -94,12 +97,15 @@ PBF_FN double pbf_lever(const Obstacles &o, int solid) {
   return lever;
 }
 
-PBF_FN double pbf_load_units(double units_of_velocity, double lever, int sum) {
-  if (sum < PBF_LOAD_TURN) return units_of_velocity;
-  if (sum < PBF_LOAD_SIZE) return units_of_velocity / lever;
-  if (sum < PBF_LOAD_WET) return units_of_velocity;
-  if (sum < PBF_LOAD_PLACE) return 0x1p59;
-  return sum < PBF_LOAD_ALONG ? 0x1p59 / lever : units_of_velocity;
+PBF_FN void pbf_load_units(double units_of_velocity, double lever, double units[PBF_LOAD_SUMS]) {
+  for (int k = 0; k < 3; ++k) {
+    units[PBF_LOAD_CHANGE + k] = units_of_velocity;
+    units[PBF_LOAD_TURN + k] = units_of_velocity / lever;
+    units[PBF_LOAD_SIZE + k] = units_of_velocity;
+    units[PBF_LOAD_PLACE + k] = 0x1p59 / lever;
+    units[PBF_LOAD_ALONG + k] = units_of_velocity;
+  }
+  units[PBF_LOAD_WET] = 0x1p59;
 }
 
 /* ---- A particle's part ---------------------------------------------------------------------- */
@@ -145,9 +151,10 @@ namespace {
 /* A particle at the end of a step. */
 struct load_particle {
   pbf_vec x;
-  pbf_vec change;               /* of its velocity, or the velocity: what is summed up of all */
-  pbf_vec push;                 /* by solids, of that */
-  pbf_real lambda, grid_lambda; /* of the iterations, and of the pressure grid */
+  pbf_vec change;  /* of its velocity, or the velocity: what is summed up of all */
+  pbf_vec push;    /* by solids, of that */
+  pbf_real lambda; /* of the iterations */
+  bool has_grid;   /* its pressure is to be added */
 };
 
 PBF_FN pbf_load_plane load_plane_of_wall(const pbf_constants *c, const pbf_domain *domain, int wall,
@@ -186,32 +193,45 @@ PBF_FN void each_load_facet(const pbf_constants *c, const pbf_surface *s, int so
   }
 }
 
+template <class Visit>
+PBF_FN void each_load_plane_of_surface(const pbf_constants *c, const pbf_surface *s, int solid,
+                                       pbf_vec x, pbf_real reach, Visit visit) {
+  const int planes = pbf_surface_planes(s);
+  if (pbf_surface_is_beyond(s, x, reach)) return;
+  if (pbf_surface_is_field(s)) {
+    each_load_facet(c, s, solid, x, reach, visit);
+    return;
+  }
+  for (int plane = 0; plane < planes; ++plane) {
+    pbf_load_plane p = {solid, 0, 0, {{0}}};
+    p.distance = pbf_surface_plane_distance(s, plane, planes, x, &p.normal);
+    if (p.distance < reach) visit(load_plane_at(c, s, solid, p.distance, p.normal));
+  }
+}
+
+/* The surfaces that a particle may be near. An executor that knows more has another one. */
+struct all_surfaces {
+  template <class Obstacles, class Visit>
+  PBF_IN void each(const Obstacles &o, Visit visit) const {
+    for (int k = 0; k < pbf_surface_count(o); ++k) visit(k);
+  }
+};
+
 /* Calls visit(plane) for those within reach, of one solid after another. */
-template <class Obstacles, class Visit>
-PBF_FN void each_load_plane(const pbf_constants *c, const Obstacles &o, pbf_vec x, pbf_real reach,
-                            Visit visit) {
+template <class Obstacles, class Near, class Visit>
+PBF_FN void each_load_plane(const pbf_constants *c, const Obstacles &o, const Near &near, pbf_vec x,
+                            pbf_real reach, Visit visit) {
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
     if (pbf_wall_distance(&o.domain, wall, x) < reach)
       visit(load_plane_of_wall(c, &o.domain, wall, x));
-  for (int k = 0; k < pbf_surface_count(o); ++k) {
-    const pbf_surface *s = &o.surfaces[k];
-    const int planes = pbf_surface_planes(s);
-    if (pbf_surface_is_beyond(s, x, reach)) continue;
-    if (pbf_surface_is_field(s)) {
-      each_load_facet(c, s, PBF_WALLS + k, x, reach, visit);
-      continue;
-    }
-    for (int plane = 0; plane < planes; ++plane) {
-      const pbf_load_plane p = load_plane_of_surface(c, s, PBF_WALLS + k, plane, planes, x);
-      if (p.distance < reach) visit(p);
-    }
-  }
+  near.each(o, [&](int k) {
+    each_load_plane_of_surface(c, &o.surfaces[k], PBF_WALLS + k, x, reach, visit);
+  });
 }
 
 /* A symmetric positive system: what solids take of a push is to be found from it. */
 struct load_system {
   double matrix[PBF_DIM][PBF_DIM], right[PBF_DIM];
-  bool any;
 };
 
 /* So much of what is across its normal a plane takes as well, where no other normal does. */
@@ -228,7 +248,6 @@ PBF_FN void add_to_system(load_system *to, double weight, pbf_vec normal) {
     for (int k = 0; k < PBF_DIM; ++k)
       to->matrix[j][k] +=
           weight * ((double)normal.c[j] * (double)normal.c[k] + (j == k ? load_across() : 0));
-  to->any = true;
 }
 
 /* By Gauss's elimination; `right` is then the solution. */
@@ -293,42 +312,50 @@ PBF_FN load_share load_share_of_all(const double push[PBF_DIM]) {
 /* Calls take(plane, share) for each plane that has a part in what has changed the velocity of a
  * particle: its push, of which lambda of the iterations is the most, and what that of the pressure
  * grid does beside. */
-template <class Obstacles, class Take>
+template <class Obstacles, class Near, class GridLambda, class Take>
 PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const Obstacles &o,
-                       const load_particle &of, Take take) {
-  load_system system = {{{0}}, {0}, false};
-  const double own = s->by_lambda * (double)of.lambda, grid = s->by_lambda * (double)of.grid_lambda;
+                       const Near &near, const load_particle &of, GridLambda grid_lambda,
+                       Take take) {
+  load_system system = {{{0}}, {0}};
+  const double own = s->by_lambda * (double)of.lambda;
   const pbf_vec x = of.x;
+  pbf_load_plane planes[PBF_LOAD_PLANES];
+  int count = 0;
   bool pushed = false;
   for (int k = 0; k < PBF_DIM; ++k) {
     system.right[k] = (double)of.push.c[k];
     pushed = pushed || of.push.c[k] < 0 || of.push.c[k] > 0;
   }
-  each_load_plane(c, o, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+  each_load_plane(c, o, near, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+    if (count == PBF_LOAD_PLANES) return;
+    planes[count++] = p;
     add_to_system(&system, load_weight(s, p.distance), p.normal);
     for (int k = 0; k < PBF_DIM; ++k)
       system.right[k] -= own * (double)p.slope * (double)p.normal.c[k];
   });
-  if (!system.any) {
+  if (!count) {
     if (pushed) take(nearest_load_plane(c, o, x), load_share_of_all(system.right));
     return;
   }
+  const double all = own + s->by_lambda * (of.has_grid ? (double)grid_lambda() : 0);
   solve_system(&system);
-  each_load_plane(c, o, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
-    take(p, load_share_of_plane(p, load_weight(s, p.distance), (own + grid) * (double)p.slope,
-                                system.right));
-  });
+  for (int k = 0; k < count; ++k) {
+    const pbf_load_plane &p = planes[k];
+    take(p,
+         load_share_of_plane(p, load_weight(s, p.distance), all * (double)p.slope, system.right));
+  }
 }
 
 /* One that sleeps: what its lambda makes of the density of solids. */
-template <class Obstacles>
+template <class Obstacles, class Near, class GridLambda>
 PBF_FN load_particle sleeping_load_particle(const pbf_constants *c, const pbf_load_scales *s,
-                                            const Obstacles &o, load_particle of) {
-  of.lambda += of.grid_lambda;
-  of.grid_lambda = 0;
+                                            const Obstacles &o, const Near &near, load_particle of,
+                                            GridLambda grid_lambda) {
+  if (of.has_grid) of.lambda += grid_lambda();
+  of.has_grid = false;
   of.push = {{0}};
   const pbf_real push = (pbf_real)(s->by_lambda * (double)of.lambda);
-  each_load_plane(c, o, of.x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
+  each_load_plane(c, o, near, of.x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
     of.push = pbf_add_scaled(of.push, push * p.slope, p.normal);
   });
   of.change = of.push;
@@ -351,7 +378,7 @@ PBF_FN double wet_part(const pbf_load_scales *s, pbf_real distance) {
 template <class Obstacles>
 PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
                               const pbf_load_plane &p, const load_share &share) {
-  double number[PBF_LOAD_SUMS] = {0}, r[3] = {0}, u[3] = {0};
+  double number[PBF_LOAD_SUMS] = {0}, units[PBF_LOAD_SUMS], r[3] = {0}, u[3] = {0};
   const double lever = pbf_lever(o, p.solid), depth = fmax(0.0, -(double)p.distance);
   load_part part;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -368,8 +395,8 @@ PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_
     number[PBF_LOAD_SIZE + k] = fabs(u[k]);
     number[PBF_LOAD_PLACE + k] = number[PBF_LOAD_WET] * r[k];
   }
-  for (int k = 0; k < PBF_LOAD_SUMS; ++k)
-    part.of[k] = pbf_wide_of(number[k] * pbf_load_units(s->velocity, lever, k));
+  pbf_load_units(s->velocity, lever, units);
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) part.of[k] = pbf_wide_of(number[k] * units[k]);
   memcpy(&part.depth, &depth, sizeof part.depth);
   part.touches = (double)p.distance < s->spacing;
   return part;
@@ -431,9 +458,9 @@ PBF_FN double load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
 /* A solid's load from its sums. */
 PBF_FN void find_load(const pbf_load_sums *sums, const load_rests &rests, bool is_wall,
                       const pbf_load_scales *s, double lever, pbf_collider_load *load) {
-  double number[PBF_LOAD_SUMS], rest[3], place[3];
-  for (int k = 0; k < PBF_LOAD_SUMS; ++k)
-    number[k] = pbf_wide_value(sums->of[k]) / pbf_load_units(s->velocity, lever, k);
+  double number[PBF_LOAD_SUMS], units[PBF_LOAD_SUMS], rest[3], place[3];
+  pbf_load_units(s->velocity, lever, units);
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) number[k] = pbf_wide_value(sums->of[k]) / units[k];
   for (int k = 0; k < 3; ++k) {
     rest[k] = load_share_of(rests.all[k], sums);
     if (is_wall) rest[k] += load_share_of(rests.walls[k], sums);

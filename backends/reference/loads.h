@@ -36,26 +36,31 @@ static inline void note_push(const solver *s, uint32_t i, pbf_vec change) {
   if (notes_pushes(s)) s->push[i] = pbf_add_scaled(s->push[i], 1, change);
 }
 
+static inline bool has_grid_pressure(const solver *s) {
+  return s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+}
+
+/* What the pressure grid adds to the lambda of particle i. */
 static inline pbf_real grid_lambda_of(const solver *s, uint32_t i) {
-  if (!s->schedule.runs[PBF_STAGE_GRID] || !s->schedule.accelerated) return 0;
   return pbf_pressure_grid_particle_lambda(&s->pressure_grid, s->constants.pressure,
                                            (pbf_real)(1 / s->params.time_step), s->moved[i]);
 }
 
 static inline load_particle load_particle_at(const solver *s, uint32_t i) {
-  return {s->moved[i], s->v[i], s->push[i], s->lambda[i], grid_lambda_of(s, i)};
+  return {s->moved[i], s->v[i], s->push[i], s->lambda[i], has_grid_pressure(s)};
 }
 
 /* What friction changes the velocity of particle i by. */
 static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pbf_obstacles *o,
                           uint32_t i) {
   const load_particle p = load_particle_at(s, i);
-  return friction_change(&s->constants, scales, *o, p,
-                         [&](const pbf_load_plane &plane, const load_share &share) {
-                           if (finds_loads(s))
-                             add_part(&s->load_tally->sums[plane.solid],
-                                      friction_load(&scales.loads, *o, p.x, plane, share), false);
-                         });
+  return friction_change(
+      &s->constants, scales, *o, all_surfaces{}, p, [&] { return grid_lambda_of(s, i); },
+      [&](const pbf_load_plane &plane, const load_share &share) {
+        if (finds_loads(s))
+          add_part(&s->load_tally->sums[plane.solid],
+                   friction_load(&scales.loads, *o, p.x, plane, share), false);
+      });
 }
 
 static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
@@ -64,14 +69,18 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
   pbf_load_tally *tally = s->load_tally;
   for (uint32_t i = 0; i < s->count; ++i) {
     load_particle p = load_particle_at(s, i);
-    if (asleep(s, i)) p = sleeping_load_particle(c, &scales, *o, p);
+    if (asleep(s, i))
+      p = sleeping_load_particle(c, &scales, *o, all_surfaces{}, p,
+                                 [&] { return grid_lambda_of(s, i); });
     add_change(s, scales.velocity, p.change);
     int last = -1;
-    share_push(c, &scales, *o, p, [&](const pbf_load_plane &plane, const load_share &share) {
-      const load_part part = load_part_of(&scales, *o, p.x, plane, share);
-      add_part(&tally->sums[plane.solid], part, part.touches && plane.solid != last);
-      if (part.touches) last = plane.solid;
-    });
+    share_push(
+        c, &scales, *o, all_surfaces{}, p, [&] { return grid_lambda_of(s, i); },
+        [&](const pbf_load_plane &plane, const load_share &share) {
+          const load_part part = load_part_of(&scales, *o, p.x, plane, share);
+          add_part(&tally->sums[plane.solid], part, part.touches && plane.solid != last);
+          if (part.touches) last = plane.solid;
+        });
   }
   end_loads(tally, *o, &scales);
 }

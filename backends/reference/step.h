@@ -271,7 +271,8 @@ static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
 
 /* Changes velocities, and moves by that. */
 static inline void apply_friction(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
-  const pbf_friction_scales scales = pbf_friction_scales_of(&s->constants, &forces, &s->params);
+  const pbf_friction_scales scales =
+      pbf_friction_scales_of(&s->constants, &forces, &s->params, s->collider_count, s->colliders);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     const pbf_vec from = s->moved[i], change = rub(s, scales, o, i);

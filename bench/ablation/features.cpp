@@ -88,6 +88,7 @@ const Feature others[] = {
        p.wall_amplitude[PBF_WALL_X_MAX] = spacing_of(p) / 2;
        p.wall_frequency[PBF_WALL_X_MAX] = two_pi;
      }},
+    {"loads", [](Variant &v, const Scene &) { v.scene.params.loads = 1; }},
     {"timing", [](Variant &v, const Scene &) { v.requests.timing = true; }},
     {"stats", [](Variant &v, const Scene &) { v.requests.stats = true; }},
 };
@@ -99,6 +100,7 @@ Variant minimal(const Scene &scene) {
   pbf_params &p = bare.scene.params;
   for (const Optional &param : optional_params()) p.*param.value = 0;
   p.solver = PBF_SOLVER_JACOBI;
+  p.loads = 0;
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);
   bare.scene.colliders.clear();

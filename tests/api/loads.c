@@ -93,7 +93,7 @@ static void check_halves_of(uint32_t dimension, uint32_t precision, int has_hull
 
 static void check_halves(uint32_t dimension, uint32_t precision) {
   check_halves_of(dimension, precision, 0);
-  if (dimension == 2) check_halves_of(dimension, precision, 1);
+  check_halves_of(dimension, precision, 1);
 }
 
 static void halves_of_a_floor_share_it(void **state) {

@@ -46,7 +46,6 @@ typedef struct pbf_surface {
   pbf_real scale;         /* of what its distances are interpolated in: field.h; */
   const pbf_shape *field; /* null: it has a closed form */
   uint64_t field_id;      /* which tells one apart from a later one in the same place */
-  pbf_real friction, static_friction, no_slip;
 } pbf_surface;
 
 /* One that is known to have a closed form. Code for these alone has none for fields, for which a

@@ -130,9 +130,6 @@ static inline pbf_surface pbf_surface_between(const pbf_collider *before, const 
   s.sign = now->inverted ? (pbf_real)-1 : (pbf_real)1;
   s.radius = (pbf_real)now->radius;
   s.half_length = (pbf_real)now->half_length;
-  s.friction = (pbf_real)now->friction;
-  s.static_friction = (pbf_real)now->static_friction;
-  s.no_slip = (pbf_real)now->no_slip;
   for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)now->half_extents[k];
   pbf_set_field(&s, now);
   const double bound = fmax(pbf_bound(before), pbf_bound(now));
