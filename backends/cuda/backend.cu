@@ -256,8 +256,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   if (status) return status;
   status = apply_params(s, &s->params, room, first);
   if (!status) status = wake_near_colliders(s, changed, s->time);
-  if (!status)
-    status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
+  if (!status) status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
   if (status) {
     drop_shapes(s, shapes);
     return status;
