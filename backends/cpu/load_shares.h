@@ -122,6 +122,12 @@ static void each_near_surfaces(const worker *w, const pbf_load_scales *scales, r
   }
 }
 
+/* Where it is not, and no solid is near, it has no load. */
+static bool is_pushed(const worker *w, uint32_t i) {
+  const pbf_vec push = field_at(&w->s->push, i);
+  return pbf_dot(push, push) > 0;
+}
+
 /* What friction changes velocities by moves particles at once. */
 static void friction_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
@@ -137,13 +143,15 @@ static void friction_task(void *context, uint32_t task) {
     each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
       for (uint32_t i = some.first; i < some.last; ++i) {
         const load_particle p = load_particle_at(w, &scales.loads, near, i);
-        const pbf_vec change = friction_change(
-            &w->constants, scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
-            [&](const pbf_load_plane &plane, const load_share &share) {
-              if (finds_loads(s))
-                add_part(loads.of(plane.solid),
-                         friction_load(&scales.loads, w->obstacles, p.x, plane, share), false);
-            });
+        pbf_vec change = {{0}};
+        if (near.any || is_pushed(w, i))
+          change = friction_change(
+              &w->constants, scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
+              [&](const pbf_load_plane &plane, const load_share &share) {
+                if (finds_loads(s))
+                  add_part(loads.of(plane.solid),
+                           friction_load(&scales.loads, w->obstacles, p.x, plane, share), false);
+              });
         field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
         field_set(&to, i, pbf_add_scaled(p.x, w->forces.time_step, change));
       }
@@ -156,11 +164,6 @@ static void friction_task(void *context, uint32_t task) {
   loads.end();
   copy_sleeping(w, all, &w->b.x, &to);
   fill_packed(s, packed_positions(s), &to, NULL, all);
-}
-
-static bool is_pushed(const worker *w, uint32_t i) {
-  const pbf_vec push = field_at(&w->s->push, i);
-  return pbf_dot(push, push) > 0;
 }
 
 static void loads_task(void *context, uint32_t task) {
