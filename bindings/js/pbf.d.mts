@@ -89,6 +89,7 @@ export declare class Solver {
   readonly ids: Uint32Array;
   setPositions(values: Numbers, first?: number): void;
   setVelocities(values: Numbers, first?: number): void;
+  setAccelerations(values: Numbers | null, first?: number): void;
   /** Without a copy, for the time of the call. */
   map<Result>(field: "position" | "velocity" | "id" | "pressure", use: (mapped: Mapped) => Result): Result;
 

@@ -488,6 +488,12 @@ export class Solver {
     this.#withRows("velocities", values, this.#dimension, (at, rows) => this.#call("pbf_set_velocities", numberOf("first", "u32", first), rows, at));
   }
 
+  /** Beside gravity, in each step from now on; null takes all away. */
+  setAccelerations(values, first = 0) {
+    if (values === null) return this.#call("pbf_set_accelerations", 0, 0, 0);
+    this.#withRows("accelerations", values, this.#dimension, (at, rows) => this.#call("pbf_set_accelerations", numberOf("first", "u32", first), rows, at));
+  }
+
   /**
    * Calls with the solver's own arrays of a field, without a copy: an array for each component, in the solver's order,
    * and the ids in it. They are read only and gone afterwards; meanwhile calls that change particles throw.

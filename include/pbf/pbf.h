@@ -473,6 +473,17 @@ PBF_API pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t coun
 PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count,
                                      void *densities);
 
+/* Accelerations of these particles beside gravity, shape (count, dimension): fields of force that
+ * the caller computes of positions. They act in each step, on its velocities before the prediction,
+ * until they are replaced; particles that were given none have 0. They stay with their particles
+ * when others are removed. Null, with first and count 0, takes all away, and with them their
+ * memory. Steps are then made one at a time, each by way of a copy of the velocities in host
+ * memory, and wake what sleeps. The pressure grid's weight, cohesion and step limits go by gravity
+ * alone; a divided step is accelerated as a whole. No part of a saved state: pbf_save returns
+ * PBF_ERROR_STATE while there are some, pbf_load takes them away. */
+PBF_API pbf_status pbf_set_accelerations(pbf_solver *solver, uint32_t first, uint32_t count,
+                                         const void *accelerations);
+
 /* p/rho0 of the last step, length²/time², shape (count): what, held over the step, accelerates the
  * fluid as the density solve has moved it, -grad p / rho. At the present positions, as the straight
  * line through those of a particle and of its neighbours (moving least squares, weighted by a

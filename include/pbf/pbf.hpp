@@ -654,6 +654,15 @@ class solver {
   result<void> set_velocities(span<const double> from, std::uint32_t first = 0) noexcept {
     return rows(pbf_set_velocities, "velocities", from, first, dimension());
   }
+  result<void> set_accelerations(span<const float> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_accelerations, "accelerations", from, first, dimension());
+  }
+  result<void> set_accelerations(span<const double> from, std::uint32_t first = 0) noexcept {
+    return rows(pbf_set_accelerations, "accelerations", from, first, dimension());
+  }
+  result<void> clear_accelerations() noexcept {
+    return detail::checked(pbf_set_accelerations(handle(), 0, 0, nullptr));
+  }
   /* All of them, in a new array. */
   template <class T>
   result<std::vector<T>> positions() {

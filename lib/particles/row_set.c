@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "accelerations.h"
 #include "memory.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
@@ -35,9 +36,17 @@ static void compact_previous(pbf_solver *solver, const pbf_row_set *removed) {
   solver->previous_count = kept;
 }
 
+static void compact_accelerations(pbf_solver *solver, const pbf_row_set *removed) {
+  uint32_t kept = 0;
+  for (uint32_t row = 0; row < solver->acceleration_count; ++row)
+    if (!pbf_row_set_has(removed, row)) pbf_accelerations_move(solver, row, kept++);
+  solver->acceleration_count = kept;
+}
+
 static void compact_ids(pbf_solver *solver, const pbf_row_set *removed) {
   uint32_t kept = 0;
   compact_previous(solver, removed);
+  compact_accelerations(solver, removed);
   for (uint32_t row = 0; row < solver->count; ++row) {
     if (!pbf_row_set_has(removed, row)) solver->ids[kept++] = solver->ids[row];
   }

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
+#include "particles/accelerations.h"
 #include "plan.h"
 #include "previous.h"
 #include "snapshot_memory.h"
@@ -115,6 +116,9 @@ static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
   if (solver->previous)
     add_array(plan, "previous position (host)", (double)pbf_point_bytes(solver),
               pbf_previous_bytes(solver));
+  if (solver->accelerations)
+    add_array(plan, "accelerations (host)", 3 * (double)pbf_point_bytes(solver),
+              pbf_accelerations_bytes(solver));
   if (solver->snapshots)
     add_array(plan, "snapshots (host)",
               (double)pbf_snapshots_bytes(solver, solver->snapshots) / solver->capacity,

@@ -125,6 +125,9 @@ struct pbf_solver {
   void *previous;          /* positions by row before the last step; null: they are not kept */
   uint32_t previous_count; /* rows that had one; those after them have been where they are */
 
+  void *accelerations;         /* lib/particles/accelerations.h; null: there are none */
+  uint32_t acceleration_count; /* rows that have been given one; those after them have none */
+
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];
 };

@@ -8,6 +8,7 @@
 #include "handles.h"
 #include "overlap.h"
 #include "params.h"
+#include "particles/accelerations.h"
 #include "physics/motion.h"
 #include "plan.h"
 #include "prestabilize.h"
@@ -132,15 +133,25 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
 }
 
+/* A step that fails leaves velocities as they were. */
+static pbf_status run_accelerated(pbf_solver *solver, uint32_t steps, uint32_t *done) {
+  pbf_accelerated_rows rows;
+  pbf_status status = pbf_accelerate(solver, &rows);
+  if (status != PBF_OK) return status;
+  status = run(solver, steps, done);
+  if (*done == 0) pbf_undo_accelerations(solver, &rows);
+  return status;
+}
+
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
   pbf_status status = pbf_emission_work(solver);
-  if (pbf_emission_is_active(solver)) steps = 1;
+  if (pbf_emission_is_active(solver) || pbf_has_accelerations(solver)) steps = 1;
   if (status == PBF_OK) status = pbf_plan_step(solver);
   if (status != PBF_OK) return status;
   if (solver->count > 0) {
     status = pbf_prestabilize(solver);
-    if (status == PBF_OK) status = run(solver, steps, &done);
+    if (status == PBF_OK) status = run_accelerated(solver, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {
     status = pbf_time_to_backend(solver, time_after(solver, steps));

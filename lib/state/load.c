@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "particles/accelerations.h"
 #include "particles/particles.h"
 #include "saved_state.h"
 #include "solver/backend_call.h"
@@ -122,6 +123,7 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->planned = in->header.planned;
   solver->step_length_checked = 0;
   pbf_previous_forget(solver);
+  pbf_accelerations_free(solver);
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

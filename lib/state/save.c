@@ -5,6 +5,7 @@
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
+#include "particles/accelerations.h"
 #include "particles/particles.h"
 #include "shape/registry.h"
 #include "snapshot.h"
@@ -99,6 +100,10 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
 
 static pbf_status save(pbf_solver *solver, void *buffer, uint64_t *size) {
   if (!size) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "size is null");
+  if (pbf_has_accelerations(solver))
+    return pbf_fail(PBF_ERROR_STATE,
+                    "particles have accelerations, which a saved state does not hold; "
+                    "pbf_set_accelerations with null takes them away");
   pbf_snapshot_header header = header_of(solver);
   if (buffer && *size < header.size) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "*size is %" PRIu64 "; the state needs %" PRIu64,

@@ -141,3 +141,11 @@ class Particles(Reading):
     def set_velocities(self, velocities: AnyArray, first: int = 0) -> None:
         """Sets those of the rows `first`, `first` + 1, …"""
         self._set_rows("velocities", velocities, first)
+
+    def set_accelerations(self, accelerations: AnyArray | None, first: int = 0) -> None:
+        """Accelerations beside gravity of the rows `first`, `first` + 1, …, in each step until
+        they are set anew; None takes those of all particles away."""
+        if accelerations is None:
+            self._call(lib.pbf_set_accelerations, uint32("first", first), 0, ffi.NULL)
+        else:
+            self._set_rows("accelerations", accelerations, first)

@@ -27,6 +27,7 @@ static pbf_status get_x(pbf_solver *s) { return pbf_get_positions(s, 0, 1, numbe
 static pbf_status set_x(pbf_solver *s) { return pbf_set_positions(s, 0, 1, numbers); }
 static pbf_status get_v(pbf_solver *s) { return pbf_get_velocities(s, 0, 1, numbers); }
 static pbf_status set_v(pbf_solver *s) { return pbf_set_velocities(s, 0, 1, numbers); }
+static pbf_status set_a(pbf_solver *s) { return pbf_set_accelerations(s, 0, 1, numbers); }
 static pbf_status get_ids(pbf_solver *s) { return pbf_get_ids(s, 0, 1, integers); }
 static pbf_status get_rho(pbf_solver *s) { return pbf_get_densities(s, 0, 1, numbers); }
 static pbf_status get_p(pbf_solver *s) { return pbf_get_pressures(s, 0, 1, numbers); }
@@ -56,7 +57,8 @@ static const solver_call calls[] = {set_params, get_params, step,        pbf_syn
                                     set_v,      get_ids,    get_rho,     get_p,           set_c,
                                     count_c,    get_c,      map,         unmap,           export,
                                     get_stats,  set_timing, get_timings, get_plan,        get_info,
-                                    save,       load,       hash,        get_l,           get_w};
+                                    save,       load,       hash,        get_l,           get_w,
+                                    set_a};
 
 static void null_and_dead_handles(void **state) {
   (void)state;

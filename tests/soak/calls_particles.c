@@ -272,6 +272,21 @@ static const void *places(const rows *r) { return r->x; }
 static const void *speeds(const rows *r) { return r->v; }
 
 void call_set_positions(actor *a) { set_rows(a, set_positions, get_positions, places); }
+/* Given and taken away at once: saved states do not hold them. */
+static pbf_status set_accelerations(pbf_solver *solver, int twin, void *context) {
+  rows *r = context;
+  (void)twin;
+  const pbf_status status = pbf_set_accelerations(solver, r->first, r->count, r->v);
+  return status == PBF_OK ? pbf_set_accelerations(solver, 0, 0, NULL) : status;
+}
+
+void call_set_accelerations(actor *a) {
+  rows *r = rows_of(a);
+  draw_rows(a, r);
+  draw_places(a, r);
+  call_both(a, set_accelerations, r, 0);
+}
+
 void call_set_velocities(actor *a) { set_rows(a, set_velocities, get_velocities, speeds); }
 
 /* ---- Into another layout ---- */

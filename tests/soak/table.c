@@ -49,6 +49,7 @@ const entry table[] = {
     {"pbf_set_positions", 4, call_set_positions},
     {"pbf_get_velocities", 1, call_get_velocities},
     {"pbf_set_velocities", 4, call_set_velocities},
+    {"pbf_set_accelerations", 1, call_set_accelerations},
     {"pbf_get_ids", 1, call_get_ids},
     {"pbf_get_densities", 2, call_get_densities},
     {"pbf_get_pressures", 2, call_get_pressures},

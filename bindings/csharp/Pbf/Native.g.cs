@@ -634,6 +634,8 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_densities(SolverHandle solver, uint first, uint count, IntPtr densities);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_accelerations(SolverHandle solver, uint first, uint count, IntPtr accelerations);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_pressures(SolverHandle solver, uint first, uint count, IntPtr pressures);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_read(SolverHandle solver, IntPtr read);

@@ -150,6 +150,8 @@ namespace Pbf
         public void SetPositions(double[] from, uint first = 0) { Rows(Native.pbf_set_positions, from, first, dimension); }
         public void SetVelocities(float[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
         public void SetVelocities(double[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
+        public void SetAccelerations(float[] from, uint first = 0) { Rows(Native.pbf_set_accelerations, from, first, dimension); }
+        public void SetAccelerations(double[] from, uint first = 0) { Rows(Native.pbf_set_accelerations, from, first, dimension); }
 
         public uint[] GetIds()
         {

@@ -508,6 +508,7 @@ pbf_status pbf_get_velocities(pbf_solver *solver, uint32_t first, uint32_t count
 pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count, const void *velocities);
 pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids);
 pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count, void *densities);
+pbf_status pbf_set_accelerations(pbf_solver *solver, uint32_t first, uint32_t count, const void *accelerations);
 pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures);
 pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);

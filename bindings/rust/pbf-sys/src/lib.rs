@@ -684,6 +684,12 @@ extern "C" {
         count: u32,
         densities: *mut c_void,
     ) -> pbf_status;
+    pub fn pbf_set_accelerations(
+        solver: *mut pbf_solver,
+        first: u32,
+        count: u32,
+        accelerations: *const c_void,
+    ) -> pbf_status;
     pub fn pbf_get_pressures(
         solver: *mut pbf_solver,
         first: u32,

@@ -223,6 +223,10 @@ impl<T: Real> Solver<T> {
         self.set_rows(sys::pbf_set_velocities, first, velocities)
     }
 
+    pub fn set_accelerations(&mut self, first: u32, accelerations: &[T]) -> Result<()> {
+        self.set_rows(sys::pbf_set_accelerations, first, accelerations)
+    }
+
     pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<()> {
         let (raw, count) = self.raw_colliders(colliders)?;
         self.handle

@@ -1,0 +1,206 @@
+/* Accelerations that the caller gives to particles: one that all have is gravity, a central field
+ * keeps a particle on its way around, and each stays with its particle. */
+#include "support.h"
+
+#include <math.h>
+
+static void put_rows(void *rows, uint32_t dimension, uint32_t precision, uint32_t row,
+                     const double value[3]) {
+  for (uint32_t k = 0; k < dimension; ++k)
+    test_put(rows, (uint64_t)row * dimension + k, precision, value[k]);
+}
+
+/* Nothing but gravity and collisions. */
+static pbf_params still_params(void) {
+  pbf_params params = test_params();
+  params.time_step = 0.01;
+  for (int k = 0; k < 3; ++k) {
+    params.gravity[k] = 0;
+    params.domain_min[k] = -8;
+    params.domain_max[k] = 8;
+  }
+  return params;
+}
+
+/* Particles out of each other's reach, at rest. */
+static pbf_solver *apart(uint32_t dimension, uint32_t precision, uint32_t count) {
+  const pbf_params params = still_params();
+  const pbf_desc desc = test_desc(dimension, precision, count + 1);
+  pbf_solver *solver = test_create(&desc, &params);
+  char *x = calloc((size_t)count * dimension, precision);
+  for (uint32_t i = 0; i < count; ++i)
+    put_rows(x, dimension, precision, i, (const double[]){2 * (double)i - 3, 0, 0});
+  assert_ok(pbf_add_particles(solver, count, x, NULL, NULL));
+  free(x);
+  return solver;
+}
+
+static double speed_along_y(pbf_solver *solver, uint32_t dimension, uint32_t precision,
+                            uint32_t row) {
+  double v[3];
+  assert_ok(pbf_get_velocities(solver, row, 1, v));
+  (void)dimension;
+  return test_value(v, 1, precision);
+}
+
+/* ---- All alike ------------------------------------------------------------------------------ */
+
+/* A block that falls on the floor, by gravity or by an acceleration that all have. */
+static uint64_t fall(uint32_t dimension, uint32_t precision, int by_gravity) {
+  enum { SIDE = 6, MOST = SIDE * SIDE * SIDE };
+  pbf_params params = test_params();
+  const double g[3] = {0.5, -9.75, 0};
+  const uint32_t count = dimension == 3 ? MOST : SIDE * SIDE;
+  char *x = calloc((size_t)count * dimension, precision), *a = calloc((size_t)count * dimension, 8);
+  params.solver = PBF_SOLVER_JACOBI;
+  params.cohesion = params.pressure_grid = 0;
+  params.max_depenetration_speed = 1;
+  for (int k = 0; k < 3; ++k) params.gravity[k] = by_gravity ? g[k] : 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double d = params.smoothing_radius / 2,
+                 at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+    double place[3];
+    for (int k = 0; k < 3; ++k) place[k] = params.domain_min[k] + d * (at[k] + 1);
+    put_rows(x, dimension, precision, i, place);
+    put_rows(a, dimension, precision, i, g);
+  }
+  const pbf_desc desc = test_desc(dimension, precision, count);
+  pbf_solver *solver = test_create(&desc, &params);
+  assert_ok(pbf_add_particles(solver, count, x, NULL, NULL));
+  if (!by_gravity) assert_ok(pbf_set_accelerations(solver, 0, count, a));
+  assert_ok(pbf_step(solver, 40));
+  const uint64_t hash = test_hash(solver);
+  pbf_destroy(solver);
+  free(x);
+  free(a);
+  return hash;
+}
+
+static void check_gravity(uint32_t dimension, uint32_t precision) {
+  assert_true(fall(dimension, precision, 1) == fall(dimension, precision, 0));
+}
+
+static void one_of_all_is_gravity(void **state) {
+  (void)state;
+  test_for_each_kind(check_gravity);
+}
+
+/* ---- A field of the caller's ---------------------------------------------------------------- */
+
+/* Towards an axis, w² r: the particle goes around it, by the scheme's own recurrence. */
+static void check_vortex(uint32_t dimension, uint32_t precision) {
+  enum { STEPS = 200 };
+  const double w2 = 9, dt = still_params().time_step;
+  double x[3] = {1, 0, 0.5}, v[3] = {0, 3, 0};
+  char values[3 * sizeof(double)], a[3 * sizeof(double)];
+  pbf_solver *solver = apart(dimension, precision, 1);
+  put_rows(values, dimension, precision, 0, x);
+  assert_ok(pbf_set_positions(solver, 0, 1, values));
+  put_rows(values, dimension, precision, 0, v);
+  assert_ok(pbf_set_velocities(solver, 0, 1, values));
+  for (int step = 0; step < STEPS; ++step) {
+    double pull[3] = {0, 0, 0};
+    assert_ok(pbf_get_positions(solver, 0, 1, values));
+    for (int k = 0; k < 2; ++k) pull[k] = -w2 * test_value(values, k, precision);
+    put_rows(a, dimension, precision, 0, pull);
+    assert_ok(pbf_set_accelerations(solver, 0, 1, a));
+    assert_ok(pbf_step(solver, 1));
+    for (int k = 0; k < 2; ++k) v[k] -= dt * w2 * x[k];
+    for (int k = 0; k < 2; ++k) x[k] += dt * v[k];
+  }
+  assert_ok(pbf_get_positions(solver, 0, 1, values));
+  const double accuracy = precision == PBF_FLOAT32 ? 2e-4 : 1e-11;
+  for (uint32_t k = 0; k < dimension; ++k)
+    if (!(fabs(test_value(values, k, precision) - x[k]) < accuracy))
+      fail_msg("axis %u: %.9g, it must be %.9g", k, test_value(values, k, precision), x[k]);
+  assert_true(fabs(hypot(x[0], x[1]) - 1) < 0.05);
+  pbf_destroy(solver);
+}
+
+static void a_central_field_turns_a_particle(void **state) {
+  (void)state;
+  test_for_each_kind(check_vortex);
+}
+
+/* ---- Whose they are ------------------------------------------------------------------------- */
+
+static void check_rows(uint32_t dimension, uint32_t precision) {
+  char a[4 * 3 * sizeof(double)] = {0};
+  pbf_solver *solver = apart(dimension, precision, 4);
+  for (uint32_t i = 0; i < 4; ++i)
+    put_rows(a, dimension, precision, i, (const double[]){0, 1 + (double)i, 0});
+  assert_ok(pbf_set_accelerations(solver, 1, 2, a)); /* 1 and 2; the others have none */
+  assert_ok(pbf_step(solver, 10));
+  for (uint32_t i = 0; i < 4; ++i) {
+    const double right = i == 1 || i == 2 ? 0.1 * i : 0;
+    assert_true(fabs(speed_along_y(solver, dimension, precision, i) - right) < 1e-6);
+  }
+  const uint32_t removed = 1;
+  assert_ok(pbf_remove_particles(solver, 1, &removed));
+  put_rows(a, dimension, precision, 0, (const double[]){-5, 0, 0});
+  assert_ok(pbf_add_particles(solver, 1, a, NULL, NULL));
+  assert_ok(pbf_step(solver, 10));
+  const double right[4] = {0, 0.4, 0, 0}; /* of ids 0, 2, 3 and 4 */
+  for (uint32_t i = 0; i < 4; ++i)
+    assert_true(fabs(speed_along_y(solver, dimension, precision, i) - right[i]) < 1e-6);
+  assert_ok(pbf_set_accelerations(solver, 0, 0, NULL));
+  assert_ok(pbf_step(solver, 10));
+  assert_true(fabs(speed_along_y(solver, dimension, precision, 1) - 0.4) < 1e-6);
+  pbf_destroy(solver);
+}
+
+static void each_stays_with_its_particle(void **state) {
+  (void)state;
+  test_for_each_kind(check_rows);
+}
+
+/* ---- Bad input, memory, saved states -------------------------------------------------------- */
+
+static uint32_t has_array(pbf_solver *solver) {
+  pbf_plan plan = {.struct_size = sizeof plan};
+  uint32_t has = 0;
+  assert_ok(pbf_get_plan(solver, &plan));
+  for (uint32_t k = 0; k < plan.array_count; ++k)
+    has += strncmp(plan.arrays[k].name, "accelerations", 13) == 0;
+  return has;
+}
+
+static void check_input(uint32_t dimension, uint32_t precision) {
+  char a[2 * 3 * sizeof(double)] = {0};
+  pbf_solver *solver = apart(dimension, precision, 2);
+  uint64_t size = 0, bytes;
+  void *saved = test_save(solver, &bytes);
+  assert_int_equal(has_array(solver), 0);
+  assert_fails(pbf_set_accelerations(solver, 1, 2, a), PBF_ERROR_INVALID_ARGUMENT, "first is 1");
+  assert_fails(pbf_set_accelerations(solver, 0, 2, NULL), PBF_ERROR_INVALID_ARGUMENT,
+               "null with 0 and 0 takes all");
+  put_rows(a, dimension, precision, 1, (const double[]){0, NAN, 0});
+  assert_fails(pbf_set_accelerations(solver, 0, 2, a), PBF_ERROR_INVALID_ARGUMENT, "accelerations");
+  assert_int_equal(has_array(solver), 0);
+  put_rows(a, dimension, precision, 1, (const double[]){0, 1, 0});
+  assert_ok(pbf_set_accelerations(solver, 0, 2, a));
+  assert_int_equal(has_array(solver), 1);
+  assert_fails(pbf_save(solver, NULL, &size), PBF_ERROR_STATE, "particles have accelerations");
+  assert_ok(pbf_load(solver, saved, bytes));
+  assert_int_equal(has_array(solver), 0);
+  assert_ok(pbf_step(solver, 1));
+  assert_true(speed_along_y(solver, dimension, precision, 1) == 0);
+  free(saved);
+  pbf_destroy(solver);
+}
+
+static void bad_input_changes_nothing(void **state) {
+  (void)state;
+  test_for_each_kind(check_input);
+}
+
+int main(void) {
+  if (test_is_stub()) return TEST_SKIPPED;
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(one_of_all_is_gravity),
+      cmocka_unit_test(a_central_field_turns_a_particle),
+      cmocka_unit_test(each_stays_with_its_particle),
+      cmocka_unit_test(bad_input_changes_nothing),
+  };
+  return TEST_RUN(tests);
+}
