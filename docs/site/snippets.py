@@ -13,7 +13,7 @@ import sys
 import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```(?:c|js)\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```(?:c|cpp|js)\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 
 
 def piece(name, label):

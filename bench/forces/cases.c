@@ -1,0 +1,64 @@
+#include "cases.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void check(pbf_status status) {
+  if (status == PBF_OK) return;
+  fprintf(stderr, "pbf-forces: %s\n", pbf_last_error());
+  exit(1);
+}
+
+pbf_params params_of(double spacing, const double domain[3], double fastest) {
+  pbf_params params;
+  check(pbf_params_init(&params, sizeof params));
+  params.spacing = spacing;
+  params.smoothing_radius = 2 * spacing;
+  params.time_step = 0.25 * spacing / fastest;
+  params.loads = 1;
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = domain[k];
+  return params;
+}
+
+static uint32_t places(double size, double spacing) {
+  return size > 0 ? (uint32_t)lround(size / spacing) : 1;
+}
+
+pbf_solver *water_of(const pbf_params *params, const double size[3],
+                     int (*is_water)(const double x[3], const void *context), const void *context) {
+  const uint32_t dimension = size[2] > 0 ? 3 : 2;
+  uint32_t n[3], all = 1, count = 0;
+  for (int k = 0; k < 3; ++k) all *= n[k] = places(size[k], params->spacing);
+  float *x = malloc((size_t)all * dimension * sizeof *x);
+  if (!x) exit(1);
+  for (uint32_t i = 0; i < all; ++i) {
+    const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+    double place[3] = {0, 0, 0};
+    for (uint32_t k = 0; k < dimension; ++k) place[k] = params->spacing * (at[k] + 0.5);
+    if (!is_water(place, context)) continue;
+    for (uint32_t k = 0; k < dimension; ++k) x[count * dimension + k] = (float)place[k];
+    ++count;
+  }
+  pbf_desc desc;
+  pbf_solver *fluid;
+  check(pbf_desc_init(&desc, sizeof desc));
+  desc.dimension = dimension;
+  desc.capacity = count;
+  check(pbf_create(&desc, params, &fluid));
+  check(pbf_add_particles(fluid, count, x, NULL, NULL));
+  free(x);
+  return fluid;
+}
+
+int report(const char *name, const char *figure, double is, double right, double bar) {
+  const double error = right != 0 ? is / right - 1 : is;
+  const int missed = bar > 0 && !(fabs(error) <= bar);
+  printf("| %s | %s | %.4g | %.4g | %+.2g | ", name, figure, is, right, error);
+  if (bar > 0)
+    printf("%g %s |\n", bar, missed ? "missed" : "holds");
+  else
+    printf(" |\n");
+  fflush(stdout);
+  return missed;
+}
