@@ -19,6 +19,18 @@ def test_they_come_back_as_they_were_set(dam):
     assert dam.colliders == given[:1]
 
 
+def test_loads(make):
+    fluid = make(pbf.fill_box((0, 0, 0), (0.5, 0.3, 0.5), 0.05), domain_max=(0.5, 1, 0.5), loads=1)
+    fluid.colliders = [pbf.Sphere((0.25, 0.8, 0.25), radius=0.05)]
+    fluid.step(120)
+    fluid.wall_loads()
+    fluid.step(60)
+    (ball,), walls = fluid.collider_loads(), fluid.wall_loads()
+    weight = 600 * 0.05 ** 3 * 9.81
+    assert walls[2].impulse_sum[1] / walls[2].time_sum == pytest.approx(-weight, rel=0.01)
+    assert walls[2].contacts > 0 and ball.contacts == 0 and ball.impulse_sum == (0, 0, 0)
+
+
 def test_a_ball_keeps_fluid_out(make):
     fluid = make(pbf.fill_box((0, 0.3, 0), (1, 0.6, 1), 0.05))
     fluid.colliders = pbf.Sphere((0.5, 0.0, 0.5), radius=0.3)

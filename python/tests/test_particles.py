@@ -56,6 +56,20 @@ def test_setting(dam, rng):
         dam.set_positions(np.zeros((2, 3)), first=999)
 
 
+def test_accelerations(make):
+    fluid = make([[0.2, 0.5, 0.5], [0.5, 0.5, 0.5], [0.8, 0.5, 0.5]], gravity=(0, 0, 0),
+                 time_step=0.01)
+    fluid.set_accelerations([[0, 2, 0], [1, 0, 0]], first=1)
+    fluid.step(10)
+    right = [[0, 0, 0], [0, 0.2, 0], [0.1, 0, 0]]
+    assert np.allclose(fluid.velocities, right, atol=1e-6)
+    with pytest.raises(pbf.StateError, match="accelerations"):
+        fluid.save()
+    fluid.set_accelerations(None)
+    fluid.step(1)
+    assert np.allclose(fluid.velocities, right, atol=1e-6)
+
+
 @pytest.mark.parametrize("positions, words", [
     ([[0.5, 0.5]], "shape"), ([[0.5, 0.5, np.nan]], "NaN"), ([[5, 0.5, 0.5]], "domain"),
     ("water", "real numbers|shape"), ([[1j, 0, 0]], "real numbers"), (np.zeros((2, 2, 3)), "shape"),
