@@ -61,6 +61,7 @@ struct executor {
     if (fields & FIELD_SHEAR_PUSH) pack_vectors(w, shear_pushes_task);
     if (fields & FIELD_CORRECTION_RATE) pack_vectors(w, rates_task);
     if (fields & FIELD_CURL_SIZE) pack_positions(w, sizes_task);
+    if (fields & FIELD_MISSING) pack_positions(w, packed_missing_task);
   }
 
   bool wake() {
@@ -143,6 +144,8 @@ struct executor {
     w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);
   }
+  void missing_neighbors() { over_pairs(missing_task); }
+  void surface_tension() { over_pairs(surface_tension_task, PBF_STAGE_SURFACE_TENSION); }
   void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }
   bool update_sleep() { return ::update_sleep(w); }
   void end() {

@@ -118,6 +118,15 @@ struct shear_pass {
   int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
 };
 
+/* What surface_tension.h works on. */
+typedef struct tension_pass tension_pass;
+struct tension_pass {
+  pbf_real *missing;
+  field velocity;
+  /* The density that solids contribute to particle i: the same for all instruction sets. */
+  pbf_real (*solids)(const pair_pass *p, uint32_t i);
+};
+
 /* Sorted particles of which one byte says whether any of them can be awakened. */
 enum { ACTIVITY_CHUNK = 32 };
 
@@ -155,6 +164,9 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
   void (*confine)(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], const pbf_real *size,
                   field v, uint32_t first, uint32_t last);
+  void (*missing_neighbors)(const pair_pass *p, const tension_pass *t, uint32_t first,
+                            uint32_t last);
+  void (*surface_tension)(const pair_pass *p, const tension_pass *t, uint32_t first, uint32_t last);
   void (*compensate_damping)(const pair_pass *p, const damping_pass *u, uint32_t first,
                              uint32_t last);
   /* Adds the torque of the move that is next, … */

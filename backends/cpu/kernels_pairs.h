@@ -7,6 +7,7 @@
 #include "cpu/boundary.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
+#include "physics/passes/surface_tension.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
@@ -306,6 +307,33 @@ static void confine(const pair_pass *p, pbf_real *const curl[PBF_CURL_DIM], cons
       for (int k = 0; k < PBF_CURL_DIM; ++k) curl_i.c[k] = curl[k][i];
       field_set(&v, i, pass.finish(sums[l], curl_i, field_at(&v, i)));
     }
+  }
+}
+
+static void missing_neighbors(const pair_pass *p, const tension_pass *t, uint32_t first,
+                              uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const missing_neighbors_pass pass = {&c};
+  for (uint32_t g = first; g < last; ++g) {
+    const int near = p->contributing && group_near_obstacles(p, g);
+    const lane_sums<missing_neighbors_pass::sums> sums(sums_of_group(pass, p, {}, {}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      t->missing[i] = pass.finish(sums[l], 0);
+      if (near && t->missing[i] > 0) t->missing[i] = pass.finish(sums[l], t->solids(p, i));
+    }
+  }
+}
+
+static void surface_tension(const pair_pass *p, const tension_pass *t, uint32_t first,
+                            uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const surface_tension_pass pass = {&c};
+  for (uint32_t g = first; g < last; ++g) {
+    const uint32_t begin = g * WIDTH;
+    const lane_sums<surface_tension_pass::sums> sums(
+        sums_of_group(pass, p, {t->missing, NULL}, {lane_load(t->missing + begin)}, g));
+    for (uint32_t l = 0, i = begin; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      field_set(&t->velocity, i, pass.finish(sums[l], field_at(&t->velocity, i)));
   }
 }
 

@@ -7,6 +7,7 @@
 #include "physics/passes/damping_compensation.h"
 #include "physics/passes/drag.h"
 #include "physics/passes/shear_stress.h"
+#include "physics/passes/surface_tension.h"
 #include "physics/passes/viscosity.h"
 
 static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
@@ -184,6 +185,41 @@ static void viscous_stress_task(void *context, uint32_t task) {
     w->s->kernels->viscous_stress(&pairs, &weights, w->b.v, w->b.smoothed_velocity(), g.first,
                                   g.last);
   zero_sleeping(w, task_sorted(w, task), w->b.smoothed_velocity().c, PBF_DIM);
+}
+
+static pbf_real solids_at(const pair_pass *p, uint32_t i) {
+  return pbf_density_of_solids(p->constants, *p->contributing, field_at(&p->x, i));
+}
+
+/* Runs a pass of surface_tension.h for a task's particles that are awake. */
+static void pull_awake(const worker *w, uint32_t task, const pbf_real *packed,
+                       void (*pass)(const pair_pass *p, const tension_pass *t, uint32_t first,
+                                    uint32_t last)) {
+  const range r = task_groups(w, task);
+  const pair_pass pairs = pairs_at(w, w->b.x, packed);
+  const tension_pass tension = {missing_neighbors_of(w->s), w->b.v, solids_at};
+  for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
+       g = awake_groups(w, g.last, r.last))
+    pass(&pairs, &tension, g.first, g.last);
+}
+
+static void missing_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  pbf_real *missing = missing_neighbors_of(w->s);
+  pull_awake(w, task, packed_positions(w->s), w->s->kernels->missing_neighbors);
+  zero_sleeping(w, task_sorted(w, task), &missing, 1);
+}
+
+/* Positions, and what each particle lacks. */
+static void packed_missing_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  fill_packed(w->s, packed_missing(w->s), &w->b.x, missing_neighbors_of(w->s), task_held(w, task));
+}
+
+static void surface_tension_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  pull_awake(w, task, packed_missing(w->s), w->s->kernels->surface_tension);
+  zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 
 static void drag_task(void *context, uint32_t task) {

@@ -406,6 +406,21 @@ struct executor {
     });
   }
 
+  /* … what particles lack of neighbours … */
+  pbf_real *missing() const { return reinterpret_cast<pbf_real *>(s->other); }
+
+  void missing_neighbors() {} /* with the pull: */
+
+  void surface_tension() {
+    run(PBF_STAGE_SURFACE_TENSION, [&] {
+      with_surfaces(s, [&](auto surfaces) {
+        launch(missing_neighbors_kernel<decltype(surfaces)::value>, n, extras.obstacles,
+               s->schedule.wall_density, s->activity, missing());
+      });
+      launch(surface_tension_kernel, n, missing(), s->activity, s->velocities);
+    });
+  }
+
   void drag() {
     run(PBF_STAGE_DRAG,
         [&] { launch(drag_kernel, drag_of(&s->params), s->count, s->activity, s->velocities); });

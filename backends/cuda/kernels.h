@@ -14,6 +14,7 @@
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
 #include "physics/passes/shear_stress.h"
+#include "physics/passes/surface_tension.h"
 #include "physics/passes/torque.h"
 #include "physics/passes/viscosity.h"
 #include "physics/passes/viscous_stress.h"
@@ -322,6 +323,35 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   auto sums = sums_around(pass, n, i, x, {}, sizes);
   if (i < n.particles.count) velocities[i] = pass.finish(sums, curls[i], velocities[i]);
+}
+
+/* What each particle lacks of neighbours. `activity` is null where nothing sleeps. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    missing_neighbors_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+                             const pbf_real *activity, pbf_real *missing) {
+  uint32_t i = thread_index();
+  const missing_neighbors_pass pass = {&n.constants};
+  const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
+  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
+  if (i >= n.particles.count) return;
+  const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
+  pbf_real lacks = awake ? pass.finish(sums, 0) : 0;
+  if (wall_density && lacks > 0)
+    lacks = pass.finish(sums,
+                        pbf_density_of_solids(&n.constants, obstacles_met<SURFACES>(obstacles), x));
+  missing[i] = lacks;
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    surface_tension_kernel(neighborhood n, const pbf_real *missing, const pbf_real *activity,
+                           pbf_vec *velocities) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const surface_tension_pass pass = {&n.constants};
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  auto sums = sums_around(pass, n, i, x, {missing[own]}, missing);
+  if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  velocities[i] = pass.finish(sums, velocities[i]);
 }
 
 /* v_i and what eq. 17 adds to it. All threads of a warp call it. */

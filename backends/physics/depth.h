@@ -113,6 +113,7 @@ static inline int pbf_depth_corrects_shear(const pbf_params *params, pbf_basins 
                                            uint32_t colliders, const pbf_collider *list,
                                            uint32_t count) {
   if (params->shear_stress_correction >= 0) return params->shear_stress_correction > 0;
+  if (params->surface_tension > 0) return pbf_shear_stress_correction(params) > 0;
   return params->pressure_grid != 0 && pbf_shear_stress_correction(params) > 0 &&
          pbf_depth_could_be(pbf_depth_is_sheared, params, basins, colliders, list, count);
 }

@@ -9,6 +9,7 @@
 
 #include <pbf/pbf.h>
 
+#include "physics/capillary.h"
 #include "physics/elementary.h"
 #include "physics/spacing.h"
 
@@ -46,6 +47,7 @@ typedef struct pbf_derived {
   double wall_fabric_across,
       wall_fabric_along; /* what a first layer lacks of shear_stress.h's M, across and along */
   pbf_viscosity_lattice viscosity;
+  double per_neighbor, neighbors_of_solids; /* see passes/surface_tension.h */
 } pbf_derived;
 
 /* Kernel value at q = r/h over its norm (Müller et al. 2003; Wendland 1995). */
@@ -345,6 +347,15 @@ static inline pbf_params pbf_params_to_derive_from(const pbf_params *params) {
   return from;
 }
 
+/* What a particle that has all its neighbours has of them is 1, also where solids stand for those
+ * of a lattice's first layer. */
+static inline void pbf_derive_neighbors(uint32_t dimension, pbf_derived *d) {
+  const pbf_neighbor_weights of = pbf_lattice_neighbors(dimension, d->h, d->spacing);
+  d->per_neighbor = of.all > 0 ? 1 / of.all : 0;
+  d->neighbors_of_solids =
+      d->surface_lacks > 0 ? of.beyond * d->per_neighbor / d->surface_lacks : 0;
+}
+
 static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dimension) {
   pbf_derived d;
   memset(&d, 0, sizeof d);
@@ -375,6 +386,7 @@ static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dim
   if (params->scorr_k > 0)
     d.scorr_inv_w = 1 / (d.value_scale * pbf_shape_value(kernel, params->scorr_dq));
   d.viscosity = pbf_viscosity_lattice_of(&d, kernel, dimension);
+  pbf_derive_neighbors(dimension, &d);
   return d;
 }
 

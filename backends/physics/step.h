@@ -22,7 +22,8 @@ enum exchanged_fields {
   FIELD_CORRECTION_RATE = 1 << 5,
   FIELD_CURL_SIZE = 1 << 6,
   FIELD_DEVIATOR = 1 << 7,
-  FIELD_SHEAR_PUSH = 1 << 8
+  FIELD_SHEAR_PUSH = 1 << 8,
+  FIELD_MISSING = 1 << 9 /* neighbours */
 };
 
 namespace {
@@ -110,6 +111,11 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   for (uint32_t k = 0; runs<PBF_STAGE_VISCOSITY>(has) && k < has.runs[PBF_STAGE_VISCOSITY]; ++k) {
     e.exchange(FIELD_VELOCITY);
     e.viscosity(k);
+  }
+  if (runs<PBF_STAGE_SURFACE_TENSION>(has)) {
+    e.missing_neighbors();
+    e.exchange(FIELD_MISSING);
+    e.surface_tension();
   }
   if (runs<PBF_STAGE_DRAG>(has)) e.drag();
   bool all_asleep = false;

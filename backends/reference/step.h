@@ -15,6 +15,7 @@
 #include "physics/passes/torque.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/shear_stress.h"
+#include "physics/passes/surface_tension.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
 #include "physics/passes/viscous_stress.h"
@@ -370,6 +371,27 @@ static inline void apply_viscosity(solver *s, uint32_t k) {
     apply_xsph(s);
 }
 
+/* Once the solve is over, what it added is not asked for any more. */
+static inline void find_missing_neighbors(solver *s, const pbf_obstacles *o) {
+  const missing_neighbors_pass pass = {&s->constants};
+  for (uint32_t i = 0; i < s->count; ++i) {
+    s->added[i] = 0;
+    if (asleep(s, i)) continue;
+    const pbf_vec x = s->moved[i];
+    const pbf_real solids =
+        s->schedule.wall_density ? pbf_density_of_solids(&s->constants, *o, x) : 0;
+    s->added[i] = pass.finish(sums_around(s, pass, s->moved, {}, {}, i), solids);
+  }
+}
+
+static inline void apply_surface_tension(solver *s) {
+  const surface_tension_pass pass = {&s->constants};
+  const lookups of = {s->added, NULL};
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i))
+      s->v[i] = pass.finish(sums_around(s, pass, s->moved, of, {s->added[i]}, i), s->v[i]);
+}
+
 static inline void apply_drag(solver *s) {
   const drag_pass pass = drag_of(&s->params);
   for (uint32_t i = 0; i < s->count; ++i)
@@ -439,6 +461,8 @@ struct executor {
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
   void viscosity(uint32_t k) { apply_viscosity(s, k); }
+  void missing_neighbors() { find_missing_neighbors(s, &obstacles); }
+  void surface_tension() { apply_surface_tension(s); }
   void drag() { apply_drag(s); }
   bool update_sleep() {
     ::update_sleep(s);

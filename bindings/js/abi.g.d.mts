@@ -44,6 +44,7 @@ export interface Params {
   wallFriction: number;
   wallStaticFriction: number;
   wallNoSlip: number;
+  surfaceTension: number;
 }
 
 export interface Collider {
@@ -216,6 +217,7 @@ export declare const constants: {
   readonly LIMIT_PARTICLES: 3;
   readonly LIMIT_WALLS: 4;
   readonly LIMIT_COLLIDERS: 5;
+  readonly LIMIT_TENSION: 6;
   readonly VOLUME_BOX: 0;
   readonly VOLUME_SPHERE: 1;
   readonly VOLUME_CAPSULE: 2;

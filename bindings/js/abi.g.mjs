@@ -74,6 +74,7 @@ export const constants = Object.freeze({
   LIMIT_PARTICLES: 3,
   LIMIT_WALLS: 4,
   LIMIT_COLLIDERS: 5,
+  LIMIT_TENSION: 6,
   VOLUME_BOX: 0,
   VOLUME_SPHERE: 1,
   VOLUME_CAPSULE: 2,
@@ -106,7 +107,7 @@ export const structs = {
     },
   },
   pbf_params: {
-    size: 568,
+    size: 576,
     fields: {
       structSize: ["u32", 0],
       kernel: ["u32", 4],
@@ -153,6 +154,7 @@ export const structs = {
       wallFriction: ["f64", 544],
       wallStaticFriction: ["f64", 552],
       wallNoSlip: ["f64", 560],
+      surfaceTension: ["f64", 568],
     },
   },
   pbf_collider: {

@@ -378,7 +378,8 @@ typedef struct pbf_params {
                        over pairs every third step. -1, the default: 0.75, less what
                        smoothing_radius / spacing is above 2, and at least 0.25, with
                        PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
-                       gravity (decided as for pressure_grid) and a pressure grid may be, or 0 */
+                       gravity (decided as for pressure_grid) and a pressure grid may be, or where
+                       there is surface_tension, or 0 */
   double wall_friction; /* Coulomb friction of the domain's walls, >= 0: so much of what a wall
                            pushes a particle with acts along it against its motion. 0, the default:
                            fluid slides on walls freely */
@@ -386,6 +387,14 @@ typedef struct pbf_params {
   double wall_no_slip;         /* 0 … 1: how much of the shear of a fluid of this viscosity, with
                                   PBF_SOLVER_CHEBYSHEV, acts between a wall and the fluid at it, which then
                                   goes with the wall. 0, the default: none */
+  double surface_tension; /* over rest density, a length³ a time unit²: water 7.3e-5 m³/s². Needs
+                       PBF_SOLVER_CHEBYSHEV. Particles that lack neighbours are pulled to those that
+                       they have, which keeps momentum and angular momentum to rounding (the latter
+                       not with shear_stress_correction, which is on unless it is set to 0). What is
+                       more than a step can take does not act, 0.02 spacing³ / time_step², in 2D
+                       0.05: see pbf_get_step_limit. Made for a smoothing_radius of 2 spacings.
+                       Walls and colliders neither pull nor hold: the contact angle is 180 degrees.
+                       Two passes over pairs a step, beside that correction. 0: none */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -914,7 +923,9 @@ enum {
                                once it has gathered, or of a repulsion in the domain */
   PBF_LIMIT_PARTICLES = 3,  /* v dt <= spacing: the fastest particle, */
   PBF_LIMIT_WALLS = 4,      /* wall, */
-  PBF_LIMIT_COLLIDERS = 5   /* collider, its turn included */
+  PBF_LIMIT_COLLIDERS = 5,  /* collider, its turn included */
+  PBF_LIMIT_TENSION = 6     /* surface_tension dt² <= 0.02 spacing³, in 2D 0.05: of more, only so
+                               much acts */
 };
 
 /* The longest time_step that the present parameters, colliders and velocities stand, undivided;

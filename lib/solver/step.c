@@ -95,11 +95,14 @@ pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   return run_backend(solver, time, 0, 0, &done);
 }
 
-/* All parts of one step. What fails between two of them is a shorter step that has been done. */
+/* All parts of one step, the nth of their length as if all steps had been divided so: what is done
+ * every third step would else be done in the third part of each alone, or never. What fails between
+ * two of them is a shorter step that has been done. */
 static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *done) {
   double begin = pbf_solver_time(solver);
   uint32_t parts = 0;
-  pbf_status status = run_backend(solver, begin, 0, substeps, &parts);
+  const uint64_t before = solver->steps_since * substeps;
+  pbf_status status = run_backend(solver, solver->time_base, before, substeps, &parts);
   *done = parts == substeps;
   if (*done || parts == 0) return status;
   solver->time_base = begin + parts * (solver->params.time_step / substeps);

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "handles.h"
 #include "params.h"
+#include "physics/capillary.h"
 #include "physics/step_limit.h"
 #include "solver_time.h"
 #include "text.h"
@@ -34,13 +35,14 @@ pbf_step_limits pbf_step_limits_of(const pbf_solver *solver, double particle_spe
       [PBF_LIMIT_PARTICLES] = pbf_limit_of_speed(d, particle_speed),
       [PBF_LIMIT_WALLS] = pbf_limit_of_speed(d, pbf_fastest_wall(&params, dimension)),
       [PBF_LIMIT_COLLIDERS] = pbf_limit_of_speed(d, colliders_speed(solver, &params)),
+      [PBF_LIMIT_TENSION] = pbf_limit_of_tension(d, params.surface_tension, dimension),
   }};
 }
 
 double pbf_shortest_limit(const pbf_step_limits *limits, uint32_t *cause) {
   double shortest = INFINITY;
   *cause = PBF_LIMIT_NONE;
-  for (uint32_t k = 0; k <= PBF_LIMIT_COLLIDERS; ++k)
+  for (uint32_t k = 0; k <= PBF_LIMIT_TENSION; ++k)
     if (limits->step[k] < shortest) shortest = limits->step[ *cause = k];
   return shortest;
 }
@@ -62,9 +64,26 @@ static const char *const names[] = {
     [PBF_LIMIT_PARTICLES] = "the fastest particle",
     [PBF_LIMIT_WALLS] = "the fastest wall",
     [PBF_LIMIT_COLLIDERS] = "the fastest collider",
+    [PBF_LIMIT_TENSION] = "surface tension",
 };
 
+/* What is too much does not act, and nothing goes wrong. */
+static void warn_of_tension(const pbf_solver *solver, double limit) {
+  double step = solver->params.time_step, parts = fmax(solver->params.max_substeps, 1);
+  double part = limit / (step / parts);
+  char text[300];
+  pbf_text_write(text, sizeof text,
+                 "params.time_step, %.3g, is too long for surface tension: only %.2g of "
+                 "params.surface_tension acts; %.3g would do, or max_substeps %.0f",
+                 step, part * part, parts * limit, ceil(step / limit - 1e-9));
+  solver->log(solver->log_user, PBF_LOG_WARNING, text);
+}
+
 static void warn(const pbf_solver *solver, uint32_t cause, double limit) {
+  if (cause == PBF_LIMIT_TENSION) {
+    warn_of_tension(solver, limit);
+    return;
+  }
   double step = solver->params.time_step, parts = fmax(solver->params.max_substeps, 1);
   double times = step / parts / limit; /* as long as it may be */
   int falls = cause == PBF_LIMIT_GRAVITY || cause == PBF_LIMIT_ATTRACTION;
@@ -82,7 +101,7 @@ static void warn(const pbf_solver *solver, uint32_t cause, double limit) {
 
 void pbf_warn_of_long_steps(pbf_solver *solver, const pbf_step_limits *limits, uint32_t causes) {
   double step = solver->params.time_step / fmax(solver->params.max_substeps, 1);
-  for (uint32_t k = PBF_LIMIT_GRAVITY; k <= PBF_LIMIT_COLLIDERS; ++k) {
+  for (uint32_t k = PBF_LIMIT_GRAVITY; k <= PBF_LIMIT_TENSION; ++k) {
     if (!(causes >> k & 1)) continue;
     int is_long = step > limits->step[k] * (1 + 1e-9), was_said = (int)(solver->said >> k & 1);
     if (is_long && !was_said) warn(solver, k, limits->step[k]);
@@ -95,7 +114,8 @@ void pbf_check_step_length(pbf_solver *solver) {
   const pbf_step_limits limits = pbf_step_limits_of(solver, 0);
   pbf_warn_of_long_steps(solver, &limits,
                          1u << PBF_LIMIT_GRAVITY | 1u << PBF_LIMIT_ATTRACTION |
-                             1u << PBF_LIMIT_WALLS | 1u << PBF_LIMIT_COLLIDERS);
+                             1u << PBF_LIMIT_WALLS | 1u << PBF_LIMIT_COLLIDERS |
+                             1u << PBF_LIMIT_TENSION);
   solver->step_length_checked = 1;
 }
 

@@ -6,7 +6,7 @@
 
 /* The longest step for each PBF_LIMIT_…; infinite where nothing limits it. */
 typedef struct pbf_step_limits {
-  double step[PBF_LIMIT_COLLIDERS + 1];
+  double step[PBF_LIMIT_TENSION + 1];
 } pbf_step_limits;
 
 /* By what the host knows, and by the speed of the fastest particle; 0: unknown. */

@@ -135,8 +135,8 @@ class ParamFields(Holder):
     shear_stress_correction = Number(
         "How much of the shear stress that pushes along pairs have under pressure is taken back, "
         "so that slow eddies live on; -1: with PBF_SOLVER_CHEBYSHEV 0.75 where water could be 18 "
-        "layers deep, less with wide kernels, 0 elsewhere. Range: -1, 0 … 1; 0 unless "
-        "`PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
+        "layers deep or has a surface tension, less with wide kernels, 0 elsewhere. Range: -1, 0 "
+        "… 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. Default: `-1`.")
     wall_friction = Number(
         "Coulomb friction of the domain's walls: how much of what a wall pushes with acts along "
         "it against a particle's motion; 0: none. Range: ≥ 0. Default: `0`.")
@@ -146,6 +146,10 @@ class ParamFields(Holder):
     wall_no_slip = Number(
         "How much of the fluid's shear, by its `viscosity`, acts between walls and the fluid at "
         "them. Range: 0 … 1. Default: `0`.")
+    surface_tension = Number(
+        "Surface tension over rest density; in 3D at most 0.02, in 2D 0.05 spacing³ / time_step² "
+        "of it act; 0: none. Unit: length³/time². Range: ≥ 0; 0 unless `PBF_SOLVER_CHEBYSHEV`. "
+        "Default: `0`.")
 
 
 class ParamValues(TypedDict, total=False):
@@ -195,3 +199,4 @@ class ParamValues(TypedDict, total=False):
     wall_friction: float
     wall_static_friction: float
     wall_no_slip: float
+    surface_tension: float

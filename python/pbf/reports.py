@@ -21,6 +21,7 @@ class Limit(enum.IntEnum):
     PARTICLES = lib.PBF_LIMIT_PARTICLES
     WALLS = lib.PBF_LIMIT_WALLS
     COLLIDERS = lib.PBF_LIMIT_COLLIDERS
+    TENSION = lib.PBF_LIMIT_TENSION
 
 
 @dataclass(frozen=True)

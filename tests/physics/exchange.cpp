@@ -60,6 +60,10 @@ struct watcher {
   }
   void friction() { stage_of("friction", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void loads() { stage_of("loads", 0, 0); }
+  void missing_neighbors() { stage_of("missing_neighbors", FIELD_POSITION, FIELD_MISSING); }
+  void surface_tension() {
+    stage_of("surface_tension", FIELD_POSITION | FIELD_MISSING, FIELD_VELOCITY);
+  }
   void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);

@@ -221,6 +221,7 @@ static void check_stages(uint32_t dimension, uint32_t precision) {
   c.params.shear_stress_correction = 0.7;
   c.params.vorticity = 0.02;
   c.params.viscosity = 0.002;
+  c.params.surface_tension = 0.002;
   c.params.drag = 0.3;
   c.params.drag_velocity[0] = 1;
   c.params.collide |= PBF_COLLIDE_AFTER_SOLVE;

@@ -196,6 +196,13 @@ static void run_others(uint32_t dimension, uint32_t precision, const char *backe
     s.at[k] = 1.2;
   }
   run_scene(&s, backend);
+
+  s = tank("surface tension", dimension, precision);
+  s.params.surface_tension = 0.002;
+  s.params.sleep_speed = 0.2;
+  s.params.sleep_time = 0.05;
+  add_moving_box(&s);
+  run_scene(&s, backend);
 }
 
 /* Both corrections between obstacles that lend density, each one alone, and where particles sleep

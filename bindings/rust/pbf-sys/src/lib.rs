@@ -80,6 +80,7 @@ pub const PBF_LIMIT_ATTRACTION: u32 = 2;
 pub const PBF_LIMIT_PARTICLES: u32 = 3;
 pub const PBF_LIMIT_WALLS: u32 = 4;
 pub const PBF_LIMIT_COLLIDERS: u32 = 5;
+pub const PBF_LIMIT_TENSION: u32 = 6;
 pub const PBF_VOLUME_BOX: u32 = 0;
 pub const PBF_VOLUME_SPHERE: u32 = 1;
 pub const PBF_VOLUME_CAPSULE: u32 = 2;
@@ -208,6 +209,7 @@ pub struct pbf_params {
     pub wall_friction: f64,
     pub wall_static_friction: f64,
     pub wall_no_slip: f64,
+    pub surface_tension: f64,
 }
 
 #[repr(C)]
@@ -1055,7 +1057,7 @@ mod layout {
 
     #[test]
     fn pbf_params_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_params>(), 568);
+        assert_eq!(size_of::<pbf_params>(), 576);
         assert_eq!(offset!(pbf_params, struct_size), 0);
         assert_eq!(offset!(pbf_params, kernel), 4);
         assert_eq!(offset!(pbf_params, smoothing_radius), 8);
@@ -1101,6 +1103,7 @@ mod layout {
         assert_eq!(offset!(pbf_params, wall_friction), 544);
         assert_eq!(offset!(pbf_params, wall_static_friction), 552);
         assert_eq!(offset!(pbf_params, wall_no_slip), 560);
+        assert_eq!(offset!(pbf_params, surface_tension), 568);
     }
 
     #[test]
