@@ -54,10 +54,11 @@ static inline void preset_research(pbf_params *params, double d, double H) {
 /* end */
 
 /* code: thick */
-/* Batter, paint, mud: 0.05 m²/s is fifty thousand times water. */
+/* Batter, paint, mud: 0.05 m²/s is fifty thousand times water. It sticks to walls. */
 static inline void preset_thick(pbf_params *params, double d, double H) {
   preset_begin(params, d, H);
   params->viscosity = 0.05;
+  params->wall_no_slip = 1;
   params->max_substeps = 8;
 }
 /* end */

@@ -140,9 +140,15 @@ struct executor {
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
   void viscosity(uint32_t k) {
     w->viscosity_stage = k;
+    if (k == 0 && w->s->schedule.accelerated) over_pairs(viscous_start_task);
     over_pairs(w->s->schedule.accelerated ? viscous_stress_task : xsph_task);
     w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);
+  }
+  void move_by_viscosity() {
+    over_pairs(viscous_move_task);
+    w->b.accept_sheared_x();
+    moved = true;
   }
   void missing_neighbors() { over_pairs(missing_task); }
   void surface_tension() { over_pairs(surface_tension_task, PBF_STAGE_SURFACE_TENSION); }

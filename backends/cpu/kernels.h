@@ -5,6 +5,7 @@
 
 #include "common/pressure_grid.h"
 #include "cpu/grid.h"
+#include "physics/no_slip.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/shear_stress.h"
 #include "physics/sleep.h"
@@ -126,6 +127,14 @@ struct tension_pass {
   /* The density that solids contribute to particle i: the same for all instruction sets. */
   pbf_real (*solids)(const pair_pass *p, uint32_t i);
 };
+/* What a stage of viscosity works on. */
+typedef struct viscous_pass {
+  pbf_viscosity_weights weights;
+  const pbf_obstacles *obstacles; /* that fluid sticks to; null: it slides on all */
+  const pbf_no_slip *no_slip;     /* and how much */
+  field start;                    /* velocities before the first stage */
+  field v, next; /* after the last one; and after the one before it, and then after this one */
+} viscous_pass;
 
 /* Sorted particles of which one byte says whether any of them can be awakened. */
 enum { ACTIVITY_CHUNK = 32 };
@@ -182,9 +191,7 @@ typedef struct kernels {
   void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
                          uint32_t *awakened, uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
-  /* `next` holds the velocities after the last stage but one, and then those after this one. */
-  void (*viscous_stress)(const pair_pass *p, const pbf_viscosity_weights *weights, field v,
-                         field next, uint32_t first, uint32_t last);
+  void (*viscous_stress)(const pair_pass *p, const viscous_pass *s, uint32_t first, uint32_t last);
   /* `neighbors` null: the sentinel counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);

@@ -349,16 +349,37 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
   }
 }
 
-static void viscous_stress(const pair_pass *p, const pbf_viscosity_weights *weights, field v,
-                           field next, uint32_t first, uint32_t last) {
-  typedef viscous_stress_pass<int> pass_type;
+static __attribute__((noinline)) int add_no_slip_at(const pair_pass *p, const viscous_pass *s,
+                                                    uint32_t i, pbf_vec v,
+                                                    pbf_viscous_system *system) {
+  return add_no_slip(p->constants, *s->obstacles, *s->no_slip, field_at(&p->x, i), v, system);
+}
+
+/* Whether some of a group may stick to solids; of colliders nothing is known. */
+static __attribute__((noinline)) int group_may_stick(const pair_pass *p, const viscous_pass *s,
+                                                     uint32_t g) {
+  if (!s->obstacles || pbf_surface_count(*s->obstacles)) return s->obstacles != NULL;
+  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
+  _Alignas(64) pbf_real distances[WIDTH];
+  return domain_distances(s->obstacles, &xs, distances) < p->constants->h;
+}
+
+static void viscous_stress(const pair_pass *p, const viscous_pass *s, uint32_t first,
+                           uint32_t last) {
   const pbf_constants c = *p->constants;
-  const pass_type pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  const viscous_stress_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_sums<pass_type::sums> sums(
-        sums_of_group(pass, p, {NULL, &v}, {load_vector(v, g * WIDTH)}, g));
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&next, i, pass.finish(sums[l], *weights, field_at(&v, i), field_at(&next, i)));
+    const lane_sums<viscous_stress_pass::sums> sums(
+        sums_of_group(pass, p, {NULL, &s->v}, {load_vector(s->v, g * WIDTH)}, g));
+    const int may_stick = group_may_stick(p, s, g);
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
+      const pbf_vec v = field_at(&s->v, i);
+      if (s->weights.first) field_set(&s->start, i, v);
+      pbf_viscous_system system = pass.system(sums[l], v, field_at(&s->start, i));
+      const int with_solids = may_stick && add_no_slip_at(p, s, i, v, &system);
+      field_set(&s->next, i,
+                pass.finish(system, with_solids, s->weights, v, field_at(&s->next, i)));
+    }
   }
 }
 

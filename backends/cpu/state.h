@@ -72,6 +72,8 @@ struct buffers {
   PBF_IN pbf_real *wakes() const { return scratch[0].c[0]; }
   PBF_IN const field &smoothed_velocity() const { return scratch[1]; }
   PBF_IN void accept_smoothed_velocity() { exchange(&v, &scratch[1]); }
+  PBF_IN const field &velocity_before_viscosity() const { return sorted_velocity; }
+  PBF_IN const field &x_before_velocity() const { return scratch[0]; }
 
   /* Between steps. */
   PBF_IN const field &sorted_x() const { return sorted_predicted; }

@@ -391,19 +391,47 @@ struct executor {
     });
   }
 
+  /* Where particles have come from is in the points that the solve has left behind. */
+  void launch_viscous_stress(uint32_t k) {
+    if (k == 0)
+      launch(viscous_start_kernel, n.particles.points, s->count, (pbf_real)s->params.time_step,
+             s->velocities, s->other, s->velocity_before_viscosity);
+    neighborhood from = n;
+    from.particles.points = s->other;
+    const pbf_viscosity_weights weights = pbf_viscosity_weights_of(&n.constants, k);
+    const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+    with_surfaces(s, [&](auto surfaces) {
+      launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
+                                 : viscous_stress_kernel<false, FEW_SURFACES>,
+             from, weights, extras.obstacles, no_slip, s->velocity_before_viscosity, s->velocities,
+             s->smoothed);
+    });
+  }
+
   /* The smoothed velocities become the velocities by an exchange of the arrays. */
   void viscosity(uint32_t k) {
     run(PBF_STAGE_VISCOSITY, [&] {
-      with_kernel(s->schedule.features, [&](auto features) {
-        constexpr int F = decltype(features)::value;
-        if (s->schedule.accelerated)
-          launch(viscous_stress_kernel<F>, n, pbf_viscosity_weights_of(&n.constants, k),
-                 s->velocities, s->smoothed);
-        else
-          launch(viscosity_kernel<F>, n, s->velocities, s->smoothed);
-      });
+      if (s->schedule.accelerated)
+        launch_viscous_stress(k);
+      else
+        with_kernel(s->schedule.features, [&](auto features) {
+          launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
+        });
       swap_arrays(&s->velocities, &s->smoothed);
     });
+  }
+
+  void move_by_viscosity() {
+    if (status != PBF_OK) return;
+    const surfaces_met met = surfaces_of(s);
+    auto kernel = met == FIELD_SURFACES  ? viscous_move_kernel<FIELD_SURFACES>
+                  : met == MANY_SURFACES ? viscous_move_kernel<MANY_SURFACES>
+                  : met == FEW_SURFACES  ? viscous_move_kernel<FEW_SURFACES>
+                                         : viscous_move_kernel<NO_SURFACES>;
+    launch(kernel, n.particles.points, s->count, s->activity, extras.obstacles,
+           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), s->other,
+           s->velocities);
+    status = pbf_cuda_check_launch(pbf_stage_name(PBF_STAGE_VISCOSITY));
   }
 
   /* … what particles lack of neighbours … */

@@ -470,16 +470,56 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = v;
 }
 
-/* `next` holds the velocities after the last stage but one, and then those after this one. */
-template <int FEATURES>
+/* Where particles have come from with their velocities, at which viscosity looks at them, and these
+ * velocities. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_stress_kernel(neighborhood n, pbf_viscosity_weights weights, const pbf_vec *velocities,
+    viscous_start_kernel(const point *points, uint32_t count, pbf_real time_step,
+                         const pbf_vec *velocities, point *from, pbf_vec *before) {
+  const uint32_t i = thread_index();
+  if (i >= count) return;
+  const pbf_vec v = velocities[i];
+  store(from, i, point_at(pbf_add_scaled(position_of(load(points, i)), -time_step, v)));
+  before[i] = v;
+}
+
+/* `next` holds the velocities after the last stage but one, and then those after this one; `before`
+ * those before the first stage. What fluid that sticks to solids needs is in an instance of its
+ * own.
+ */
+template <bool NO_SLIP, surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    viscous_stress_kernel(neighborhood n, pbf_viscosity_weights weights, step_obstacles obstacles,
+                          pbf_no_slip no_slip, const pbf_vec *before, const pbf_vec *velocities,
                           pbf_vec *next) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
-  const viscous_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const viscous_stress_pass pass = {&n.constants};
   const pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
   const auto sums = sums_around(pass, n, i, x, {lanes_of(v)}, velocities);
-  if (i < n.particles.count) next[i] = pass.finish(sums, weights, v, next[i]);
+  if (i >= n.particles.count) return;
+  pbf_viscous_system system = pass.system(sums, v, before[i]);
+  int with_solids = 0;
+  if (NO_SLIP)
+    with_solids =
+        add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, x, v, &system);
+  next[i] = pass.finish(system, with_solids, weights, v, next[i]);
+}
+
+/* By the velocities that viscosity has left. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    viscous_move_kernel(point *points, uint32_t count, const pbf_real *activity,
+                        step_obstacles obstacles, pbf_real time_step, pbf_real inv_time_step,
+                        const point *from, pbf_vec *velocities) {
+  const uint32_t i = thread_index();
+  if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  point here = load(points, i);
+  const pbf_vec v = velocities[i];
+  const pbf_vec to = pbf_add_scaled(position_of(load(from, i)), time_step, v);
+  const pbf_vec x = resolve_collisions<SURFACES>(obstacles, 0, position_of(here), to);
+  velocities[i] = pbf_velocity(inv_time_step, v, to, x);
+  point after = point_at(x);
+  after.lambda = here.lambda;
+  store(points, i, after);
 }
 
 /* rho/rho0, but for what surfaces contribute, and the number of neighbours nearer than h. */

@@ -27,9 +27,14 @@ typedef struct pbf_constants {
   pbf_real scorr_k, scorr_inv_w;
   pbf_real confinement;          /* dt times the strength of eq. 16, see pbf_max_confinement */
   pbf_real viscosity;            /* eq. 17, or … */
-  pbf_real viscosity_step;       /* … on sums of passes/viscous_stress.h, of the first stage, */
-  pbf_real viscosity_max_spread; /* and up to which spread all of it acts */
-  pbf_real flow_time;            /* damping_compensation.h: dt times the part that is undone, */
+  pbf_real viscosity_step;       /* … on sums of passes/viscous_stress.h, */
+  pbf_real viscosity_falloff;    /* how steep its weights are, */
+  pbf_real viscosity_min_spread, /* for what sum of w x_k² it is iterated at least, and 1 over … */
+      viscosity_inv_max_spread;      /* … that at most */
+  pbf_viscosity_plan viscosity_plan; /* and its stages */
+  pbf_real viscosity_wall_nearest;   /* no particle counts as nearer to a plane, in h */
+  pbf_real viscosity_wall[PBF_VISCOUS_WALL_NODES];
+  pbf_real flow_time; /* damping_compensation.h: dt times the part that is undone, */
   pbf_real
       max_mean_flow2;   /* … and beyond which way of the flow in a step, squared, less of it is */
   pbf_real torque_part; /* angular_momentum.h: half of what is given back of a torque, over dt */
@@ -243,25 +248,45 @@ static inline void pbf_set_iteration(pbf_constants *c, uint32_t k) {
 
 /* Of viscosity as a stress. */
 static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params,
-                                     const pbf_viscosity_lattice *l) {
-  c->viscosity_step = c->viscosity_max_spread = 0;
+                                     const pbf_derived *d) {
+  const pbf_viscosity_lattice *l = &d->viscosity;
+  c->viscosity_step = c->viscosity_falloff = 0;
+  c->viscosity_min_spread = c->viscosity_inv_max_spread = 0;
+  c->viscosity_wall_nearest = 0;
+  for (int k = 0; k < PBF_VISCOUS_WALL_NODES; ++k) c->viscosity_wall[k] = 0;
+  c->viscosity_plan = (pbf_viscosity_plan){0, 1, 1};
   if (!(params->viscosity > 0) || params->solver != PBF_SOLVER_CHEBYSHEV) return;
-  const double stages = pbf_viscosity_stages(params, l, PBF_DIM);
-  const double acts = pbf_viscosity_acting(params, l, PBF_DIM) * params->time_step;
-  c->viscosity_step = (pbf_real)(acts * l->to_laplacian * 2 / (stages * (stages + 1)));
-  c->viscosity_max_spread = (pbf_real)(2 * l->spread);
+  const double step =
+      pbf_viscosity_acting(params, l, PBF_DIM) * params->time_step * l->to_laplacian;
+  c->viscosity_plan = pbf_viscosity_plan_of(params, l, PBF_DIM);
+  c->viscosity_step = (pbf_real)step;
+  c->viscosity_falloff = (pbf_real)l->falloff;
+  c->viscosity_min_spread = (pbf_real)(PBF_VISCOSITY_UNEVEN * l->spread / PBF_DIM);
+  c->viscosity_inv_max_spread = (pbf_real)(PBF_DIM / (PBF_VISCOSITY_CROWD * l->spread));
+  c->viscosity_wall_nearest = (pbf_real)(0.25 * d->spacing / d->h);
+  for (int k = 0; k < PBF_VISCOUS_WALL_NODES; ++k)
+    c->viscosity_wall[k] = (pbf_real)(step * l->wall[k]);
 }
 
-/* The weights of a stage: of the velocity after the last one, of that after the one before, and of
- * what it exchanges. */
+/* The weights of a stage: of what its blocks make of the residual, and of the change by the last
+ * stage. */
 typedef struct pbf_viscosity_weights {
-  pbf_real last, before, change;
+  int first; /* the velocity that it finds is what the step starts from */
+  pbf_real residual, before;
 } pbf_viscosity_weights;
 
-/* Of stage k = 0, 1, … */
-PBF_FN pbf_viscosity_weights pbf_viscosity_weights_of(const pbf_constants *c, uint32_t k) {
-  const pbf_real j = (pbf_real)(k + 1), last = (2 * j - 1) / j;
-  return (pbf_viscosity_weights){last, (1 - j) / j, last * c->viscosity_step};
+/* Of stage k = 0, 1, … (Saad, Iterative methods for sparse linear systems, 2003, algorithm 12.1).
+ */
+static inline pbf_viscosity_weights pbf_viscosity_weights_of(const pbf_constants *c, uint32_t k) {
+  const pbf_viscosity_plan *p = &c->viscosity_plan;
+  double before = 1 / p->ratio, now = before;
+  if (k == 0) return (pbf_viscosity_weights){1, (pbf_real)(1 / p->center), 0};
+  for (uint32_t stage = 1; stage <= k; ++stage) {
+    before = now;
+    now = 1 / (2 * p->ratio - before);
+  }
+  return (pbf_viscosity_weights){0, (pbf_real)(2 * now * p->ratio / p->center),
+                                 (pbf_real)(now * before)};
 }
 
 /* What a wall pushes with. */
@@ -333,7 +358,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.confinement =
       (pbf_real)fmin(params->time_step * params->vorticity, pbf_max_confinement(params));
   c.viscosity = (pbf_real)fmin(params->viscosity, 1);
-  pbf_set_viscosity(&c, params, &d.viscosity);
+  pbf_set_viscosity(&c, params, &d);
   c.flow_time = (pbf_real)(params->damping_compensation * params->time_step);
   c.max_mean_flow2 = (pbf_real)(0.01 * d.h * d.h);
   c.torque_part = (pbf_real)(params->time_step > 0

@@ -3,11 +3,7 @@
  * Coulomb's: what a solid pushes a particle with along its normal in the step (loads.h) lets it
  * take as much of the velocity along itself as that times a coefficient: all of it up to the static
  * one, and else as much as the kinetic one gives. So it holds in any step, and a particle on a
- * slope rests or slides as a body does.
- *
- * No slip: the fluid at a solid goes with it. A particle y before it is slowed as by the shear of a
- * fluid of its viscosity over y, its layer being a spacing thick: dv/dt = -nu v / (y d), implicit,
- * so that any step is stable. */
+ * slope rests or slides as a body does. */
 #ifndef PBF_PHYSICS_FRICTION_H
 #define PBF_PHYSICS_FRICTION_H
 
@@ -15,17 +11,16 @@
 
 /* Of a solid. Surfaces have none of it: steps without friction copy them. */
 typedef struct pbf_friction {
-  pbf_real kinetic, at_rest, no_slip;
+  pbf_real kinetic, at_rest;
 } pbf_friction;
 
 typedef struct pbf_friction_scales {
   pbf_load_scales loads;
   pbf_friction of[PBF_MAX_SOLIDS];
-  double spread; /* viscosity times the time step */
 } pbf_friction_scales;
 
-PBF_FN pbf_friction pbf_friction_of(double kinetic, double at_rest, double no_slip) {
-  const pbf_friction f = {(pbf_real)kinetic, (pbf_real)fmax(at_rest, kinetic), (pbf_real)no_slip};
+PBF_FN pbf_friction pbf_friction_of(double kinetic, double at_rest) {
+  const pbf_friction f = {(pbf_real)kinetic, (pbf_real)fmax(at_rest, kinetic)};
   return f;
 }
 
@@ -38,12 +33,9 @@ static inline pbf_friction_scales pbf_friction_scales_of(const pbf_constants *c,
   pbf_friction_scales s = {0};
   s.loads = pbf_load_scales_of(c, forces, params);
   for (int k = 0; k < PBF_WALLS; ++k)
-    s.of[k] =
-        pbf_friction_of(params->wall_friction, params->wall_static_friction, params->wall_no_slip);
+    s.of[k] = pbf_friction_of(params->wall_friction, params->wall_static_friction);
   for (uint32_t k = 0; k < colliders; ++k)
-    s.of[PBF_WALLS + k] =
-        pbf_friction_of(list[k].friction, list[k].static_friction, list[k].no_slip);
-  s.spread = c->accelerated ? params->viscosity * params->time_step : 0;
+    s.of[PBF_WALLS + k] = pbf_friction_of(list[k].friction, list[k].static_friction);
   return s;
 }
 
@@ -67,13 +59,6 @@ PBF_FN double friction_part(const pbf_friction &f, double push, double speed) {
   return speed <= (double)f.at_rest * push ? 1 : fmin(1.0, (double)f.kinetic * push / speed);
 }
 
-/* The part that no slip takes. */
-PBF_FN double no_slip_part(const pbf_friction &f, const pbf_friction_scales &s, pbf_real distance) {
-  const double d = s.loads.spacing, y = fmax((double)distance, d / 4);
-  const double way = (double)distance < d ? (double)f.no_slip * s.spread / (y * d) : 0;
-  return way / (1 + way);
-}
-
 /* What friction changes a particle's velocity by. Calls take(plane, share) for what each plane
  * does.
  */
@@ -89,7 +74,7 @@ PBF_FN pbf_vec friction_change(const pbf_constants *c, const pbf_friction_scales
                const bool is_wall = p.solid < PBF_WALLS;
                const pbf_friction &f = s.of[p.solid];
                double own[PBF_DIM] = {0}, along[PBF_DIM], across = 0, push = 0, speed2 = 0;
-               if (!(f.at_rest > 0 || f.no_slip > 0)) return;
+               if (!(f.at_rest > 0)) return;
                if (!is_wall)
                  surface_velocity(&o.surfaces[p.solid - PBF_WALLS], s.loads.time_step, of.x, own);
                for (int k = 0; k < PBF_DIM; ++k) {
@@ -100,8 +85,7 @@ PBF_FN pbf_vec friction_change(const pbf_constants *c, const pbf_friction_scales
                  along[k] = v[k] - own[k] - across * (double)p.normal.c[k];
                  speed2 += along[k] * along[k];
                }
-               const double stick = friction_part(f, push, sqrt(speed2));
-               const double part = stick + (1 - stick) * no_slip_part(f, s, p.distance);
+               const double part = friction_part(f, push, sqrt(speed2));
                load_share share = {{0}, {0}};
                for (int k = 0; k < PBF_DIM; ++k) {
                  share.change[k] = -part * along[k];

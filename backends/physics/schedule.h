@@ -26,6 +26,7 @@ typedef struct pbf_schedule {
   int wall_density;       /* walls and colliders contribute density */
   int corrects_shear;     /* shear_stress.h, now, … */
   int may_correct_shear;  /* … or with more particles */
+  int no_slip;            /* fluid sticks to walls or colliders: no_slip.h */
   int checks_convergence; /* the solve ends when its density error is small enough */
   int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
@@ -33,10 +34,9 @@ typedef struct pbf_schedule {
 
 static inline uint32_t pbf_has_friction(const pbf_params *params, uint32_t colliders,
                                         const pbf_collider *list) {
-  uint32_t has =
-      params->wall_friction > 0 || params->wall_static_friction > 0 || params->wall_no_slip > 0;
+  uint32_t has = params->wall_friction > 0 || params->wall_static_friction > 0;
   for (uint32_t k = 0; k < colliders; ++k)
-    has |= list[k].friction > 0 || list[k].static_friction > 0 || list[k].no_slip > 0;
+    has |= list[k].friction > 0 || list[k].static_friction > 0;
   return has && params->time_step > 0;
 }
 
@@ -56,6 +56,9 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
+  s.no_slip = params->viscosity > 0 && params->wall_no_slip > 0;
+  for (uint32_t k = 0; k < colliders; ++k)
+    s.no_slip |= params->viscosity > 0 && list[k].no_slip > 0;
   s.checks_convergence = params->tolerance > 0;
   s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;

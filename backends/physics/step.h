@@ -112,6 +112,10 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.exchange(FIELD_VELOCITY);
     e.viscosity(k);
   }
+  if (runs<PBF_STAGE_VISCOSITY>(has) && has.accelerated) {
+    e.move_by_viscosity();
+    e.exchange(FIELD_POSITION);
+  }
   if (runs<PBF_STAGE_SURFACE_TENSION>(has)) {
     e.missing_neighbors();
     e.exchange(FIELD_MISSING);

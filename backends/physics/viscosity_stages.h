@@ -1,9 +1,16 @@
 /* How many stages viscosity takes in a step, and their weights. Host only, float64.
  *
- * v' = nu laplace(v) is integrated over a step by the Runge-Kutta-Legendre method of first order
- * (Meyer, Balsara and Aslam, A stabilized Runge-Kutta-Legendre method for explicit super-time-
- * stepping of parabolic and mixed equations, 2014): s stages are stable up to (s² + s) / 2 times
- * the step that one is. */
+ * v' = nu laplace(v) is integrated over a step by the implicit Euler method, as in Weiler,
+ * Koschier, Brand and Bender, A physically consistent implicit viscosity solver for SPH fluids
+ * (2018): so flows that are steady are right at any step, and none is unstable. The system (1 + K)
+ * v = v*, K of passes/viscous_stress.h, is solved by the Chebyshev semi-iteration (Golub and Varga
+ * 1961), with bounds D of the blocks of particles as a preconditioner. It needs no sums over all
+ * particles, and so has the same bits on any number of threads.
+ *
+ * K is a sum over pairs, hence 1 <= 1 + K <= 2 D - 1, and the eigenvalues of D⁻¹ (1 + K) lie
+ * between 1 / (1 + k) and 2 - 1 / (1 + k), k the largest D - 1. The interval that is iterated for
+ * is such that the first root of the polynomial is at 1 / (1 + k) of the rest lattice: of waves
+ * that are long no error is left. */
 #ifndef PBF_PHYSICS_VISCOSITY_STAGES_H
 #define PBF_PHYSICS_VISCOSITY_STAGES_H
 
@@ -11,34 +18,82 @@
 
 #include "physics/derive.h"
 
-/* More make the step longer than all else in it; a viscosity that asks for more acts as far as
- * these are stable. */
-#define PBF_VISCOSITY_MAX_STAGES 15
+/* Of what a step is to change a velocity by, so much is left at most. */
+#define PBF_VISCOSITY_TOLERANCE 0.02
 
-/* dt times the largest eigenvalue of the laplacian, twice as much as on the rest lattice: there are
- * crowds. */
+/* Block beyond which more viscosity does not act: 106 stages. */
+#define PBF_VISCOSITY_MAX_STIFFNESS 750.0
+
+/* Times the rest lattice's block: what D is at least, which is as uneven as fluids are, … */
+#define PBF_VISCOSITY_UNEVEN 1.25
+
+/* … and what is iterated for at most; in denser crowds D is larger than the block. */
+#define PBF_VISCOSITY_CROWD 4.0
+
+/* Of a viscosity of 1: the block of the rest lattice. */
 static inline double pbf_viscosity_stiffness(const pbf_params *params,
                                              const pbf_viscosity_lattice *l, uint32_t dimension) {
-  return 4 * params->time_step * l->to_laplacian * l->spread / dimension;
+  return params->time_step * l->to_laplacian * l->spread / dimension;
 }
 
 /* The viscosity that acts. */
 static inline double pbf_viscosity_acting(const pbf_params *params,
                                           const pbf_viscosity_lattice *lattice,
                                           uint32_t dimension) {
-  const double most = PBF_VISCOSITY_MAX_STAGES * (PBF_VISCOSITY_MAX_STAGES + 1);
   const double stiffness = pbf_viscosity_stiffness(params, lattice, dimension);
-  return stiffness > 0 ? fmin(params->viscosity, most / stiffness) : params->viscosity;
+  return stiffness > 0 ? fmin(params->viscosity, PBF_VISCOSITY_MAX_STIFFNESS / stiffness)
+                       : params->viscosity;
 }
 
-/* Odd: an even number does not damp the shortest waves. */
+/* The interval of eigenvalues that so many stages are for, by its center, and the ratio of that to
+ * its half width. */
+typedef struct pbf_viscosity_plan {
+  uint32_t stages;
+  double center, ratio;
+} pbf_viscosity_plan;
+
+/* Chebyshev's polynomial. */
+static inline double pbf_chebyshev(uint32_t degree, double x) {
+  double before = 1, value = x;
+  for (uint32_t k = 1; k < degree; ++k) {
+    const double next = 2 * x * value - before;
+    before = value;
+    value = next;
+  }
+  return value;
+}
+
+/* By so many stages; 0: they are too few for `lowest` and `highest`. */
+static inline int pbf_viscosity_plan_with(uint32_t stages, double lowest, double highest,
+                                          pbf_viscosity_plan *plan) {
+  *plan = (pbf_viscosity_plan){stages, lowest, 1};
+  if (stages == 1) return highest / lowest - 1 <= PBF_VISCOSITY_TOLERANCE;
+  const double root = pbf_cos(0.5 * 3.14159265358979323846 / stages);
+  const double from = (2 * lowest - highest * (1 - root)) / (1 + root);
+  if (!(from > 0)) return 0;
+  plan->center = 0.5 * (highest + from);
+  plan->ratio = (highest + from) / (highest - from);
+  return pbf_chebyshev(stages, plan->ratio) * PBF_VISCOSITY_TOLERANCE >= 1;
+}
+
+static inline pbf_viscosity_plan pbf_viscosity_plan_of(const pbf_params *params,
+                                                       const pbf_viscosity_lattice *lattice,
+                                                       uint32_t dimension) {
+  const double k = pbf_viscosity_acting(params, lattice, dimension) *
+                   pbf_viscosity_stiffness(params, lattice, dimension);
+  const double lowest = 1 / (1 + PBF_VISCOSITY_UNEVEN * k);
+  const double highest = 2 - 1 / (1 + PBF_VISCOSITY_CROWD * k);
+  pbf_viscosity_plan plan;
+  uint32_t stages = (uint32_t)(0.7 * sqrt(highest / lowest));
+  if (stages < 1) stages = 1;
+  while (!pbf_viscosity_plan_with(stages, lowest, highest, &plan)) ++stages;
+  return plan;
+}
+
 static inline uint32_t pbf_viscosity_stages(const pbf_params *params,
                                             const pbf_viscosity_lattice *lattice,
                                             uint32_t dimension) {
-  const double stiffness = params->viscosity * pbf_viscosity_stiffness(params, lattice, dimension);
-  uint32_t stages = 1;
-  while (stages < PBF_VISCOSITY_MAX_STAGES && stages * (stages + 1) < stiffness) stages += 2;
-  return stages;
+  return pbf_viscosity_plan_of(params, lattice, dimension).stages;
 }
 
 #endif

@@ -347,15 +347,28 @@ static inline void apply_xsph(solver *s) {
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
+/* Where particles have come from with their velocities, at which viscosity looks at them: in place
+ * of the old state; and these velocities in place of the prediction, which is not asked for any
+ * more. */
+static inline void begin_viscosity(solver *s) {
+  memcpy(s->predicted, s->v, s->count * sizeof *s->v);
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->x[i] = pbf_add_scaled(s->moved[i], -(pbf_real)s->params.time_step, s->v[i]);
+}
+
 /* Stage k: s->change has the velocities after stage k - 2, and then those after k. */
-static inline void apply_viscous_stress(solver *s, uint32_t k) {
+static inline void apply_viscous_stress(solver *s, const pbf_obstacles *o, uint32_t k) {
   const pbf_constants *c = &s->constants;
-  const viscous_stress_pass<int> pass = {c, s->schedule.features};
+  const viscous_stress_pass pass = {c};
   const pbf_viscosity_weights weights = pbf_viscosity_weights_of(c, k);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  if (k == 0) begin_viscosity(s);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_vec v = s->v[i];
-    const auto sums = sums_around(s, pass, s->moved, {NULL, s->v}, {lanes_of(v)}, i);
-    s->change[i] = asleep(s, i) ? v : pass.finish(sums, weights, v, s->change[i]);
+    const auto sums = sums_around(s, pass, s->x, {NULL, s->v}, {lanes_of(v)}, i);
+    pbf_viscous_system system = pass.system(sums, v, s->predicted[i]);
+    const int with_solids = s->schedule.no_slip && add_no_slip(c, *o, no_slip, s->x[i], v, &system);
+    s->change[i] = asleep(s, i) ? v : pass.finish(system, with_solids, weights, v, s->change[i]);
   }
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_vec v = s->v[i];
@@ -364,11 +377,21 @@ static inline void apply_viscous_stress(solver *s, uint32_t k) {
   }
 }
 
-static inline void apply_viscosity(solver *s, uint32_t k) {
+static inline void apply_viscosity(solver *s, const pbf_obstacles *o, uint32_t k) {
   if (s->schedule.accelerated)
-    apply_viscous_stress(s, k);
+    apply_viscous_stress(s, o, k);
   else
     apply_xsph(s);
+}
+
+/* By the velocities that viscosity has left. */
+static inline void move_by_viscosity(solver *s, const pbf_obstacles *o) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    const pbf_vec from = s->moved[i];
+    s->moved[i] = pbf_add_scaled(s->x[i], (pbf_real)s->params.time_step, s->v[i]);
+    collide_one(s, o, from, i);
+  }
 }
 
 /* Once the solve is over, what it added is not asked for any more. */
@@ -460,7 +483,8 @@ struct executor {
   void loads() { find_loads(s, pbf_forces_of(&s->params, began), &obstacles); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
-  void viscosity(uint32_t k) { apply_viscosity(s, k); }
+  void viscosity(uint32_t k) { apply_viscosity(s, &obstacles, k); }
+  void move_by_viscosity() { ::move_by_viscosity(s, &obstacles); }
   void missing_neighbors() { find_missing_neighbors(s, &obstacles); }
   void surface_tension() { apply_surface_tension(s); }
   void drag() { apply_drag(s); }

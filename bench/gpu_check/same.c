@@ -49,6 +49,7 @@ int same_all(void) {
       add_colliders(&s);
       failures += !same_bits("small", &s, precision, 60);
       s.params.solver = PBF_SOLVER_CHEBYSHEV;
+      s.params.wall_no_slip = 1;
       s.params.damping_compensation = s.params.angular_momentum_correction = s.params.wall_density =
           1;
       s.params.shear_stress_correction = 0.7;

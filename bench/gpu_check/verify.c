@@ -231,6 +231,16 @@ static void verify_shear_stress(kind *k) {
   verify(k, "shear-stress-mirrors", &s, 10);
 }
 
+static void verify_viscosity(kind *k) {
+  scene s = accelerated_scene(k->dim, 0);
+  s.params.viscosity = 0.02;
+  verify(k, "viscous", &s, 10);
+  add_colliders(&s);
+  s.params.wall_no_slip = 1;
+  for (uint32_t c = 0; c < s.collider_count; ++c) s.colliders[c].no_slip = 1;
+  verify(k, "viscous-no-slip", &s, 10);
+}
+
 /* In a box that is full at first and then too small: its lid comes down. */
 static void verify_overfull(kind *k) {
   static const char *const names[3] = {"overfull", "overfull-short-steps", "overfull-deep"};
@@ -329,6 +339,7 @@ int verify_all(const char *name) {
     for (k.precision = PBF_FLOAT32; k.precision <= PBF_FLOAT64; k.precision += 4) {
       verify_kernels(&k);
       verify_obstacles(&k);
+      verify_viscosity(&k);
       verify_containers(&k);
       verify_overflow(&k);
       verify_iterations(&k);

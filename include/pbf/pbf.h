@@ -269,14 +269,16 @@ typedef struct pbf_params {
   double vorticity; /* vorticity confinement, eq. 16, a speed, at most 1e6 h / time_step; 0: none.
                        With CHEBYSHEV no more of it acts than 0.01 h / time_step, beyond which
                        eddies feed themselves */
-  double viscosity; /* kinematic, a length² a time unit: water 1e-6 m²/s, honey 0.005. Acts on shear
-                       alone, conserves momentum and angular momentum, and does not depend on the
-                       time step; right to a third at h = 2 spacings, a tenth at 3. Takes a pass
-                       over pairs a step and more, up to 15, the thicker the fluid, the longer the
-                       step and the shorter h are; what they are not enough for (some 2 h² /
-                       time_step) does not act. With PBF_SOLVER_JACOBI XSPH, eq. 17, without a unit,
-                       of which 1 is the maximum that acts, and in crowds what makes a velocity the
-                       mean of those around it. 0: none */
+  double viscosity; /* kinematic, a length² a time unit: water 1e-6 m²/s, honey 0.005.
+                       dv/dt = viscosity laplace v, by the implicit Euler method (Weiler, Koschier,
+                       Brand & Bender 2018): acts on shear alone, conserves momentum and angular
+                       momentum, and flows that are steady are right at any time step. Fluid goes
+                       at once by what it changes. Takes a pass over pairs a step and more, up to
+                       106, the thicker the fluid, the longer the step and the shorter h are; what
+                       they are not enough for (some 25 h² / time_step) does not act. With
+                       PBF_SOLVER_JACOBI XSPH, eq. 17, without a unit, of which 1 is the maximum
+                       that acts, and in crowds what makes a velocity the mean of those around it.
+                       0: none */
 
   /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
    * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit.
@@ -384,9 +386,11 @@ typedef struct pbf_params {
                            pushes a particle with acts along it against its motion. 0, the default:
                            fluid slides on walls freely */
   double wall_static_friction; /* what is at rest on a wall, >= 0; below wall_friction that */
-  double wall_no_slip;         /* 0 … 1: how much of the shear of a fluid of this viscosity, with
-                                  PBF_SOLVER_CHEBYSHEV, acts between a wall and the fluid at it, which then
-                                  goes with the wall. 0, the default: none */
+  double wall_no_slip;    /* 0 … 1, with PBF_SOLVER_CHEBYSHEV and a viscosity: how much of the
+                             shear between a wall and the fluid at it acts, as if fluid went on
+                             behind the wall with velocities that go through the wall's own at
+                             its plane (Morris, Fox & Zhu 1997). 0, the default: fluid slides
+                             freely; 1: it sticks. Not part of loads, as all of viscosity */
   double surface_tension; /* over rest density, a length³ a time unit²: water 7.3e-5 m³/s². Needs
                        PBF_SOLVER_CHEBYSHEV. Particles that lack neighbours are pulled to those that
                        they have, which keeps momentum and angular momentum to rounding (the latter
@@ -561,7 +565,7 @@ PBF_API pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
  * in host memory that is taken now, a position for each particle of capacity. That costs a reading
  * of the positions each pbf_step, and no bit. 0: gives the memory back. They can't be had from
  * velocities, which say less and more than where a particle came from: collisions, what overlaps
- * and artificial pressure move without, vorticity, viscosity and drag act on velocities alone.
+ * and artificial pressure move without, vorticity, XSPH and drag act on velocities alone.
  * A particle that is added, or whose position is set, has been where it is; so have all after a
  * load, or a step that fails or is cancelled. */
 PBF_API pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);

@@ -144,8 +144,9 @@ class ParamFields(Holder):
         "The same for what is at rest on a wall; below `wall_friction` that. Range: ≥ 0. Default: "
         "`0`.")
     wall_no_slip = Number(
-        "How much of the fluid's shear, by its `viscosity`, acts between walls and the fluid at "
-        "them. Range: 0 … 1. Default: `0`.")
+        "How much of the fluid's shear, by its `viscosity`, acts between the domain's walls and "
+        "the fluid at them, with PBF_SOLVER_CHEBYSHEV: from 0, where it slides freely, to 1, "
+        "where it sticks. Range: 0 … 1. Default: `0`.")
     surface_tension = Number(
         "Surface tension over rest density; in 3D at most 0.02, in 2D 0.05 spacing³ / time_step² "
         "of it act; 0: none. Unit: length³/time². Range: ≥ 0; 0 unless `PBF_SOLVER_CHEBYSHEV`. "

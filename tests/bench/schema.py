@@ -18,7 +18,7 @@ validator = jsonschema.Draft7Validator(schema)
 
 scenes = [path for path in sorted(folder.rglob("*.json")) if path.name != "scene.schema.json"]
 wanted = """report-30k dam-break-3d dam-break-2d shallow-dam-break cube-collapse double-dam-break
-drop-into-pool still-tank moving-paddle zero-gravity-drop""".split()
+drop-into-pool still-tank moving-paddle zero-gravity-drop honey-coil""".split()
 missing = set(wanted) - {path.stem for path in scenes}
 assert not missing, f"scenes are missing: {missing}"
 for path in scenes:

@@ -64,6 +64,7 @@ struct watcher {
   void surface_tension() {
     stage_of("surface_tension", FIELD_POSITION | FIELD_MISSING, FIELD_VELOCITY);
   }
+  void move_by_viscosity() { stage_of("move_by_viscosity", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);
@@ -77,6 +78,7 @@ static void no_stage_reads_what_is_stale(void **state) {
   (void)state;
   for (uint32_t set = 0; set < 1u << PBF_STAGE_COUNT; ++set) {
     pbf_schedule has = {};
+    has.accelerated = 1;
     watcher seen = {};
     for (int k = 0; k < PBF_STAGE_COUNT; ++k) has.runs[k] = set >> k & 1 ? 2 : 0;
     run_step(seen, has);

@@ -146,6 +146,10 @@ static void run_kernels(uint32_t dimension, uint32_t precision, const char *back
     add_moving_box(&s);
     s.params.vorticity = 0.002;
     s.params.viscosity = 0.05;
+    if (kind > 0) { /* fluid sticks */
+      s.params.wall_no_slip = 0.5;
+      s.colliders[0].no_slip = 1;
+    }
     s.params.wall_amplitude[PBF_WALL_X_MAX] = 0.05;
     s.params.wall_frequency[PBF_WALL_X_MAX] = 9;
     run_scene(&s, backend);

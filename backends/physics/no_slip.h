@@ -1,0 +1,141 @@
+/* Fluid that sticks to solids: what viscosity does between a particle and a solid near it.
+ *
+ * Behind the plane of the solid there is as much fluid as before it, with the velocities that go on
+ * linearly from the particle's through the solid's own at the plane (Morris, Fox and Zhu 1997,
+ * Modeling low Reynolds number incompressible flows using SPH, section 3.3). What pairs with it
+ * exchange is the integral of passes/viscous_stress.h over the half-space, of the velocity along
+ * the plane alone: -m (v - v_solid), m a function of the distance. Across the plane nothing is
+ * done: there a solid takes what it takes by pressure and collisions. */
+#ifndef PBF_PHYSICS_NO_SLIP_H
+#define PBF_PHYSICS_NO_SLIP_H
+
+#include "physics/boundary.h"
+#include "physics/project.h"
+
+enum { PBF_SYMMETRIC_DIM = PBF_DIM * (PBF_DIM + 1) / 2 };
+
+/* Of a symmetric matrix, l <= k. */
+PBF_FN int pbf_symmetric_entry(int k, int l) { return k * (k + 1) / 2 + l; }
+
+/* Of the implicit step at a particle: what is left of it, and what a change of the particle's own
+ * velocity makes of that. */
+typedef struct pbf_viscous_system {
+  pbf_vec residual;
+  pbf_real block[PBF_SYMMETRIC_DIM];
+} pbf_viscous_system;
+
+/* block⁻¹ residual, by Cholesky's decomposition: blocks are 1 and more. */
+PBF_FN pbf_vec pbf_viscous_step(const pbf_viscous_system &s) {
+  pbf_real lower[PBF_SYMMETRIC_DIM];
+  pbf_vec x = s.residual;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (int l = 0; l <= k; ++l) {
+      pbf_real value = s.block[pbf_symmetric_entry(k, l)];
+      for (int m = 0; m < l; ++m)
+        value -= lower[pbf_symmetric_entry(k, m)] * lower[pbf_symmetric_entry(l, m)];
+      lower[pbf_symmetric_entry(k, l)] =
+          k == l ? 1 / pbf_real_sqrt(value) : value * lower[pbf_symmetric_entry(l, l)];
+    }
+  for (int k = 0; k < PBF_DIM; ++k) {
+    for (int l = 0; l < k; ++l) x.c[k] -= lower[pbf_symmetric_entry(k, l)] * x.c[l];
+    x.c[k] *= lower[pbf_symmetric_entry(k, k)];
+  }
+  for (int k = PBF_DIM; k-- > 0;) {
+    for (int l = k + 1; l < PBF_DIM; ++l) x.c[k] -= lower[pbf_symmetric_entry(l, k)] * x.c[l];
+    x.c[k] *= lower[pbf_symmetric_entry(k, k)];
+  }
+  return x;
+}
+
+/* m at a distance from the plane. */
+PBF_FN pbf_real pbf_no_slip_rate(const pbf_constants *c, pbf_real distance) {
+  enum { LAST = PBF_VISCOUS_WALL_NODES - 1 };
+  const pbf_real near = pbf_real_max(distance * c->inv_h, c->viscosity_wall_nearest);
+  const pbf_real t = near * LAST;
+  if (!(t < LAST)) return 0;
+  const int k = (int)t;
+  const pbf_real part = t - (pbf_real)k;
+  return ((1 - part) * c->viscosity_wall[k] + part * c->viscosity_wall[k + 1]) / near;
+}
+
+/* Adds a plane that goes with this velocity; 0 where it is out of reach. */
+PBF_FN int pbf_add_no_slip_plane(const pbf_constants *c, pbf_real no_slip, pbf_real distance,
+                                 pbf_vec normal, pbf_vec relative, pbf_viscous_system *s) {
+  const pbf_real rate = no_slip * pbf_no_slip_rate(c, distance);
+  if (!(rate > 0)) return 0;
+  const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
+  s->residual = pbf_add_scaled(s->residual, -rate, along);
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (int l = 0; l <= k; ++l)
+      s->block[pbf_symmetric_entry(k, l)] +=
+          rate * ((k == l ? (pbf_real)1 : 0) - normal.c[k] * normal.c[l]);
+  return 1;
+}
+
+/* How much fluid sticks to each solid. Surfaces have none of it: steps without copy them. */
+typedef struct pbf_no_slip {
+  pbf_real walls, inv_time_step, of[PBF_MAX_COLLIDERS];
+} pbf_no_slip;
+
+/* `list` is of the colliders. */
+static inline pbf_no_slip pbf_no_slip_of(const pbf_params *params, uint32_t colliders,
+                                         const pbf_collider *list) {
+  pbf_no_slip n = {(pbf_real)params->wall_no_slip, (pbf_real)pbf_per_time_step(params), {0}};
+  for (uint32_t k = 0; k < colliders; ++k) n.of[k] = (pbf_real)list[k].no_slip;
+  return n;
+}
+
+/* The velocity, without what it grows by, of a point that moves with a collider: of one at rest 0,
+ * since differences are those of its own places. */
+PBF_FN pbf_vec pbf_surface_velocity(const pbf_surface *s, pbf_real inv_time_step, pbf_vec x) {
+  const pbf_vec p = pbf_sub(x, s->center);
+  pbf_vec way = pbf_sub(s->center, s->start_center), v = {{0}};
+  for (int row = 0; row < PBF_DIM; ++row) {
+    const pbf_real along = pbf_dot(p, s->frame[row]);
+    const pbf_real long2 = pbf_dot(s->start_frame[row], s->start_frame[row]);
+    const bool grows = !(long2 > (pbf_real)0.9999 && long2 < (pbf_real)1.0001);
+    way = pbf_add_scaled(way, along, s->frame[row]);
+    way = pbf_add_scaled(way, grows ? -along / pbf_real_sqrt(long2) : -along, s->start_frame[row]);
+  }
+  return pbf_add_scaled(v, inv_time_step, way);
+}
+
+namespace {
+
+template <class Surface>
+PBF_FN int add_no_slip_surface(const pbf_constants *c, const Surface *surface, pbf_real no_slip,
+                               pbf_real inv_time_step, pbf_vec x, pbf_vec v,
+                               pbf_viscous_system *s) {
+  if (!(no_slip > 0) || pbf_surface_is_beyond(surface, x, c->h)) return 0;
+  const pbf_vec relative = pbf_sub(v, pbf_surface_velocity(surface, inv_time_step, x));
+  const int planes = pbf_surface_planes(surface);
+  int added = 0;
+  for (int plane = 0; plane < planes; ++plane) {
+    pbf_vec normal;
+    const pbf_real distance = pbf_surface_plane_distance(surface, plane, planes, x, &normal);
+    added |= pbf_add_no_slip_plane(c, no_slip, distance, normal, relative, s);
+  }
+  return added;
+}
+
+/* Adds all solids to what pairs make of the system of a particle at x, whose velocity is v; 0: none
+ * is in reach. */
+template <class Obstacles>
+PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n, pbf_vec x,
+                       pbf_vec v, pbf_viscous_system *s) {
+  const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;
+  int added = 0;
+  for (int wall = 0; near_walls && wall < 2 * PBF_DIM; ++wall) {
+    pbf_vec normal = {{0}};
+    normal.c[wall / 2] = 1;
+    const pbf_real distance = pbf_wall_distance(&o.domain, wall, x);
+    added |= pbf_add_no_slip_plane(c, n.walls, distance, normal, v, s);
+  }
+  for (int k = 0; k < pbf_surface_count(o); ++k)
+    added |= add_no_slip_surface(c, &o.surfaces[k], n.of[k], n.inv_time_step, x, v, s);
+  return added;
+}
+
+}  // namespace
+
+#endif
