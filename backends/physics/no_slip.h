@@ -118,7 +118,7 @@ PBF_FN int add_no_slip_surface(const pbf_constants *c, const Surface *surface, p
   return added;
 }
 
-/* Adds all solids to what pairs make of the system of a particle at x, whose velocity is v; 0: none
+/* Adds all solids to what pairs make of the system of a particle at x with the velocity v; 0: none
  * is in reach. */
 template <class Obstacles>
 PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n, pbf_vec x,
