@@ -64,7 +64,8 @@ static void allow_sleep(Solver *s, int changes, int before) {
 
 template <class Solver>
 static pbf_status set_params(Solver *s, const pbf_params *params) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count));
+  pbf_status status =
+      pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count, s->colliders));
   if (status != PBF_OK) return status;
   pbf_derived derived = s->derived;
   pbf_constants constants = s->constants;
@@ -87,7 +88,8 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
 template <class Solver>
 static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *colliders,
                                 double time) {
-  pbf_status status = pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count));
+  pbf_status status =
+      pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count, colliders));
   if (status != PBF_OK) return status;
   pbf_schedule schedule = schedule_of(s, &s->params, &s->derived, count, colliders, s->overlaps);
   status = take_schedule(s, &schedule, &s->params);

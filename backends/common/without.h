@@ -9,8 +9,12 @@
 #include "physics/features.h"
 
 /* What parameters and colliders ask for. */
-static inline int pbf_features_wanted(const pbf_params *params, uint32_t colliders) {
-  return pbf_features_asked(params) | (colliders > 0 ? PBF_FEATURE_COLLIDERS : 0);
+static inline int pbf_features_wanted(const pbf_params *params, uint32_t count,
+                                      const pbf_collider *colliders) {
+  int wanted = pbf_features_asked(params) | (count > 0 ? PBF_FEATURE_COLLIDERS : 0);
+  for (uint32_t k = 0; k < count; ++k)
+    if (colliders[k].friction > 0 || colliders[k].static_friction > 0) wanted |= PBF_FEATURE_LOADS;
+  return wanted;
 }
 
 /* The sentence for the first of the wanted features that the build is without; null: it has all. */

@@ -342,5 +342,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .set_overlap = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? set_overlap<solver> : NULL,
     .plan_for = plan_for,
     .max_speed = max_speed_of_all,
-    .get_loads = get_loads,
+    .get_loads = PBF_BUILT & PBF_FEATURE_LOADS ? get_loads<solver> : NULL,
 };

@@ -228,8 +228,9 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     else
       sums = sums_of_group(pass, p, of, {lane_load(m->lambda + g * WIDTH)}, g);
     lane_values pairs, v_before;
+    const bool notes = (PBF_BUILT & PBF_FEATURE_LOADS) && m->push;
     bool by_solids = meets_ghosts; /* has been changed */
-    if (m->push) {
+    if (notes) {
       pairs = values_of(meets_ghosts ? sums_of_pairs(pass, p, &of, g).change : sums.change);
       v_before = values_of(v);
     }
@@ -238,7 +239,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       for (int k = 0; k < PBF_DIM; ++k) lane_store(change.c[k], sums.change.c[k]);
       correct_change(p, m->lambda, g, &change);
       for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
-      by_solids = m->push && (by_solids || memcmp(&pairs, &change, sizeof pairs) != 0);
+      by_solids = notes && (by_solids || memcmp(&pairs, &change, sizeof pairs) != 0);
     }
     pass.finish(sums, m->inv_time_step, &x, &v);
     lane_values moved = values_of(x);
@@ -255,7 +256,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       clamp_group(m->obstacles, &after);
     }
     store_velocities(m, v, &moved, &after, g * WIDTH, lanes);
-    if (m->push && (by_solids || memcmp(&moved, &after, sizeof moved) != 0))
+    if (notes && (by_solids || memcmp(&moved, &after, sizeof moved) != 0))
       note_push(pass.c, m, &v_before, &pairs, g * WIDTH, lanes);
     store_lanes(&m->to, g * WIDTH, lanes, &after);
   }

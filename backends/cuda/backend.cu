@@ -79,7 +79,8 @@ static pbf_status allow_sleep(solver *s, bool changes, bool before) {
 
 static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t count,
                                const pbf_collider *colliders) {
-  if (pbf_status status = pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count)))
+  if (pbf_status status =
+          pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(params, count, colliders)))
     return status;
   pbf_derived derived = s->derived;
   pbf_constants constants = s->constants;

@@ -224,11 +224,14 @@ static __global__ void begin_load_sums_kernel(pbf_collider_load *loads) {
 
 /* ---- By the host ---------------------------------------------------------------------------- */
 
-static inline bool finds_loads(const solver *s) { return s->schedule.runs[PBF_STAGE_LOADS] != 0; }
+static inline bool finds_loads(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_LOADS];
+}
 
 /* Whether what solids push with is wanted of each particle. */
 static inline bool notes_pushes(const solver *s) {
-  return finds_loads(s) || s->schedule.runs[PBF_STAGE_FRICTION];
+  return finds_loads(s) ||
+         ((PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_FRICTION]);
 }
 
 static inline pbf_status clear_load_sums(solver *s) {

@@ -7,11 +7,14 @@
 #include "reference/pressure_grid.h"
 #include "reference/sleep.h"
 
-static inline bool finds_loads(const solver *s) { return s->schedule.runs[PBF_STAGE_LOADS] != 0; }
+static inline bool finds_loads(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_LOADS];
+}
 
 /* Whether what solids push with is wanted of each particle. */
 static inline bool notes_pushes(const solver *s) {
-  return finds_loads(s) || s->schedule.runs[PBF_STAGE_FRICTION];
+  return finds_loads(s) ||
+         ((PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_FRICTION]);
 }
 
 static inline void add_change(solver *s, double units, pbf_vec change) {

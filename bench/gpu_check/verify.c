@@ -235,7 +235,7 @@ static void verify_viscosity(kind *k) {
   scene s = accelerated_scene(k->dim, 0);
   s.params.viscosity = 0.02;
   verify(k, "viscous", &s, 10);
-  add_colliders(&s);
+  add_turning_floor(&s);
   s.params.wall_no_slip = 1;
   for (uint32_t c = 0; c < s.collider_count; ++c) s.colliders[c].no_slip = 1;
   verify(k, "viscous-no-slip", &s, 10);

@@ -12,16 +12,10 @@
 #include "solver/ids.h"
 #include "values.h"
 
-enum { BEFORE = 1, AFTER = 2 };
-
-/* `part` 0: the accelerations. */
-static char *values_of(const pbf_solver *solver, uint32_t part, uint32_t row) {
-  return (char *)solver->accelerations +
-         ((uint64_t)part * solver->capacity + row) * pbf_point_bytes(solver);
-}
+enum { GIVEN, BEFORE, AFTER };
 
 static int is_zero(const pbf_solver *solver, uint32_t row) {
-  const char *a = values_of(solver, 0, row);
+  const char *a = pbf_acceleration_values(solver, GIVEN, row);
   double sum = 0;
   for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
     const double value = solver->kind.precision == PBF_FLOAT32 ? (double)((const float *)a)[k]
@@ -42,8 +36,9 @@ static pbf_accelerated_rows rows_with_some(const pbf_solver *solver) {
 /* The solver's precision throughout, so that one that all have is gravity. */
 static void find_velocities_after(const pbf_solver *solver, const pbf_accelerated_rows *rows) {
   const uint64_t numbers = (uint64_t)rows->count * solver->kind.dimension;
-  const void *a = values_of(solver, 0, rows->first), *before = values_of(solver, BEFORE, 0);
-  void *after = values_of(solver, AFTER, 0);
+  const void *a = pbf_acceleration_values(solver, GIVEN, rows->first),
+             *before = pbf_acceleration_values(solver, BEFORE, 0);
+  void *after = pbf_acceleration_values(solver, AFTER, 0);
   if (solver->kind.precision == PBF_FLOAT32) {
     const float time_step = (float)solver->params.time_step;
     for (uint64_t i = 0; i < numbers; ++i)
@@ -61,12 +56,12 @@ pbf_status pbf_accelerate(pbf_solver *solver, pbf_accelerated_rows *out) {
   const pbf_accelerated_rows some = rows_with_some(solver);
   if (some.count == 0) return PBF_OK;
   const pbf_rows rows = pbf_ids_rows(solver, some.first, some.count);
-  pbf_status status =
-      solver->api.read(solver->backend, PBF_FIELD_VELOCITY, &rows, values_of(solver, BEFORE, 0));
+  pbf_status status = solver->api.read(solver->backend, PBF_FIELD_VELOCITY, &rows,
+                                       pbf_acceleration_values(solver, BEFORE, 0));
   if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
   find_velocities_after(solver, &some);
-  status =
-      solver->api.write(solver->backend, PBF_FIELD_VELOCITY, &rows, values_of(solver, AFTER, 0));
+  status = solver->api.write(solver->backend, PBF_FIELD_VELOCITY, &rows,
+                             pbf_acceleration_values(solver, AFTER, 0));
   if (status == PBF_OK) *out = some;
   return pbf_backend_result(solver, status, "write");
 }
@@ -74,18 +69,8 @@ pbf_status pbf_accelerate(pbf_solver *solver, pbf_accelerated_rows *out) {
 void pbf_undo_accelerations(pbf_solver *solver, const pbf_accelerated_rows *changed) {
   if (changed->count == 0) return;
   const pbf_rows rows = pbf_ids_rows(solver, changed->first, changed->count);
-  (void)solver->api.write(solver->backend, PBF_FIELD_VELOCITY, &rows, values_of(solver, BEFORE, 0));
-}
-
-void pbf_accelerations_move(pbf_solver *solver, uint32_t from, uint32_t to) {
-  if (from != to)
-    memcpy(values_of(solver, 0, to), values_of(solver, 0, from), pbf_point_bytes(solver));
-}
-
-void pbf_accelerations_free(pbf_solver *solver) {
-  pbf_memory_free(&solver->allocator, solver->accelerations, pbf_accelerations_bytes(solver));
-  solver->accelerations = NULL;
-  solver->acceleration_count = 0;
+  (void)solver->api.write(solver->backend, PBF_FIELD_VELOCITY, &rows,
+                          pbf_acceleration_values(solver, BEFORE, 0));
 }
 
 static pbf_status clear(pbf_solver *solver, uint32_t first, uint32_t count) {
@@ -112,8 +97,9 @@ static pbf_status set(pbf_solver *solver, uint32_t first, uint32_t count, const 
   if (status != PBF_OK) return status;
   const uint32_t there = solver->acceleration_count;
   if (first > there)
-    memset(values_of(solver, 0, there), 0, (first - there) * pbf_point_bytes(solver));
-  memcpy(values_of(solver, 0, first), in, count * pbf_point_bytes(solver));
+    memset(pbf_acceleration_values(solver, GIVEN, there), 0,
+           (first - there) * pbf_point_bytes(solver));
+  memcpy(pbf_acceleration_values(solver, GIVEN, first), in, count * pbf_point_bytes(solver));
   if (first + count > there) solver->acceleration_count = first + count;
   return PBF_OK;
 }

@@ -9,6 +9,12 @@ static inline uint64_t pbf_accelerations_bytes(const pbf_solver *solver) {
   return 3 * (uint64_t)solver->capacity * pbf_point_bytes(solver);
 }
 
+/* `part` 0: the accelerations, 1 and 2: velocities before and after. */
+static inline char *pbf_acceleration_values(const pbf_solver *solver, uint32_t part, uint32_t row) {
+  return (char *)solver->accelerations +
+         ((uint64_t)part * solver->capacity + row) * pbf_point_bytes(solver);
+}
+
 /* Whether steps have to be made one at a time. */
 static inline int pbf_has_accelerations(const pbf_solver *solver) {
   return solver->accelerations != NULL;

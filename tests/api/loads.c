@@ -323,9 +323,12 @@ static void threads_change_no_bit(void **state) {
   test_for_each_kind(check_threads);
 }
 
-/* Not a bit of the fluid changes with loads, and without them there is no stage and no array. */
+/* Not a bit of the fluid changes with loads, and without them there is no stage and no array. On
+ * cuda scenes as small as this have other bits in their kernel of one launch, which drag is not in.
+ */
 static void check_cost(uint32_t dimension, uint32_t precision) {
   pbf_params params = splash_params(dimension);
+  if (strcmp(test_backend(), "cuda") == 0) params.drag = 0.1;
   uint64_t hash[2], bytes[2];
   for (uint32_t loads = 0; loads < 2; ++loads) {
     params.loads = loads;

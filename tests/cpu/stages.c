@@ -57,6 +57,7 @@ static pbf_params params_with(unsigned bits) {
   params.wall_velocity[PBF_WALL_Y_MIN] = 0.1;
   params.sleep_speed = bits & SLEEP ? 0.08 : 0;
   params.sleep_time = 1e-4;
+  params.loads = bits & WALLS ? 1 : 0;
   params.prestabilization = 0; /* many iterations, in which roundings grow apart */
   set_others(&params, bits);
   return params;
