@@ -30,7 +30,7 @@ static inline pbf_friction_scales pbf_friction_scales_of(const pbf_constants *c,
                                                          const pbf_params *params,
                                                          uint32_t colliders,
                                                          const pbf_collider *list) {
-  pbf_friction_scales s = {0};
+  pbf_friction_scales s = {};
   s.loads = pbf_load_scales_of(c, forces, params);
   for (int k = 0; k < PBF_WALLS; ++k)
     s.of[k] = pbf_friction_of(params->wall_friction, params->wall_static_friction);
