@@ -135,7 +135,7 @@ static void a_central_field_turns_a_particle(void **state) {
   test_for_each_kind(check_vortex);
 }
 
-/* ---- Whose they are ------------------------------------------------------------------------- */
+/* ---- Rows of particles that come and go ----------------------------------------------------- */
 
 static void check_rows(uint32_t dimension, uint32_t precision) {
   char a[4 * 3 * sizeof(double)] = {0};

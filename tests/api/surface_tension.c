@@ -1,4 +1,4 @@
-/* Surface tension: a pair in closed form, drops whose pressure is that of their curvature, a square
+/* Surface tension: a pair in closed form, drops with the pressure of their curvature, a square
  * that becomes round, momentum, and steps that are too long. */
 #include "support.h"
 

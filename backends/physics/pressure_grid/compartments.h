@@ -64,7 +64,7 @@ typedef struct pbf_pressure_grid_topology {
   double *right, *inverse, *next, *before; /* of torn nodes */
 } pbf_pressure_grid_topology;
 
-/* One whose surfaces are known to have closed forms. */
+/* A topology of which all surfaces are known to have closed forms. */
 struct pbf_closed_topology : pbf_pressure_grid_topology {};
 
 PBF_FN const pbf_surface *pbf_topology_surface(const pbf_pressure_grid_topology *t, int s) {
