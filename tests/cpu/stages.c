@@ -154,6 +154,7 @@ static void compare(const cpu_block *block, uint32_t precision, unsigned bits, d
 static void compare_all(uint32_t precision, double most, unsigned below, unsigned each) {
   worst_x = worst_v = worst_rho = 0;
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    if (!test_has_kind(dimension, precision) || !test_has_kind(dimension, PBF_FLOAT64)) continue;
     cpu_block block = cpu_make_block(dimension);
     for (unsigned bits = 0; bits < below; bits += each) compare(&block, precision, bits, most);
     cpu_free_block(&block);
