@@ -19,7 +19,8 @@ static inline int is_built(kind k) {
   return 0;
 }
 
-/* A build for a sanitizer has one precision of each dimension, which serves for the other as well.
+/* A build for a sanitizer may have one precision of a dimension alone: it serves for the other as
+ * well.
  */
 static inline kind kind_of(unsigned bits) {
   kind k = {bits & 1 ? 3 : 2, bits & 2 ? PBF_FLOAT64 : PBF_FLOAT32};
