@@ -128,14 +128,14 @@ static pbf_collider box(double left, double bottom, double right, double top) {
 static void pools_come_and_go(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  const pbf_desc desc = test_desc(2, PBF_FLOAT32, 500);
+  const pbf_desc desc = test_desc(2, PBF_FLOAT64, 500);
   pbf_params params = test_params();
   params.domain_min[0] = -20;
   params.domain_max[0] = 20;
   params.domain_max[1] = 4;
   pbf_collider walls[3] = {box(-0.5, 0.1, 1, 0.5), box(-0.5, 0.1, 0, 3.6), box(0.5, 0.1, 1, 3.6)};
   pbf_solver *s = test_create(&desc, &params);
-  void *x = test_lattice(2, PBF_FLOAT32, 400);
+  void *x = test_lattice(2, PBF_FLOAT64, 400);
   assert_ok(pbf_add_particles(s, 400, x, NULL, NULL));
   free(x);
   assert_false(has_grid(s));

@@ -47,7 +47,7 @@ static void capacities_without_memory(void **state) {
 
 static void counts_without_memory(void **state) {
   (void)state;
-  pbf_solver *s = test_filled(3, PBF_FLOAT64, 4, 8);
+  pbf_solver *s = test_filled(2, PBF_FLOAT64, 4, 8);
   double x[3] = {0.5, 0.5, 0.5};
   uint32_t id = 0;
   uint64_t before = test_hash(s), size = UINT64_MAX;

@@ -38,7 +38,7 @@ static void time_is_no_sum(void **state) {
 static void colliders_move(void **state) {
   (void)state;
   const double pi = 3.14159265358979323846;
-  pbf_solver *s = test_solver(3, PBF_FLOAT64, 4);
+  pbf_solver *s = test_solver(3, PBF_FLOAT32, 4);
   pbf_params params = test_params();
   params.time_step = 0.125;
   assert_ok(pbf_set_params(s, &params));

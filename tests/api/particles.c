@@ -221,7 +221,7 @@ static void coincident_particles(void **state) {
 
 static void nothing_at_all(void **state) {
   (void)state;
-  pbf_solver *s = test_solver(3, PBF_FLOAT64, 4);
+  pbf_solver *s = test_solver(3, PBF_FLOAT32, 4);
   pbf_stats stats = {.struct_size = sizeof stats};
   pbf_info info = {.struct_size = sizeof info};
   assert_ok(pbf_step(s, 3));

@@ -7,7 +7,8 @@ static const double gravity = 9.81;
 
 /* ---- Fluids --------------------------------------------------------------------------------- */
 
-enum { MOST = 4000 };
+/* A sanitizer watches a tenth of the time, in which nothing comes to rest. */
+enum { MOST = 4000, PART = TEST_INSTRUMENTED ? 10 : 1, COMES_TO_REST = !TEST_INSTRUMENTED };
 
 typedef struct scene {
   uint32_t dimension, precision, count;
@@ -138,23 +139,23 @@ static void end(scene *s, pbf_solver *solver) {
 static void a_cup_holds(uint32_t dimension, uint32_t precision) {
   scene *s = cup_of_water(dimension, precision, 0.35, 0);
   pbf_solver *solver = started(s);
-  assert_ok(pbf_step(solver, 1200));
+  assert_ok(pbf_step(solver, 1200 / PART));
   const findings f = find(solver, s, cup_room, 0);
   const double area = dimension == 3 ? acos(-1) * cup_radius * cup_radius : 2 * cup_radius;
   const double volume = s->count * pow(d, dimension);
   assert_true(f.deepest < 0);
-  assert_true(fabs(f.level - volume / area) < 0.5 * d);
-  assert_true(f.speed < 0.02);
+  if (COMES_TO_REST) assert_true(fabs(f.level - volume / area) < 0.5 * d);
+  if (COMES_TO_REST) assert_true(f.speed < 0.02);
   end(s, solver);
 }
 
 static void a_tilted_cup_holds(uint32_t dimension, uint32_t precision) {
   scene *s = cup_of_water(dimension, precision, 0.25, acos(-1) / 6);
   pbf_solver *solver = started(s);
-  assert_ok(pbf_step(solver, 1200));
+  assert_ok(pbf_step(solver, 1200 / PART));
   const findings f = find(solver, s, cup_room, 0);
   assert_true(f.deepest < 0);
-  assert_true(f.speed < 0.05);
+  if (COMES_TO_REST) assert_true(f.speed < 0.05);
   end(s, solver);
 }
 
@@ -206,7 +207,7 @@ static void a_box_is_a_box(uint32_t dimension, uint32_t precision) {
     s->collider.inverted = 1;
     fill(s, box, box_half, 0.1, 0);
     pbf_solver *solver = started(s);
-    assert_ok(pbf_step(solver, 600));
+    assert_ok(pbf_step(solver, 600 / PART));
     f[as_shape] = find(solver, s, box, -box_half[1]);
     assert_ok(pbf_get_stats(solver, &stats));
     density[as_shape] = stats.density_mean;
@@ -216,6 +217,7 @@ static void a_box_is_a_box(uint32_t dimension, uint32_t precision) {
     free(s);
   }
   assert_true(f[1].deepest < 0);
+  if (!COMES_TO_REST) return;
   assert_true(fabs(f[1].level / f[0].level - 1) < 0.01);
   assert_true(fabs(density[1] - density[0]) < 0.01 * density[0]);
   assert_true(f[1].speed < 0.03);
@@ -318,7 +320,7 @@ static void a_bowl_holds(uint32_t dimension, uint32_t precision) {
   s->collider.position[2] = dimension == 3 ? -0.4 : 0;
   fill(s, above_bowl, room, 0.3, 0);
   pbf_solver *solver = started(s);
-  assert_ok(pbf_step(solver, 900));
+  assert_ok(pbf_step(solver, 900 / PART));
   void *x = calloc((size_t)s->count * dimension, precision);
   double speed = find(solver, s, above_bowl, 0).speed;
   assert_ok(pbf_get_positions(solver, 0, s->count, x));
@@ -329,7 +331,7 @@ static void a_bowl_holds(uint32_t dimension, uint32_t precision) {
     assert_true(above_bowl(p, dimension) < 0.05 * d);
     assert_true(p[1] < 0.45);
   }
-  assert_true(speed < 0.05);
+  if (COMES_TO_REST) assert_true(speed < 0.05);
   free(x);
   end(s, solver);
 }

@@ -115,7 +115,7 @@ static void note_stages(pbf_solver *solver) {
 }
 
 static double worst_x, worst_v, worst_rho;
-static unsigned combinations_asleep; /* those in which somebody slept */
+static unsigned combinations, combinations_asleep; /* the latter: those in which somebody slept */
 
 /* Confinement divides by the size of a gradient, however small: rounding shows more there. */
 static double max_velocity(unsigned bits, double most) {
@@ -141,6 +141,7 @@ static void compare(const cpu_block *block, uint32_t precision, unsigned bits, d
   assert_true(v < max_velocity(bits, most));
   assert_true(rho < 200 * most);
   assert_int_equal(asleep_in(expected), asleep_in(found));
+  ++combinations;
   combinations_asleep += asleep_in(found) > 0;
   note_stages(found);
   assert_true(asleep_in(found) < block->count);
@@ -154,6 +155,7 @@ static void compare(const cpu_block *block, uint32_t precision, unsigned bits, d
 static void compare_all(uint32_t precision, double most, unsigned below, unsigned each) {
   worst_x = worst_v = worst_rho = 0;
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    if (!test_has_kind(dimension, precision) || !test_has_kind(dimension, PBF_FLOAT64)) continue;
     cpu_block block = cpu_make_block(dimension);
     for (unsigned bits = 0; bits < below; bits += each) compare(&block, precision, bits, most);
     cpu_free_block(&block);
@@ -166,7 +168,7 @@ static void compare_all(uint32_t precision, double most, unsigned below, unsigne
 static void stages_in_float64(void **state) {
   (void)state;
   compare_all(PBF_FLOAT64, 1e-14, COMBINATIONS, EACH);
-  assert_true(combinations_asleep > SLEEP / EACH);
+  assert_true(combinations_asleep > combinations / 4);
 }
 
 /* But for those of parameters that compare elsewhere. */

@@ -5,13 +5,27 @@
 #include <pbf/pbf.h>
 
 #include "insist.h"
+#include "pbf_build.h"
 
 typedef struct kind {
   uint32_t dimension, precision;
 } kind;
 
+static inline int is_built(kind k) {
+#define IS_BUILT(dim, bits) \
+  if (k.dimension == dim && 8 * k.precision == bits) return 1;
+  PBF_EACH_VARIANT(IS_BUILT)
+#undef IS_BUILT
+  return 0;
+}
+
+/* A build for a sanitizer may have one precision of a dimension alone: it serves for the other as
+ * well.
+ */
 static inline kind kind_of(unsigned bits) {
-  return (kind){bits & 1 ? 3 : 2, bits & 2 ? PBF_FLOAT64 : PBF_FLOAT32};
+  kind k = {bits & 1 ? 3 : 2, bits & 2 ? PBF_FLOAT64 : PBF_FLOAT32};
+  if (!is_built(k)) k.precision = k.precision == PBF_FLOAT64 ? PBF_FLOAT32 : PBF_FLOAT64;
+  return k;
 }
 
 static inline pbf_solver *make_solver(const char *backend, kind k, uint32_t capacity) {

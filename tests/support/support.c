@@ -122,10 +122,14 @@ pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacit
   return test_create(&desc, NULL);
 }
 
+int test_has_kind(uint32_t dimension, uint32_t precision) {
+  pbf_backend_info unused;
+  return !lacks_kind(dimension, precision, &unused);
+}
+
 static void with_kind(void (*function)(uint32_t, uint32_t), uint32_t dimension,
                       uint32_t precision) {
-  pbf_backend_info unused;
-  if (!lacks_kind(dimension, precision, &unused)) function(dimension, precision);
+  if (test_has_kind(dimension, precision)) function(dimension, precision);
 }
 
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision)) {

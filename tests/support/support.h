@@ -44,6 +44,9 @@ pbf_params test_params(void);
 pbf_solver *test_create(const pbf_desc *desc, const pbf_params *params);
 pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacity);
 
+/* Whether the backend under test was built with it. */
+int test_has_kind(uint32_t dimension, uint32_t precision);
+
 /* Calls for 2D and 3D, float32 and float64, as far as the build has them. */
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
 
