@@ -342,8 +342,8 @@ internal static class Binding
         int failed = 0;
         foreach (var test in new Action[]
         {
-            StructsLieAsInC, AParticleFalls, LoadsAreTheMomentumThatIsGone, AccelerationsHoldUp, ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers,
-            SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
+            StructsLieAsInC, AParticleFalls, LoadsAreTheMomentumThatIsGone, AccelerationsHoldUp,
+            ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers, SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
             ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold
         })
         {
