@@ -8,7 +8,7 @@ rm -rf "$folder"
 [ $# -gt 0 ] || set -- -DCMAKE_BUILD_TYPE=Release "-DPBF_BACKENDS=serial" -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2"
 for copy in a another-one; do
   mkdir -p "$folder/$copy/source"
-  for part in CMakeLists.txt LICENSE THIRD_PARTY_NOTICES.md backends bench check cmake examples include lib packaging; do
+  for part in CMakeLists.txt LICENSE THIRD_PARTY_NOTICES.md backends bench check cmake examples include lib packaging third_party; do
     cp -R "$source/$part" "$folder/$copy/source/"
   done
   cmake -S "$folder/$copy/source" -B "$folder/$copy/source/build" -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_TESTS=OFF \

@@ -71,6 +71,17 @@ export interface Collider {
   shape: "plane" | "sphere" | "capsule" | "box";
 }
 
+export interface ColliderLoad {
+  contacts: number;
+  impulse: number[];
+  angularImpulse: number[];
+  impulseSum: number[];
+  angularImpulseSum: number[];
+  timeSum: number;
+  penetration: number;
+  wettedArea: number;
+}
+
 export interface Stats {
   count: number;
   iterations: number;

@@ -184,6 +184,20 @@ export const structs = {
       noSlip: ["f64", 272],
     },
   },
+  pbf_collider_load: {
+    size: 128,
+    fields: {
+      structSize: ["u32", 0],
+      contacts: ["u32", 4],
+      impulse: ["f64", 8, 3],
+      angularImpulse: ["f64", 32, 3],
+      impulseSum: ["f64", 56, 3],
+      angularImpulseSum: ["f64", 80, 3],
+      timeSum: ["f64", 104],
+      penetration: ["f64", 112],
+      wettedArea: ["f64", 120],
+    },
+  },
   pbf_stats: {
     size: 184,
     fields: {

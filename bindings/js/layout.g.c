@@ -90,6 +90,16 @@ _Static_assert(offsetof(pbf_collider, scale_rate) == 248, "as abi.g.mjs has it")
 _Static_assert(offsetof(pbf_collider, friction) == 256, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, static_friction) == 264, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, no_slip) == 272, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_collider_load) == 128, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, struct_size) == 0, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, contacts) == 4, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, impulse) == 8, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, angular_impulse) == 32, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, impulse_sum) == 56, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, angular_impulse_sum) == 80, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, time_sum) == 104, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, penetration) == 112, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider_load, wetted_area) == 120, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_stats) == 184, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_stats, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_stats, count) == 4, "as abi.g.mjs has it");

@@ -1,7 +1,7 @@
-import type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
+import type { Collider, ColliderLoad, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
 
 export { constants } from "./abi.g.mjs";
-export type { Collider, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
+export type { Collider, ColliderLoad, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
 
 declare global {
   interface SymbolConstructor {
@@ -89,6 +89,7 @@ export declare class Solver {
   readonly ids: Uint32Array;
   setPositions(values: Numbers, first?: number): void;
   setVelocities(values: Numbers, first?: number): void;
+  /** Beside gravity, in each step from now on; null takes all away. */
   setAccelerations(values: Numbers | null, first?: number): void;
   /** Without a copy, for the time of the call. */
   map<Result>(field: "position" | "velocity" | "id" | "pressure", use: (mapped: Mapped) => Result): Result;
@@ -97,6 +98,10 @@ export declare class Solver {
   /** To these poses and sizes, in this time from now. */
   moveColliders(targets: ColliderFields[], duration: number): void;
   readonly colliders: Collider[];
+  /** What the fluid does to each; begins their sums anew. Wants params.loads. */
+  colliderLoads(): ColliderLoad[];
+  /** The same of the domain's walls, by constants.WALL_X_MIN and so on. */
+  wallLoads(): ColliderLoad[];
 
   readonly stats: Stats;
   readonly info: Info;

@@ -555,6 +555,25 @@ export class Solver {
     }));
   }
 
+  #loads(name, count) {
+    const { size } = structs.pbf_collider_load;
+    return withBytes(size * count, (at) => {
+      for (let k = 0; k < count; ++k) writeNumber("u32", at + k * size, size);
+      this.#call(name, count, at);
+      return Array.from({ length: count }, (_, k) => read("pbf_collider_load", at + k * size));
+    });
+  }
+
+  /** What the fluid does to each collider; begins their sums anew. Wants params.loads. */
+  colliderLoads() {
+    return this.#loads("pbf_get_collider_loads", this.#number("u32", "pbf_get_collider_count"));
+  }
+
+  /** The same of the domain's walls, by constants.WALL_X_MIN and so on. */
+  wallLoads() {
+    return this.#loads("pbf_get_wall_loads", 2 * this.#dimension);
+  }
+
   // ---- State
 
   /** Bytes that load takes. */

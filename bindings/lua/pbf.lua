@@ -283,6 +283,13 @@ for _, name in ipairs { "positions", "velocities", "densities", "pressures", "id
   end
 end
 
+-- Beside gravity, of row `first` and so on, in each step until they are set anew; nil takes all away.
+function Solver:set_accelerations(values, first, count)
+  if values == nil then return run(self, "pbf_set_accelerations", 0, 0, nil) end
+  local array, rows = rows_of("accelerations", self.element, self.dimension, values, count)
+  run(self, "pbf_set_accelerations", unsigned("first", first or 0), rows, array)
+end
+
 -- Calls with a view of a field ("position", or pbf.FIELD_POSITION, …), a pbf_view, which is gone afterwards.
 function Solver:map(field, with)
   if type(field) == "string" then
@@ -351,6 +358,24 @@ function Solver:move_colliders(list, duration)
   run(self, "pbf_move_colliders", count, array,
     need("number", "duration", duration, "a number"))
 end
+
+-- Gives an array of C of pbf_collider_load, from 0 on, and how many are in it.
+local function loads_of(self, name, count)
+  local array = ffi.new("pbf_collider_load[?]", math.max(count, 1))
+  for i = 0, count - 1 do array[i].struct_size = ffi.sizeof("pbf_collider_load") end
+  run(self, name, count, array)
+  return array, count
+end
+
+-- What the fluid does to each collider, and begins their sums anew; wants params.loads.
+function Solver:collider_loads()
+  local count = ffi.new("uint32_t[1]")
+  run(self, "pbf_get_collider_count", count)
+  return loads_of(self, "pbf_get_collider_loads", count[0])
+end
+
+-- The same of the domain's walls, by pbf.WALL_X_MIN and so on.
+function Solver:wall_loads() return loads_of(self, "pbf_get_wall_loads", 2 * self.dimension) end
 
 for method, struct in pairs { params = "pbf_params", stats = "pbf_stats", info = "pbf_info", plan = "pbf_plan",
                               timings = "pbf_timings" } do

@@ -40,12 +40,17 @@ PARAMETERS = {
     "drag": ("drop-into-pool", 0.6, 4, [("0", "drag=0", ""), ("2", "drag=2", ""), ("8", "drag=8", "")]),
     "gravity": ("dam-break-2d", 0.75, 6, [("−1.6: the Moon", "gravity.1=-1.6", ""), ("−9.81", "gravity.1=-9.81", ""), ("−25: Jupiter", "gravity.1=-25", "")]),
     "attraction": ("zero-gravity-drop", 1.5, 1.5, [("0", "attraction=0", ""), ("1", "attraction=1", ""), ("10", "attraction=10", "")]),
+    "surface_tension": (SCENES / "cube.json", 1, 0.5, [("0", "surface_tension=0", ""), ("0.01", "surface_tension=0.01", ""),
+                                                      ("0.05", "surface_tension=0.05", "")]),
+    "wall_friction": (SCENES / "heap.json", 0.5, 4, [("0", "wall_friction=0", ""), ("0.3", "wall_friction=0.3", ""), ("1", "wall_friction=1", "")]),
+    "wall_no_slip": (SCENES / "heap.json", 1, 2, [("0", "viscosity=0.1 wall_no_slip=0", ""), ("0.5", "viscosity=0.1 wall_no_slip=0.5", ""),
+                                                 ("1", "viscosity=0.1 wall_no_slip=1", "")]),
     "max_substeps": (SCENES / "long-steps.json", 2, 3, [("0", "max_substeps=0", ""), ("2", "max_substeps=2", ""), ("8", "max_substeps=8", "")]),
     "solver": ("dam-break-2d", 0.75, 6, [
         ("the paper's", "solver=jacobi kernel=poly6_spiky over_relaxation=1 cohesion=1 min_diagonal=0 wall_density=0 cfm=1.5", ""),
         ("Jacobi", "solver=jacobi", ""), ("Chebyshev", "solver=chebyshev", "")]),
 }
-VIEWS = {"zero-gravity-drop": "-1.3 -0.9 -0.9 1.3 0.9 0.9", "dam-break-2d": "0 0 3 2.05"}
+VIEWS = {"cube": "-0.8 -0.6 -0.6 0.8 0.6 0.6", "zero-gravity-drop": "-1.3 -0.9 -0.9 1.3 0.9 0.9", "dam-break-2d": "0 0 3 2.05"}
 WIDTHS = {"iterations": 190, "pressure_grid": 190}  # a column's pixels, 260 of others
 HEIGHT_OF_LABEL = 20
 

@@ -14,6 +14,9 @@ import shutil
 import subprocess
 import sys
 
+from pygments.lexers import get_lexer_by_name
+from pygments.token import Error
+
 import header_filter
 
 SITE = pathlib.Path(__file__).resolve().parent
@@ -107,7 +110,14 @@ def orphan(text):
 def shown(path):
     text = path.read_text(encoding="utf-8", errors="replace")
     fence = "`" * (1 + max([2, *(len(run) for run in re.findall("`+", text))]))
-    return orphan(f"# `{path.relative_to(ROOT)}`\n\n{fence}{LANGUAGES.get(path.suffix, 'text')}\n{text}{fence}\n")
+    return orphan(f"# `{path.relative_to(ROOT)}`\n\n{fence}{language_of(path, text)}\n{text}{fence}\n")
+
+
+def language_of(path, text):
+    """That of its suffix, but plain where Pygments does not know all of it, of which Sphinx would warn."""
+    language = LANGUAGES.get(path.suffix, "text")
+    kinds = {kind for kind, _ in get_lexer_by_name(language).get_tokens(text)}
+    return "text" if Error in kinds else language
 
 
 def menus(readme):

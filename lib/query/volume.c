@@ -11,7 +11,8 @@
 #define REAL(member, components, range) \
   { #member, offsetof(pbf_volume, member), components, range, 0 }
 
-static const double pi = 3.14159265358979323846, quaternion_tolerance = 1e-6;
+static const double pi = 3.14159265358979323846;
+static const double quaternion_tolerance = 1e-6;
 
 static const pbf_count_rule shape_rule = {
     "shape", offsetof(pbf_volume, shape), 0, PBF_VOLUME_CAPSULE, " (PBF_VOLUME_…)", 0};

@@ -14,12 +14,10 @@ from ._errors import (BusyError, CancelledError, CapacityError, DataError, Devic
 from ._library import ffi, lib, version
 from ._reading import Anisotropies
 from .batch import Batch, BatchTensor
-from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Sphere
+from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Solid, Sphere
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
 from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
-from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Solid, Sphere
-from .export import Surface, UsdPoints, VtkSeries, surface, write_ply
 from .fill import fill_ball, fill_box, fill_lattice
 from .geometry import Geometry
 from .params import Collide, Kernel, Method, Params
@@ -39,8 +37,8 @@ __all__ = [
     "Collide", "Collider", "DataError", "DeviceError", "DiscEmitter", "Dump", "DumpFrame",
     "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
     "Kernel", "Limit", "Load", "Method", "MissingExtraError", "MotionPath", "Movie",
-    "NotFoundError", "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane", "PluginError",
-    "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
+    "NotFoundError", "OutOfMemoryError", "Params", "Plan", "PlanArray", "PlanStage", "Plane",
+    "PluginError", "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
     "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",

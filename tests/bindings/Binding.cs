@@ -102,6 +102,57 @@ internal static class Binding
         }
     }
 
+    // What walls and colliders have had is the momentum that gravity gave and the fluid has not.
+    private static void LoadsAreTheMomentumThatIsGone()
+    {
+        var parameters = Params.Default;
+        parameters.Loads = 1;
+        var desc = TestDesc();
+        desc.Precision = Constants.Float64;
+        using (var fluid = new Solver(desc, parameters))
+        {
+            Equal(0, fluid.GetColliderLoads().Length);
+            fluid.AddParticles(new[] { .5, .06, .5, .56, .06, .5 });
+            fluid.SetColliders(Collider.Sphere(new Vector3d(.9, .9, .9), .05));
+            fluid.Step(16);
+            var far = fluid.GetColliderLoads();
+            var walls = fluid.GetWallLoads();
+            Equal(1, far.Length);
+            Equal(6, walls.Length);
+            var v = new double[6];
+            fluid.GetVelocities(v);
+            double volume = Math.Pow(parameters.SmoothingRadius / 2, 3), time = 16 * parameters.TimeStep;
+            double gone = volume * (2 * parameters.Gravity.Y * time - v[1] - v[4]);
+            Equal(true, gone < -.5 * volume);
+            Near(1, walls[Constants.WallYMin].ImpulseSum.Y / gone, 1e-9);
+            Near(time, walls[Constants.WallYMin].TimeSum, 1e-12);
+            Equal(0u, far[0].Contacts);
+            Near(0, far[0].ImpulseSum.Y, 0);
+            parameters.Loads = 0;
+            fluid.Parameters = parameters;
+            Refused(Status.State, "loads", () => fluid.GetWallLoads());
+        }
+    }
+
+    private static void AccelerationsHoldUp()
+    {
+        using (var fluid = Filled())
+        {
+            var v = new float[6];
+            fluid.SetAccelerations(new[] { 0, 9.81f, 0 }, 1);
+            fluid.Step(12);
+            fluid.GetVelocities(v);
+            Near(-.981, v[1], 1e-4);
+            Near(0, v[4], 1e-6);
+            Refused(Status.State, "accelerations", () => fluid.Save());
+            fluid.ClearAccelerations();
+            fluid.Step(12);
+            fluid.GetVelocities(v);
+            Near(-.981, v[4], 1e-4);
+            fluid.Save();
+        }
+    }
+
     private static void ErrorsHaveTheSentence()
     {
         var parameters = Params.Default;
@@ -291,8 +342,8 @@ internal static class Binding
         int failed = 0;
         foreach (var test in new Action[]
         {
-            StructsLieAsInC, AParticleFalls, ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers,
-            SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
+            StructsLieAsInC, AParticleFalls, LoadsAreTheMomentumThatIsGone, AccelerationsHoldUp,
+            ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers, SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
             ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold
         })
         {

@@ -55,6 +55,42 @@ function tests.a_particle_falls()
   assert(fluid:remove_in_box({ 0, 0, 0 }, { 1, 1, 1 }) == 1 and fluid:count() == 0)
 end
 
+-- What walls and colliders have had is the momentum that gravity gave and the fluid has not.
+function tests.loads_are_the_momentum_that_is_gone()
+  local fluid = solver { precision = pbf.FLOAT64, params = { loads = 1 } }
+  assert(select(2, fluid:collider_loads()) == 0)
+  fluid:add { { 0.5, 0.06, 0.5 }, { 0.56, 0.06, 0.5 } }
+  fluid:set_colliders { { shape = "sphere", position = { 0.9, 0.9, 0.9 }, radius = 0.05 } }
+  fluid:step(16)
+  local far, colliders = fluid:collider_loads()
+  local walls, sides = fluid:wall_loads()
+  assert(colliders == 1 and sides == 6)
+  local v, params = fluid:velocities(), fluid:params()
+  local volume, time = (params.smoothing_radius / 2) ^ 3, 16 * params.time_step
+  local gone = volume * (2 * params.gravity[1] * time - v[1] - v[4])
+  assert(gone < -0.5 * volume)
+  near(walls[pbf.WALL_Y_MIN].impulse_sum[1] / gone, 1, 1e-9)
+  near(walls[pbf.WALL_Y_MIN].time_sum, time, 1e-12)
+  assert(far[0].contacts == 0 and far[0].impulse_sum[1] == 0)
+  fluid:set_params { loads = 0 }
+  refused("PBF_ERROR_STATE", "loads", fluid.wall_loads, fluid)
+end
+
+function tests.accelerations_hold_up()
+  local fluid = filled()
+  fluid:set_accelerations({ 0, 9.81, 0 }, 1)
+  fluid:step(12)
+  local v = fluid:velocities()
+  near(v[1], -0.981, 1e-4)
+  near(v[4], 0, 1e-6)
+  refused("PBF_ERROR_STATE", "accelerations", fluid.save, fluid)
+  refused("PBF_ERROR_INVALID_ARGUMENT", "accelerations has 2", fluid.set_accelerations, fluid, { 0, 1 })
+  fluid:set_accelerations(nil)
+  fluid:step(12)
+  near(fluid:velocities()[4], -0.981, 1e-4)
+  fluid:save()
+end
+
 function tests.errors_have_the_sentence()
   local wrong = "PBF_ERROR_INVALID_ARGUMENT"
   refused(wrong, "time_step", solver, { params = { time_step = -1 } })

@@ -157,6 +157,41 @@ test("colliders are set, moved and read", async () => {
   solver.destroy();
 });
 
+// What walls and colliders have had is the momentum that gravity gave and the fluid has not.
+test("loads are the momentum that is gone", async () => {
+  const solver = await Solver.create({ capacity: 2, params: { loads: 1 } });
+  assert.deepEqual(solver.colliderLoads(), []);
+  solver.addParticles([0.5, 0.06, 0.5, 0.56, 0.06, 0.5]);
+  solver.setColliders([{ shape: "sphere", position: [0.9, 0.9, 0.9], radius: 0.05 }]);
+  solver.step(16);
+  const [far] = solver.colliderLoads(), walls = solver.wallLoads();
+  assert.equal(walls.length, 6);
+  const { smoothingRadius, timeStep, gravity } = solver.params, v = solver.velocities;
+  const volume = (smoothingRadius / 2) ** 3, floor = walls[constants.WALL_Y_MIN];
+  const gone = volume * (2 * gravity[1] * 16 * timeStep - v[1] - v[4]);
+  assert.ok(gone < -0.5 * volume);
+  assert.ok(Math.abs(floor.impulseSum[1] / gone - 1) < 1e-5);
+  assert.ok(Math.abs(floor.timeSum - 16 * timeStep) < 1e-12);
+  assert.equal(far.contacts, 0);
+  assert.deepEqual(far.impulseSum, [0, 0, 0]);
+  solver.setParams({ loads: 0 });
+  assert.throws(() => solver.wallLoads(), { code: "PBF_ERROR_STATE", message: /loads/ });
+  solver.destroy();
+});
+
+test("accelerations hold up", async () => {
+  const solver = await Solver.create({ capacity: 2 });
+  solver.addParticles([0.5, 0.5, 0.5, 0.7, 0.5, 0.5]);
+  solver.setAccelerations([0, 9.81, 0], 1);
+  solver.step(12);
+  assert.ok(Math.abs(solver.velocities[1] + 0.981) < 1e-4);
+  assert.ok(Math.abs(solver.velocities[4]) < 1e-6);
+  solver.setAccelerations(null);
+  solver.step(12);
+  assert.ok(Math.abs(solver.velocities[4] + 0.981) < 1e-4);
+  solver.destroy();
+});
+
 test("a state is saved and loaded", async () => {
   const solver = await fluid(), other = await Solver.create({ capacity: 1000 });
   solver.step(5);

@@ -14,7 +14,10 @@ export async function used(): Promise<number> {
   const ball: ColliderFields = { shape: "sphere", position: [1, 0.5], radius: 0.1 };
   fluid.setColliders([ball]);
   fluid.moveColliders([{ ...ball, position: [0, 0] }], 1 / 60);
-  fluid.setParams({ viscosity: 0.1 });
+  fluid.setParams({ viscosity: 0.1, loads: 1 });
+  const pushed: number = fluid.colliderLoads()[0]!.impulseSum[1]! + fluid.wallLoads()[constants.WALL_Y_MIN]!.penetration;
+  fluid.setAccelerations(new Float32Array(2));
+  fluid.setAccelerations(null);
   const speed: number = fluid.map("velocity", ({ components, stride }) => components[0]![stride] ?? 0);
   try {
     fluid.step();
@@ -25,7 +28,7 @@ export async function used(): Promise<number> {
   const stage: string = fluid.timings.stages[0]!.name;
   const state: Uint8Array = fluid.save();
   fluid.load(state);
-  return first + speed + fluid.positions.length + stage.length + version().length + fluid.stats.centerOfMass[0]! + fluid.colliders.length;
+  return first + speed + pushed + fluid.positions.length + stage.length + version().length + fluid.stats.centerOfMass[0]! + fluid.colliders.length;
 }
 
 // @ts-expect-error a parameter that there is not

@@ -15,6 +15,7 @@ typedef struct scene {
   pbf_params params;
   uint32_t colliders;
   int jets;        /* particles come and go between steps, and in them */
+  int accelerated; /* half of them, from half of the steps on */
   const char *isa; /* null: the best */
   uint64_t hash;   /* after the steps */
   pbf_stats stats; /* and what else is asked for */
@@ -65,6 +66,7 @@ static void add_colliders(const scene *c, pbf_solver *s) {
   list[0].velocity[0] = -0.8;
   for (int k = 0; k < 3; ++k) list[1].position[k] = 0.3, list[1].half_extents[k] = 0.08;
   list[1].angular_velocity[2] = 3;
+  list[1].no_slip = 0.5;
   EXPECT_OK(pbf_set_colliders(s, COLLIDERS, list));
 }
 
@@ -79,6 +81,18 @@ static void set_jets(pbf_solver *s) {
   drain.radius = 0.06;
   EXPECT_OK(pbf_set_emitters(s, 1, &tap));
   EXPECT_OK(pbf_set_drains(s, 1, &drain));
+}
+
+/* Every other particle of the first half, by where it is. */
+static void accelerate(const scene *c, pbf_solver *s) {
+  const uint32_t d = c->dimension, count = c->count / 2;
+  void *a = calloc((size_t)count * d, c->precision);
+  EXPECT(a);
+  EXPECT_OK(pbf_get_positions(s, 0, count, a));
+  for (uint32_t i = 1; i < count; i += 2)
+    memset((char *)a + i * d * c->precision, 0, d * c->precision);
+  EXPECT_OK(pbf_set_accelerations(s, 0, count, a));
+  free(a);
 }
 
 static void ask(pbf_solver *s, double asked[4]) {
@@ -108,6 +122,7 @@ static void run_scene(const scene *c, pbf_solver *s) {
     fill(c, s, 300, 0.03);
     set_jets(s);
   }
+  if (c->accelerated) accelerate(c, s);
   EXPECT_OK(pbf_step(s, STEPS - STEPS / 2));
 }
 
@@ -221,6 +236,7 @@ static void check_stages(uint32_t dimension, uint32_t precision) {
   c.params.shear_stress_correction = 0.7;
   c.params.vorticity = 0.02;
   c.params.viscosity = 0.002;
+  c.params.wall_no_slip = 1;
   c.params.surface_tension = 0.002;
   c.params.drag = 0.3;
   c.params.drag_velocity[0] = 1;
@@ -272,6 +288,17 @@ static void check_sparse(uint32_t dimension, uint32_t precision) {
   check("sparse particles", &c);
 }
 
+/* They reach a particle on whichever rank it is. */
+static void check_accelerated(uint32_t dimension, uint32_t precision) {
+  scene c = plain(dimension, precision);
+  run_alone(&c);
+  const uint64_t without = c.hash;
+  free_answers(&c);
+  c.accelerated = 1;
+  check("accelerations", &c);
+  assert_true(c.hash != without);
+}
+
 static void check_few(uint32_t dimension, uint32_t precision) {
   scene c = plain(dimension, precision);
   c.count = 20;
@@ -313,6 +340,11 @@ static void so_are_sparse_particles(void **state) {
   test_for_each_kind(check_sparse);
 }
 
+static void so_are_accelerations(void **state) {
+  (void)state;
+  test_for_each_kind(check_accelerated);
+}
+
 static void so_are_few_particles(void **state) {
   (void)state;
   test_for_each_kind(check_few);
@@ -346,6 +378,7 @@ int main(void) {
       cmocka_unit_test(so_is_a_solve_that_ends_at_a_tolerance),
       cmocka_unit_test(so_are_walls_that_mirror),
       cmocka_unit_test(so_are_sparse_particles),
+      cmocka_unit_test(so_are_accelerations),
       cmocka_unit_test(so_are_few_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(nor_how_wide_groups_are),

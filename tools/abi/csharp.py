@@ -10,7 +10,7 @@ OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read
          "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
 AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
 KEYWORDS = {"params": "parameters"}
-ARRAYS = {"ids", "counts", "distances", "normal", "normals", "levels"}  # of numbers, written to
+ARRAYS = {"ids", "counts", "distances", "normal", "normals", "levels", "loads"}  # written to
 
 
 def struct_name(name):
@@ -52,7 +52,7 @@ def parameter_of(function, parameter):
             return f"SolverHandle {name}"  # which can't be destroyed while a call is inside
         if "pointer" in target:
             return f"out IntPtr {name}"
-        if "struct" in target and not kind["const"]:
+        if "struct" in target and not kind["const"] and name not in ARRAYS:
             return f"ref {struct_name(target['struct'])} {name}"
         if target.get("scalar") in ("uint32_t", "uint64_t", "double") and not kind["const"] and name not in ARRAYS:
             return f"ref {SCALARS[target['scalar']]} {name}"

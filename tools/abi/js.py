@@ -16,7 +16,8 @@ LEFT_OUT = ("pbf_export_dlpack", "pbf_load_backend", "pbf_read", "pbf_get_anisot
             "pbf_end_step", "pbf_cancel", "pbf_set_snapshots", "pbf_acquire_snapshot", "pbf_release_snapshot",
             "pbf_get_backend_count", "pbf_get_backend_info", "pbf_keep_previous")
 # Structs that programs see, by the names that they have there.
-SEEN = {"pbf_params": "Params", "pbf_collider": "Collider", "pbf_stats": "Stats", "pbf_info": "Info",
+SEEN = {"pbf_params": "Params", "pbf_collider": "Collider", "pbf_collider_load": "ColliderLoad",
+        "pbf_stats": "Stats", "pbf_info": "Info",
         "pbf_plan_stage": "PlanStage", "pbf_plan_array": "PlanArray", "pbf_plan": "Plan",
         "pbf_stage_time": "StageTime", "pbf_timings": "Timings"}
 USED = ["pbf_desc", *SEEN, "pbf_view"]

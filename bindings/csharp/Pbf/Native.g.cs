@@ -672,9 +672,9 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref Collider collider);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_collider_loads(SolverHandle solver, uint count, ref ColliderLoad loads);
+        internal static extern Status pbf_get_collider_loads(SolverHandle solver, uint count, IntPtr loads);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_wall_loads(SolverHandle solver, uint count, ref ColliderLoad loads);
+        internal static extern Status pbf_get_wall_loads(SolverHandle solver, uint count, IntPtr loads);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_map(SolverHandle solver, uint field, ref NativeView view);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]

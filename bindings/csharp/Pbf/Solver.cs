@@ -97,6 +97,17 @@ namespace Pbf
             return colliders;
         }
 
+        /// <summary>What the fluid does to each collider; begins their sums anew. Wants Params.Loads.</summary>
+        public ColliderLoad[] GetColliderLoads()
+        {
+            uint count = 0;
+            Check(Native.pbf_get_collider_count(handle, ref count));
+            return Loads(count, Native.pbf_get_collider_loads);
+        }
+
+        /// <summary>The same of the domain's walls, by Constants.WallXMin and so on.</summary>
+        public ColliderLoad[] GetWallLoads() { return Loads(2 * dimension, Native.pbf_get_wall_loads); }
+
         // ---- Particles
 
         public uint Count
@@ -150,8 +161,13 @@ namespace Pbf
         public void SetPositions(double[] from, uint first = 0) { Rows(Native.pbf_set_positions, from, first, dimension); }
         public void SetVelocities(float[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
         public void SetVelocities(double[] from, uint first = 0) { Rows(Native.pbf_set_velocities, from, first, dimension); }
+
+        /// <summary>Beside gravity, in each step until they are set anew.</summary>
         public void SetAccelerations(float[] from, uint first = 0) { Rows(Native.pbf_set_accelerations, from, first, dimension); }
         public void SetAccelerations(double[] from, uint first = 0) { Rows(Native.pbf_set_accelerations, from, first, dimension); }
+
+        /// <summary>Takes all of them away, and their memory.</summary>
+        public void ClearAccelerations() { Check(Native.pbf_set_accelerations(handle, 0, 0, IntPtr.Zero)); }
 
         public uint[] GetIds()
         {
@@ -257,6 +273,7 @@ namespace Pbf
 
         // ---- What the calls have in common
 
+        private delegate Status LoadsCall(SolverHandle solver, uint count, IntPtr loads);
         private delegate Status RowsCall(SolverHandle solver, uint first, uint count, IntPtr rows);
 
         private static IntPtr Create(Desc desc, Params parameters, GCHandle target)
@@ -328,6 +345,14 @@ namespace Pbf
             Pinned(positions, x => Pinned(velocities,
                 v => Check(Native.pbf_add_particles(handle, count, x, v, ref first))));
             return first;
+        }
+
+        private ColliderLoad[] Loads(uint count, LoadsCall call)
+        {
+            var loads = new ColliderLoad[count];
+            for (uint i = 0; i < count; ++i) loads[i].StructSize = SizeOf<ColliderLoad>();
+            Pinned(loads, at => Check(call(handle, count, at)));
+            return loads;
         }
 
         private void Rows(RowsCall call, Array array, uint first, uint components)

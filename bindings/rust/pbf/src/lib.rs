@@ -29,6 +29,7 @@ pub use error::{Error, Result, Status};
 pub use log::{Level, LogFn};
 pub use params::{Desc, Params};
 pub use pbf_sys as sys;
+pub use pbf_sys::pbf_collider_load as Load;
 pub use pbf_sys::pbf_stats as Stats;
 pub use report::{
     backends, load_backend, version, BackendInfo, Info, Plan, PlanArray, PlanStage, StageTime,

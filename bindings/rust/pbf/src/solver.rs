@@ -6,7 +6,7 @@ use crate::params::{Desc, Params};
 use crate::report::{text, Info, Plan, StageTime};
 use crate::snapshot::{Reader, Snapshot};
 use crate::view::{Field, View};
-use crate::Stats;
+use crate::{Load, Stats};
 use pbf_sys as sys;
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -41,6 +41,7 @@ pub struct Solver<T: Real> {
 }
 
 type Get<R> = unsafe extern "C" fn(*mut sys::pbf_solver, *mut R) -> sys::pbf_status;
+type Loads = unsafe extern "C" fn(*mut sys::pbf_solver, u32, *mut Load) -> sys::pbf_status;
 type Rows = unsafe extern "C" fn(*mut sys::pbf_solver, u32, u32, *mut c_void) -> sys::pbf_status;
 type SetRows =
     unsafe extern "C" fn(*mut sys::pbf_solver, u32, u32, *const c_void) -> sys::pbf_status;
@@ -223,8 +224,15 @@ impl<T: Real> Solver<T> {
         self.set_rows(sys::pbf_set_velocities, first, velocities)
     }
 
+    /// Beside gravity, in each step until they are set anew.
     pub fn set_accelerations(&mut self, first: u32, accelerations: &[T]) -> Result<()> {
         self.set_rows(sys::pbf_set_accelerations, first, accelerations)
+    }
+
+    /// Takes all of them away, and their memory.
+    pub fn clear_accelerations(&mut self) -> Result<()> {
+        self.handle
+            .checked(unsafe { sys::pbf_set_accelerations(self.as_raw(), 0, 0, null()) })
     }
 
     pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<()> {
@@ -251,6 +259,17 @@ impl<T: Real> Solver<T> {
                 Ok(Collider::from_raw(raw))
             })
             .collect()
+    }
+
+    /// What the fluid does to each collider; begins their sums anew. Wants `params.loads`.
+    pub fn collider_loads(&mut self) -> Result<Vec<Load>> {
+        let count = self.number(sys::pbf_get_collider_count, 0)?;
+        self.loads(sys::pbf_get_collider_loads, count)
+    }
+
+    /// The same of the domain's walls, by `PBF_WALL_…`.
+    pub fn wall_loads(&mut self) -> Result<Vec<Load>> {
+        self.loads(sys::pbf_get_wall_loads, 2 * self.dimension)
     }
 
     pub fn map(&mut self, field: Field) -> Result<View<'_, T>> {
@@ -348,6 +367,15 @@ impl<T: Real> Solver<T> {
                 "an array has {numbers} numbers, more than 32 bits count"
             ))
         })
+    }
+
+    fn loads(&mut self, get: Loads, count: u32) -> Result<Vec<Load>> {
+        let mut empty: Load = unsafe { zeroed() };
+        empty.struct_size = size_of::<Load>() as u32;
+        let mut loads = vec![empty; count as usize];
+        self.handle
+            .checked(unsafe { get(self.as_raw(), count, loads.as_mut_ptr()) })?;
+        Ok(loads)
     }
 
     fn number<R>(&self, get: Get<R>, mut into: R) -> Result<R> {

@@ -62,6 +62,53 @@ fn a_particle_falls() {
     assert_eq!(fluid.count().unwrap(), 0);
 }
 
+/// What walls and colliders have had is the momentum that gravity gave and the fluid has not.
+#[test]
+fn loads_are_the_momentum_that_is_gone() {
+    let mut params = Params::default();
+    params.loads = 1;
+    let mut fluid = Solver::<f64>::new(&desc(), &params).unwrap();
+    assert!(fluid.collider_loads().unwrap().is_empty());
+    fluid
+        .add_particles(&[0.5, 0.06, 0.5, 0.56, 0.06, 0.5], None)
+        .unwrap();
+    fluid
+        .set_colliders(&[Collider::sphere([0.9; 3], 0.05)])
+        .unwrap();
+    fluid.step(16).unwrap();
+    let far = fluid.collider_loads().unwrap();
+    let walls = fluid.wall_loads().unwrap();
+    assert_eq!((far.len(), walls.len()), (1, 6));
+    let v = fluid.velocities().unwrap();
+    let (volume, time) = (
+        (params.smoothing_radius / 2.).powi(3),
+        16. * params.time_step,
+    );
+    let gone = volume * (2. * params.gravity[1] * time - v[1] - v[4]);
+    let floor = &walls[pbf::sys::PBF_WALL_Y_MIN as usize];
+    assert!(gone < -0.5 * volume);
+    assert!((floor.impulse_sum[1] / gone - 1.).abs() < 1e-9);
+    assert!((floor.time_sum - time).abs() < 1e-12);
+    assert_eq!((far[0].contacts, far[0].impulse_sum), (0, [0.; 3]));
+    params.loads = 0;
+    fluid.set_params(&params).unwrap();
+    assert_refused(fluid.wall_loads().map(|_| ()), Status::State, "loads");
+}
+
+#[test]
+fn accelerations_hold_up() {
+    let mut fluid = filled();
+    fluid.set_accelerations(1, &[0., 9.81, 0.]).unwrap();
+    fluid.step(12).unwrap();
+    let v = fluid.velocities().unwrap();
+    assert!((v[1] + 0.981).abs() < 1e-4 && v[4].abs() < 1e-6);
+    assert_refused(fluid.save(), Status::State, "accelerations");
+    fluid.clear_accelerations().unwrap();
+    fluid.step(12).unwrap();
+    assert!((fluid.velocities().unwrap()[4] + 0.981).abs() < 1e-4);
+    fluid.save().unwrap();
+}
+
 #[test]
 fn errors_have_the_sentence() {
     let mut params = Params::default();
