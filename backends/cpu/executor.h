@@ -94,9 +94,13 @@ struct executor {
     over_pairs(crowding_task);
   }
   void viscosity(uint32_t k) {
+    const bool before_solve = w->s->schedule.accelerated;
     w->viscosity_stage = k;
-    over_pairs(viscous_stress_task);
-    w->b.accept_viscous_stage();
+    over_pairs(before_solve ? viscous_stress_task : xsph_task);
+    if (before_solve)
+      w->b.accept_viscous_stage();
+    else
+      w->b.accept_smoothed_velocity();
     stage_end(w, PBF_STAGE_VISCOSITY);
   }
   /* Where lambda is looked up then, what is no neighbour is far away again. */
@@ -156,11 +160,6 @@ struct executor {
   }
   void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
-  void xsph() {
-    over_pairs(xsph_task);
-    w->b.accept_smoothed_velocity();
-    stage_end(w, PBF_STAGE_VISCOSITY);
-  }
   void missing_neighbors() { over_pairs(missing_task); }
   void surface_tension() { over_pairs(surface_tension_task, PBF_STAGE_SURFACE_TENSION); }
   void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }

@@ -122,6 +122,23 @@ struct executor {
   }
 
   void viscosity(uint32_t k) {
+    run(PBF_STAGE_VISCOSITY, [&] {
+      if (s->schedule.accelerated)
+        launch_viscous_stress(k);
+      else
+        launch_xsph();
+    });
+  }
+
+  /* The smoothed velocities become the velocities by an exchange of the arrays. */
+  void launch_xsph() {
+    with_kernel(s->schedule.features, [&](auto features) {
+      launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
+    });
+    swap_arrays(&s->velocities, &s->smoothed);
+  }
+
+  void launch_viscous_stress(uint32_t k) {
     const viscous_stage stage = {pbf_viscosity_weights_of(&n.constants, k),
                                  extras.rest.activity,
                                  n.particles.velocities,
@@ -131,12 +148,10 @@ struct executor {
     const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
     neighborhood starts = n;
     starts.particles.points = s->points;
-    run(PBF_STAGE_VISCOSITY, [&] {
-      with_surfaces(s, [&](auto surfaces) {
-        launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
-                                   : viscous_stress_kernel<false, FEW_SURFACES>,
-               starts, stage, extras.obstacles, no_slip);
-      });
+    with_surfaces(s, [&](auto surfaces) {
+      launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
+                                 : viscous_stress_kernel<false, FEW_SURFACES>,
+             starts, stage, extras.obstacles, no_slip);
     });
     swap_arrays(&changes, &next_changes);
   }
@@ -436,16 +451,6 @@ struct executor {
       with_kernel(s->schedule.features, [&](auto features) {
         launch(confine_kernel<decltype(features)::value>, n, s->curls, curl_sizes(), s->velocities);
       });
-    });
-  }
-
-  /* The smoothed velocities become the velocities by an exchange of the arrays. */
-  void xsph() {
-    run(PBF_STAGE_VISCOSITY, [&] {
-      with_kernel(s->schedule.features, [&](auto features) {
-        launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
-      });
-      swap_arrays(&s->velocities, &s->smoothed);
     });
   }
 

@@ -121,7 +121,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   }
   if (runs<PBF_STAGE_VISCOSITY>(has) && !has.accelerated) {
     e.exchange(FIELD_VELOCITY);
-    e.xsph();
+    e.viscosity(0);
   }
   if (runs<PBF_STAGE_SURFACE_TENSION>(has)) {
     e.missing_neighbors();

@@ -404,6 +404,13 @@ static inline void apply_viscous_stress(solver *s, const pbf_obstacles *o, uint3
   }
 }
 
+static inline void apply_viscosity(solver *s, const pbf_obstacles *o, uint32_t k) {
+  if (s->schedule.accelerated)
+    apply_viscous_stress(s, o, k);
+  else
+    apply_xsph(s);
+}
+
 /* Once the solve is over, what it added is not asked for any more. */
 static inline void find_missing_neighbors(solver *s, const pbf_obstacles *o) {
   const missing_neighbors_pass pass = {&s->constants};
@@ -463,7 +470,7 @@ struct executor {
   void residual_density() { compute_residual_density(s, &before); }
   void overlap() { find_overlap(s, &before); }
   void crowding() { find_crowding(s); }
-  void viscosity(uint32_t k) { apply_viscous_stress(s, &obstacles, k); }
+  void viscosity(uint32_t k) { apply_viscosity(s, &obstacles, k); }
   void move_by_viscosity() {
     if (finds_loads(s) && s->schedule.no_slip)
       find_no_slip_loads(s, pbf_forces_of(&s->params, began), &obstacles);
@@ -501,7 +508,6 @@ struct executor {
   void loads() { find_loads(s, pbf_forces_of(&s->params, began), &obstacles); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
-  void xsph() { apply_xsph(s); }
   void missing_neighbors() { find_missing_neighbors(s, &obstacles); }
   void surface_tension() { apply_surface_tension(s); }
   void drag() { apply_drag(s); }

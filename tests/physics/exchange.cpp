@@ -62,7 +62,6 @@ struct watcher {
   }
   void curl() { stage_of("curl", FIELD_POSITION | FIELD_VELOCITY, FIELD_CURL_SIZE); }
   void confine() { stage_of("confine", FIELD_POSITION | FIELD_CURL_SIZE, FIELD_VELOCITY); }
-  void xsph() { stage_of("xsph", FIELD_POSITION | FIELD_VELOCITY, FIELD_VELOCITY); }
   void friction() { stage_of("friction", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void loads() { stage_of("loads", 0, 0); }
   void missing_neighbors() { stage_of("missing_neighbors", FIELD_POSITION, FIELD_MISSING); }
