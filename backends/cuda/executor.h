@@ -40,11 +40,11 @@ struct executor {
   neighborhood n;
   iteration_extras extras;
   iteration_place place;
-  point *moved;                  /* where a move goes */
-  pbf_vec *changes = nullptr;    /* of velocities, by viscosity, … */
+  point *moved;                    /* where a move goes */
+  pbf_vec *changes = nullptr;      /* of velocities, by viscosity, … */
   pbf_vec *next_changes = nullptr; /* … and by its next stage */
-  lambda_sums<pbf_real> *ghosts; /* where walls have them, else null */
-  pbf_status status;             /* of the first call that failed */
+  lambda_sums<pbf_real> *ghosts;   /* where walls have them, else null */
+  pbf_status status;               /* of the first call that failed */
 
   /* Between these colliders. */
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)

@@ -25,12 +25,12 @@ typedef struct pbf_constants {
   pbf_real tension;      /* weight of densities below rest where lambda does not add up */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
-  pbf_real confinement;          /* dt times the strength of eq. 16, see pbf_max_confinement */
-  pbf_real viscosity;            /* eq. 17, or … */
-  pbf_real viscosity_step;       /* … on sums of passes/viscous_stress.h, */
-  pbf_real viscosity_falloff;    /* how steep its weights are, */
-  pbf_real viscosity_max_spread; /* the most that a block's eigenvalues are iterated for, … */
-  pbf_real viscosity_diagonal;   /* … and that of the system */
+  pbf_real confinement;              /* dt times the strength of eq. 16, see pbf_max_confinement */
+  pbf_real viscosity;                /* eq. 17, or … */
+  pbf_real viscosity_step;           /* … on sums of passes/viscous_stress.h, */
+  pbf_real viscosity_falloff;        /* how steep its weights are, */
+  pbf_real viscosity_max_spread;     /* the most that a block's eigenvalues are iterated for, … */
+  pbf_real viscosity_diagonal;       /* … and that of the system */
   pbf_viscosity_plan viscosity_plan; /* and its stages */
   pbf_real viscosity_wall_nearest;   /* no particle counts as nearer to a plane, in h */
   pbf_real viscosity_wall[PBF_VISCOUS_WALL_NODES];

@@ -17,7 +17,8 @@ PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_
       c, o, n, x, [&](int surface, pbf_real rate, pbf_real distance, pbf_vec normal) {
         const pbf_vec relative = relative_to_surface(o, n, surface, x, v);
         const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
-        pbf_load_plane plane = {surface < 0 ? -1 - surface : PBF_WALLS + surface, distance, 0, normal};
+        pbf_load_plane plane = {surface < 0 ? -1 - surface : PBF_WALLS + surface, distance, 0,
+                                normal};
         load_share share = {{0}, {0}};
         for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)rate * (double)along.c[k];
         take(plane, share);

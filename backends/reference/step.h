@@ -351,8 +351,8 @@ static inline void apply_xsph(solver *s) {
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
-/* Sums over the pairs that are near each other at the prediction, as lists have them, of a pass that
- * looks at them where they came from. */
+/* Sums over the pairs that are near each other at the prediction, as lists have them, of a pass
+ * that looks at them where they came from. */
 template <class Pass>
 static inline typename Pass::template sums<pbf_real> sums_before(
     const solver *s, const Pass &pass, const lookups &of,

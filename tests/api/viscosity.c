@@ -153,9 +153,10 @@ static void momenta(const fluid *f, double sums[6]) {
   }
 }
 
-/* Places so far apart are too thin for pressure: what changes momenta is viscosity alone, and the way
- * of a step along the velocity does not change x × v. In crowds pressure changes that. */
-static void check_momenta_of(uint32_t dimension, uint32_t precision, double apart, int momenta_kept) {
+/* Places so far apart are too thin for pressure: what changes momenta is viscosity alone, and the
+ * way of a step along the velocity does not change x × v. In crowds pressure changes that. */
+static void check_momenta_of(uint32_t dimension, uint32_t precision, double apart,
+                             int momenta_kept) {
   const pbf_params params = params_of(3, 2, 1e-3);
   const double rounding = precision == PBF_FLOAT32 ? 1e-6 : 1e-14;
   fluid f = fluid_of(dimension, precision, &params, 10, apart * spacing, whirl);

@@ -69,8 +69,7 @@ struct crowding_pass {
         const pbf_real entry = s.block[pbf_symmetric_entry(k, l)] - (k == l ? mean : 0);
         deviator2 += (k == l ? 1 : 2) * (entry * entry);
       }
-    const pbf_real most =
-        mean + pbf_real_sqrt((pbf_real)((PBF_DIM - 1.0) / PBF_DIM) * deviator2);
+    const pbf_real most = mean + pbf_real_sqrt((pbf_real)((PBF_DIM - 1.0) / PBF_DIM) * deviator2);
     return most > c->viscosity_max_spread ? 1 - c->viscosity_max_spread / most : 0;
   }
 };
@@ -123,9 +122,9 @@ struct viscous_stress_pass {
    * to it the block is a multiple of the unit matrix. */
   PBF_IN pbf_vec finish(const pbf_viscous_system &system, int with_solids,
                         const pbf_viscosity_weights &w, pbf_vec change, pbf_vec before) const {
-    pbf_vec next = with_solids
-                       ? pbf_add_scaled(change, w.residual, pbf_viscous_step(system))
-                       : pbf_add_scaled(change, w.residual / c->viscosity_diagonal, system.residual);
+    pbf_vec next =
+        with_solids ? pbf_add_scaled(change, w.residual, pbf_viscous_step(system))
+                    : pbf_add_scaled(change, w.residual / c->viscosity_diagonal, system.residual);
     if (w.before > 0) next = pbf_add_scaled(next, w.before, pbf_sub(change, before));
     return next;
   }
