@@ -9,6 +9,7 @@
 #include "cpu/sort.h"
 #include "cpu/step_ranks.h"
 #include "cpu/velocities.h"
+#include "cpu/viscosity.h"
 #include "physics/passes/predict.h"
 #include "physics/step.h"
 
