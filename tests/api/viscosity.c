@@ -132,9 +132,9 @@ static void shear_decays(void **state) {
 
 /* ---- Momentum -------------------------------------------------------------------------------- */
 
-/* Any velocity, from the place. */
+/* Any velocity, from the place, and not its opposite at the opposite place. */
 static void whirl(const double x[3], double v[3]) {
-  for (int k = 0; k < 3; ++k) v[k] = sin(29 * x[k] + 13 * x[(k + 1) % 3] - 41 * x[(k + 2) % 3]);
+  for (int k = 0; k < 3; ++k) v[k] = sin(29 * x[k] + 13 * x[(k + 1) % 3] - 41 * x[(k + 2) % 3] + 1);
 }
 
 /* Sums of v, and of x × v, in units of their largest possible values. */
