@@ -89,7 +89,7 @@ int main(void) {
   preset_research(&params, d, height);
   good &= judge("research", &desc, &params, 0.002, 1.9);
   preset_thick(&params, d, height);
-  good &= judge("thick", &desc, &params, 0.015, 0.85);
+  good &= judge("thick", &desc, &params, 0.011, 0.85);
   preset_replay(&desc, &params, d, height);
   desc.capacity = COUNT;
   desc.threads = 1;

@@ -9,6 +9,7 @@
 #include "cpu/sort.h"
 #include "cpu/step_ranks.h"
 #include "cpu/velocities.h"
+#include "cpu/viscosity.h"
 #include "physics/passes/predict.h"
 #include "physics/step.h"
 
@@ -61,6 +62,8 @@ struct executor {
     if (fields & FIELD_SHEAR_PUSH) pack_vectors(w, shear_pushes_task);
     if (fields & FIELD_CORRECTION_RATE) pack_vectors(w, rates_task);
     if (fields & FIELD_CURL_SIZE) pack_positions(w, sizes_task);
+    if (fields & FIELD_CROWDING) pack_vectors(w, packed_crowding_task);
+    if (fields & FIELD_VISCOUS_CHANGE) pack_vectors(w, viscous_changes_task);
     if (fields & FIELD_MISSING) pack_positions(w, packed_missing_task);
   }
 
@@ -87,6 +90,26 @@ struct executor {
   }
   void residual_density() { find_residual_density(w); }
   void overlap() { find_overlap(w); }
+  void crowding() {
+    over_pairs(viscous_start_task);
+    over_pairs(crowding_task);
+  }
+  void viscosity(uint32_t k) {
+    const bool before_solve = w->s->schedule.accelerated;
+    w->viscosity_stage = k;
+    over_pairs(before_solve ? viscous_stress_task : xsph_task);
+    if (before_solve)
+      w->b.accept_viscous_stage();
+    else
+      w->b.accept_smoothed_velocity();
+    stage_end(w, PBF_STAGE_VISCOSITY);
+  }
+  /* Where lambda is looked up then, what is no neighbour is far away again. */
+  void move_by_viscosity() {
+    if (finds_loads(w->s) && w->s->schedule.no_slip) over_pairs(no_slip_loads_task);
+    over_pairs(viscous_way_task, w->s->kernels->pack ? end_positions : NULL);
+    w->b.accept_viscous_prediction();
+  }
   void begin_solve() {}
   void pressure_grid() { solve_pressure_grid(w); }
   bool is_converged(uint32_t) const { return false; } /* see ::is_converged */
@@ -138,18 +161,6 @@ struct executor {
   }
   void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
-  void viscosity(uint32_t k) {
-    w->viscosity_stage = k;
-    if (k == 0 && w->s->schedule.accelerated) over_pairs(viscous_start_task);
-    over_pairs(w->s->schedule.accelerated ? viscous_stress_task : xsph_task);
-    w->b.accept_smoothed_velocity();
-    stage_end(w, PBF_STAGE_VISCOSITY);
-  }
-  void move_by_viscosity() {
-    over_pairs(viscous_move_task);
-    w->b.accept_sheared_x();
-    moved = true;
-  }
   void missing_neighbors() { over_pairs(missing_task); }
   void surface_tension() { over_pairs(surface_tension_task, PBF_STAGE_SURFACE_TENSION); }
   void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }

@@ -38,6 +38,7 @@ const kernels PBF_VARIANT_API = {
     .shear_stress = PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION ? shear_stress : NULL,
     .wake_neighbors = PBF_BUILT & PBF_FEATURE_SLEEP ? wake_neighbors : NULL,
     .viscosity = PBF_BUILT & VELOCITY_MEANS ? viscosity : NULL,
+    .crowding = PBF_BUILT & PBF_FEATURE_VISCOSITY ? crowding : NULL,
     .viscous_stress = PBF_BUILT & PBF_FEATURE_VISCOSITY ? viscous_stress : NULL,
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,

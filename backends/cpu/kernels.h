@@ -127,13 +127,16 @@ struct tension_pass {
   /* The density that solids contribute to particle i: the same for all instruction sets. */
   pbf_real (*solids)(const pair_pass *p, uint32_t i);
 };
+
 /* What a stage of viscosity works on. */
 typedef struct viscous_pass {
   pbf_viscosity_weights weights;
   const pbf_obstacles *obstacles; /* that fluid sticks to; null: it slides on all */
   const pbf_no_slip *no_slip;     /* and how much */
-  field start;                    /* velocities before the first stage */
-  field v, next; /* after the last one; and after the one before it, and then after this one */
+  const pbf_real *crowding;       /* what is left out of it */
+  field v;                        /* of the prediction */
+  field force;                    /* which the first stage finds */
+  field change, next; /* after the last one; and after the one before it, and then after this one */
 } viscous_pass;
 
 /* Sorted particles of which one byte says whether any of them can be awakened. */
@@ -191,6 +194,8 @@ typedef struct kernels {
   void (*wake_neighbors)(const pair_pass *p, const pbf_real *is_source, const uint8_t *has_sleepers,
                          uint32_t *awakened, uint32_t first, uint32_t last);
   void (*viscosity)(const pair_pass *p, field v, field smoothed, uint32_t first, uint32_t last);
+  /* What crowding leaves out of viscosity, and a stage of that. */
+  void (*crowding)(const pair_pass *p, pbf_real *left_out, uint32_t first, uint32_t last);
   void (*viscous_stress)(const pair_pass *p, const viscous_pass *s, uint32_t first, uint32_t last);
   /* `neighbors` null: the sentinel counts them. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,

@@ -350,10 +350,21 @@ static void viscosity(const pair_pass *p, field v, field smoothed, uint32_t firs
   }
 }
 
+static void crowding(const pair_pass *p, pbf_real *left_out, uint32_t first, uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const crowding_pass pass = {&c};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<crowding_pass::sums> sums(sums_of_group(pass, p, {}, {}, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      left_out[i] = pass.finish(sums[l]);
+  }
+}
+
 static __attribute__((noinline)) int add_no_slip_at(const pair_pass *p, const viscous_pass *s,
                                                     uint32_t i, pbf_vec v,
                                                     pbf_viscous_system *system) {
-  return add_no_slip(p->constants, *s->obstacles, *s->no_slip, field_at(&p->x, i), v, system);
+  return add_no_slip(p->constants, *s->obstacles, *s->no_slip, s->weights.first != 0,
+                     field_at(&p->x, i), v, system);
 }
 
 /* Whether some of a group may stick to solids; of colliders nothing is known. */
@@ -369,17 +380,22 @@ static void viscous_stress(const pair_pass *p, const viscous_pass *s, uint32_t f
                            uint32_t last) {
   const pbf_constants c = *p->constants;
   const viscous_stress_pass pass = {&c};
+  const bool begins = s->weights.first != 0;
+  const field of = begins ? s->v : s->change;
   for (uint32_t g = first; g < last; ++g) {
     const lane_sums<viscous_stress_pass::sums> sums(
-        sums_of_group(pass, p, {NULL, &s->v}, {load_vector(s->v, g * WIDTH)}, g));
+        sums_of_group(pass, p, {s->crowding, &of},
+                      {lane_load(s->crowding + g * WIDTH), load_vector(of, g * WIDTH)}, g));
     const int may_stick = group_may_stick(p, s, g);
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
-      const pbf_vec v = field_at(&s->v, i);
-      if (s->weights.first) field_set(&s->start, i, v);
-      pbf_viscous_system system = pass.system(sums[l], v, field_at(&s->start, i));
-      const int with_solids = may_stick && add_no_slip_at(p, s, i, v, &system);
-      field_set(&s->next, i,
-                pass.finish(system, with_solids, s->weights, v, field_at(&s->next, i)));
+      const pbf_vec none = {{0}}, change = begins ? none : field_at(&s->change, i);
+      pbf_viscous_system system =
+          pass.system(sums[l], begins ? none : pbf_sub(field_at(&s->force, i), change));
+      const int with_solids = may_stick && add_no_slip_at(p, s, i, field_at(&of, i), &system);
+      if (begins) field_set(&s->force, i, system.residual);
+      if (begins) field_set(&s->change, i, none);
+      const pbf_vec before = begins ? none : field_at(&s->next, i);
+      field_set(&s->next, i, pass.finish(system, with_solids, s->weights, change, before));
     }
   }
 }

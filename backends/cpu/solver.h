@@ -212,6 +212,7 @@ static inline pbf_real *packed_vectors(const solver *s) { return s->packed[1]; }
 /* A real of each particle, when no iteration is under way: where lambda adds up it is the pressure,
  * and stays. */
 static inline pbf_real *scratch_reals(const solver *s) { return s->added ? s->added : s->lambda; }
+static inline pbf_real *crowding_of(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *curl_sizes(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *missing_neighbors_of(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *sorted_lambda(const solver *s) { return scratch_reals(s); }

@@ -40,8 +40,18 @@ struct buffers {
   PBF_IN const field &next_x_star() const { return scratch[0]; }
   PBF_IN void accept_iteration() { exchange(&scratch[0], &scratch[1]); }
 
-  /* From the sort to the end of the solve nothing reads the old state: what surfaces contribute is
-   * kept there. */
+  /* From the sort to the end of the solve nothing reads the old state. Of viscosity: what
+   * velocities change by, with what they do after the next stage; and what acts on them. */
+  PBF_IN const field &viscous_change() const { return x; }
+  PBF_IN const field &next_viscous_change() const { return v; }
+  PBF_IN void accept_viscous_stage() { exchange(&x, &v); }
+  PBF_IN const field &viscous_force() const { return scratch[1]; }
+
+  /* Where particles go by that. */
+  PBF_IN const field &viscous_prediction() const { return scratch[1]; }
+  PBF_IN void accept_viscous_prediction() { exchange(&sorted_predicted, &scratch[1]); }
+
+  /* What surfaces contribute is kept there after that. */
   PBF_IN const field &boundary_gradient() const { return v; }
   PBF_IN pbf_real *boundary_rest() const { return x.c[0]; }
 
@@ -72,8 +82,6 @@ struct buffers {
   PBF_IN pbf_real *wakes() const { return scratch[0].c[0]; }
   PBF_IN const field &smoothed_velocity() const { return scratch[1]; }
   PBF_IN void accept_smoothed_velocity() { exchange(&v, &scratch[1]); }
-  PBF_IN const field &velocity_before_viscosity() const { return sorted_velocity; }
-  PBF_IN const field &x_before_velocity() const { return scratch[0]; }
 
   /* Between steps. */
   PBF_IN const field &sorted_x() const { return sorted_predicted; }

@@ -33,6 +33,8 @@ static void add_fields(const worker *w, int fields, const field &x) {
   if (fields & FIELD_CORRECTION_RATE)
     for (int k = 0; k < PBF_CURL_DIM; ++k) add_array(s, w->b.rotation_rate().c[k]);
   if (fields & FIELD_CURL_SIZE) add_array(s, curl_sizes(s));
+  if (fields & FIELD_CROWDING) add_array(s, crowding_of(s));
+  if (fields & FIELD_VISCOUS_CHANGE) add_field(s, &w->b.viscous_change());
   if (fields & FIELD_MISSING) add_array(s, missing_neighbors_of(s));
   if (fields & FIELD_SHEAR_PUSH) add_field(s, &w->b.shear_push());
   if (fields & FIELD_DEVIATOR) {

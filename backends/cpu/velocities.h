@@ -3,7 +3,7 @@
 #ifndef PBF_CPU_VELOCITIES_H
 #define PBF_CPU_VELOCITIES_H
 
-#include "cpu/solve.h"
+#include "cpu/viscosity.h"
 #include "physics/passes/damping_compensation.h"
 #include "physics/passes/drag.h"
 #include "physics/passes/shear_stress.h"
@@ -65,25 +65,9 @@ static void shear_stress_task(void *context, uint32_t task) {
   shear_awake(w, task, w->s->kernels->shear_stress);
 }
 
-/* What the velocity changes by moves particles at once. */
 static void shear_way_task(void *context, uint32_t task) {
-  worker *w = static_cast<worker *>(context);
-  const range all = task_sorted(w, task);
-  const field change = w->b.shear_velocity(), to = w->b.sheared_x();
-  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
-       r = awake_particles(w, r.last, all.last)) {
-    for (uint32_t i = r.first; i < r.last; ++i) {
-      const pbf_vec v = field_at(&change, i);
-      field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, v));
-      field_set(&to, i, pbf_add_scaled(field_at(&w->b.x, i), w->forces.time_step, v));
-    }
-    if (notes_pushes(w->s)) begin_noting(w->s, &w->b.v, r);
-    w->s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.x, to, w->b.v, r.first,
-                           r.last);
-    if (notes_pushes(w->s)) end_noting(w->s, &w->b.v, r);
-  }
-  copy_sleeping(w, all, &w->b.x, &to);
-  fill_packed(w->s, packed_positions(w->s), &to, NULL, all);
+  const worker *w = static_cast<const worker *>(context);
+  change_velocities(w, task, w->b.x, w->b.v, w->b.shear_velocity(), w->b.sheared_x());
 }
 
 static void flow_task(void *context, uint32_t task) {
@@ -173,50 +157,6 @@ static void confine_task(void *context, uint32_t task) {
 static void xsph_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   smooth_velocities(w, task, w->constants.viscosity, w->b.smoothed_velocity());
-}
-
-/* Where particles have come from with their velocities, at which viscosity looks at them. */
-static void viscous_start_task(void *context, uint32_t task) {
-  const worker *w = static_cast<const worker *>(context);
-  const range all = task_held(w, task);
-  w->s->kernels->backtrack(w->forces.time_step, w->b.x, w->b.v, w->b.x_before_velocity(), all.first,
-                           all.last);
-  fill_packed(w->s, packed_positions(w->s), &w->b.x_before_velocity(), NULL, all);
-}
-
-static void viscous_stress_task(void *context, uint32_t task) {
-  const worker *w = static_cast<const worker *>(context);
-  const range groups = task_groups(w, task);
-  const pair_pass pairs = pairs_at(w, w->b.x_before_velocity(), packed_positions(w->s));
-  const solver *s = w->s;
-  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
-  const viscous_pass pass = {pbf_viscosity_weights_of(&w->constants, w->viscosity_stage),
-                             s->schedule.no_slip ? &w->obstacles : NULL,
-                             &no_slip,
-                             w->b.velocity_before_viscosity(),
-                             w->b.v,
-                             w->b.smoothed_velocity()};
-  for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
-       g = awake_groups(w, g.last, groups.last))
-    w->s->kernels->viscous_stress(&pairs, &pass, g.first, g.last);
-  zero_sleeping(w, task_sorted(w, task), w->b.smoothed_velocity().c, PBF_DIM);
-}
-
-/* By the velocities that viscosity has left. */
-static void viscous_move_task(void *context, uint32_t task) {
-  worker *w = static_cast<worker *>(context);
-  const range all = task_sorted(w, task);
-  const field from = w->b.x_before_velocity(), to = w->b.sheared_x();
-  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
-       r = awake_particles(w, r.last, all.last)) {
-    for (uint32_t i = r.first; i < r.last; ++i)
-      field_set(&to, i,
-                pbf_add_scaled(field_at(&from, i), w->forces.time_step, field_at(&w->b.v, i)));
-    w->s->kernels->collide(&w->obstacles, w->forces.inv_time_step, w->b.x, to, w->b.v, r.first,
-                           r.last);
-  }
-  copy_sleeping(w, all, &w->b.x, &to);
-  fill_packed(w->s, packed_positions(w->s), &to, NULL, all);
 }
 
 static pbf_real solids_at(const pair_pass *p, uint32_t i) {

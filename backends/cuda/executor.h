@@ -40,9 +40,11 @@ struct executor {
   neighborhood n;
   iteration_extras extras;
   iteration_place place;
-  point *moved;                  /* where a move goes */
-  lambda_sums<pbf_real> *ghosts; /* where walls have them, else null */
-  pbf_status status;             /* of the first call that failed */
+  point *moved;                    /* where a move goes */
+  pbf_vec *changes = nullptr;      /* of velocities, by viscosity, … */
+  pbf_vec *next_changes = nullptr; /* … and by its next stage */
+  lambda_sums<pbf_real> *ghosts;   /* where walls have them, else null */
+  pbf_status status;               /* of the first call that failed */
 
   /* Between these colliders. */
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
@@ -107,6 +109,62 @@ struct executor {
         launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
     });
     return true; /* a particle whose list has no room walks the cells */
+  }
+
+  /* Until the first move nothing reads the old state: where particles have come from takes the
+   * place of its points, and of viscosity's changes one the place of its velocities. */
+  void crowding() {
+    changes = s->smoothed;
+    next_changes = s->velocities;
+    if (status != PBF_OK) return;
+    launch(crowding_kernel, n, (pbf_real)s->params.time_step, extras.rest.activity, s->points);
+    status = pbf_cuda_check_launch("crowding_kernel");
+  }
+
+  void viscosity(uint32_t k) {
+    run(PBF_STAGE_VISCOSITY, [&] {
+      if (s->schedule.accelerated)
+        launch_viscous_stress(k);
+      else
+        launch_xsph();
+    });
+  }
+
+  /* The smoothed velocities become the velocities by an exchange of the arrays. */
+  void launch_xsph() {
+    with_kernel(s->schedule.features, [&](auto features) {
+      launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
+    });
+    swap_arrays(&s->velocities, &s->smoothed);
+  }
+
+  void launch_viscous_stress(uint32_t k) {
+    const viscous_stage stage = {pbf_viscosity_weights_of(&n.constants, k),
+                                 extras.rest.activity,
+                                 n.particles.velocities,
+                                 s->viscous_force,
+                                 changes,
+                                 next_changes};
+    const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+    neighborhood starts = n;
+    starts.particles.points = s->points;
+    with_surfaces(s, [&](auto surfaces) {
+      launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
+                                 : viscous_stress_kernel<false, FEW_SURFACES>,
+             starts, stage, extras.obstacles, no_slip);
+    });
+    swap_arrays(&changes, &next_changes);
+  }
+
+  void move_by_viscosity() {
+    if (status != PBF_OK) return;
+    if (finds_loads(s) && s->schedule.no_slip)
+      launch(no_slip_loads_kernel, n, s->points, extras.obstacles,
+             pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params),
+             pbf_no_slip_of(&s->params, s->collider_count, s->colliders), extras.rest.activity,
+             changes, s->load_tally);
+    launch_way(extras.rest.activity, changes, n.particles.velocities);
+    status = pbf_cuda_check_launch("way_kernel");
   }
 
   void begin_solve() {
@@ -304,19 +362,24 @@ struct executor {
   void correct_shear_stress() {
     static_assert(sizeof(pbf_vec) <= sizeof(pbf_deviator), "changes take their place");
     pbf_vec *changes = reinterpret_cast<pbf_vec *>(s->deviators);
-    const surfaces_met met = surfaces_of(s);
     run(PBF_STAGE_SHEAR_STRESS, [&] {
       with_kernel(s->schedule.features, [&](auto features) {
         launch(shear_stress_kernel<decltype(features)::value>, n, s->other, changes);
       });
-      auto kernel = met == FIELD_SURFACES  ? shear_way_kernel<FIELD_SURFACES>
-                    : met == MANY_SURFACES ? shear_way_kernel<MANY_SURFACES>
-                    : met == FEW_SURFACES  ? shear_way_kernel<FEW_SURFACES>
-                                           : shear_way_kernel<NO_SURFACES>;
-      launch(kernel, n.particles.points, s->count, s->activity, extras.obstacles,
-             (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
-             s->velocities);
+      launch_way(s->activity, changes, s->velocities);
     });
+  }
+
+  /* By what velocities change by. */
+  void launch_way(const pbf_real *activity, const pbf_vec *changes, pbf_vec *velocities) {
+    const surfaces_met met = surfaces_of(s);
+    auto kernel = met == FIELD_SURFACES  ? way_kernel<FIELD_SURFACES>
+                  : met == MANY_SURFACES ? way_kernel<MANY_SURFACES>
+                  : met == FEW_SURFACES  ? way_kernel<FEW_SURFACES>
+                                         : way_kernel<NO_SURFACES>;
+    launch(kernel, n.particles.points, s->count, activity, extras.obstacles,
+           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
+           velocities, notes_pushes(s) ? s->push : nullptr);
   }
 
   /* … as do mean velocities, … */
@@ -389,49 +452,6 @@ struct executor {
         launch(confine_kernel<decltype(features)::value>, n, s->curls, curl_sizes(), s->velocities);
       });
     });
-  }
-
-  /* Where particles have come from is in the points that the solve has left behind. */
-  void launch_viscous_stress(uint32_t k) {
-    if (k == 0)
-      launch(viscous_start_kernel, n.particles.points, s->count, (pbf_real)s->params.time_step,
-             s->velocities, s->other, s->velocity_before_viscosity);
-    neighborhood from = n;
-    from.particles.points = s->other;
-    const pbf_viscosity_weights weights = pbf_viscosity_weights_of(&n.constants, k);
-    const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
-    with_surfaces(s, [&](auto surfaces) {
-      launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
-                                 : viscous_stress_kernel<false, FEW_SURFACES>,
-             from, weights, extras.obstacles, no_slip, s->velocity_before_viscosity, s->velocities,
-             s->smoothed);
-    });
-  }
-
-  /* The smoothed velocities become the velocities by an exchange of the arrays. */
-  void viscosity(uint32_t k) {
-    run(PBF_STAGE_VISCOSITY, [&] {
-      if (s->schedule.accelerated)
-        launch_viscous_stress(k);
-      else
-        with_kernel(s->schedule.features, [&](auto features) {
-          launch(viscosity_kernel<decltype(features)::value>, n, s->velocities, s->smoothed);
-        });
-      swap_arrays(&s->velocities, &s->smoothed);
-    });
-  }
-
-  void move_by_viscosity() {
-    if (status != PBF_OK) return;
-    const surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? viscous_move_kernel<FIELD_SURFACES>
-                  : met == MANY_SURFACES ? viscous_move_kernel<MANY_SURFACES>
-                  : met == FEW_SURFACES  ? viscous_move_kernel<FEW_SURFACES>
-                                         : viscous_move_kernel<NO_SURFACES>;
-    launch(kernel, n.particles.points, s->count, s->activity, extras.obstacles,
-           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), s->other,
-           s->velocities);
-    status = pbf_cuda_check_launch(pbf_stage_name(PBF_STAGE_VISCOSITY));
   }
 
   /* … what particles lack of neighbours … */

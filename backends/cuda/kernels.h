@@ -444,18 +444,23 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) changes[i] = pass.finish(sums, push);
 }
 
-/* What the velocity changes by moves particles at once. */
+/* What velocities change by moves particles at once. What solids then do is added to `push`, unless
+ * that is null. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    shear_way_kernel(point *points, uint32_t count, const pbf_real *activity,
-                     step_obstacles obstacles, pbf_real time_step, pbf_real inv_time_step,
-                     const pbf_vec *changes, pbf_vec *velocities) {
+    way_kernel(point *points, uint32_t count, const pbf_real *activity, step_obstacles obstacles,
+               pbf_real time_step, pbf_real inv_time_step, const pbf_vec *changes,
+               pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = thread_index();
   if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   point here = load(points, i);
   const pbf_vec from = position_of(here), to = pbf_add_scaled(from, time_step, changes[i]);
   const pbf_vec x = resolve_collisions<SURFACES>(obstacles, 0, from, to);
-  velocities[i] = pbf_velocity(inv_time_step, pbf_add_scaled(velocities[i], 1, changes[i]), to, x);
+  const pbf_vec v = pbf_add_scaled(velocities[i], 1, changes[i]);
+  const pbf_vec pushed = pbf_velocity(inv_time_step, v, to, x);
+  velocities[i] = pushed;
+  if (PBF_BUILT & PBF_FEATURE_LOADS && push)
+    push[i] = pbf_add_scaled(push[i], 1, pbf_sub(pushed, v));
   point after = point_at(x);
   after.lambda = here.lambda;
   store(points, i, after);
@@ -470,56 +475,58 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) smoothed[i] = v;
 }
 
-/* Where particles have come from with their velocities, at which viscosity looks at them, and these
- * velocities. */
+/* Where particles have come from, at which viscosity looks at them, with what crowding leaves out
+ * of it. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_start_kernel(const point *points, uint32_t count, pbf_real time_step,
-                         const pbf_vec *velocities, point *from, pbf_vec *before) {
-  const uint32_t i = thread_index();
-  if (i >= count) return;
-  const pbf_vec v = velocities[i];
-  store(from, i, point_at(pbf_add_scaled(position_of(load(points, i)), -time_step, v)));
-  before[i] = v;
+    crowding_kernel(neighborhood n, pbf_real time_step, const pbf_real *activity, point *starts) {
+  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const crowding_pass pass = {&n.constants};
+  const pbf_vec *velocities = n.particles.velocities;
+  const at_start places = {time_step};
+  const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
+  const auto sums = sums_around(pass, n, i, x, {}, velocities, places);
+  if (i >= n.particles.count) return;
+  point start = point_at(x);
+  start.lambda = PBF_SLEEP && activity && pbf_is_asleep(activity[i]) ? 0 : pass.finish(sums);
+  store(starts, i, start);
 }
 
-/* `next` holds the velocities after the last stage but one, and then those after this one; `before`
- * those before the first stage. What fluid that sticks to solids needs is in an instance of its
- * own.
+/* What a stage of viscosity works on. */
+struct viscous_stage {
+  pbf_viscosity_weights weights;
+  const pbf_real *activity;  /* null where nothing sleeps */
+  const pbf_vec *velocities; /* of the prediction, … */
+  pbf_vec *force;            /* … and what acts on them, which the first stage finds */
+  pbf_vec *changes;          /* after the last stage, … */
+  pbf_vec *next;             /* … after the one before it, and then after this one */
+};
+
+/* n's points are the starts. What fluid that sticks to solids needs is in an instance of its own.
  */
 template <bool NO_SLIP, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_stress_kernel(neighborhood n, pbf_viscosity_weights weights, step_obstacles obstacles,
-                          pbf_no_slip no_slip, const pbf_vec *before, const pbf_vec *velocities,
-                          pbf_vec *next) {
+    viscous_stress_kernel(neighborhood n, viscous_stage s, step_obstacles obstacles,
+                          pbf_no_slip no_slip) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
-  const pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
-  const auto sums = sums_around(pass, n, i, x, {lanes_of(v)}, velocities);
+  const bool begins = s.weights.first != 0;
+  const pbf_vec *of = begins ? s.velocities : s.changes;
+  const point here = load(n.particles.points, own);
+  const pbf_vec x = position_of(here), v = of[own], none = {{0}};
+  const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of);
   if (i >= n.particles.count) return;
-  pbf_viscous_system system = pass.system(sums, v, before[i]);
+  const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
+  pbf_viscous_system system = pass.system(sums, begins ? none : pbf_sub(s.force[i], change));
   int with_solids = 0;
   if (NO_SLIP)
-    with_solids =
-        add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, x, v, &system);
-  next[i] = pass.finish(system, with_solids, weights, v, next[i]);
-}
-
-/* By the velocities that viscosity has left. */
-template <surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_move_kernel(point *points, uint32_t count, const pbf_real *activity,
-                        step_obstacles obstacles, pbf_real time_step, pbf_real inv_time_step,
-                        const point *from, pbf_vec *velocities) {
-  const uint32_t i = thread_index();
-  if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
-  point here = load(points, i);
-  const pbf_vec v = velocities[i];
-  const pbf_vec to = pbf_add_scaled(position_of(load(from, i)), time_step, v);
-  const pbf_vec x = resolve_collisions<SURFACES>(obstacles, 0, position_of(here), to);
-  velocities[i] = pbf_velocity(inv_time_step, v, to, x);
-  point after = point_at(x);
-  after.lambda = here.lambda;
-  store(points, i, after);
+    with_solids = add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, begins, x,
+                              v, &system);
+  if (begins) {
+    s.force[i] = system.residual;
+    s.changes[i] = none;
+  }
+  const bool asleep = PBF_SLEEP && s.activity && pbf_is_asleep(s.activity[i]);
+  s.next[i] = asleep ? none : pass.finish(system, with_solids, s.weights, change, before);
 }
 
 /* rho/rho0, but for what surfaces contribute, and the number of neighbours nearer than h. */

@@ -6,7 +6,7 @@
 
 #include "cuda/launches.h"
 #include "cuda/pressures.h"
-#include "physics/friction.h"
+#include "physics/no_slip_loads.h"
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
 
@@ -159,6 +159,22 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   store(n.particles.points, i, own);
   velocities[i] = after;
   push[i] = pbf_add_scaled(push[i], 1, pbf_sub(after, v));
+}
+
+/* What solids take by viscosity, of what it leaves of the prediction's velocities. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    no_slip_loads_kernel(neighborhood n, const point *starts, step_obstacles o,
+                         pbf_load_scales scales, pbf_no_slip no_slip, const pbf_real *activity,
+                         const pbf_vec *changes, pbf_load_tally *tally) {
+  const uint32_t i = thread_index();
+  if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  const pbf_vec x = position_of(load(starts, i));
+  const pbf_vec v = pbf_add_scaled(n.particles.velocities[i], 1, changes[i]);
+  share_no_slip(&n.constants, o, no_slip, x, v,
+                [&](const pbf_load_plane &plane, const load_share &share) {
+                  add_shared_part(&tally->sums[plane.solid],
+                                  friction_load(&scales, o, x, plane, share), false);
+                });
 }
 
 /* Walls have many particles at them, and are summed up by blocks first. */

@@ -105,9 +105,9 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
     snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
     stage->runs_per_step = s->schedule.runs[k];
     stage->launches_per_step = s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
-    /* Where particles have come from, and where they go. */
-    if (k == PBF_STAGE_VISCOSITY && s->schedule.runs[k] && s->schedule.accelerated)
-      stage->launches_per_step += 2;
+    /* Crowding, and where particles go. */
+    if (k == PBF_STAGE_VISCOSITY && s->schedule.accelerated)
+      stage->launches_per_step += 2 + (finds_loads(s) && s->schedule.no_slip);
     /* One launch does all the steps of a call, up to SMALL_STEPS. */
     if (small_serves(s)) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
   }

@@ -25,12 +25,12 @@ typedef struct pbf_constants {
   pbf_real tension;      /* weight of densities below rest where lambda does not add up */
   pbf_real min_diagonal; /* 1/length² */
   pbf_real scorr_k, scorr_inv_w;
-  pbf_real confinement;          /* dt times the strength of eq. 16, see pbf_max_confinement */
-  pbf_real viscosity;            /* eq. 17, or … */
-  pbf_real viscosity_step;       /* … on sums of passes/viscous_stress.h, */
-  pbf_real viscosity_falloff;    /* how steep its weights are, */
-  pbf_real viscosity_min_spread, /* for what sum of w x_k² it is iterated at least, and 1 over … */
-      viscosity_inv_max_spread;      /* … that at most */
+  pbf_real confinement;              /* dt times the strength of eq. 16, see pbf_max_confinement */
+  pbf_real viscosity;                /* eq. 17, or … */
+  pbf_real viscosity_step;           /* … on sums of passes/viscous_stress.h, */
+  pbf_real viscosity_falloff;        /* how steep its weights are, */
+  pbf_real viscosity_max_spread;     /* the most that a block's eigenvalues are iterated for, … */
+  pbf_real viscosity_diagonal;       /* … and that of the system */
   pbf_viscosity_plan viscosity_plan; /* and its stages */
   pbf_real viscosity_wall_nearest;   /* no particle counts as nearer to a plane, in h */
   pbf_real viscosity_wall[PBF_VISCOUS_WALL_NODES];
@@ -251,7 +251,7 @@ static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params,
                                      const pbf_derived *d) {
   const pbf_viscosity_lattice *l = &d->viscosity;
   c->viscosity_step = c->viscosity_falloff = 0;
-  c->viscosity_min_spread = c->viscosity_inv_max_spread = 0;
+  c->viscosity_max_spread = c->viscosity_diagonal = 0;
   c->viscosity_wall_nearest = 0;
   for (int k = 0; k < PBF_VISCOUS_WALL_NODES; ++k) c->viscosity_wall[k] = 0;
   c->viscosity_plan = (pbf_viscosity_plan){0, 1, 1};
@@ -261,8 +261,9 @@ static inline void pbf_set_viscosity(pbf_constants *c, const pbf_params *params,
   c->viscosity_plan = pbf_viscosity_plan_of(params, l, PBF_DIM);
   c->viscosity_step = (pbf_real)step;
   c->viscosity_falloff = (pbf_real)l->falloff;
-  c->viscosity_min_spread = (pbf_real)(PBF_VISCOSITY_UNEVEN * l->spread / PBF_DIM);
-  c->viscosity_inv_max_spread = (pbf_real)(PBF_DIM / (PBF_VISCOSITY_CROWD * l->spread));
+  const double spread = PBF_VISCOSITY_UNEVEN * l->spread / PBF_DIM;
+  c->viscosity_max_spread = (pbf_real)spread;
+  c->viscosity_diagonal = (pbf_real)(1 + step * spread);
   c->viscosity_wall_nearest = (pbf_real)(0.25 * d->spacing / d->h);
   for (int k = 0; k < PBF_VISCOUS_WALL_NODES; ++k)
     c->viscosity_wall[k] = (pbf_real)(step * l->wall[k]);

@@ -58,18 +58,15 @@ PBF_FN pbf_real pbf_no_slip_rate(const pbf_constants *c, pbf_real distance) {
   return ((1 - part) * c->viscosity_wall[k] + part * c->viscosity_wall[k + 1]) / near;
 }
 
-/* Adds a plane that goes with this velocity; 0 where it is out of reach. */
-PBF_FN int pbf_add_no_slip_plane(const pbf_constants *c, pbf_real no_slip, pbf_real distance,
-                                 pbf_vec normal, pbf_vec relative, pbf_viscous_system *s) {
-  const pbf_real rate = no_slip * pbf_no_slip_rate(c, distance);
-  if (!(rate > 0)) return 0;
+/* Adds a plane that takes so much of a velocity relative to it. */
+PBF_FN void pbf_add_no_slip_plane(pbf_real rate, pbf_vec normal, pbf_vec relative,
+                                  pbf_viscous_system *s) {
   const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
   s->residual = pbf_add_scaled(s->residual, -rate, along);
   for (int k = 0; k < PBF_DIM; ++k)
     for (int l = 0; l <= k; ++l)
       s->block[pbf_symmetric_entry(k, l)] +=
           rate * ((k == l ? (pbf_real)1 : 0) - normal.c[k] * normal.c[l]);
-  return 1;
 }
 
 /* How much fluid sticks to each solid. Surfaces have none of it: steps without copy them. */
@@ -102,37 +99,51 @@ PBF_FN pbf_vec pbf_surface_velocity(const pbf_surface *s, pbf_real inv_time_step
 
 namespace {
 
-template <class Surface>
-PBF_FN int add_no_slip_surface(const pbf_constants *c, const Surface *surface, pbf_real no_slip,
-                               pbf_real inv_time_step, pbf_vec x, pbf_vec v,
-                               pbf_viscous_system *s) {
-  if (!(no_slip > 0) || pbf_surface_is_beyond(surface, x, c->h)) return 0;
-  const pbf_vec relative = pbf_sub(v, pbf_surface_velocity(surface, inv_time_step, x));
-  const int planes = pbf_surface_planes(surface);
-  int added = 0;
-  for (int plane = 0; plane < planes; ++plane) {
-    pbf_vec normal;
-    const pbf_real distance = pbf_surface_plane_distance(surface, plane, planes, x, &normal);
-    added |= pbf_add_no_slip_plane(c, no_slip, distance, normal, relative, s);
-  }
-  return added;
-}
-
-/* Adds all solids to what pairs make of the system of a particle at x with the velocity v; 0: none
- * is in reach. */
-template <class Obstacles>
-PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n, pbf_vec x,
-                       pbf_vec v, pbf_viscous_system *s) {
+/* Calls visit(surface, rate, distance, normal) for each plane within reach that fluid sticks to; of
+ * wall k the surface is -1 - k. */
+template <class Obstacles, class Visit>
+PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n,
+                               pbf_vec x, Visit visit) {
   const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;
-  int added = 0;
   for (int wall = 0; near_walls && wall < 2 * PBF_DIM; ++wall) {
     pbf_vec normal = {{0}};
     normal.c[wall / 2] = 1;
     const pbf_real distance = pbf_wall_distance(&o.domain, wall, x);
-    added |= pbf_add_no_slip_plane(c, n.walls, distance, normal, v, s);
+    const pbf_real rate = n.walls * pbf_no_slip_rate(c, distance);
+    if (rate > 0) visit(-1 - wall, rate, distance, normal);
   }
-  for (int k = 0; k < pbf_surface_count(o); ++k)
-    added |= add_no_slip_surface(c, &o.surfaces[k], n.of[k], n.inv_time_step, x, v, s);
+  for (int k = 0; k < pbf_surface_count(o); ++k) {
+    if (!(n.of[k] > 0) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h)) continue;
+    const int planes = pbf_surface_planes(&o.surfaces[k]);
+    for (int plane = 0; plane < planes; ++plane) {
+      pbf_vec normal;
+      const pbf_real distance =
+          pbf_surface_plane_distance(&o.surfaces[k], plane, planes, x, &normal);
+      const pbf_real rate = n.of[k] * pbf_no_slip_rate(c, distance);
+      if (rate > 0) visit(k, rate, distance, normal);
+    }
+  }
+}
+
+/* A velocity relative to a surface's at x. */
+template <class Obstacles>
+PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const pbf_no_slip &n, int surface, pbf_vec x,
+                                   pbf_vec v) {
+  if (surface < 0) return v;
+  return pbf_sub(v, pbf_surface_velocity(&o.surfaces[surface], n.inv_time_step, x));
+}
+
+/* Adds all solids to what pairs make of the system of a particle at x with this velocity, or, not
+ * `moves`, with this change of it; 0: none is in reach. */
+template <class Obstacles>
+PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n, bool moves,
+                       pbf_vec x, pbf_vec v, pbf_viscous_system *s) {
+  int added = 0;
+  each_no_slip_plane(c, o, n, x, [&](int surface, pbf_real rate, pbf_real, pbf_vec normal) {
+    const pbf_vec relative = moves ? relative_to_surface(o, n, surface, x, v) : v;
+    pbf_add_no_slip_plane(rate, normal, relative, s);
+    added = 1;
+  });
   return added;
 }
 

@@ -23,7 +23,9 @@ enum exchanged_fields {
   FIELD_CURL_SIZE = 1 << 6,
   FIELD_DEVIATOR = 1 << 7,
   FIELD_SHEAR_PUSH = 1 << 8,
-  FIELD_MISSING = 1 << 9 /* neighbours */
+  FIELD_MISSING = 1 << 9,        /* neighbours */
+  FIELD_CROWDING = 1 << 10,      /* what it leaves out of viscosity */
+  FIELD_VISCOUS_CHANGE = 1 << 11 /* of the velocity, so far */
 };
 
 namespace {
@@ -62,8 +64,17 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   e.predict();
   if (!e.find_neighbors()) return STEP_SHORT_OF_MEMORY;
   if (runs<PBF_STAGE_OVERLAP>(has)) e.overlap();
-  e.begin_solve();
   if (runs<PBF_STAGE_RESIDUAL_DENSITY>(has)) e.residual_density();
+  if (runs<PBF_STAGE_VISCOSITY>(has) && has.accelerated) {
+    e.crowding();
+    for (uint32_t k = 0; k < has.runs[PBF_STAGE_VISCOSITY]; ++k) {
+      e.exchange(k ? FIELD_VISCOUS_CHANGE : FIELD_CROWDING);
+      e.viscosity(k);
+    }
+    e.move_by_viscosity();
+    e.exchange(FIELD_POSITION);
+  }
+  e.begin_solve();
   if (runs<PBF_STAGE_GRID>(has)) {
     e.pressure_grid();
     e.exchange(FIELD_POSITION);
@@ -108,13 +119,9 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.exchange(FIELD_CURL_SIZE);
     e.confine();
   }
-  for (uint32_t k = 0; runs<PBF_STAGE_VISCOSITY>(has) && k < has.runs[PBF_STAGE_VISCOSITY]; ++k) {
+  if (runs<PBF_STAGE_VISCOSITY>(has) && !has.accelerated) {
     e.exchange(FIELD_VELOCITY);
-    e.viscosity(k);
-  }
-  if (runs<PBF_STAGE_VISCOSITY>(has) && has.accelerated) {
-    e.move_by_viscosity();
-    e.exchange(FIELD_POSITION);
+    e.viscosity(0);
   }
   if (runs<PBF_STAGE_SURFACE_TENSION>(has)) {
     e.missing_neighbors();

@@ -82,7 +82,7 @@ static inline pbf_viscosity_plan pbf_viscosity_plan_of(const pbf_params *params,
   const double k = pbf_viscosity_acting(params, lattice, dimension) *
                    pbf_viscosity_stiffness(params, lattice, dimension);
   const double lowest = 1 / (1 + PBF_VISCOSITY_UNEVEN * k);
-  const double highest = 2 - 1 / (1 + PBF_VISCOSITY_CROWD * k);
+  const double highest = 2 - 1 / (1 + PBF_VISCOSITY_UNEVEN * k);
   pbf_viscosity_plan plan;
   uint32_t stages = (uint32_t)(0.7 * sqrt(highest / lowest));
   if (stages < 1) stages = 1;

@@ -2,7 +2,7 @@
 #ifndef PBF_REFERENCE_LOADS_H
 #define PBF_REFERENCE_LOADS_H
 
-#include "physics/friction.h"
+#include "physics/no_slip_loads.h"
 #include "physics/passes/predict.h"
 #include "reference/pressure_grid.h"
 #include "reference/sleep.h"
@@ -64,6 +64,21 @@ static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pb
           add_part(&s->load_tally->sums[plane.solid],
                    friction_load(&scales.loads, *o, p.x, plane, share), false);
       });
+}
+
+/* What solids take by viscosity, once it is known what it changes: of those that sleep nothing. */
+static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
+  const pbf_load_scales scales = pbf_load_scales_of(&s->constants, &forces, &s->params);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    const pbf_vec x = s->x[i], v = pbf_add_scaled(s->v[i], 1, s->change[i]);
+    share_no_slip(&s->constants, *o, no_slip, x, v,
+                  [&](const pbf_load_plane &plane, const load_share &share) {
+                    add_part(&s->load_tally->sums[plane.solid],
+                             friction_load(&scales, *o, x, plane, share), false);
+                  });
+  }
 }
 
 static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {

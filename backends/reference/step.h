@@ -252,7 +252,17 @@ static inline void find_shear_pushes(solver *s) {
   }
 }
 
-/* Changes velocities, and moves by that. */
+/* And moves by that. */
+static inline void change_velocities(solver *s, const pbf_obstacles *o, const pbf_vec *change) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    if (asleep(s, i)) continue;
+    const pbf_vec from = s->moved[i];
+    s->v[i] = pbf_add_scaled(s->v[i], 1, change[i]);
+    s->moved[i] = pbf_add_scaled(from, (pbf_real)s->params.time_step, change[i]);
+    collide_one(s, o, from, i);
+  }
+}
+
 static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
   const shear_stress_pass<int> pass = {&s->constants, s->schedule.features};
   const lookups of = {NULL, s->change};
@@ -261,13 +271,7 @@ static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
     if (!asleep(s, i))
       change[i] = pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i),
                               s->change[i]);
-  for (uint32_t i = 0; i < s->count; ++i) {
-    if (asleep(s, i)) continue;
-    const pbf_vec from = s->moved[i];
-    s->v[i] = pbf_add_scaled(s->v[i], 1, change[i]);
-    s->moved[i] = pbf_add_scaled(from, (pbf_real)s->params.time_step, change[i]);
-    collide_one(s, o, from, i);
-  }
+  change_velocities(s, o, change);
 }
 
 /* Changes velocities, and moves by that. */
@@ -347,33 +351,56 @@ static inline void apply_xsph(solver *s) {
   memcpy(s->v, s->change, s->count * sizeof *s->v);
 }
 
-/* Where particles have come from with their velocities, at which viscosity looks at them: in place
- * of the old state; and these velocities in place of the prediction, which is not asked for any
- * more. */
-static inline void begin_viscosity(solver *s) {
-  memcpy(s->predicted, s->v, s->count * sizeof *s->v);
-  for (uint32_t i = 0; i < s->count; ++i)
-    s->x[i] = pbf_add_scaled(s->moved[i], -(pbf_real)s->params.time_step, s->v[i]);
+/* Sums over the pairs that are near each other at the prediction, as lists have them, of a pass
+ * that looks at them where they came from. */
+template <class Pass>
+static inline typename Pass::template sums<pbf_real> sums_before(
+    const solver *s, const Pass &pass, const lookups &of,
+    const typename Pass::template own<pbf_real> &own, uint32_t i) {
+  auto sums = pass.template begin<pbf_real>();
+  neighbor n = neighbors_of(&s->grid, i);
+  while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) {
+    neighbor before = n;
+    before.x_ij = pbf_sub(s->x[i], s->x[n.j]);
+    before.r2 = pbf_dot(before.x_ij, before.x_ij);
+    pass.pair(&sums, own, looked_up(before, of));
+  }
+  return sums;
 }
 
-/* Stage k: s->change has the velocities after stage k - 2, and then those after k. */
+/* Before the solve what it adds is not there yet: what crowding leaves out is. */
+static inline void find_crowding(solver *s) {
+  const crowding_pass pass = {&s->constants};
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->added[i] = asleep(s, i) ? 0 : pass.finish(sums_before(s, pass, {}, {}, i));
+}
+
+/* Stage k, from the state at the step's start, the velocities of the prediction and, of the last
+ * stages, s->change: in s->predicted, which is not asked for until it is made anew, are the changes
+ * after stage k - 2, and then those after k. */
 static inline void apply_viscous_stress(solver *s, const pbf_obstacles *o, uint32_t k) {
-  const pbf_constants *c = &s->constants;
-  const viscous_stress_pass pass = {c};
-  const pbf_viscosity_weights weights = pbf_viscosity_weights_of(c, k);
+  const viscous_stress_pass pass = {&s->constants};
+  const pbf_viscosity_weights weights = pbf_viscosity_weights_of(&s->constants, k);
   const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
-  if (k == 0) begin_viscosity(s);
+  const pbf_vec *of = weights.first ? s->v : s->change;
   for (uint32_t i = 0; i < s->count; ++i) {
-    const pbf_vec v = s->v[i];
-    const auto sums = sums_around(s, pass, s->x, {NULL, s->v}, {lanes_of(v)}, i);
-    pbf_viscous_system system = pass.system(sums, v, s->predicted[i]);
-    const int with_solids = s->schedule.no_slip && add_no_slip(c, *o, no_slip, s->x[i], v, &system);
-    s->change[i] = asleep(s, i) ? v : pass.finish(system, with_solids, weights, v, s->change[i]);
+    const pbf_vec none = {{0}}, change = weights.first ? none : s->change[i];
+    const pbf_vec before = weights.first ? none : s->predicted[i];
+    s->predicted[i] = none;
+    if (asleep(s, i)) continue;
+    const auto sums = sums_before(s, pass, {s->added, of}, {s->added[i], lanes_of(of[i])}, i);
+    pbf_viscous_system system =
+        pass.system(sums, weights.first ? none : pbf_sub(s->viscous_force[i], change));
+    const int with_solids =
+        s->schedule.no_slip &&
+        add_no_slip(&s->constants, *o, no_slip, weights.first != 0, s->x[i], of[i], &system);
+    if (weights.first) s->viscous_force[i] = system.residual;
+    s->predicted[i] = pass.finish(system, with_solids, weights, change, before);
   }
   for (uint32_t i = 0; i < s->count; ++i) {
-    const pbf_vec v = s->v[i];
-    s->v[i] = s->change[i];
-    s->change[i] = v;
+    const pbf_vec next = s->predicted[i];
+    s->predicted[i] = weights.first ? (pbf_vec){{0}} : s->change[i];
+    s->change[i] = next;
   }
 }
 
@@ -382,16 +409,6 @@ static inline void apply_viscosity(solver *s, const pbf_obstacles *o, uint32_t k
     apply_viscous_stress(s, o, k);
   else
     apply_xsph(s);
-}
-
-/* By the velocities that viscosity has left. */
-static inline void move_by_viscosity(solver *s, const pbf_obstacles *o) {
-  for (uint32_t i = 0; i < s->count; ++i) {
-    if (asleep(s, i)) continue;
-    const pbf_vec from = s->moved[i];
-    s->moved[i] = pbf_add_scaled(s->x[i], (pbf_real)s->params.time_step, s->v[i]);
-    collide_one(s, o, from, i);
-  }
 }
 
 /* Once the solve is over, what it added is not asked for any more. */
@@ -452,6 +469,14 @@ struct executor {
   }
   void residual_density() { compute_residual_density(s, &before); }
   void overlap() { find_overlap(s, &before); }
+  void crowding() { find_crowding(s); }
+  void viscosity(uint32_t k) { apply_viscosity(s, &obstacles, k); }
+  void move_by_viscosity() {
+    if (finds_loads(s) && s->schedule.no_slip)
+      find_no_slip_loads(s, pbf_forces_of(&s->params, began), &obstacles);
+    change_velocities(s, &obstacles, s->change);
+    memcpy(s->predicted, s->moved, s->count * sizeof *s->predicted);
+  }
   void begin_solve() {
     for (uint32_t i = 0; i < s->count; ++i)
       if (inactive(s, i) || s->schedule.accelerated) s->lambda[i] = 0;
@@ -483,8 +508,6 @@ struct executor {
   void loads() { find_loads(s, pbf_forces_of(&s->params, began), &obstacles); }
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
-  void viscosity(uint32_t k) { apply_viscosity(s, &obstacles, k); }
-  void move_by_viscosity() { ::move_by_viscosity(s, &obstacles); }
   void missing_neighbors() { find_missing_neighbors(s, &obstacles); }
   void surface_tension() { apply_surface_tension(s); }
   void drag() { apply_drag(s); }

@@ -272,10 +272,11 @@ typedef struct pbf_params {
   double viscosity; /* kinematic, a length² a time unit: water 1e-6 m²/s, honey 0.005.
                        dv/dt = viscosity laplace v, by the implicit Euler method (Weiler, Koschier,
                        Brand & Bender 2018): acts on shear alone, conserves momentum and angular
-                       momentum, and flows that are steady are right at any time step. Fluid goes
-                       at once by what it changes. Takes a pass over pairs a step and more, up to
-                       106, the thicker the fluid, the longer the step and the shorter h are; what
-                       they are not enough for (some 25 h² / time_step) does not act. With
+                       momentum, and flows that are steady are right at any time step. Acts on the
+                       velocities that a step predicts with, before its density is solved. Takes
+                       two passes over pairs a step and more, up to 107, the thicker the fluid, the
+                       longer the step and the shorter h are; what they are not enough for (some
+                       25 h² / time_step) does not act. With
                        PBF_SOLVER_JACOBI XSPH, eq. 17, without a unit, of which 1 is the maximum
                        that acts, and in crowds what makes a velocity the mean of those around it.
                        0: none */
@@ -390,7 +391,7 @@ typedef struct pbf_params {
                              shear between a wall and the fluid at it acts, as if fluid went on
                              behind the wall with velocities that go through the wall's own at
                              its plane (Morris, Fox & Zhu 1997). 0, the default: fluid slides
-                             freely; 1: it sticks. Not part of loads, as all of viscosity */
+                             freely; 1: it sticks. In loads */
   double surface_tension; /* over rest density, a length³ a time unit²: water 7.3e-5 m³/s². Needs
                        PBF_SOLVER_CHEBYSHEV. Particles that lack neighbours are pulled to those that
                        they have, which keeps momentum and angular momentum to rounding (the latter
@@ -792,8 +793,9 @@ PBF_API pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_coll
  * is particle_volume, or spacing^dimension where that is 0. All impulses of one step, on walls and
  * colliders, sum up to the momentum that the fluid has lost to them: its momentum before the step,
  * with what gravity and attraction gave it, less that after it, without the parameters vorticity,
- * viscosity and drag, which act on it in between. Pressure pushes by the same path as velocities,
- * with lambda, collisions and a pressure grid, and by that is shared out.
+ * XSPH's viscosity and drag, which act on it in between. Pressure pushes by the same path as
+ * velocities, with lambda, collisions and a pressure grid, and by that is shared out; fluid that
+ * sticks to solids pulls them along.
  */
 typedef struct pbf_collider_load {
   uint32_t struct_size;

@@ -207,6 +207,53 @@ static void a_jet_pushes_a_plate(void **state) {
   test_for_long_kinds(check_jet);
 }
 
+/* ---- Fluid that sticks ---------------------------------------------------------------------- */
+
+static int in_channel(const double x[3]) { return x[0] > 2 && x[0] < 4; }
+
+/* A force along a channel moves fluid until the solids that it sticks to take it up: a wall and a
+ * plate half of it each, or the wall alone all of it. Steady after H² / (pi² nu), four times that
+ * with one side: 0.65. */
+static void check_channel(uint32_t dimension, uint32_t precision) {
+  if (dimension != 2) return;
+  enum { SETTLES = 180, LOOKS = 30 };
+  const double high = 0.4, domain[3] = {6, 0.6, 1}, size[3] = {6, high, 1}, g = 0.25;
+  for (int slides = 0; slides < 2; ++slides) {
+    pbf_params params = load_params(2, domain);
+    for (int k = 0; k < 3; ++k) params.gravity[k] = k == 0 ? g : 0;
+    params.viscosity = 0.1;
+    params.wall_no_slip = 1;
+    params.time_step = 1.0 / 60;
+    pbf_collider plate = load_collider(PBF_COLLIDER_BOX, 3, high + 0.1, 0);
+    plate.half_extents[0] = 3;
+    plate.half_extents[1] = 0.1;
+    plate.no_slip = !slides;
+    load_scene s = load_scene_of(2, precision, &params, size, in_channel, 1, &plate);
+    const double all = g * s.count * s.mass;
+    pbf_collider_load walls[WALLS], load;
+    assert_ok(pbf_step(s.solver, SETTLES));
+    load_walls(&s, walls);
+    load_colliders(&s, 1, &load);
+    assert_ok(pbf_step(s.solver, LOOKS));
+    load_walls(&s, walls);
+    load_colliders(&s, 1, &load);
+    const double floor = force(&walls[PBF_WALL_Y_MIN], 0), ceiling = force(&load, 0);
+    if (slides) { /* the slug shears, and its momentum swings */
+      check_near("the drag on the floor", floor, all, 0.05);
+      assert_true(fabs(ceiling) < 0.01 * all);
+    } else {
+      check_near("the drag on the floor", floor, all / 2, 0.02);
+      check_near("the drag on the plate", ceiling, all / 2, 0.02);
+    }
+    load_end(&s);
+  }
+}
+
+static void a_channel_drags_its_walls_along(void **state) {
+  (void)state;
+  test_for_long_kinds(check_channel);
+}
+
 /* ---- Balance -------------------------------------------------------------------------------- */
 
 static int in_drop(const double x[3]) { return x[1] < 0.3 || (x[1] > 0.5 && x[0] < 0.4); }
@@ -229,6 +276,7 @@ static load_scene splash(uint32_t dimension, uint32_t precision, const pbf_param
   solids[1].radius_rate = 0.05;
   solids[2].axis[0] = -1;
   solids[2].axis[1] = 0.5;
+  for (int k = 0; k < 3; ++k) solids[k].no_slip = 1; /* where there is viscosity */
   return load_scene_of(dimension, precision, params, size, in_drop, 3, solids);
 }
 
@@ -279,6 +327,10 @@ static void check_balances(uint32_t dimension, uint32_t precision) {
   params.smoothing_radius = 3 * load_spacing;
   params.solver = PBF_SOLVER_JACOBI;
   params.tolerance = 1e-3;
+  check_balance(dimension, precision, &params);
+  params = splash_params(dimension);
+  params.viscosity = 0.02;
+  params.wall_no_slip = 1;
   check_balance(dimension, precision, &params);
 }
 
@@ -407,6 +459,7 @@ int main(void) {
       cmocka_unit_test(halves_of_a_floor_share_it),
       cmocka_unit_test(bodies_are_buoyant),
       cmocka_unit_test(a_jet_pushes_a_plate),
+      cmocka_unit_test(a_channel_drags_its_walls_along),
       cmocka_unit_test(solids_get_what_the_fluid_loses),
       cmocka_unit_test(threads_change_no_bit),
       cmocka_unit_test(loads_change_no_bit),

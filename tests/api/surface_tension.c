@@ -163,10 +163,9 @@ static double pressure_of_drop(uint32_t dimension, uint32_t precision, uint32_t 
   }
   const pbf_stats stats = stats_of(s);
   const double unit = d / capillary_time(&params);
-  /* Where crowds are, implicit viscosity keeps momentum but for a part of what it changes. */
-  const double most = precision == PBF_FLOAT32 ? 4e-6 : 1e-6;
+  const double rounding = precision == PBF_FLOAT32 ? 1e-6 : 1e-13;
   for (uint32_t k = 0; k < dimension; ++k)
-    if (!(fabs(stats.momentum[k]) < most * unit))
+    if (!(fabs(stats.momentum[k]) < rounding * unit))
       fail_msg("%uD: a drop at rest goes with %g of its speed", dimension,
                stats.momentum[k] / unit);
   pbf_destroy(s);

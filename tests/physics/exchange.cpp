@@ -23,6 +23,13 @@ struct watcher {
   }
   void overlap() { stage_of("overlap", FIELD_POSITION | FIELD_VELOCITY, 0); }
   void residual_density() { stage_of("residual_density", FIELD_POSITION | FIELD_VELOCITY, 0); }
+  void crowding() { stage_of("crowding", FIELD_POSITION | FIELD_VELOCITY, FIELD_CROWDING); }
+  void viscosity(uint32_t k) {
+    stage_of("viscosity",
+             FIELD_POSITION | FIELD_CROWDING | (k ? FIELD_VISCOUS_CHANGE : FIELD_VELOCITY),
+             FIELD_VISCOUS_CHANGE);
+  }
+  void move_by_viscosity() { stage_of("move_by_viscosity", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void begin_solve() { stage_of("begin_solve", 0, 0); }
   void pressure_grid() {
     stage_of("pressure_grid", FIELD_POSITION, FIELD_POSITION | FIELD_VELOCITY);
@@ -55,16 +62,12 @@ struct watcher {
   }
   void curl() { stage_of("curl", FIELD_POSITION | FIELD_VELOCITY, FIELD_CURL_SIZE); }
   void confine() { stage_of("confine", FIELD_POSITION | FIELD_CURL_SIZE, FIELD_VELOCITY); }
-  void viscosity(uint32_t) {
-    stage_of("viscosity", FIELD_POSITION | FIELD_VELOCITY, FIELD_VELOCITY);
-  }
   void friction() { stage_of("friction", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void loads() { stage_of("loads", 0, 0); }
   void missing_neighbors() { stage_of("missing_neighbors", FIELD_POSITION, FIELD_MISSING); }
   void surface_tension() {
     stage_of("surface_tension", FIELD_POSITION | FIELD_MISSING, FIELD_VELOCITY);
   }
-  void move_by_viscosity() { stage_of("move_by_viscosity", 0, FIELD_POSITION | FIELD_VELOCITY); }
   void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);

@@ -22,36 +22,31 @@ PBF_FN L viscous_weight(const pbf_constants *c, L r2) {
                                   ops<L>::set(1 - c->viscosity_falloff));
 }
 
-struct viscous_stress_pass {
-  enum { NUMBER = 0, VECTOR = 1 /* velocity */ };
+/* What pairs make of a particle's own velocity, the block of it: the sum of w x x. Where particles
+ * are crowded it is larger than the solve is for, and so much of the viscosity of pairs is left out
+ * that it is not. It is left out of a pair as a whole, for both of its particles: so what they
+ * exchange is conserved. */
+struct crowding_pass {
+  enum { NUMBER = 0, VECTOR = 0 };
   const pbf_constants *c;
 
   template <class L>
-  struct own {
-    lane_vector<L> v;
-  };
+  struct own {};
   template <class L>
   struct sums {
-    lane_vector<L> change;
-    L block[PBF_SYMMETRIC_DIM]; /* what a particle's own velocity does to the change, but the sign
-                                 */
+    L block[PBF_SYMMETRIC_DIM];
   };
 
   template <class L>
   PBF_IN sums<L> begin() const {
     sums<L> s;
-    s.change = lane_vector<L>::zero();
     for (int k = 0; k < PBF_SYMMETRIC_DIM; ++k) s.block[k] = ops<L>::set(0);
     return s;
   }
 
   template <class L>
-  PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
+  PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j) const {
     const L weight = viscous_weight(c, j.r2);
-    L parting = ops<L>::set(0);
-    for (int k = 0; k < PBF_DIM; ++k)
-      parting = ops<L>::multiply_add(j.vector.c[k] - i.v.c[k], j.x_ij.c[k], parting);
-    s->change.add_scaled(weight * parting, j.x_ij);
     for (int k = 0; k < PBF_DIM; ++k) {
       const L along = weight * j.x_ij.c[k];
       for (int l = 0; l <= k; ++l) {
@@ -64,37 +59,73 @@ struct viscous_stress_pass {
   template <class L>
   PBF_IN void end(sums<L> *) const {}
 
-  /* The system at a particle: the residual of v, and a multiple of the unit matrix that is not less
-   * than the block (its rows' sums are not, after Gershgorin). It is the same for all particles but
-   * those in crowds: what pairs exchange is then conserved in each stage, converged or not. */
-  PBF_IN pbf_viscous_system system(const sums<pbf_real> &s, pbf_vec v, pbf_vec start) const {
-    pbf_viscous_system system;
-    system.residual = pbf_add_scaled(pbf_sub(start, v), c->viscosity_step, vec_of(s.change));
-    pbf_real most = 0;
-    for (int k = 0; k < PBF_DIM; ++k) {
-      pbf_real row = 0;
-      for (int l = 0; l < PBF_DIM; ++l) {
-        const pbf_real entry =
-            s.block[l <= k ? pbf_symmetric_entry(k, l) : pbf_symmetric_entry(l, k)];
-        row += pbf_real_max(entry, -entry);
+  /* The part of the viscosity that is left out. No eigenvalue is farther from their mean than this
+   * times the size of the deviator, in 2D exactly. */
+  PBF_IN pbf_real finish(const sums<pbf_real> &s) const {
+    pbf_real mean = 0, deviator2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) mean += s.block[pbf_symmetric_entry(k, k)] / PBF_DIM;
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (int l = 0; l <= k; ++l) {
+        const pbf_real entry = s.block[pbf_symmetric_entry(k, l)] - (k == l ? mean : 0);
+        deviator2 += (k == l ? 1 : 2) * (entry * entry);
       }
-      most = pbf_real_max(most, row);
-    }
-    most = most * pbf_real_max(most * c->viscosity_inv_max_spread, 1);
+    const pbf_real most = mean + pbf_real_sqrt((pbf_real)((PBF_DIM - 1.0) / PBF_DIM) * deviator2);
+    return most > c->viscosity_max_spread ? 1 - c->viscosity_max_spread / most : 0;
+  }
+};
+
+/* A stage: of the velocities, and then of what they change by. */
+struct viscous_stress_pass {
+  enum { NUMBER = 1 /* what crowding leaves out */, VECTOR = 1 /* velocity */ };
+  const pbf_constants *c;
+
+  template <class L>
+  struct own {
+    L left_out;
+    lane_vector<L> v;
+  };
+  template <class L>
+  struct sums {
+    lane_vector<L> change;
+  };
+
+  template <class L>
+  PBF_IN sums<L> begin() const {
+    return {lane_vector<L>::zero()};
+  }
+
+  template <class L>
+  PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
+    const L part = ops<L>::set(1) - ops<L>::max(i.left_out, j.number);
+    L parting = ops<L>::set(0);
+    for (int k = 0; k < PBF_DIM; ++k)
+      parting = ops<L>::multiply_add(j.vector.c[k] - i.v.c[k], j.x_ij.c[k], parting);
+    s->change.add_scaled(viscous_weight(c, j.r2) * part * parting, j.x_ij);
+  }
+
+  template <class L>
+  PBF_IN void end(sums<L> *) const {}
+
+  /* The system at a particle: `rest` and what pairs do are what is left of it. The multiple of the
+   * unit matrix is the same for all: what pairs exchange is then conserved in each stage, converged
+   * or not. */
+  PBF_IN pbf_viscous_system system(const sums<pbf_real> &s, pbf_vec rest) const {
+    pbf_viscous_system system;
+    system.residual = pbf_add_scaled(rest, c->viscosity_step, vec_of(s.change));
     for (int k = 0; k < PBF_DIM; ++k)
       for (int l = 0; l <= k; ++l)
-        system.block[pbf_symmetric_entry(k, l)] =
-            k == l ? 1 + c->viscosity_step * pbf_real_max(most, c->viscosity_min_spread) : 0;
+        system.block[pbf_symmetric_entry(k, l)] = k == l ? c->viscosity_diagonal : 0;
     return system;
   }
 
-  /* The velocity after a stage, from that before it and the one before that. Where no solid has
-   * added to it the block is a multiple of the unit matrix. */
+  /* The change after a stage, from that before it and the one before that. Where no solid has added
+   * to it the block is a multiple of the unit matrix. */
   PBF_IN pbf_vec finish(const pbf_viscous_system &system, int with_solids,
-                        const pbf_viscosity_weights &w, pbf_vec v, pbf_vec before) const {
-    pbf_vec next = with_solids ? pbf_add_scaled(v, w.residual, pbf_viscous_step(system))
-                               : pbf_add_scaled(v, w.residual / system.block[0], system.residual);
-    if (w.before > 0) next = pbf_add_scaled(next, w.before, pbf_sub(v, before));
+                        const pbf_viscosity_weights &w, pbf_vec change, pbf_vec before) const {
+    pbf_vec next =
+        with_solids ? pbf_add_scaled(change, w.residual, pbf_viscous_step(system))
+                    : pbf_add_scaled(change, w.residual / c->viscosity_diagonal, system.residual);
+    if (w.before > 0) next = pbf_add_scaled(next, w.before, pbf_sub(change, before));
     return next;
   }
 };

@@ -1,0 +1,30 @@
+/* What solids take of the velocities of fluid that sticks to them, as a part of their loads. */
+#ifndef PBF_PHYSICS_NO_SLIP_LOADS_H
+#define PBF_PHYSICS_NO_SLIP_LOADS_H
+
+#include "physics/friction.h"
+#include "physics/no_slip.h"
+
+namespace {
+
+/* Calls take(plane, share) for each that takes a part of what viscosity has left of a velocity, at
+ * the place x where the solve looks at the particle. It is not in the particle's push, which is
+ * along normals. */
+template <class Obstacles, class Take>
+PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n,
+                          pbf_vec x, pbf_vec v, Take take) {
+  each_no_slip_plane(
+      c, o, n, x, [&](int surface, pbf_real rate, pbf_real distance, pbf_vec normal) {
+        const pbf_vec relative = relative_to_surface(o, n, surface, x, v);
+        const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
+        pbf_load_plane plane = {surface < 0 ? -1 - surface : PBF_WALLS + surface, distance, 0,
+                                normal};
+        load_share share = {{0}, {0}};
+        for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)rate * (double)along.c[k];
+        take(plane, share);
+      });
+}
+
+}  // namespace
+
+#endif
