@@ -60,17 +60,20 @@ struct crowding_pass {
   PBF_IN void end(sums<L> *) const {}
 
   /* The part of the viscosity that is left out. No eigenvalue is farther from their mean than this
-   * times the size of the deviator, in 2D exactly. */
+   * times the size of the deviator, in 2D exactly. All over the most that the solve is for, so that
+   * squares hold in any units. */
   PBF_IN pbf_real finish(const sums<pbf_real> &s) const {
+    const pbf_real per_most = 1 / c->viscosity_max_spread;
     pbf_real mean = 0, deviator2 = 0;
-    for (int k = 0; k < PBF_DIM; ++k) mean += s.block[pbf_symmetric_entry(k, k)] / PBF_DIM;
+    for (int k = 0; k < PBF_DIM; ++k)
+      mean += per_most * s.block[pbf_symmetric_entry(k, k)] / PBF_DIM;
     for (int k = 0; k < PBF_DIM; ++k)
       for (int l = 0; l <= k; ++l) {
-        const pbf_real entry = s.block[pbf_symmetric_entry(k, l)] - (k == l ? mean : 0);
+        const pbf_real entry = per_most * s.block[pbf_symmetric_entry(k, l)] - (k == l ? mean : 0);
         deviator2 += (k == l ? 1 : 2) * (entry * entry);
       }
     const pbf_real most = mean + pbf_real_sqrt((pbf_real)((PBF_DIM - 1.0) / PBF_DIM) * deviator2);
-    return most > c->viscosity_max_spread ? 1 - c->viscosity_max_spread / most : 0;
+    return most > 1 ? 1 - 1 / most : 0;
   }
 };
 
