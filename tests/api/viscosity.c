@@ -174,8 +174,9 @@ static void check_momenta_of(uint32_t dimension, uint32_t precision, double apar
   free(start);
   for (int k = 0; k < momenta_kept; ++k)
     if (!(fabs(after[k] - before[k]) < rounding * change))
-      fail_msg("%uD, %g spacings apart: momentum %d goes from %g to %g", dimension, apart, k,
-               before[k], after[k]);
+      fail_msg(
+          "%uD, float%u, %g spacings apart: momentum %d changes by %g of the velocities' change",
+          dimension, 8 * precision, apart, k, (after[k] - before[k]) / change);
   assert_true(change > 0.1); /* it does act */
   destroy(&f);
 }
