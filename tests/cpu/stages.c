@@ -115,7 +115,7 @@ static void note_stages(pbf_solver *solver) {
 }
 
 static double worst_x, worst_v, worst_rho;
-static unsigned combinations, combinations_asleep; /* the latter: those in which somebody slept */
+static unsigned combinations, combinations_asleep; /* all; those with particles asleep */
 
 /* Confinement divides by the size of a gradient, however small: rounding shows more there. */
 static double max_velocity(unsigned bits, double most) {
