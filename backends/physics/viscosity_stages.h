@@ -4,11 +4,11 @@
  * Koschier, Brand and Bender, A physically consistent implicit viscosity solver for SPH fluids
  * (2018): so flows that are steady are right at any step, and none is unstable. The system (1 + K)
  * v = v*, K of passes/viscous_stress.h, is solved by the Chebyshev semi-iteration (Golub and Varga
- * 1961), with bounds D of the blocks of particles as a preconditioner. It needs no sums over all
- * particles, and so has the same bits on any number of threads.
+ * 1961), with the same bound D of all particles' blocks as a preconditioner. It needs no sums over
+ * all particles, and so has the same bits on any number of threads.
  *
  * K is a sum over pairs, hence 1 <= 1 + K <= 2 D - 1, and the eigenvalues of D⁻¹ (1 + K) lie
- * between 1 / (1 + k) and 2 - 1 / (1 + k), k the largest D - 1. The interval that is iterated for
+ * between 1 / (1 + k) and 2 - 1 / (1 + k), k = D - 1. The interval that is iterated for
  * is such that the first root of the polynomial is at 1 / (1 + k) of the rest lattice: of waves
  * that are long no error is left. */
 #ifndef PBF_PHYSICS_VISCOSITY_STAGES_H
@@ -24,11 +24,9 @@
 /* Block beyond which more viscosity does not act: 106 stages. */
 #define PBF_VISCOSITY_MAX_STIFFNESS 750.0
 
-/* Times the rest lattice's block: what D is at least, which is as uneven as fluids are, … */
+/* Times the rest lattice's block: the most that is iterated for, which is as uneven as fluids are.
+ * In crowds pairs have less viscosity, so that it holds there, too (passes/viscous_stress.h). */
 #define PBF_VISCOSITY_UNEVEN 1.25
-
-/* … and what is iterated for at most; in denser crowds D is larger than the block. */
-#define PBF_VISCOSITY_CROWD 4.0
 
 /* Of a viscosity of 1: the block of the rest lattice. */
 static inline double pbf_viscosity_stiffness(const pbf_params *params,

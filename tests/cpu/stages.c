@@ -179,7 +179,7 @@ static void every_stage_has_run(void **state) {
       fail_msg("no combination runs the stage \"%s\"", stages[stage]);
 }
 
-/* Without sleep: rounding decides of somebody whether he is slow enough. */
+/* Without sleep: rounding decides whether a particle is slow enough. */
 static void stages_in_float32(void **state) {
   (void)state;
   compare_all(PBF_FLOAT32, 2e-6, SLEEP, 5 * EACH);
