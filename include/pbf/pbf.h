@@ -282,7 +282,8 @@ typedef struct pbf_params {
                        0: none */
 
   /* Domain box. A wall stands at  bound + velocity t + amplitude sin(frequency t + phase)  with t
-   * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit.
+   * the solver's time (pbf_info.time) at the end of the step; frequency in radians a time unit. The
+   * sine of an angle of 2^52 and more, which is known to no part of a turn, counts as 0.
    * In float32 a bound farther from the origin than four lengths of the domain must be within 2,097
    * spacings of it, any other within 167,772. Fluid that has too little room in it, or in an
    * inverted collider, takes the density with which it fills that, with PBF_SOLVER_CHEBYSHEV. */

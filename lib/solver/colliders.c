@@ -181,9 +181,9 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   if (status == PBF_OK && count > 0) status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
   choose_paths(solver, count, memory, now);
-  note_jumps(solver, count, memory);
   status = pbf_colliders_to_backend(solver, count, memory, now);
   if (status == PBF_OK) {
+    note_jumps(solver, count, memory);
     pbf_colliders_replace(solver, count, memory, now);
   } else {
     drop(solver, count, memory);

@@ -5,6 +5,8 @@
 
 #include "backend_call.h"
 #include "error.h"
+#include "ids.h"
+#include "memory.h"
 #include "overlap.h"
 #include "physics/motion.h"
 #include "physics/prestabilization.h"
@@ -46,8 +48,24 @@ static void warn(const pbf_solver *solver, double error) {
   solver->log(solver->log_user, PBF_LOG_WARNING, text);
 }
 
+static uint64_t positions_bytes(const pbf_solver *solver) {
+  return solver->count * pbf_point_bytes(solver);
+}
+
+/* Where they are before the first pass moves them. */
+static pbf_status keep_positions(pbf_solver *solver, pbf_before_projection *before) {
+  if (before->positions) return PBF_OK;
+  pbf_status status = pbf_memory_allocate(&solver->allocator, positions_bytes(solver),
+                                          "positions before pre-stabilization", &before->positions);
+  if (status != PBF_OK) return status;
+  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, before->positions);
+  if (status != PBF_OK) pbf_prestabilize_accept(solver, before);
+  return pbf_backend_result(solver, status, "read");
+}
+
 /* `at_least` passes, whatever the error. */
-static pbf_status project(pbf_solver *solver, int at_least) {
+static pbf_status project(pbf_solver *solver, int at_least, pbf_before_projection *before) {
   double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
   pbf_stats stats;
   for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
@@ -57,6 +75,8 @@ static pbf_status project(pbf_solver *solver, int at_least) {
     stalled = improves ? 0 : stalled + 1;
     if (improves) best = error;
     if (stats.neighbors_mean > max_neighbors_mean || stalled == MAX_STALLED) break;
+    status = keep_positions(solver, before);
+    if (status != PBF_OK) return status;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
     if (status != PBF_OK) return status;
@@ -98,14 +118,28 @@ static void note_jumps(pbf_solver *solver, int walls) {
   if (walls) pbf_overlap_note_walls(solver);
 }
 
-pbf_status pbf_prestabilize(pbf_solver *solver) {
+pbf_status pbf_prestabilize(pbf_solver *solver, pbf_before_projection *before) {
+  *before = (pbf_before_projection){.placement = solver->placement};
   int jumped = walls_have_jumped(solver);
   int wanted = is_wanted(solver) && (jumped || solver->placement.set_anew || is_first(solver));
   note_jumps(solver, jumped);
   pbf_status status = wanted ? pbf_overlap_forget(solver) : PBF_OK;
-  if (status == PBF_OK && wanted) status = project(solver, jumped);
+  if (status == PBF_OK && wanted) status = project(solver, jumped, before);
   if (status == PBF_OK) solver->placement = (pbf_placement){0};
   return status;
+}
+
+void pbf_prestabilize_undo(pbf_solver *solver, pbf_before_projection *before) {
+  solver->placement = before->placement;
+  if (!before->positions) return;
+  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  (void)solver->api.write(solver->backend, PBF_FIELD_POSITION, &rows, before->positions);
+  pbf_prestabilize_accept(solver, before);
+}
+
+void pbf_prestabilize_accept(pbf_solver *solver, pbf_before_projection *before) {
+  pbf_memory_free(&solver->allocator, before->positions, positions_bytes(solver));
+  before->positions = NULL;
 }
 
 int pbf_setting_matters(const pbf_solver *solver) {

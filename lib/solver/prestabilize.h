@@ -19,7 +19,20 @@ void pbf_note_collider_shift(pbf_solver *solver, uint64_t colliders, const doubl
 /* The parameters change to these: densities may change with them, or walls jump over particles. */
 void pbf_note_params(pbf_solver *solver, const pbf_params *params);
 
-/* Before steps. Acts only on a placement, and where params.prestabilization asks for it. */
-pbf_status pbf_prestabilize(pbf_solver *solver);
+/* What a step that fails after it puts back: rows' positions, null where none was moved. */
+typedef struct pbf_before_projection {
+  void *positions;
+  pbf_placement placement;
+} pbf_before_projection;
+
+/* Before steps. Acts only on a placement, and where params.prestabilization asks for it. One of the
+ * two below follows, whatever it returns. */
+pbf_status pbf_prestabilize(pbf_solver *solver, pbf_before_projection *before);
+
+/* The step has not been done: as all was before. */
+void pbf_prestabilize_undo(pbf_solver *solver, pbf_before_projection *before);
+
+/* It has. */
+void pbf_prestabilize_accept(pbf_solver *solver, pbf_before_projection *before);
 
 #endif

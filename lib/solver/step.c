@@ -136,13 +136,30 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
 }
 
-/* A step that fails leaves velocities as they were. */
+/* A step that fails leaves velocities as they were; a part of it that is done is a shorter step. */
 static pbf_status run_accelerated(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   pbf_accelerated_rows rows;
+  const double begin = pbf_solver_time(solver);
   pbf_status status = pbf_accelerate(solver, &rows);
   if (status != PBF_OK) return status;
   status = run(solver, steps, done);
-  if (*done == 0) pbf_undo_accelerations(solver, &rows);
+  if (*done == 0 && pbf_solver_time(solver) == begin) pbf_undo_accelerations(solver, &rows);
+  return status;
+}
+
+/* A step that fails leaves positions as they were, too, and what is noted of overlaps. */
+static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done) {
+  pbf_before_projection before;
+  const pbf_overlap_state overlap = solver->overlap;
+  const double begin = pbf_solver_time(solver);
+  pbf_status status = pbf_prestabilize(solver, &before);
+  if (status == PBF_OK) status = run_accelerated(solver, steps, done);
+  if (*done > 0 || pbf_solver_time(solver) != begin) {
+    pbf_prestabilize_accept(solver, &before);
+  } else {
+    pbf_prestabilize_undo(solver, &before);
+    solver->overlap = overlap;
+  }
   return status;
 }
 
@@ -153,8 +170,7 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   if (status == PBF_OK) status = pbf_plan_step(solver);
   if (status != PBF_OK) return status;
   if (solver->count > 0) {
-    status = pbf_prestabilize(solver);
-    if (status == PBF_OK) status = run_accelerated(solver, steps, &done);
+    status = run_placed(solver, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {
     status = pbf_time_to_backend(solver, time_after(solver, steps));

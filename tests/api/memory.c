@@ -101,7 +101,14 @@ static pbf_status timing(scene *s) {
   return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
 }
 
-static scene make_scene(void) {
+/* What the solver holds before the action. */
+typedef enum beginning {
+  LATTICE,
+  PLACED /* in a solid, out of which the first step moves it */,
+  STEPPED /* in a vessel */
+} beginning;
+
+static scene make_scene(beginning start) {
   scene s = {.params = test_params()};
   pbf_solver *other = test_filled(3, PBF_FLOAT32, 10, 32);
   assert_ok(pbf_collider_init(&s.collider, sizeof s.collider, PBF_COLLIDER_SPHERE));
@@ -115,6 +122,20 @@ static scene make_scene(void) {
   s.params.vorticity = s.params.viscosity = 0.01;
   s.params.scorr_k = 0.1;
   s.params.smoothing_radius = 0.15;
+  if (start == LATTICE) return s;
+  s.collider.radius = 0.2;
+  for (int k = 0; k < 3; ++k) s.collider.position[k] = 0.35;
+  if (start == STEPPED) {
+    pbf_params deep = test_params();
+    deep.pressure_grid = 2; /* which wants memory where a solid is in it */
+    assert_ok(pbf_set_params(s.solver, &deep));
+    s.collider.inverted = 1;
+  }
+  assert_ok(pbf_set_colliders(s.solver, 1, &s.collider));
+  if (start == STEPPED) {
+    assert_ok(pbf_step(s.solver, 1));
+    s.collider.inverted = 0;
+  }
   return s;
 }
 
@@ -131,28 +152,61 @@ static pbf_params params_of(pbf_solver *solver) {
   return params;
 }
 
-/* Runs the action with its n-th allocation failing, for n = 1, 2, … until it needs no more. A fresh
- * scene each time: an action may need memory the first time only. */
-static void fail_in_turn(action act) {
-  for (uint64_t n = 1;; ++n) {
-    scene s = make_scene();
-    uint64_t before = test_hash(s.solver);
-    pbf_params params = params_of(s.solver);
-    test_count.failing_call = test_count.calls + n;
-    pbf_status status = act(&s);
-    int failed = test_count.calls >= test_count.failing_call;
-    test_count.failing_call = 0;
-    if (status != PBF_OK) {
-      assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
-      assert_int_not_equal(pbf_last_error()[0], 0);
-      assert_int_equal(test_hash(s.solver), before);
-      pbf_params after = params_of(s.solver);
-      assert_memory_equal(&after, &params, sizeof after);
-      assert_ok(act(&s)); /* nothing has broken */
-      assert_ok(pbf_step(s.solver, 1));
-    }
-    drop_scene(&s);
-    if (!failed) break;
+/* Where the action and a step after it lead, if memory does not fail. */
+static uint64_t hash_after(beginning start, action act) {
+  scene s = make_scene(start);
+  assert_ok(act(&s));
+  assert_ok(pbf_step(s.solver, 1));
+  const uint64_t after = test_hash(s.solver);
+  drop_scene(&s);
+  return after;
+}
+
+static pbf_status do_nothing(scene *s) {
+  (void)s;
+  return PBF_OK;
+}
+
+/* What a step was planned for is in a saved state, whether or not the step was done. */
+static int plans(action act) { return act == step || act == step_apart; }
+
+/* Runs the action with its n-th allocation failing. Whatever comes next, and a step, then lead
+ * where they had led without it. Returns whether that allocation was wanted. */
+static int fail_once(beginning start, action act, uint64_t n, action next, uint64_t right) {
+  scene s = make_scene(start);
+  uint64_t size, size_after;
+  void *before = test_save(s.solver, &size);
+  const uint64_t hash_before = test_hash(s.solver);
+  pbf_params params = params_of(s.solver);
+  test_count.failing_call = test_count.calls + n;
+  pbf_status status = act(&s);
+  const int failed = test_count.calls >= test_count.failing_call;
+  test_count.failing_call = 0;
+  if (status != PBF_OK) {
+    assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
+    assert_int_not_equal(pbf_last_error()[0], 0);
+    assert_int_equal(test_hash(s.solver), hash_before);
+    void *now = test_save(s.solver, &size_after);
+    assert_int_equal(size_after, size);
+    if (!plans(act)) assert_memory_equal(now, before, size);
+    free(now);
+    pbf_params after = params_of(s.solver);
+    assert_memory_equal(&after, &params, sizeof after);
+    assert_ok(next(&s));
+    assert_ok(pbf_step(s.solver, 1));
+    assert_int_equal(test_hash(s.solver), right);
+  }
+  free(before);
+  drop_scene(&s);
+  return failed;
+}
+
+/* For n = 1, 2, … until it needs no more. A fresh scene each time: an action may need memory the
+ * first time only. */
+static void fail_in_turn(beginning start, action act) {
+  const uint64_t with = hash_after(start, act), without = hash_after(start, do_nothing);
+  for (uint64_t n = 1; fail_once(start, act, n, act, with); ++n) {
+    fail_once(start, act, n, do_nothing, without);
     assert_true(n < 1000);
   }
 }
@@ -165,7 +219,10 @@ static void each_call(void **state) {
                             export,        timing,        read_quads,    keep_previous,
                             drop_box,      set_snapshots, step_apart,    get_anisotropies,
                             ask,           find_in_ball};
-  for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(actions[i]);
+  for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(LATTICE, actions[i]);
+  fail_in_turn(PLACED, step);
+  fail_in_turn(STEPPED, set_colliders);
+  fail_in_turn(STEPPED, step);
 }
 
 static void creation(void **state) {
@@ -211,7 +268,7 @@ static void check_plan(pbf_solver *solver) {
 
 static void the_plan_counts_every_byte(void **state) {
   (void)state;
-  scene s = make_scene();
+  scene s = make_scene(LATTICE);
   check_plan(s.solver);
   uint32_t arrays = plan_of(s.solver).array_count;
   assert_ok(drop(&s));

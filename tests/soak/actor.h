@@ -136,6 +136,9 @@ void count_steps(const actor *a, uint64_t steps);
 /* Runs a twin until its step is `end`, through cancellations; returns what ends it before. */
 pbf_status advance(actor *a, int twin, uint64_t end);
 
+/* Runs both from one step to another, and compares how that ends. */
+void advance_both(actor *a, uint64_t begin, uint64_t end);
+
 /* Particles finite, and inside the domain. */
 void check_places(actor *a, int twin);
 

@@ -257,10 +257,12 @@ pbf_status advance(actor *a, int twin, uint64_t end) {
   }
 }
 
+/* An angle that is known to no part of a turn has none, by pbf.h. */
 static double wall_at(const pbf_params *p, int wall, double time) {
   const double bound = wall % 2 ? p->domain_max[wall / 2] : p->domain_min[wall / 2];
+  const double angle = p->wall_frequency[wall] * time + p->wall_phase[wall];
   return bound + p->wall_velocity[wall] * time +
-         p->wall_amplitude[wall] * sin(p->wall_frequency[wall] * time + p->wall_phase[wall]);
+         (fabs(angle) < 0x1p52 ? p->wall_amplitude[wall] * sin(angle) : 0);
 }
 
 /* Those parameters that are not the defaults, to repeat what was found by hand. */

@@ -49,12 +49,8 @@ static void use_own(actor *a) {
     if (status == PBF_ERROR_STATE) return;
   }
   call_unmap(a);
-  uint64_t end = step_of(a, 0) + 2;
-  for (int twin = 0; twin < TWINS; ++twin) {
-    pbf_status status = advance(a, twin, end);
-    check_status(a, status, a->sentence[twin]);
-  }
-  if (a->subject->twin[0]) check_subject(a);
+  const uint64_t begin = step_of(a, 0);
+  advance_both(a, begin, begin + 2);
   subject_drop(a, s);
   if (subject_make(a, s)) {
     call_add_particles(a);
