@@ -40,11 +40,43 @@ struct at_points {
   __device__ __forceinline__ pbf_vec place(const point &p, const Value &) const {
     return position_of(p);
   }
+  __device__ __forceinline__ meets_all meets(const neighborhood &, uint32_t) const { return {}; }
+};
+
+/* Lists hold the pairs within h of each other where they were made. A pass over other places asks
+ * for these, or a pair would be seen by the one of its particles that walks the cells alone. */
+struct meets_listed {
+  const point *points; /* by which lists were made */
+  pbf_vec x;           /* of the particle, there */
+  pbf_real h2;
+
+  __device__ __forceinline__ bool operator()(uint32_t j) const {
+    const pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    return pbf_dot(x_ij, x_ij) < h2;
+  }
+};
+
+static __device__ __forceinline__ meets_listed meets_listed_of(const neighborhood &n,
+                                                               const point *points, uint32_t i) {
+  return {points, position_of(load(points, i)), n.constants.h2};
+}
+
+/* … at points that have moved since lists were made by `listed`, … */
+struct at_moved_points : at_points {
+  const point *listed;
+
+  __device__ __forceinline__ meets_listed meets(const neighborhood &n, uint32_t i) const {
+    return meets_listed_of(n, listed, i);
+  }
 };
 
 /* … or where the step began that takes them there at these velocities. */
 struct at_start {
   pbf_real time_step;
+
+  __device__ __forceinline__ meets_listed meets(const neighborhood &n, uint32_t i) const {
+    return meets_listed_of(n, n.particles.points, i);
+  }
 
   __device__ __forceinline__ pbf_vec place(const point &p, pbf_vec velocity) const {
     return pbf_start(time_step, position_of(p), velocity);
@@ -76,13 +108,17 @@ static __device__ __forceinline__ void add_neighbors(
     const Pass &pass, const neighborhood &n, uint32_t i, pbf_vec x,
     const typename Pass::template own<pbf_real> &own, const Value *values,
     typename Pass::template sums<pbf_real> *sums, const Places &places = {}) {
-  for_points_with(n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &v) {
-    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-    if constexpr (Pass::NUMBER > 0) j.number = number_in(other, v);
-    if constexpr (Pass::VECTOR) j.vector = lanes_of(vector_in(v));
-    if constexpr (Pass::NUMBER > 1) j.second = second_in(v);
-    pass.pair(sums, own, j);
-  });
+  const uint32_t real = min(i, n.particles.count - 1);
+  for_points_with(
+      n.particles, n.grid, n.lists, i, values,
+      [&](const point &other, const Value &v) {
+        neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
+        if constexpr (Pass::NUMBER > 0) j.number = number_in(other, v);
+        if constexpr (Pass::VECTOR) j.vector = lanes_of(vector_in(v));
+        if constexpr (Pass::NUMBER > 1) j.second = second_in(v);
+        pass.pair(sums, own, j);
+      },
+      places.meets(n, real));
 }
 
 template <class Pass, class Value, class Places = at_points>

@@ -151,7 +151,7 @@ struct executor {
     with_surfaces(s, [&](auto surfaces) {
       launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
                                  : viscous_stress_kernel<false, FEW_SURFACES>,
-             starts, stage, extras.obstacles, no_slip);
+             starts, n.particles.points, stage, extras.obstacles, no_slip);
     });
     swap_arrays(&changes, &next_changes);
   }

@@ -280,13 +280,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
   auto sums = all.template begin<pbf_real>();
   auto placed_sums = placed.template begin<pbf_real>();
-  for_points_with(n.particles, n.grid, n.lists, i, velocities,
-                  [&](const point &other, const pbf_vec &v) {
-                    neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-                    j.number = other.lambda == PBF_PLACED_MARK ? 1 : 0;
-                    all.pair(&sums, {}, j);
-                    placed.pair(&placed_sums, {}, j);
-                  });
+  for_points_with(
+      n.particles, n.grid, n.lists, i, velocities,
+      [&](const point &other, const pbf_vec &v) {
+        neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
+        j.number = other.lambda == PBF_PLACED_MARK ? 1 : 0;
+        all.pair(&sums, {}, j);
+        placed.pair(&placed_sums, {}, j);
+      },
+      places.meets(n, own));
   if (i >= n.particles.count) return;
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) return;
   pbf_vec gradient = {{0}};
@@ -505,15 +507,16 @@ struct viscous_stage {
  */
 template <bool NO_SLIP, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_stress_kernel(neighborhood n, viscous_stage s, step_obstacles obstacles,
-                          pbf_no_slip no_slip) {
+    viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
+                          step_obstacles obstacles, pbf_no_slip no_slip) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
   const bool begins = s.weights.first != 0;
   const pbf_vec *of = begins ? s.velocities : s.changes;
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), v = of[own], none = {{0}};
-  const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of);
+  const auto sums =
+      sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of, at_moved_points{{}, predicted});
   if (i >= n.particles.count) return;
   const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
   pbf_viscous_system system = pass.system(sums, begins ? none : pbf_sub(s.force[i], change));

@@ -114,13 +114,20 @@ static __device__ __forceinline__ void for_neighbors(const sorted_particles &p,
       visit);
 }
 
-/* The same with visit(point, value), where `values` has one for each particle. Who is far from
- * everything has i's own. */
-template <uint32_t SHARES = 1, class Value, class Visit>
+/* A walk through the cells meets all that are in them: right where what is farther than h adds
+ * nothing. */
+struct meets_all {
+  __device__ __forceinline__ bool operator()(uint32_t) const { return true; }
+};
+
+/* The same with visit(point, value), where `values` has one for each particle. What is far from
+ * everything has i's own. A walk leaves out those that it does not meet. */
+template <uint32_t SHARES = 1, class Value, class Visit, class Meets = meets_all>
 static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
                                                        const cell_grid &grid,
                                                        const neighbor_lists &lists, uint32_t i,
-                                                       const Value *values, Visit visit) {
+                                                       const Value *values, Visit visit,
+                                                       Meets meets = {}) {
   for_chunks<SHARES>(
       p, grid, lists, i,
       [&](uint32_t bases, const uint32_t word[4], uint32_t count) {
@@ -139,7 +146,9 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
           for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q], value[q]);
         }
       },
-      [&](uint32_t j) { visit(load(p.points, j), load(values, j)); });
+      [&](uint32_t j) {
+        if (meets(j)) visit(load(p.points, j), load(values, j));
+      });
 }
 
 /* And with visit(point), for what needs nothing else. */

@@ -188,12 +188,16 @@ static void drops_have_the_pressure_of_their_curvature(void **state) {
 }
 
 /* Steps that are too long have all of the tension in parts that are not, and what keeps the surface
- * fluid, which acts in every third of them: without that there is a tenth of the pressure. */
+ * fluid, which acts in every third of them: without that there is a tenth of the pressure. A single
+ * drop has 0.8 to 1.5 of it, by its start: as many are taken as make that a third of the bar. */
 static void divided_steps_have_the_tension(void **state) {
   (void)state;
+  enum { STARTS = 3 };
   test_desc(3, PBF_FLOAT32, 1);
-  const double part = pressure_of_drop(3, PBF_FLOAT32, 1, 2);
-  if (!(fabs(part - 1) < 0.5)) fail_msg("the pressure in a drop is %.3f of Laplace's", part);
+  double mean = 0;
+  for (uint32_t start = 1; start <= STARTS; ++start)
+    mean += pressure_of_drop(3, PBF_FLOAT32, start, 2) / STARTS;
+  if (!(fabs(mean - 1) < 0.4)) fail_msg("the pressure in drops is %.3f of Laplace's", mean);
 }
 
 /* A turning cube turns as fast as it did, for a torque that is none: angular momentum is what
