@@ -8,10 +8,11 @@
  * any angle, since the ways from point to point would lead through it; so is an opening as wide as
  * points are apart, half a spacing to one.
  *
- * A compartment of less than half a cell is a part of the largest one that it is open to, as far as
- * that leads to larger ones (cell merging, as in cut-cell methods): whether a layer of particles
- * fits into it or not is no matter of pressure. Compartments are connected with those of the next
- * cells as points are.
+ * A compartment in which there is hardly room for a particle is a part of the largest one that it
+ * is open to, as far as that leads to larger ones (cell merging, as in cut-cell methods): it would
+ * count as in the open. Not a larger one: a part takes what its whole has of lambda on to where it
+ * is, which does not meet what is beside it, and what moves around such a seam gains energy.
+ * Compartments are connected with those of the next cells as points are.
  *
  * A node is as many as there are unconnected compartments around it (virtual nodes, Molino, Bao &
  * Fedkiw 2004, as the mesh of finite elements that a cut tears): topology.h. */
@@ -35,8 +36,9 @@ enum {
 #define PBF_NO_INDEX 0xffffffffu
 #define PBF_ALL_SAMPLES (~UINT64_C(0))
 
-/* Of less than so much of a cell a compartment is a part of a larger one. */
-#define PBF_COMPARTMENT_WHOLE 0.5
+/* A compartment that is no larger than a slice of a cell so many spacings thick, in which no
+ * particle is found, is a part of a larger one. */
+#define PBF_COMPARTMENT_ROOM 0.5
 
 /* The first compartment of a cell has the cell's index, and so has a node's first copy the node's;
  * further ones have indices from `first` on. */

@@ -134,7 +134,8 @@ PBF_FN uint32_t pbf_merging_target(const pbf_pressure_grid *c, const pbf_pressur
                                    uint32_t compartment) {
   for (int steps = 0; steps < PBF_DIM + 1; ++steps) {
     const uint32_t cell = pbf_compartment_cell(t, compartment);
-    if (!pbf_cell_is_cut(t, cell) || pbf_volume_part(t, compartment, 0) >= PBF_COMPARTMENT_WHOLE)
+    if (!pbf_cell_is_cut(t, cell) ||
+        pbf_volume_part(t, compartment, 0) >= PBF_COMPARTMENT_ROOM * c->spacing)
       break;
     const uint32_t larger =
         pbf_larger_neighbor(c, t, cell, pbf_compartment_number(t, cell, compartment),

@@ -50,6 +50,7 @@ typedef struct pbf_pressure_grid {
   double edge[PBF_DIM];         /* part of the first and of the last ones that is inside */
   double per_width;             /* 1 / width */
   double unit;                  /* what a particle fills of a cell */
+  double spacing;               /* of particles */
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
   double error;                 /* pbf_depth_error of a head of 1 */
@@ -101,7 +102,8 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
   c.max_left = corrects_shear ? PBF_DEPTH_SHEARED_LEFT : 1;
-  c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * pbf_derive_spacing(params) / width;
+  c.spacing = pbf_derive_spacing(params) / width;
+  c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * c.spacing;
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pbf_pow(pbf_derive_spacing(params), PBF_DIM);
   c.nodes = 1;
