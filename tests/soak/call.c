@@ -252,7 +252,7 @@ pbf_status advance(actor *a, int twin, uint64_t end) {
       found(a->number, "%s: PBF_OK after %llu of %u steps", a->function,
             (unsigned long long)(step_of(a, twin) - now), steps);
     if (status != PBF_OK && !again) return status;
-    if (a->injected[twin] && tries > 20) return status; /* a limit, that stays */
+    if (a->injected[twin] && tries > 5) return status; /* a limit, that stays */
     if (status == PBF_ERROR_BUSY) sched_yield();
   }
 }
