@@ -69,6 +69,16 @@ static inline bool pbf_memory_keep(pbf_memory *memory, bool wanted, const char *
   return true;
 }
 
+/* The same of what has arrays behind it: so many bytes. */
+template <class Header>
+static inline bool pbf_memory_keep_bytes(pbf_memory *memory, bool wanted, const char *name,
+                                         uint64_t bytes, Header **header) {
+  char *block = (char *)*header;
+  const bool kept = pbf_memory_keep(memory, wanted, name, bytes, 0, &block);
+  *header = (Header *)block;
+  return kept;
+}
+
 /* Adds the arrays to the plan; sums up its bytes. */
 static inline void pbf_memory_plan(const pbf_memory *memory, uint32_t capacity, pbf_plan *plan) {
   for (uint32_t k = 0; k < memory->count; ++k) {

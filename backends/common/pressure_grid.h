@@ -100,7 +100,27 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
   return storage->topology.counts[PBF_TOPOLOGY_FOUND] &&
          memcmp(&storage->grid, now, sizeof *now) == 0 && of->count == o->count &&
          memcmp(&of->domain, &o->domain, sizeof o->domain) == 0 &&
-         memcmp(of->surfaces, o->surfaces, (size_t)o->count * sizeof *o->surfaces) == 0;
+         memcmp(of->surfaces.all, o->surfaces.all, (size_t)o->count * sizeof *o->surfaces.all) == 0;
+}
+
+/* Lets who asks from a cell's middle find the surfaces that matter to the cell. */
+static inline void pbf_pressure_grid_reach(const pbf_pressure_grid *c, const pbf_obstacles *o) {
+  const double reach = 1.01 * (pbf_cell_reach(c) + c->width / PBF_SAMPLES);
+  if (o->grid && o->grid->reach < o->grid->steepest * reach)
+    pbf_grid_build(o->grid, o->grid->count, &o->domain, o->grid->steepest * reach);
+}
+
+/* `surfaces` is room for as many as there are. */
+static inline void pbf_pressure_grid_note_surfaces(pbf_pressure_grid_storage *storage,
+                                                   const pbf_obstacles *o, pbf_surface *surfaces) {
+  pbf_pressure_grid_topology *t = &storage->topology;
+  memcpy(surfaces, o->surfaces.all, (size_t)o->count * sizeof *surfaces);
+  storage->obstacles = *o;
+  storage->obstacles.surfaces.all = t->surfaces = surfaces;
+  t->surface_count = o->count;
+  t->domain = o->domain;
+  t->grid = o->grid;
+  t->built = o->grid ? o->grid->built : 0;
 }
 
 /* The grid between these walls; where there are thin solids, in fewer of the indices, and with what
@@ -109,23 +129,23 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
                                                 const pbf_topology_memory *memory,
                                                 const pbf_params *params, int corrects_shear,
                                                 const pbf_domain *domain, uint32_t capacity,
-                                                uint32_t count, const pbf_obstacles *o) {
+                                                uint32_t count, const pbf_obstacles *o,
+                                                pbf_surface *surfaces) {
   uint64_t limit = pbf_pressure_grid_limit(count);
   pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit);
   *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
   if (!memory->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
     storage->grid = now;
+    pbf_pressure_grid_reach(&now, o);
     return;
   }
   now = pbf_pressure_grid_between(params, domain, corrects_shear,
                                   pbf_pressure_grid_first_further(limit));
   const int stands = pbf_pressure_grid_stands(storage, &now, o);
   storage->grid = now;
-  storage->obstacles = *o;
-  t->surfaces = storage->obstacles.surfaces;
-  t->surface_count = o->count;
-  t->domain = o->domain;
+  pbf_pressure_grid_reach(&now, o);
+  pbf_pressure_grid_note_surfaces(storage, o, surfaces);
   if (!stands) {
     pbf_pressure_grid_divide_cells(&storage->grid, t);
     pbf_pressure_grid_tear_nodes(&storage->grid, t);
@@ -140,17 +160,18 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
                           : t->first;
 }
 
-/* Before particles add to the sums, in a grid for `count` of them. */
+/* Before particles add to the sums, in a grid for `count` of them. `surfaces` is room for as many as
+ * the obstacles have, whose content stays until the next step. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
                                            const pbf_params *params, int corrects_shear,
                                            uint32_t capacity, uint32_t count,
-                                           const pbf_obstacles *o) {
+                                           const pbf_obstacles *o, pbf_surface *surfaces) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, capacity, count,
-                               o);
+  pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, capacity, count, o,
+                               surfaces);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
 }
@@ -209,7 +230,11 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
     for (i[0] = box->first[0]; i[0] <= box->last[0]; ++i[0]) {
       uint32_t cell = row + (uint32_t)i[0];
       double whole = 0;
-      if (!pbf_cell_is_cut(t, cell)) whole = pbf_pressure_grid_free_volume_at(c, *o, i);
+      if (!pbf_cell_is_cut(t, cell)) {
+        const double reach = 0.51 * c->width * (o->grid ? o->grid->steepest : 1);
+        const pbf_obstacles near = pbf_obstacles_near(*o, pbf_cell_middle(c, i), (pbf_real)reach);
+        whole = pbf_pressure_grid_free_volume_at(c, near, i);
+      }
       if (t->surface_count) whole = pbf_compartment_volume(t, cell, whole);
       storage->free_volumes[cell] = whole;
       if (pbf_pressure_grid_is_filled(c, storage->sums[cell], storage->free_volumes[cell]))

@@ -7,10 +7,12 @@
  *   bool step_of_no_time(Solver *, double time)     whether there was memory for it
  *   pbf_vec velocity_of(const Solver *, uint32_t i)
  *   const char *refusal_of(const Solver *, const pbf_params *, const pbf_schedule *)
- *                                                   what it can't do of these, or null */
+ *                                                   what it can't do of these, or null
+ *   uint32_t threads_of(const Solver *)             that look at colliders at once */
 #ifndef PBF_COMMON_SCENE_H
 #define PBF_COMMON_SCENE_H
 
+#include "common/collider_table.h"
 #include "common/derived_tables.h"
 #include "common/host_only.h"
 #include "common/memory.h"
@@ -36,6 +38,64 @@ static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_d
                          overlaps);
 }
 
+/* ---- Room for colliders ---------------------------------------------------------------------- */
+
+/* Copies what there is to a larger table. */
+template <class Solver>
+static void move_table(Solver *s, char *block, uint32_t room) {
+  const pbf_collider_table before = s->table;
+  const uint32_t count = s->collider_count;
+  pbf_place_collider_table(&s->table, &s->basins, block, room, threads_of(s));
+  if (before.room) {
+    memcpy(s->table.list, before.list, count * sizeof *before.list);
+    memcpy(s->table.divided, before.divided, before.room * sizeof *before.divided);
+    memcpy(s->table.moving, before.moving, pbf_words_of(before.room) * sizeof *before.moving);
+    pbf_memory_free(&s->memory, before.list);
+  }
+  s->moving_obstacles.more = s->table.moving;
+  s->pressure_grid.obstacles.surfaces.all = s->pressure_grid.topology.surfaces = s->table.divided;
+  s->pressure_grid.topology.grid = NULL;
+}
+
+template <class Solver>
+static void drop_table(Solver *s) {
+  if (s->table.room) pbf_memory_free(&s->memory, s->table.list);
+  s->table = {};
+  s->basins.known = 0;
+  s->moving_obstacles.more = NULL;
+  s->pressure_grid.topology.grid = NULL;
+}
+
+/* Loads of more solids than before. */
+template <class Solver>
+static bool grow_load_tally(Solver *s, uint32_t room) {
+  pbf_load_tally *before = s->load_tally;
+  if (!before || before->solids >= (int)(PBF_WALLS + room)) return true;
+  void *memory = pbf_memory_take(&s->memory, "loads", pbf_load_tally_bytes(room), 1);
+  if (!memory) return false;
+  memset(memory, 0, pbf_load_tally_bytes(room));
+  s->load_tally = static_cast<pbf_load_tally *>(memory);
+  pbf_place_load_tally(s->load_tally, room);
+  memcpy(s->load_tally->loads, before->loads, (size_t)before->solids * sizeof *before->loads);
+  pbf_memory_free(&s->memory, before);
+  return true;
+}
+
+/* Room for so many colliders, and no less than before: what has been is to be had again. */
+template <class Solver>
+static bool make_room_for(Solver *s, uint32_t count) {
+  const uint32_t room = pbf_collider_room(count);
+  if (room <= s->table.room) return true;
+  const uint64_t bytes = pbf_collider_table_bytes(room, threads_of(s));
+  void *block = grow_load_tally(s, room) ? pbf_memory_take(&s->memory, "colliders", bytes, 1) : NULL;
+  if (!block) return false;
+  memset(block, 0, bytes);
+  move_table(s, static_cast<char *>(block), room);
+  return true;
+}
+
+/* ---- Parameters and colliders ---------------------------------------------------------------- */
+
 /* Takes what a schedule needs before anything else changes: it may fail. Pressures are settled
  * where what they come from is not needed any more: they would be wanted for each particle. */
 template <class Solver>
@@ -57,7 +117,8 @@ static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const p
 template <class Solver>
 static void allow_sleep(Solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->table.list,
+                                                s->table.moving);
   if (!before) init_new(s, 0);
   if (changes) wake_all(s);
 }
@@ -65,13 +126,13 @@ static void allow_sleep(Solver *s, int changes, int before) {
 template <class Solver>
 static pbf_status set_params(Solver *s, const pbf_params *params) {
   pbf_status status =
-      pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count, s->colliders));
+      pbf_refuse_without(s->host, pbf_features_wanted(params, s->collider_count, s->table.list));
   if (status != PBF_OK) return status;
   pbf_derived derived = s->derived;
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
   pbf_schedule schedule =
-      schedule_of(s, params, &derived, s->collider_count, s->colliders, s->overlaps);
+      schedule_of(s, params, &derived, s->collider_count, s->table.list, s->overlaps);
   status = take_schedule(s, &schedule, params);
   if (status != PBF_OK) return status;
   int slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
@@ -85,39 +146,57 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
   return PBF_OK;
 }
 
+/* Once there is room for them. */
+template <class Solver>
+static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collider *colliders,
+                                    double time) {
+  pbf_collider_table *t = &s->table;
+  pbf_schedule schedule = schedule_of(s, &s->params, &s->derived, count, colliders, s->overlaps);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) return status;
+  const pbf_moving_obstacles changed = pbf_changed_surfaces(
+      s->collider_count, t->list, count, colliders, s->moving_obstacles, t->changed);
+  wake_near_moving(s, changed, s->now);
+  if (s->load_tally)
+    pbf_forget_loads(s->load_tally, count < s->collider_count ? count : s->collider_count);
+  if (count) memcpy(t->list, colliders, count * sizeof *colliders);
+  s->collider_count = count;
+  s->collider_time = s->now = time;
+  s->schedule = schedule;
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, t->list, t->moving);
+  wake_near_moving(s, changed, time);
+  return PBF_OK;
+}
+
 template <class Solver>
 static pbf_status set_colliders(Solver *s, uint32_t count, const pbf_collider *colliders,
                                 double time) {
   pbf_status status =
       pbf_refuse_without(s->host, pbf_features_wanted(&s->params, count, colliders));
   if (status != PBF_OK) return status;
-  pbf_schedule schedule = schedule_of(s, &s->params, &s->derived, count, colliders, s->overlaps);
-  status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) return status;
-  pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
-  changed.surfaces |= s->moving_obstacles.surfaces;
-  wake_near_moving(s, changed, s->now);
-  if (s->load_tally)
-    pbf_forget_loads(s->load_tally, count < s->collider_count ? count : s->collider_count);
-  if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
-  s->collider_count = count;
-  s->collider_time = s->now = time;
-  s->schedule = schedule;
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
-  wake_near_moving(s, changed, time);
-  return PBF_OK;
+  if (make_room_for(s, count))
+    status = replace_colliders(s, count, colliders, time);
+  else
+    status = out_of_memory(s, "the colliders");
+  if (!s->collider_count) drop_table(s);
+  return status;
 }
 
 template <class Solver>
 static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
   pbf_schedule schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, overlap != NULL);
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, overlap != NULL);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
   s->schedule = schedule;
   s->overlaps = overlap != NULL;
-  if (overlap) s->found = *overlap;
+  if (!overlap) return PBF_OK;
+  s->found = *overlap;
+  const uint32_t words = pbf_words_of(s->collider_count);
+  if (words <= 1) return PBF_OK;
+  memset(s->table.placed, 0, (words - 1) * sizeof *s->table.placed);
+  if (overlap->more_colliders)
+    memcpy(s->table.placed, overlap->more_colliders, (words - 1) * sizeof *s->table.placed);
   return PBF_OK;
 }
 
@@ -126,7 +205,7 @@ template <class Solver>
 static pbf_status plan_for(Solver *s, uint32_t count) {
   s->planned = count;
   s->schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps);
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
   return PBF_OK;
 }
 
@@ -143,7 +222,7 @@ static bool project_at(Solver *s, double time, uint32_t iterations) {
   s->params = pbf_projection_of(&params, iterations);
   pbf_derived derived = s->derived;
   derive_tables(&s->params, &derived, &s->constants);
-  s->schedule = schedule_of(s, &s->params, &derived, s->collider_count, s->colliders, 0);
+  s->schedule = schedule_of(s, &s->params, &derived, s->collider_count, s->table.list, 0);
   s->residual_density = NULL;
   const bool done = step_of_no_time(s, time);
   s->params = params;

@@ -141,7 +141,7 @@ static extent chunks(const solver *s) {
 
 static extent tasks(const solver *s) { return {(uint64_t)PAIR_TASKS * s->threads, 0}; }
 
-static extent single(const solver *) { return {1, 0}; }
+static extent load_bytes(const solver *s) { return {pbf_load_tally_bytes(s->table.room), 0}; }
 
 static extent topology_bytes(const solver *s) {
   return {pbf_topology_memory_bytes(s->capacity), 0};
@@ -169,6 +169,12 @@ struct optional_array {
   }
   bool keep(pbf_pressure_grid_storage *storage, extent) const {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
+  }
+  bool keep(pbf_load_tally **tally, extent e) const {
+    const bool taken = wanted && !*tally;
+    if (!pbf_memory_keep_bytes(&s->memory, wanted, name, e.count, tally)) return false;
+    if (taken) pbf_place_load_tally(*tally, s->table.room);
+    return true;
   }
   bool keep(pbf_topology_memory *memory, extent e) const { return keep(&memory->bytes, e); }
   bool keep() const { return true; } /* other backends' */

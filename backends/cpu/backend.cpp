@@ -43,6 +43,7 @@ static const char *refusal_of(const solver *s, const pbf_params *params,
   return has_ranks(s) ? refusal_on_ranks(params, schedule) : NULL;
 }
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
+static uint32_t threads_of(const solver *s) { return s->threads; }
 
 /* On ranks of others' failures, too. */
 static pbf_status fail_to_find_neighbors(solver *s) {

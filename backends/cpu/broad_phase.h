@@ -5,10 +5,10 @@
 
 #include "physics/collide.h"
 
-/* A ball with all of some particles in it, with room for what rounding takes from their distances.
- */
+/* A ball with all of some particles in it, and a box, with room for what rounding takes from their
+ * distances. */
 typedef struct group_bounds {
-  pbf_vec center;
+  pbf_vec center, lower, upper;
   pbf_real radius;
   pbf_real way; /* the longest that one of them is on */
 } group_bounds;
@@ -25,7 +25,12 @@ PBF_FN group_bounds bounds_between(pbf_vec lower, pbf_vec upper, pbf_real way) {
     diagonal2 += size * size;
   }
   b.radius = (pbf_real)0.5 * pbf_real_sqrt(diagonal2);
-  b.radius += bounds_rounding * (b.radius + away);
+  const pbf_real rounding = bounds_rounding * (b.radius + away);
+  b.radius += rounding;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    b.lower.c[k] = lower.c[k] - rounding;
+    b.upper.c[k] = upper.c[k] + rounding;
+  }
   return b;
 }
 
@@ -86,13 +91,30 @@ PBF_FN int bounds_may_meet(const group_bounds *of, const pbf_surface *s, int wit
   return bounds_are_within(of, s, reach);
 }
 
+namespace {
+
+/* Those of some obstacles of which is_met(surface) is true, in the room for them. */
+template <class IsMet>
+PBF_FN void collect_surfaces(const pbf_obstacles &from, uint16_t *room, IsMet is_met,
+                             pbf_obstacles *found) {
+  found->count = 0;
+  found->surfaces = {from.surfaces.all, room};
+  for (int k = 0; k < pbf_surface_count(from); ++k)
+    if (is_met(&from.surfaces[k])) room[found->count++] = (uint16_t)from.surfaces.number(k);
+}
+
+}  // namespace
+
 static inline void collect_candidates(const pbf_obstacles *all, const group_bounds *of,
                                       int with_obstacle_motion, pbf_real pushed,
                                       pbf_obstacles *candidates) {
-  candidates->count = 0;
-  for (int k = 0; k < pbf_surface_count(*all); ++k)
-    if (bounds_may_meet(of, &all->surfaces[k], with_obstacle_motion, pushed))
-      candidates->surfaces[candidates->count++] = all->surfaces[k];
+  const pbf_real stretch = all->grid ? (pbf_real)all->grid->stretch : 1;
+  const pbf_obstacles around =
+      pbf_obstacles_around(*all, of->lower, of->upper, stretch * (of->way + pushed));
+  collect_surfaces(
+      around, all->room,
+      [&](const pbf_surface *s) { return bounds_may_meet(of, s, with_obstacle_motion, pushed); },
+      candidates);
 }
 
 /* How far these and the domain push one of them: where it goes first, one after another; and then
@@ -117,7 +139,7 @@ PBF_FN pbf_real way_pushed_by_all(const pbf_obstacles *o, const group_bounds *of
 static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
                                        int with_obstacle_motion, pbf_obstacles *candidates) {
   pbf_real pushed = 0;
-  candidates->domain = all->domain;
+  *candidates = *all;
   for (int found = -1; pushed < INFINITY;) {
     collect_candidates(all, of, with_obstacle_motion, pushed, candidates);
     if (candidates->count == found || candidates->count == pbf_surface_count(*all)) break;
@@ -131,11 +153,10 @@ static inline int collision_candidates(const pbf_obstacles *all, const group_bou
 /* … or to which they are not as near as that. */
 static inline int obstacles_within(const pbf_obstacles *all, const group_bounds *of, pbf_real reach,
                                    pbf_obstacles *near) {
-  near->domain = all->domain;
-  near->count = 0;
-  for (int k = 0; k < pbf_surface_count(*all); ++k)
-    if (bounds_are_within(of, &all->surfaces[k], reach))
-      near->surfaces[near->count++] = all->surfaces[k];
+  *near = *all;
+  collect_surfaces(
+      pbf_obstacles_around(*all, of->lower, of->upper, reach), all->room,
+      [&](const pbf_surface *s) { return bounds_are_within(of, s, reach); }, near);
   return near->count;
 }
 

@@ -363,8 +363,9 @@ static void crowding(const pair_pass *p, pbf_real *left_out, uint32_t first, uin
 static __attribute__((noinline)) int add_no_slip_at(const pair_pass *p, const viscous_pass *s,
                                                     uint32_t i, pbf_vec v,
                                                     pbf_viscous_system *system) {
-  return add_no_slip(p->constants, *s->obstacles, *s->no_slip, s->weights.first != 0,
-                     field_at(&p->x, i), v, system);
+  const pbf_vec x = field_at(&p->x, i);
+  return add_no_slip(p->constants, pbf_obstacles_near(*s->obstacles, x, p->constants->h),
+                     *s->no_slip, s->weights.first != 0, x, v, system);
 }
 
 /* Whether some of a group may stick to solids; of colliders nothing is known. */

@@ -103,6 +103,23 @@ PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32
   }
 }
 
+/* What is left of a move from x. */
+static __attribute__((noinline)) pbf_vec move_past_obstacles(const pbf_obstacles *o, pbf_vec x,
+                                                             pbf_vec move) {
+  if (!o->grid) return pbf_move_past_obstacles(*o, x, move);
+  const pbf_vec to = pbf_add_scaled(x, 1, move);
+  pbf_vec lower = x, upper = x;
+  pbf_obstacles candidates;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lower.c[k] = pbf_real_min(x.c[k], to.c[k]);
+    upper.c[k] = pbf_real_max(x.c[k], to.c[k]);
+  }
+  const group_bounds alone =
+      bounds_between(lower, upper, pbf_real_sqrt(pbf_dot(pbf_sub(to, x), pbf_sub(to, x))));
+  collision_candidates(o, &alone, 0, &candidates);
+  return pbf_move_past_obstacles(candidates, x, move);
+}
+
 /* Past these obstacles, unless null. */
 static void apply_correction(const pbf_pressure_grid_storage *storage,
                              const pbf_obstacles *obstacles, pbf_real inv_time_step, field x,
@@ -121,7 +138,7 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
       pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at);
-      if (obstacles) u = pbf_move_past_obstacles(*obstacles, field_at(&x, first + l), u);
+      if (obstacles) u = move_past_obstacles(obstacles, field_at(&x, first + l), u);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }
     for (int k = 0; k < PBF_DIM; ++k) {

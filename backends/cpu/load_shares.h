@@ -14,7 +14,7 @@ struct near_surfaces {
   enum { PARTICLES = 16 };
   int count;
   bool any; /* these, or walls */
-  uint16_t of[PBF_MAX_COLLIDERS];
+  const uint16_t *of;
 
   template <class Visit>
   void each(const pbf_obstacles &, Visit visit) const {
@@ -32,9 +32,12 @@ struct near_surfaces {
       }
     const group_bounds bounds = bounds_between(lower, upper, 0);
     const pbf_real to_wall = pbf_domain_distance(&o->domain, bounds.center);
-    count = 0;
-    for (int k = 0; k < pbf_surface_count(*o); ++k)
-      if (may_be_near(&bounds, &o->surfaces[k], reach)) of[count++] = (uint16_t)k;
+    pbf_obstacles found;
+    collect_surfaces(
+        pbf_obstacles_around(*o, bounds.lower, bounds.upper, reach), o->room,
+        [&](const pbf_surface *s) { return may_be_near(&bounds, s, reach); }, &found);
+    count = found.count;
+    of = o->room;
     any = count || to_wall < bounds.radius + reach;
   }
 
@@ -132,8 +135,8 @@ static bool is_pushed(const worker *w, uint32_t i) {
 static void friction_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const solver *s = w->s;
-  const pbf_friction_scales scales = pbf_friction_scales_of(&w->constants, &w->forces, &s->params,
-                                                            s->collider_count, s->colliders);
+  const pbf_friction_scales scales =
+      pbf_friction_scales_of(&w->constants, &w->forces, &s->params, s->table.list);
   const range all = task_sorted(w, task);
   const field to = w->b.sheared_x();
   recent_loads loads;

@@ -17,7 +17,8 @@ static void end_search_with_grid(void *context) {
   end_search(w);
   if (!s->wanted.lacking)
     pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                            s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles);
+                            s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles,
+                            s->table.divided);
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */

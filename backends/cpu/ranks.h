@@ -224,7 +224,7 @@ static inline bool agree_on_call(solver *s, const char *call, const void *argume
   mine.kind = kind_digest(s);
   mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
   mine.colliders =
-      digest(DIGEST_OF_NOTHING, s->colliders, s->collider_count * sizeof *s->colliders);
+      digest(DIGEST_OF_NOTHING, s->table.list, s->collider_count * sizeof *s->table.list);
   mine.particles = s->ranks.particles;
   mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;

@@ -80,6 +80,12 @@ static int update_sleep(worker *w) {
 
 /* ---- At its start -------------------------------------------------------------------------- */
 
+static bool is_near_moving(const solver *s, const pbf_moving_obstacles &moving,
+                           const pbf_obstacles &o, pbf_vec x) {
+  const pbf_real h = s->constants.h;
+  return pbf_near_moving_obstacle(moving, pbf_obstacles_near(o, x, h), h, x) != 0;
+}
+
 static void wake_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
@@ -87,8 +93,7 @@ static void wake_task(void *context, uint32_t task) {
   for (range r = sleeping_particles(w, all.first, all.last); r.first < r.last;
        r = sleeping_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)
-      if (pbf_near_moving_obstacle(w->moving_obstacles, w->obstacles, s->constants.h,
-                                   field_at(&w->b.x, i)))
+      if (is_near_moving(s, w->moving_obstacles, w->obstacles, field_at(&w->b.x, i)))
         w->activity[i] = pbf_woken_activity(&s->sleep);
 }
 
@@ -124,8 +129,7 @@ static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, do
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real *activity = &s->buffers.activity[i];
     if (!pbf_is_asleep(*activity) ||
-        !pbf_near_moving_obstacle(moving_obstacles, obstacles, s->constants.h,
-                                  field_at(&s->buffers.x, i)))
+        !is_near_moving(s, moving_obstacles, obstacles, field_at(&s->buffers.x, i)))
       continue;
     *activity = pbf_woken_activity(&s->sleep);
     --s->asleep;
@@ -139,6 +143,7 @@ static uint32_t steps_asleep(solver *s, const pbf_step_times *times, uint32_t do
   if (!sleeps(s) || s->asleep < s->count) return 0;
   for (uint32_t k = done; k < done + steps; ++k) {
     const pbf_moving_obstacles moving = moving_obstacles_at(s, pbf_time_after(times, k));
+    note_still_moving(s, pbf_time_after(times, k));
     if (!pbf_any_obstacle_moves(moving)) break;
     if (wake_near_moving(s, moving, pbf_time_after(times, k + 1))) return k - done;
   }

@@ -6,6 +6,7 @@
 
 #include <pbf/ranks.h>
 
+#include "common/collider_table.h"
 #include "common/pressure_grid.h"
 #include "cpu/isa.h"
 #include "cpu/kernels.h"
@@ -169,7 +170,7 @@ struct pbf_backend_solver {
   double now; /* end of the last step: where walls stand for statistics */
   uint32_t collider_count;
   double collider_time;
-  pbf_collider colliders[PBF_MAX_COLLIDERS];
+  pbf_collider_table table;
 };
 typedef struct pbf_backend_solver solver;
 

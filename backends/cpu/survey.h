@@ -7,6 +7,7 @@
 #include "common/report.h"
 #include "cpu/calls_on_ranks.h"
 #include "cpu/lists.h"
+#include "cpu/placing.h"
 #include "cpu/sort.h"
 
 static void density_task(void *context, uint32_t task) {
@@ -37,7 +38,7 @@ static worker begin_diagnostics(solver *s, team_thread *self, const field *paylo
   worker w = worker_of(s, self);
   w.sort_positions = &s->buffers.x;
   w.sorted_positions = &s->buffers.sorted_x();
-  place_obstacles(s, s->now, &w.obstacles);
+  place_step_obstacles(&w, s->now, s->now, false);
   parallel_for(self, particle_task_count(&w), find_bounds, make_grid, &w);
   if (has_ranks(s)) {
     w.sort_payload = payload;
@@ -90,15 +91,20 @@ static int diagnose(solver *s, team_function what) {
   return !atomic_load(&s->stopped);
 }
 
+/* The skin of a collider is a small part of how far away places may ask. */
+static bool is_squeezed(const pbf_obstacles &o, pbf_vec x) {
+  return pbf_is_squeezed_by(pbf_obstacles_near(o, x, 0), x);
+}
+
 /* After a diagnostics: sums in the sorted order, which no number of threads changes. */
-static void sum_stats(const solver *s, pbf_stats *stats) {
+static void sum_stats(solver *s, pbf_stats *stats) {
   pbf_obstacles obstacles;
   place_obstacles(s, s->now, &obstacles);
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];
     pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
                   (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
-    stats->squeezed += pbf_is_squeezed_by(obstacles, field_at(&s->buffers.x, i));
+    stats->squeezed += is_squeezed(obstacles, field_at(&s->buffers.x, i));
   }
   if (s->count) pbf_stats_finish(stats);
 }
@@ -115,7 +121,7 @@ static void sum_stats_of_ranks(solver *s, pbf_stats *stats) {
       const pbf_vec x = field_at(&s->buffers.sorted_x(), k);
       pbf_stats_add(stats, begins && k == own.first, x, field_at(&s->buffers.sorted_velocity, k),
                     (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
-      stats->squeezed += pbf_is_squeezed_by(obstacles, x);
+      stats->squeezed += is_squeezed(obstacles, x);
     }
   });
   pbf_stats_finish(stats);

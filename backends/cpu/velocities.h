@@ -11,7 +11,9 @@
 #include "physics/passes/viscosity.h"
 
 static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
-  return add_walls(p->constants, *p->contributing, field_at(&p->x, i), fabric);
+  const pbf_vec x = field_at(&p->x, i);
+  return add_walls(p->constants, pbf_obstacles_near(*p->contributing, x, p->constants->h), x,
+                   fabric);
 }
 
 /* Runs a pass of shear_stress.h for a task's particles that are awake. */
@@ -77,8 +79,16 @@ static void flow_task(void *context, uint32_t task) {
 
 static pbf_vec change_between(const pair_pass *p, const damping_pass *u, uint32_t i, pbf_vec end,
                               pbf_vec start) {
-  return change_near_obstacles(p->constants, *p->contributing, field_at(&p->x, i),
-                               field_at(&u->flow, i), u->lambda[i], end, start);
+  const pbf_constants *c = p->constants;
+  const pbf_vec x = field_at(&p->x, i), flow = field_at(&u->flow, i);
+  const pbf_vec at = pbf_add_scaled(x, -c->flow_time, flow);
+  pbf_vec lower = x, upper = x;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lower.c[k] = pbf_real_min(x.c[k], at.c[k]);
+    upper.c[k] = pbf_real_max(x.c[k], at.c[k]);
+  }
+  return change_near_obstacles(c, pbf_obstacles_around(*p->contributing, lower, upper, c->h), x,
+                               flow, u->lambda[i], end, start);
 }
 
 static void compensate_damping_task(void *context, uint32_t task) {
@@ -160,7 +170,9 @@ static void xsph_task(void *context, uint32_t task) {
 }
 
 static pbf_real solids_at(const pair_pass *p, uint32_t i) {
-  return pbf_density_of_solids(p->constants, *p->contributing, field_at(&p->x, i));
+  const pbf_vec x = field_at(&p->x, i);
+  return pbf_density_of_solids(p->constants,
+                               pbf_obstacles_near(*p->contributing, x, p->constants->h), x);
 }
 
 /* Runs a pass of surface_tension.h for a task's particles that are awake. */

@@ -63,7 +63,7 @@ static void viscous_stress_task(void *context, uint32_t task) {
   const range groups = task_groups(w, task), all = task_sorted(w, task);
   const pair_pass pairs = pairs_at(w, w->b.step_start(), packed_positions(w->s));
   const solver *s = w->s;
-  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->table.list);
   const viscous_pass pass = {pbf_viscosity_weights_of(&w->constants, w->viscosity_stage),
                              s->schedule.no_slip ? &w->obstacles : NULL,
                              &no_slip,
@@ -84,7 +84,7 @@ static void no_slip_loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const solver *s = w->s;
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &s->params);
-  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->table.list);
   const range all = task_sorted(w, task);
   recent_loads loads;
   loads.begin(s->load_tally);
@@ -94,7 +94,8 @@ static void no_slip_loads_task(void *context, uint32_t task) {
       const pbf_vec x = field_at(&w->b.step_start(), i),
                     v = pbf_add_scaled(field_at(&w->b.sorted_velocity, i), 1,
                                        field_at(&w->b.viscous_change(), i));
-      share_no_slip(&w->constants, w->obstacles, no_slip, x, v,
+      const pbf_obstacles near = pbf_obstacles_near(w->obstacles, x, w->constants.h);
+      share_no_slip(&w->constants, near, no_slip, x, v,
                     [&](const pbf_load_plane &plane, const load_share &share) {
                       add_part(loads.of(plane.solid),
                                friction_load(&scales, w->obstacles, x, plane, share), false);

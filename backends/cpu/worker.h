@@ -17,6 +17,7 @@ typedef struct worker {
   pbf_forces forces;
   pbf_obstacles obstacles;                        /* at the end of the step */
   pbf_obstacles before;                           /* at its start, for the residual density alone */
+  double begins_at, placed_at;                    /* the times of these */
   pbf_moving_obstacles moving_obstacles;          /* in this step */
   pbf_constants constants;                        /* of the iteration */
   pbf_real *activity, *sleeping_lambda;           /* in the order of the stage */
@@ -27,6 +28,8 @@ typedef struct worker {
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
   const pbf_real *sort_overlap;                   /* and what is left of their overlap */
   double stage_begin;
+  pbf_surface few[PBF_FEW_COLLIDERS], few_before[PBF_FEW_COLLIDERS];
+  uint16_t few_numbers[2 * PBF_FEW_COLLIDERS];
 } worker;
 
 static inline worker worker_of(solver *s, team_thread *self) {
@@ -142,15 +145,19 @@ static inline void stage_end(worker *w, pbf_stage stage) {
   w->stage_begin = now;
 }
 
-/* Walls and colliders where they stand at a time. */
-static inline void place_obstacles(const solver *s, double time, pbf_obstacles *o) {
-  pbf_place_obstacles(&s->params, s->collider_count, s->colliders, s->collider_time, time, o);
+/* Walls and colliders where they stand at a time, for a caller that is alone with the solver. */
+static inline void place_obstacles(solver *s, double time, pbf_obstacles *o) {
+  pbf_place_all_obstacles(&s->params, &s->table, s->collider_count, s->collider_time, time, o);
 }
 
-/* Those that move in the step that begins at a time. */
+/* Those that move in the step that begins at a time; of more than a few once they are noted. */
 static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
-  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
-                          time - s->collider_time);
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->table.list,
+                          time - s->collider_time, s->table.still_moving);
+}
+static inline void note_still_moving(const solver *s, double time) {
+  pbf_note_still_moving(s->moving_obstacles, s->collider_count, s->table.list,
+                        time - s->collider_time, s->table.still_moving);
 }
 
 /* What is packed of these sorted particles, where loops over pairs read any (neighbors.h). */

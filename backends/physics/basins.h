@@ -48,74 +48,47 @@ static inline pbf_vec pbf_basin_point(const pbf_basin_region *r, const int at[PB
   return x;
 }
 
-/* Which surfaces are so near to a point of a level that they may be at it, or on a way from it to
- * the next: a bit each. */
-typedef struct pbf_basin_near {
-  uint64_t surfaces[PBF_BASIN_LEVEL];
-} pbf_basin_near;
-
-/* Coordinates first … last - 1 of the points along an axis within `reach` of a place, and one more
- * on each side, for what is rounded. */
-static inline void pbf_basin_span(const pbf_basin_region *r, int axis, double place, double reach,
-                                  int span[2]) {
-  const double at = (place - r->lower[axis]) / r->spacing[axis] - 0.5;
-  const double wide = reach / r->spacing[axis] + 1, end = PBF_BASIN_POINTS;
-  span[0] = (int)fmin(fmax(floor(at - wide), 0), end);
-  span[1] = (int)fmin(fmax(ceil(at + wide) + 1, 0), end);
-}
-
 static inline double pbf_basin_longest_way(const pbf_basin_region *r) {
   double longest = 0;
   for (int k = 0; k < PBF_DIM; ++k) longest = fmax(longest, r->spacing[k]);
   return longest;
 }
 
-static inline void pbf_basin_mark_near(const pbf_basin_region *r, const pbf_surface *s,
-                                       uint64_t bit, int level, pbf_basin_near *near) {
-  const double way = pbf_basin_longest_way(r), reach = (double)s->bound + way;
-  const int high = r->down ? level : PBF_BASIN_POINTS - 1 - level; /* along the axis */
-  int span[2][2] = {{0, 1}, {0, 1}}, at[PBF_DIM], across = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    int all[2] = {0, PBF_BASIN_POINTS};
-    int *of = k == r->axis ? all : span[across++];
-    of[0] = 0, of[1] = PBF_BASIN_POINTS;
-    if (reach < INFINITY) pbf_basin_span(r, k, (double)s->center.c[k], reach, of);
-    if (k == r->axis && (high < of[0] || high >= of[1])) return;
-  }
-  for (int j = span[1][0]; j < span[1][1]; ++j)
-    for (int i = span[0][0]; i < span[0][1]; ++i) {
-      const int index = j * PBF_BASIN_POINTS + i;
-      pbf_basin_place(r, level, index, at);
-      if (!pbf_surface_is_beyond(s, pbf_basin_point(r, at), (pbf_real)(1.0001 * way)))
-        near->surfaces[index] |= bit;
-    }
+/* Surfaces that are so near to a point that they may be at it, or on a way from it to the next. */
+typedef struct pbf_basin_near {
+  const pbf_surface *surfaces;
+  const uint16_t *numbers;
+  uint32_t count;
+} pbf_basin_near;
+
+static inline pbf_basin_near pbf_basin_find_near(const pbf_surface_grid *grid,
+                                                 const pbf_surface *surfaces, pbf_vec x) {
+  pbf_basin_near near = {surfaces, NULL, 0};
+  near.count = pbf_surfaces_at(grid, x, &near.numbers);
+  return near;
 }
 
-static inline void pbf_basin_find_near(const pbf_basin_region *r, uint32_t count,
-                                       const pbf_surface *surfaces, int level,
-                                       pbf_basin_near *near) {
-  memset(near, 0, sizeof *near);
-  for (uint32_t k = 0; k < count; ++k)
-    pbf_basin_mark_near(r, &surfaces[k], UINT64_C(1) << k, level, near);
-}
-
-static inline int pbf_basin_is_free(uint64_t near, const pbf_surface *surfaces, pbf_vec x) {
-  for (; near; near &= near - 1) {
+static inline int pbf_basin_is_free(const pbf_basin_near *near, pbf_vec x) {
+  for (uint32_t k = 0; k < near->count; ++k) {
+    const pbf_surface *s = &near->surfaces[near->numbers[k]];
     pbf_vec normal;
-    if (!(pbf_surface_distance(&surfaces[__builtin_ctzll(near)], x, &normal) > 0)) return 0;
+    if (pbf_surface_is_beyond(s, x, 0)) continue;
+    if (!(pbf_surface_distance(s, x, &normal) > 0)) return 0;
   }
   return 1;
 }
 
 /* From a point one on along an axis. */
-static inline int pbf_basin_way_is_open(const pbf_basin_region *r, uint64_t near,
-                                        const pbf_surface *surfaces, const int at[PBF_DIM],
-                                        int axis, int by) {
+static inline int pbf_basin_way_is_open(const pbf_basin_region *r, const pbf_basin_near *near,
+                                        const int at[PBF_DIM], int axis, int by) {
   int to[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) to[k] = at[k] + (k == axis ? by : 0);
   const pbf_vec from = pbf_basin_point(r, at), there = pbf_basin_point(r, to);
-  for (; near; near &= near - 1)
-    if (pbf_surface_blocks(&surfaces[__builtin_ctzll(near)], from, there)) return 0;
+  const pbf_real way = (pbf_real)(1.0001 * r->spacing[axis]);
+  for (uint32_t k = 0; k < near->count; ++k) {
+    const pbf_surface *s = &near->surfaces[near->numbers[k]];
+    if (!pbf_surface_is_beyond(s, from, way) && pbf_surface_blocks(s, from, there)) return 0;
+  }
   return 1;
 }
 
@@ -136,9 +109,8 @@ static inline void pbf_basin_unite(pbf_basin_points *points, int p, int q) {
 
 /* Connects a point with those before it along each axis, and sees whether water leaves the region
  * there. Upwards it does not: it would have to be higher. */
-static inline void pbf_basin_connect(const pbf_basin_region *r, uint64_t near,
-                                     const pbf_surface *surfaces, pbf_basin_points *points,
-                                     int level, int index) {
+static inline void pbf_basin_connect(const pbf_basin_region *r, const pbf_basin_near *near,
+                                     pbf_basin_points *points, int level, int index) {
   int at[PBF_DIM], stride = 1;
   const int p = level * PBF_BASIN_LEVEL + index;
   pbf_basin_place(r, level, index, at);
@@ -150,7 +122,7 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, uint64_t near,
       if (ends ? r->walled[2 * k + side] : side && !upright) continue;
       const int q = upright ? p - PBF_BASIN_LEVEL : p - stride;
       if (!ends && !points->free[q]) continue;
-      if (near && !pbf_basin_way_is_open(r, near, surfaces, at, k, 2 * side - 1)) continue;
+      if (!pbf_basin_way_is_open(r, near, at, k, 2 * side - 1)) continue;
       if (ends)
         points->open[pbf_basin_root(points, p)] = 1;
       else
@@ -172,10 +144,10 @@ static inline void pbf_basin_note(pbf_region_basins *basins, int levels, uint32_
   if (!*fewest || points < *fewest) *fewest = points;
 }
 
-static inline void pbf_region_basins_of(const pbf_basin_region *r, uint32_t count,
-                                        const pbf_surface *surfaces, pbf_region_basins *basins) {
+/* `grid` is of the surfaces, for who asks as far away as two points are apart. */
+static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_surface *surfaces,
+                                        const pbf_surface_grid *grid, pbf_region_basins *basins) {
   pbf_basin_points points;
-  pbf_basin_near near;
   int all = 0, whole = 1, at[PBF_DIM];
   memset(basins, 0, sizeof *basins);
   basins->height = r->spacing[r->axis];
@@ -186,20 +158,23 @@ static inline void pbf_region_basins_of(const pbf_basin_region *r, uint32_t coun
   }
   for (int level = 0; level < PBF_BASIN_POINTS; ++level) {
     const int first = level * PBF_BASIN_LEVEL, last = first + PBF_BASIN_LEVEL;
-    pbf_basin_find_near(r, count, surfaces, level, &near);
     for (int p = first; p < last; ++p) {
       pbf_basin_place(r, level, p - first, at);
-      const uint64_t close = near.surfaces[p - first];
-      points.free[p] = !close || pbf_basin_is_free(close, surfaces, pbf_basin_point(r, at));
+      const pbf_vec x = pbf_basin_point(r, at);
+      const pbf_basin_near near = pbf_basin_find_near(grid, surfaces, x);
+      points.free[p] = (uint8_t)pbf_basin_is_free(&near, x);
       points.root[p] = (uint16_t)p;
       points.count[p] = 1;
       points.open[p] = 0;
       points.lowest[p] = (uint8_t)level;
       all += points.free[p];
     }
-    for (int p = first; p < last; ++p)
-      if (points.free[p])
-        pbf_basin_connect(r, near.surfaces[p - first], surfaces, &points, level, p - first);
+    for (int p = first; p < last; ++p) {
+      if (!points.free[p]) continue;
+      pbf_basin_place(r, level, p - first, at);
+      const pbf_basin_near near = pbf_basin_find_near(grid, surfaces, pbf_basin_point(r, at));
+      pbf_basin_connect(r, &near, &points, level, p - first);
+    }
     for (int p = first; p < last; ++p) {
       const int root = pbf_basin_root(&points, p);
       if (!points.free[p] || points.open[root] || (whole && points.count[root] == all)) continue;
@@ -256,9 +231,13 @@ typedef struct pbf_basins {
   int known;      /* 0: nothing is; */
   int sought;     /* 1: regions have been looked through */
   double deepest; /* none can be deeper */
-  pbf_collider colliders[PBF_MAX_COLLIDERS];
-  uint64_t shapes[PBF_MAX_COLLIDERS]; /* their geometries' ids: a pointer may be another one's */
   pbf_region_basins regions[2];
+  pbf_collider *colliders; /* memory for so many as are asked about, from here on */
+  uint64_t *shapes;        /* their geometries' ids: a pointer may be another one's */
+  pbf_surface *surfaces;   /* this and what follows hold nothing from one call to another */
+  pbf_group *groups;
+  uint16_t *numbers;
+  pbf_surface_grid *grid;
 } pbf_basins;
 
 static inline uint64_t pbf_shape_id(const pbf_collider *collider) {
@@ -300,28 +279,37 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
 /* Notes between what basins are to be, and how deep they can be along an axis. */
 static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params, uint32_t count,
                                         const pbf_collider *colliders, int axis) {
-  pbf_surface surfaces[PBF_MAX_COLLIDERS];
   if (pbf_basins_are_of(b, params, count, colliders, axis)) return b->deepest;
   b->sought = b->solids = 0;
   b->deepest = 0;
   for (uint32_t k = 0; k < count; ++k) b->solids += pbf_is_solid(&colliders[k]);
   if (!b->solids) return 0;
-  for (uint32_t k = 0; k < count; ++k) surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
-  return b->deepest = pbf_groups_deepest(params, count, colliders, surfaces, axis);
+  for (uint32_t k = 0; k < count; ++k) b->surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
+  b->deepest =
+      pbf_groups_deepest(params, count, colliders, b->surfaces, axis, b->groups, b->numbers);
+  return b->deepest;
+}
+
+/* Those of a region that holds all of the domain, or what solids reach of it. */
+static inline void pbf_basins_find_in(pbf_basins *b, const pbf_params *params,
+                                      const pbf_basin_region *region, pbf_region_basins *found) {
+  const pbf_domain domain = pbf_domain_at(params, 0);
+  for (uint32_t k = 0; k < b->count; ++k) b->grid->boxes[k] = pbf_surface_box_of(&b->surfaces[k]);
+  pbf_grid_build(b->grid, b->count, &domain, 1.0001 * pbf_basin_longest_way(region));
+  pbf_region_basins_of(region, b->surfaces, b->grid, found);
 }
 
 /* Looks for those that have been noted, once. */
 static inline void pbf_basins_find(pbf_basins *b, const pbf_params *params) {
-  pbf_surface surfaces[PBF_MAX_COLLIDERS];
   pbf_basin_region region;
   if (b->sought) return;
   b->sought = 1;
   memset(b->regions, 0, sizeof b->regions);
   for (uint32_t k = 0; k < b->count && b->solids; ++k)
-    surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
+    b->surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
   for (int of_solids = 0; of_solids < 2 && b->solids; ++of_solids)
-    if (pbf_basin_region_of(params, b->axis, b->count, surfaces, of_solids, &region))
-      pbf_region_basins_of(&region, b->count, surfaces, &b->regions[of_solids]);
+    if (pbf_basin_region_of(params, b->axis, b->count, b->surfaces, of_solids, &region))
+      pbf_basins_find_in(b, params, &region, &b->regions[of_solids]);
 }
 
 /* The largest depth of so much fluid at rest in one of them. */

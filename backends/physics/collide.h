@@ -167,22 +167,22 @@ PBF_FN pbf_vec pbf_keep_out(const pbf_domain *domain, const Surface *s, int with
 
 namespace {
 
-/* Surfaces in an array. Another set of them has the same function each(visit), which calls
- * visit(surface) for one after another. */
-template <class Surface>
+/* Surfaces in an array or a list. Another set of them has the same function each(visit), which
+ * calls visit(surface) for one after another. */
+template <class Surfaces>
 struct surface_array {
   int count;
-  const Surface *first;
+  Surfaces of;
 
   template <class Visit>
   PBF_IN void each(Visit visit) const {
-    for (int k = 0; k < count; ++k) visit(first[k]);
+    for (int k = 0; k < count; ++k) visit(of[k]);
   }
 };
 
-template <class Surface>
-PBF_FN surface_array<Surface> surface_array_of(int count, const Surface *first) {
-  return {count, first};
+template <class Surfaces>
+PBF_FN surface_array<Surfaces> surface_array_of(int count, Surfaces of) {
+  return {count, of};
 }
 
 /* The way of a particle from `from` to wherever. */

@@ -14,28 +14,36 @@ typedef struct pbf_friction {
   pbf_real kinetic, at_rest;
 } pbf_friction;
 
-typedef struct pbf_friction_scales {
-  pbf_load_scales loads;
-  pbf_friction of[PBF_MAX_SOLIDS];
-} pbf_friction_scales;
-
 PBF_FN pbf_friction pbf_friction_of(double kinetic, double at_rest) {
   const pbf_friction f = {(pbf_real)kinetic, (pbf_real)fmax(at_rest, kinetic)};
   return f;
 }
 
-/* `list` is of the colliders. */
+/* Of each solid. A backend may hold it elsewhere, in a struct with members of the same names. */
+struct pbf_solid_friction {
+  pbf_friction walls;
+  const pbf_collider *colliders;
+
+  PBF_IN pbf_friction operator[](int solid) const {
+    if (solid < PBF_WALLS) return walls;
+    const pbf_collider *c = &colliders[solid - PBF_WALLS];
+    return pbf_friction_of(c->friction, c->static_friction);
+  }
+};
+
+typedef struct pbf_friction_scales {
+  pbf_load_scales loads;
+  pbf_solid_friction of;
+} pbf_friction_scales;
+
 static inline pbf_friction_scales pbf_friction_scales_of(const pbf_constants *c,
                                                          const pbf_forces *forces,
                                                          const pbf_params *params,
-                                                         uint32_t colliders,
-                                                         const pbf_collider *list) {
-  pbf_friction_scales s = {};
+                                                         const pbf_collider *colliders) {
+  pbf_friction_scales s;
   s.loads = pbf_load_scales_of(c, forces, params);
-  for (int k = 0; k < PBF_WALLS; ++k)
-    s.of[k] = pbf_friction_of(params->wall_friction, params->wall_static_friction);
-  for (uint32_t k = 0; k < colliders; ++k)
-    s.of[PBF_WALLS + k] = pbf_friction_of(list[k].friction, list[k].static_friction);
+  s.of.walls = pbf_friction_of(params->wall_friction, params->wall_static_friction);
+  s.of.colliders = colliders;
   return s;
 }
 
@@ -62,8 +70,8 @@ PBF_FN double friction_part(const pbf_friction &f, double push, double speed) {
 /* What friction changes a particle's velocity by. Calls take(plane, share) for what each plane
  * does.
  */
-template <class Obstacles, class Near, class GridLambda, class Take>
-PBF_FN pbf_vec friction_change(const pbf_constants *c, const pbf_friction_scales &s,
+template <class Scales, class Obstacles, class Near, class GridLambda, class Take>
+PBF_FN pbf_vec friction_change(const pbf_constants *c, const Scales &s,
                                const Obstacles &o, const Near &near, const load_particle &of,
                                GridLambda grid_lambda, Take take) {
   double v[PBF_DIM];
@@ -72,7 +80,7 @@ PBF_FN pbf_vec friction_change(const pbf_constants *c, const pbf_friction_scales
   share_push(c, &s.loads, o, near, of, grid_lambda,
              [&](const pbf_load_plane &p, const load_share &pushed) {
                const bool is_wall = p.solid < PBF_WALLS;
-               const pbf_friction &f = s.of[p.solid];
+               const pbf_friction f = s.of[p.solid];
                double own[PBF_DIM] = {0}, along[PBF_DIM], across = 0, push = 0, speed2 = 0;
                if (!(f.at_rest > 0)) return;
                if (!is_wall)

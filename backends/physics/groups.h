@@ -39,49 +39,82 @@ static inline void pbf_group_take(pbf_group *a, const pbf_group *b) {
   }
 }
 
-/* Adds a group, which takes in those that it touches, and those that it then touches. */
-static inline uint32_t pbf_groups_add(pbf_group *groups, uint32_t count, pbf_group g) {
-  for (uint32_t k = 0; k < count;) {
-    if (!pbf_groups_touch(&groups[k], &g)) {
-      ++k;
-      continue;
-    }
-    pbf_group_take(&g, &groups[k]);
-    groups[k] = groups[--count];
-    k = 0;
+static inline void pbf_groups_sift(pbf_group *groups, uint32_t root, uint32_t count) {
+  for (uint32_t k = root, child; (child = 2 * k + 1) < count; k = child) {
+    child += child + 1 < count && groups[child].lower[0] < groups[child + 1].lower[0];
+    if (!(groups[k].lower[0] < groups[child].lower[0])) return;
+    const pbf_group g = groups[k];
+    groups[k] = groups[child];
+    groups[child] = g;
   }
-  groups[count] = g;
-  return count + 1;
+}
+
+/* By where they begin along the first axis (Williams's heapsort). */
+static inline void pbf_groups_sort(pbf_group *groups, uint32_t count) {
+  for (uint32_t k = count / 2; k-- > 0;) pbf_groups_sift(groups, k, count);
+  for (uint32_t last = count; last-- > 1;) {
+    const pbf_group g = groups[0];
+    groups[0] = groups[last];
+    groups[last] = g;
+    pbf_groups_sift(groups, 0, last);
+  }
+}
+
+/* Lets those that touch be one, and those that these then touch; their number. Which they are in
+ * the end does not depend on the order. */
+static inline uint32_t pbf_groups_join(pbf_group *groups, uint32_t count) {
+  for (uint32_t before = count + 1; count < before;) {
+    before = count;
+    pbf_groups_sort(groups, count);
+    for (uint32_t k = 0; k < count; ++k)
+      for (uint32_t l = k + 1; l < count && groups[k].solids; ++l) {
+        if (groups[l].lower[0] > groups[k].upper[0]) break;
+        if (!groups[l].solids || !pbf_groups_touch(&groups[k], &groups[l])) continue;
+        pbf_group_take(&groups[k], &groups[l]);
+        groups[l].solids = 0;
+      }
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < count; ++k)
+      if (groups[k].solids) groups[kept++] = groups[k];
+    count = kept;
+  }
+  return count;
 }
 
 /* The walls of all that is convex: those of the domain, farther in where a plane stands upright on
- * an axis, and other surfaces that water is inside of. */
+ * an axis, and the numbers of other surfaces that water is inside of. */
 typedef struct pbf_group_walls {
   double lower[PBF_DIM], upper[PBF_DIM];
-  uint32_t others;
-  const pbf_surface *other[PBF_MAX_COLLIDERS];
+  const pbf_surface *surfaces;
+  const uint16_t *others;
+  uint32_t count; /* of these */
 } pbf_group_walls;
 
-static inline void pbf_group_walls_take(pbf_group_walls *w, const pbf_surface *s) {
+/* 1 where it is another surface than such a plane. */
+static inline int pbf_group_walls_take(pbf_group_walls *w, const pbf_surface *s) {
   for (int k = 0; k < PBF_DIM && s->shape == PBF_COLLIDER_PLANE; ++k) {
     const double at = (double)s->center.c[k], normal = (double)(s->sign * s->frame[0].c[k]);
     if (normal == 1) w->lower[k] = fmax(w->lower[k], at);
     if (normal == -1) w->upper[k] = fmin(w->upper[k], at);
-    if (fabs(normal) == 1) return;
+    if (fabs(normal) == 1) return 0;
   }
-  w->other[w->others++] = s;
+  return 1;
 }
 
+/* `others` is room for numbers. */
 static inline pbf_group_walls pbf_group_walls_of(const pbf_params *params, uint32_t count,
-                                                 const pbf_surface *surfaces) {
+                                                 const pbf_surface *surfaces, uint16_t *others) {
   pbf_group_walls w;
-  w.others = 0;
+  w.surfaces = surfaces;
+  w.others = others;
+  w.count = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     w.lower[k] = params->domain_min[k];
     w.upper[k] = params->domain_max[k];
   }
   for (uint32_t k = 0; k < count; ++k)
-    if (pbf_surface_is_unbounded(&surfaces[k])) pbf_group_walls_take(&w, &surfaces[k]);
+    if (pbf_surface_is_unbounded(&surfaces[k]) && pbf_group_walls_take(&w, &surfaces[k]))
+      others[w.count++] = (uint16_t)k;
   return w;
 }
 
@@ -109,23 +142,23 @@ static inline double pbf_group_deepest(const pbf_group *g, const pbf_group_walls
     both += low && high;
   }
   if (both >= PBF_DIM - 1) return HUGE_VAL;
-  for (uint32_t k = 0; k < w->others; ++k)
-    if (!pbf_group_is_inside(g, w->other[k])) return HUGE_VAL;
+  for (uint32_t k = 0; k < w->count; ++k)
+    if (!pbf_group_is_inside(g, &w->surfaces[w->others[k]])) return HUGE_VAL;
   return g->solids > 1 || walls > 1 ? g->upper[axis] - g->lower[axis] : 0;
 }
 
 /* The same of all solids: groups that do not touch enclose no more than each does alone
- * (Janiszewski's theorem). */
+ * (Janiszewski's theorem). There is room for a group and a number of each. */
 static inline double pbf_groups_deepest(const pbf_params *params, uint32_t count,
                                         const pbf_collider *colliders, const pbf_surface *surfaces,
-                                        int axis) {
-  pbf_group groups[PBF_MAX_COLLIDERS];
-  const pbf_group_walls walls = pbf_group_walls_of(params, count, surfaces);
+                                        int axis, pbf_group *groups, uint16_t *numbers) {
+  const pbf_group_walls walls = pbf_group_walls_of(params, count, surfaces, numbers);
   uint32_t all = 0;
   double deepest = 0;
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_is_solid(&colliders[k]))
-      all = pbf_groups_add(groups, all, pbf_group_of(&surfaces[k], params->smoothing_radius));
+      groups[all++] = pbf_group_of(&surfaces[k], params->smoothing_radius);
+  all = pbf_groups_join(groups, all);
   for (uint32_t k = 0; k < all; ++k)
     deepest = fmax(deepest, pbf_group_deepest(&groups[k], &walls, axis));
   return deepest;

@@ -25,7 +25,7 @@
 #include "physics/passes/predict.h"
 
 /* Solids by number: the walls, 2 * axis and + 1, and after six of these the colliders. */
-enum { PBF_WALLS = 6, PBF_MAX_SOLIDS = PBF_WALLS + PBF_MAX_COLLIDERS };
+enum { PBF_WALLS = 6, PBF_FEW_SOLIDS = PBF_WALLS + PBF_FEW_COLLIDERS };
 
 /* Planes near a particle that share its push, the first ones of all: more than a corner has. */
 enum { PBF_LOAD_PLANES = 12 };
@@ -69,12 +69,35 @@ typedef struct pbf_load_sums {
   uint64_t depth; /* the largest, as its bits, which are in order */
 } pbf_load_sums;
 
-/* Of a solver. `change` is of all velocities. */
+/* Of a solver. `change` is of all velocities. Arrays are behind it. */
 typedef struct pbf_load_tally {
   pbf_wide_sum change[3];
-  pbf_load_sums sums[PBF_MAX_SOLIDS];
-  pbf_collider_load loads[PBF_MAX_SOLIDS];
+  int solids; /* that there is room for */
+  pbf_load_sums *sums;
+  pbf_collider_load *loads;
 } pbf_load_tally;
+
+/* The same of few colliders, in one piece. */
+typedef struct pbf_few_load_tally {
+  pbf_wide_sum change[3];
+  pbf_load_sums sums[PBF_FEW_SOLIDS];
+  pbf_collider_load loads[PBF_FEW_SOLIDS];
+} pbf_few_load_tally;
+
+PBF_FN int pbf_tally_solids(const pbf_load_tally *t) { return t->solids; }
+PBF_FN int pbf_tally_solids(const pbf_few_load_tally *) { return PBF_FEW_SOLIDS; }
+
+static inline uint64_t pbf_load_tally_bytes(uint64_t colliders) {
+  return sizeof(pbf_load_tally) +
+         (PBF_WALLS + colliders) * (sizeof(pbf_load_sums) + sizeof(pbf_collider_load));
+}
+
+/* In memory of that size, which is 0 but for what it has been before. */
+static inline void pbf_place_load_tally(pbf_load_tally *t, uint64_t colliders) {
+  t->solids = (int)(PBF_WALLS + colliders);
+  t->sums = (pbf_load_sums *)(t + 1);
+  t->loads = (pbf_collider_load *)(t->sums + t->solids);
+}
 
 PBF_FN void pbf_wide_add(pbf_wide_sum *to, pbf_wide_sum more) {
   to->high += more.high;
@@ -417,14 +440,16 @@ typedef struct load_rest {
   int by;
 } load_rest;
 
-PBF_FN double load_sum_over(const pbf_load_tally *t, int solids, int which) {
+template <class Tally>
+PBF_FN double load_sum_over(const Tally *t, int solids, int which) {
   double sum = 0;
   for (int solid = 0; solid < solids; ++solid) sum += pbf_wide_value(t->sums[solid].of[which]);
   return sum;
 }
 
 /* How the first `solids` of all share a change. */
-PBF_FN load_rest load_rest_of(const pbf_load_tally *t, int solids, int axis, double change) {
+template <class Tally>
+PBF_FN load_rest load_rest_of(const Tally *t, int solids, int axis, double change) {
   load_rest rest = {change, load_sum_over(t, solids, PBF_LOAD_SIZE + axis), PBF_LOAD_SIZE + axis};
   if (rest.sum > 0) return rest;
   rest.by = PBF_LOAD_WET;
@@ -437,16 +462,18 @@ struct load_rests {
   load_rest walls[3], all[3];
 };
 
-PBF_FN load_rests load_rests_of(const pbf_load_tally *t) {
+template <class Tally>
+PBF_FN load_rests load_rests_of(const Tally *t) {
+  const int solids = pbf_tally_solids(t);
   load_rests rests;
   for (int k = 0; k < 3; ++k) {
     const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
-    const double known = load_sum_over(t, PBF_MAX_SOLIDS, PBF_LOAD_CHANGE + k) + along;
+    const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
     const bool are_walls_across = load_sum_over(t, PBF_WALLS, PBF_LOAD_SIZE + k) > 0;
     double rest = pbf_wide_value(t->change[k]) - known;
     if (!are_walls_across) rest += along;
     rests.walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
-    rests.all[k] = load_rest_of(t, PBF_MAX_SOLIDS, k, rest);
+    rests.all[k] = load_rest_of(t, solids, k, rest);
   }
   return rests;
 }
@@ -492,18 +519,19 @@ PBF_FN bool is_solid_there(int solid, int colliders) {
 }
 
 /* Once all particles have added theirs: of one solid, from what is left of the whole. */
-template <class Obstacles>
-PBF_FN void end_load(pbf_load_tally *t, const Obstacles &o, const load_rests &rests,
+template <class Tally, class Obstacles>
+PBF_FN void end_load(Tally *t, const Obstacles &o, const load_rests &rests,
                      const pbf_load_scales *s, int solid) {
   if (!is_solid_there(solid, pbf_surface_count(o))) return;
   find_load(&t->sums[solid], rests, solid < PBF_WALLS, s, pbf_lever(o, solid), &t->loads[solid]);
   add_load(&t->loads[solid], 1, s->time_step);
 }
 
-template <class Obstacles>
-PBF_FN void end_loads(pbf_load_tally *t, const Obstacles &o, const pbf_load_scales *s) {
+template <class Tally, class Obstacles>
+PBF_FN void end_loads(Tally *t, const Obstacles &o, const pbf_load_scales *s) {
   const load_rests rests = load_rests_of(t);
-  for (int solid = 0; solid < PBF_MAX_SOLIDS; ++solid) end_load(t, o, rests, s, solid);
+  const int solids = PBF_WALLS + pbf_surface_count(o);
+  for (int solid = 0; solid < solids; ++solid) end_load(t, o, rests, s, solid);
 }
 
 }  // namespace
@@ -512,17 +540,18 @@ PBF_FN void end_loads(pbf_load_tally *t, const Obstacles &o, const pbf_load_scal
 
 /* At the start of a step. */
 static inline void pbf_clear_load_sums(pbf_load_tally *t) {
-  memset(t, 0, offsetof(pbf_load_tally, loads));
+  memset(t->change, 0, sizeof t->change);
+  memset(t->sums, 0, (size_t)t->solids * sizeof *t->sums);
 }
 
 /* Steps in which all sleep, and which are not made. */
 static inline void pbf_repeat_loads(pbf_load_tally *t, uint32_t steps, double time_step) {
-  for (int solid = 0; solid < PBF_MAX_SOLIDS; ++solid) add_load(&t->loads[solid], steps, time_step);
+  for (int solid = 0; solid < t->solids; ++solid) add_load(&t->loads[solid], steps, time_step);
 }
 
 /* Colliders from this number on are other ones. */
 static inline void pbf_forget_loads(pbf_load_tally *t, uint32_t collider) {
-  for (uint32_t solid = PBF_WALLS + collider; solid < PBF_MAX_SOLIDS; ++solid)
+  for (uint32_t solid = PBF_WALLS + collider; solid < (uint32_t)t->solids; ++solid)
     memset(&t->loads[solid], 0, sizeof t->loads[solid]);
 }
 

@@ -69,16 +69,22 @@ PBF_FN void pbf_add_no_slip_plane(pbf_real rate, pbf_vec normal, pbf_vec relativ
           rate * ((k == l ? (pbf_real)1 : 0) - normal.c[k] * normal.c[l]);
 }
 
-/* How much fluid sticks to each solid. Surfaces have none of it: steps without copy them. */
+struct pbf_collider_no_slip {
+  const pbf_collider *colliders;
+
+  PBF_IN pbf_real operator[](int k) const { return (pbf_real)colliders[k].no_slip; }
+};
+
+/* How much fluid sticks to each solid. Surfaces have none of it: steps without copy them. A backend
+ * may hold it elsewhere, in a struct with members of the same names. */
 typedef struct pbf_no_slip {
-  pbf_real walls, inv_time_step, of[PBF_MAX_COLLIDERS];
+  pbf_real walls, inv_time_step;
+  pbf_collider_no_slip of;
 } pbf_no_slip;
 
-/* `list` is of the colliders. */
-static inline pbf_no_slip pbf_no_slip_of(const pbf_params *params, uint32_t colliders,
-                                         const pbf_collider *list) {
-  pbf_no_slip n = {(pbf_real)params->wall_no_slip, (pbf_real)pbf_per_time_step(params), {0}};
-  for (uint32_t k = 0; k < colliders; ++k) n.of[k] = (pbf_real)list[k].no_slip;
+static inline pbf_no_slip pbf_no_slip_of(const pbf_params *params, const pbf_collider *colliders) {
+  const pbf_no_slip n = {
+      (pbf_real)params->wall_no_slip, (pbf_real)pbf_per_time_step(params), {colliders}};
   return n;
 }
 
@@ -99,10 +105,10 @@ PBF_FN pbf_vec pbf_surface_velocity(const pbf_surface *s, pbf_real inv_time_step
 
 namespace {
 
-/* Calls visit(surface, rate, distance, normal) for each plane within reach that fluid sticks to; of
- * wall k the surface is -1 - k. */
-template <class Obstacles, class Visit>
-PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n,
+/* Calls visit(surface, rate, distance, normal) for each plane within reach that fluid sticks to:
+ * the k-th of the obstacles' surfaces; of wall k it is -1 - k. */
+template <class Obstacles, class NoSlip, class Visit>
+PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const NoSlip &n,
                                pbf_vec x, Visit visit) {
   const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;
   for (int wall = 0; near_walls && wall < 2 * PBF_DIM; ++wall) {
@@ -113,21 +119,22 @@ PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const
     if (rate > 0) visit(-1 - wall, rate, distance, normal);
   }
   for (int k = 0; k < pbf_surface_count(o); ++k) {
-    if (!(n.of[k] > 0) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h)) continue;
+    const pbf_real no_slip = n.of[pbf_surface_number(o.surfaces, k)];
+    if (!(no_slip > 0) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h)) continue;
     const int planes = pbf_surface_planes(&o.surfaces[k]);
     for (int plane = 0; plane < planes; ++plane) {
       pbf_vec normal;
       const pbf_real distance =
           pbf_surface_plane_distance(&o.surfaces[k], plane, planes, x, &normal);
-      const pbf_real rate = n.of[k] * pbf_no_slip_rate(c, distance);
+      const pbf_real rate = no_slip * pbf_no_slip_rate(c, distance);
       if (rate > 0) visit(k, rate, distance, normal);
     }
   }
 }
 
 /* A velocity relative to a surface's at x. */
-template <class Obstacles>
-PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const pbf_no_slip &n, int surface, pbf_vec x,
+template <class Obstacles, class NoSlip>
+PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const NoSlip &n, int surface, pbf_vec x,
                                    pbf_vec v) {
   if (surface < 0) return v;
   return pbf_sub(v, pbf_surface_velocity(&o.surfaces[surface], n.inv_time_step, x));
@@ -135,8 +142,8 @@ PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const pbf_no_slip &n, int
 
 /* Adds all solids to what pairs make of the system of a particle at x with this velocity, or, not
  * `moves`, with this change of it; 0: none is in reach. */
-template <class Obstacles>
-PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n, bool moves,
+template <class Obstacles, class NoSlip>
+PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, bool moves,
                        pbf_vec x, pbf_vec v, pbf_viscous_system *s) {
   int added = 0;
   each_no_slip_plane(c, o, n, x, [&](int surface, pbf_real rate, pbf_real, pbf_vec normal) {

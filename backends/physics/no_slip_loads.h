@@ -10,15 +10,16 @@ namespace {
 /* Calls take(plane, share) for each that takes a part of what viscosity has left of a velocity, at
  * the place x where the solve looks at the particle. It is not in the particle's push, which is
  * along normals. */
-template <class Obstacles, class Take>
-PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const pbf_no_slip &n,
-                          pbf_vec x, pbf_vec v, Take take) {
+template <class Obstacles, class NoSlip, class Take>
+PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, pbf_vec x,
+                          pbf_vec v, Take take) {
   each_no_slip_plane(
       c, o, n, x, [&](int surface, pbf_real rate, pbf_real distance, pbf_vec normal) {
         const pbf_vec relative = relative_to_surface(o, n, surface, x, v);
         const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
-        pbf_load_plane plane = {surface < 0 ? -1 - surface : PBF_WALLS + surface, distance, 0,
-                                normal};
+        const int solid =
+            surface < 0 ? -1 - surface : PBF_WALLS + pbf_surface_number(o.surfaces, surface);
+        pbf_load_plane plane = {solid, distance, 0, normal};
         load_share share = {{0}, {0}};
         for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)rate * (double)along.c[k];
         take(plane, share);

@@ -39,7 +39,11 @@ struct optional_array {
     return pbf_pressure_grid_keep(&s->memory, storage, wanted, name, s->capacity);
   }
   bool keep(pbf_load_tally **tally) const {
-    return pbf_memory_keep(&s->memory, wanted, name, 1, 0, tally);
+    const bool taken = wanted && !*tally;
+    if (!pbf_memory_keep_bytes(&s->memory, wanted, name, pbf_load_tally_bytes(s->table.room), tally))
+      return false;
+    if (taken) pbf_place_load_tally(*tally, s->table.room);
+    return true;
   }
   bool keep(pbf_topology_memory *memory) const {
     return pbf_memory_keep(&s->memory, wanted, name, pbf_topology_memory_bytes(s->capacity), 0,

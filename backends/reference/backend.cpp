@@ -14,6 +14,7 @@ static const char *refusal_of(const solver *, const pbf_params *, const pbf_sche
   return NULL;
 }
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return s->v[i]; }
+static uint32_t threads_of(const solver *) { return 1; }
 
 static void bounded_step(solver *s, double begin, double end, uint64_t nth) {
   const pbf_constants usual = s->constants;

@@ -69,7 +69,7 @@ static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pb
 /* What solids take by viscosity, once it is known what it changes: of those that sleep nothing. */
 static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
   const pbf_load_scales scales = pbf_load_scales_of(&s->constants, &forces, &s->params);
-  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->table.list);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     const pbf_vec x = s->x[i], v = pbf_add_scaled(s->v[i], 1, s->change[i]);

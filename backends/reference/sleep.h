@@ -5,10 +5,17 @@
 #include "physics/passes/viscosity.h"
 #include "reference/driver.h"
 
-static inline pbf_obstacles obstacles_at(const solver *s, double time) {
+/* To such a part of the solver's table; every particle asks all of them. */
+static inline pbf_obstacles obstacles_at(const solver *s, double time, pbf_surface *surfaces) {
   pbf_obstacles o;
-  pbf_place_obstacles(&s->params, s->collider_count, s->colliders, s->collider_time, time, &o);
+  pbf_place_obstacles(&s->params, s->collider_count, s->table.list, s->collider_time, time,
+                      surfaces, &o);
+  o.room = s->table.numbers;
   return o;
+}
+
+static inline pbf_obstacles obstacles_at(const solver *s, double time) {
+  return obstacles_at(s, time, s->table.surfaces);
 }
 
 static inline int sleeps(const solver *s) { return (PBF_BUILT & PBF_FEATURE_SLEEP) && s->activity; }
@@ -70,8 +77,11 @@ static inline void update_sleep(solver *s) {
 
 /* Those that move in the step that begins at a time. */
 static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
-  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
-                          time - s->collider_time);
+  const double elapsed = time - s->collider_time;
+  pbf_note_still_moving(s->moving_obstacles, s->collider_count, s->table.list, elapsed,
+                        s->table.still_moving);
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->table.list, elapsed,
+                          s->table.still_moving);
 }
 
 /* Wakes who is near what moves, or has been moved, as it stands at a time. */

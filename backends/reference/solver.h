@@ -3,6 +3,7 @@
 #ifndef PBF_REFERENCE_SOLVER_H
 #define PBF_REFERENCE_SOLVER_H
 
+#include "common/collider_table.h"
 #include "common/pressure_grid.h"
 #include "physics/constants.h"
 #include "physics/loads.h"
@@ -44,7 +45,7 @@ struct pbf_backend_solver {
   uint32_t collider_count;
   double collider_time;
   double now; /* end of the last step: where walls stand for statistics */
-  pbf_collider colliders[PBF_MAX_COLLIDERS];
+  pbf_collider_table table;
 };
 typedef struct pbf_backend_solver solver;
 

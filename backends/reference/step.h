@@ -108,7 +108,7 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) s->lambda[i] = pbf_is_placed(s->found, s->ids[i]);
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real placed = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i).density;
-    if (s->schedule.wall_density) placed += placed_boundary(c, *o, s->found, s->x[i], 0);
+    if (s->schedule.wall_density) placed += placed_boundary(c, *o, s->found, s->table.placed, s->x[i], 0);
     s->overlap[i] = pbf_overlap_found(c, s->found, s->ids[i], density_at(s, o, s->x, i, NULL),
                                       placed, s->overlap[i]);
   }
@@ -118,7 +118,8 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.corrects_shear, s->capacity, s->planned, o);
+                          s->schedule.corrects_shear, s->capacity, s->planned, o,
+                          s->table.divided);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,
@@ -277,7 +278,7 @@ static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
 /* Changes velocities, and moves by that. */
 static inline void apply_friction(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
   const pbf_friction_scales scales =
-      pbf_friction_scales_of(&s->constants, &forces, &s->params, s->collider_count, s->colliders);
+      pbf_friction_scales_of(&s->constants, &forces, &s->params, s->table.list);
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     const pbf_vec from = s->moved[i], change = rub(s, scales, o, i);
@@ -381,7 +382,7 @@ static inline void find_crowding(solver *s) {
 static inline void apply_viscous_stress(solver *s, const pbf_obstacles *o, uint32_t k) {
   const viscous_stress_pass pass = {&s->constants};
   const pbf_viscosity_weights weights = pbf_viscosity_weights_of(&s->constants, k);
-  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+  const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->table.list);
   const pbf_vec *of = weights.first ? s->v : s->change;
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_vec none = {{0}}, change = weights.first ? none : s->change[i];
@@ -527,7 +528,8 @@ struct executor {
 
 /* The nth step of its length. */
 static inline void solver_step(solver *s, double begin, double end, uint64_t nth) {
-  executor e = {s, begin, end, nth, obstacles_at(s, end), obstacles_at(s, begin), 0, false};
+  executor e = {s,     begin, end, nth, obstacles_at(s, end), obstacles_at(s, begin, s->table.before),
+                0, false};
   run_step(e, s->schedule);
 }
 

@@ -758,7 +758,7 @@ typedef struct pbf_collider {
                                                 _no_slip, against the collider's own motion */
 } pbf_collider;
 
-#define PBF_MAX_COLLIDERS 64u
+#define PBF_MAX_COLLIDERS 4096u
 
 /* Fills *collider: the shape at rest at the origin, axis +y, sizes and scale 1, half_length 1. */
 PBF_API pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);

@@ -51,6 +51,7 @@ typedef struct motion {
   uint32_t count;
   const double *positions, *orientations;
   double duration;
+  pbf_collider *targets; /* of one world after another */
 } motion;
 
 /* Where the colliders of a world are to go. */
@@ -70,13 +71,27 @@ static pbf_status find_targets(pbf_solver *solver, uint32_t world, const motion 
 
 static pbf_status move_colliders(pbf_batch *batch, uint32_t world, void *context) {
   const motion *m = context;
-  pbf_collider targets[PBF_MAX_COLLIDERS];
   pbf_solver *solver = batch->worlds[world].solver;
   uint32_t there = 0;
   pbf_status status = pbf_get_collider_count(solver, &there);
-  if (status == PBF_OK && m->count == there) status = find_targets(solver, world, m, targets);
+  if (status == PBF_OK && m->count == there) status = find_targets(solver, world, m, m->targets);
   if (status != PBF_OK) return status;
-  return pbf_move_colliders(solver, m->count, targets, m->duration);
+  return pbf_move_colliders(solver, m->count, m->targets, m->duration);
+}
+
+static pbf_status move_all(pbf_batch *batch, const uint8_t *mask, motion *m) {
+  void *memory = NULL;
+  const uint64_t bytes = (uint64_t)m->count * sizeof *m->targets;
+  if (m->count > PBF_MAX_COLLIDERS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", m->count,
+                    PBF_MAX_COLLIDERS);
+  pbf_status status = PBF_OK;
+  if (bytes > 0) status = pbf_memory_allocate(&batch->allocator, bytes, "targets", &memory);
+  if (status != PBF_OK) return status;
+  m->targets = memory;
+  status = pbf_batch_for_worlds(batch, mask, PBF_BY_CALLER, move_colliders, m);
+  pbf_memory_free(&batch->allocator, memory, bytes);
+  return status;
 }
 
 pbf_status pbf_batch_move_colliders(pbf_batch *batch, const uint8_t *mask, uint32_t count,
@@ -84,11 +99,11 @@ pbf_status pbf_batch_move_colliders(pbf_batch *batch, const uint8_t *mask, uint3
                                     double duration) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  motion m = {count, positions, orientations, duration};
+  motion m = {count, positions, orientations, duration, NULL};
   if (count > 0 && !positions)
     status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "positions is null");
   else
-    status = pbf_batch_for_worlds(batch, mask, PBF_BY_CALLER, move_colliders, &m);
+    status = move_all(batch, mask, &m);
   return pbf_batch_leave(batch, status);
 }
 

@@ -44,13 +44,14 @@ static pbf_status take(const pbf_solver *solver, uint32_t count, const pbf_colli
   void *memory = NULL;
   uint32_t held = 0;
   pbf_status status =
-      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(count), "the colliders", &memory);
+      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(solver, count), "the colliders", &memory);
   if (status != PBF_OK) return status;
+  memset(memory, 0, pbf_colliders_bytes(solver, count));
   status = copy_in(solver, count, theirs, memory, &held);
   *ours = memory;
   if (status == PBF_OK) return PBF_OK;
   pbf_colliders_let_go(held, memory);
-  pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(count));
+  pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(solver, count));
   return status;
 }
 
@@ -58,13 +59,14 @@ static pbf_status take(const pbf_solver *solver, uint32_t count, const pbf_colli
 static void drop(const pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
   if (!colliders) return;
   pbf_colliders_let_go(count, colliders);
-  pbf_memory_free(&solver->allocator, colliders, pbf_colliders_bytes(count));
+  pbf_memory_free(&solver->allocator, colliders, pbf_colliders_bytes(solver, count));
 }
 
-pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,
-                                    const pbf_collider *colliders, double time) {
-  pbf_collider clean[PBF_MAX_COLLIDERS];
-  for (uint32_t i = 0; i < count; ++i)
+pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
+                                    double time) {
+  const int copies = solver->kind.dimension == 2; /* in 3D nothing is ignored */
+  pbf_collider *clean = copies && count > 0 ? colliders + count : colliders;
+  for (uint32_t i = 0; i < count && copies; ++i)
     clean[i] = pbf_collider_for_backend(&colliders[i], solver->kind.dimension);
   pbf_status status = solver->api.set_colliders(solver->backend, count, clean, time);
   return pbf_backend_result(solver, status, "set_colliders");
@@ -150,12 +152,22 @@ static double distance_of(const double a[3], const double b[3]) {
   return sqrt(pow(b[0] - a[0], 2) + pow(b[1] - a[1], 2) + pow(b[2] - a[2], 2));
 }
 
-/* Notes those that are where they have not moved to. Where they have been shifted alike, the
- * world's origin may have been. */
-static void note_jumps(pbf_solver *solver, uint32_t count, const pbf_collider *next) {
+/* Those that are where they have not moved to. */
+typedef struct jumps {
+  pbf_collider_set placed, shifted; /* these all farther by the same: */
+  double shift[3];
+} jumps;
+
+/* Where they have been shifted alike, the world's origin may have been. */
+static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
   const double h = solver->params.smoothing_radius, nowhere[3] = {0, 0, 0};
-  uint64_t placed = 0, shifted = 0;
-  double shift[3] = {0, 0, 0};
+  const uint32_t words = pbf_collider_words(count);
+  jumps found = {
+      {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_IN)},
+      {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_ALIKE)},
+      {0, 0, 0},
+  };
+  int any = 0;
   for (uint32_t k = 0; k < count; ++k) {
     pbf_collider now = next[k];
     double turn = INFINITY, way[3];
@@ -166,12 +178,37 @@ static void note_jumps(pbf_solver *solver, uint32_t count, const pbf_collider *n
       turn = turn_between(&now, &next[k]);
     for (int a = 0; a < 3; ++a) way[a] = next[k].position[a] - now.position[a];
     if (turn + distance_of(nowhere, way) < h) continue;
-    if (!shifted) memcpy(shift, way, sizeof shift);
-    uint64_t *bits = turn + distance_of(shift, way) < h ? &shifted : &placed;
-    *bits |= UINT64_C(1) << k;
+    if (!any) memcpy(found.shift, way, sizeof way);
+    const int alike = turn + distance_of(found.shift, way) < h;
+    any |= alike;
+    pbf_collider_set_add(alike ? &found.shifted : &found.placed, k);
   }
-  pbf_overlap_note_colliders(solver, placed);
-  pbf_note_collider_shift(solver, shifted, shift);
+  return found;
+}
+
+/* What the solver has noted of its colliders goes on with those that take their place. */
+static void keep_marks(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
+  for (int mark = PBF_COLLIDERS_PLACED; mark <= PBF_COLLIDERS_SHIFTED; ++mark) {
+    const enum pbf_collider_mark of = (enum pbf_collider_mark)mark;
+    const pbf_collider_set before = pbf_colliders_set(solver, 0, of);
+    pbf_collider_set after = {0, pbf_collider_words(count),
+                              pbf_colliders_marked(solver, count, next, of)};
+    pbf_collider_set_copy(&after, &before);
+  }
+}
+
+/* Checked ones, whose poses hold now, for the backend and then for the solver, which owns them from
+ * then on. */
+static pbf_status put_in_place(pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
+  const double now = pbf_solver_time(solver);
+  pbf_status status = pbf_colliders_to_backend(solver, count, colliders, now);
+  if (status == PBF_OK) {
+    keep_marks(solver, count, colliders);
+    pbf_colliders_replace(solver, count, colliders, now);
+  } else {
+    drop(solver, count, colliders);
+  }
+  return status;
 }
 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
@@ -181,14 +218,12 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   if (status == PBF_OK && count > 0) status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
   choose_paths(solver, count, memory, now);
-  status = pbf_colliders_to_backend(solver, count, memory, now);
-  if (status == PBF_OK) {
-    note_jumps(solver, count, memory);
-    pbf_colliders_replace(solver, count, memory, now);
-  } else {
-    drop(solver, count, memory);
-  }
-  return status;
+  const jumps found = find_jumps(solver, count, memory);
+  status = put_in_place(solver, count, memory);
+  if (status != PBF_OK) return status;
+  pbf_overlap_note_colliders(solver, &found.placed);
+  pbf_note_collider_shift(solver, &found.shifted, found.shift);
+  return PBF_OK;
 }
 
 pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders) {
@@ -274,17 +309,13 @@ static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf
 static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
                                  double duration) {
   pbf_collider *memory = NULL;
-  const double now = pbf_solver_time(solver);
   pbf_status status = check_move(solver, count, theirs, duration);
   if (status != PBF_OK || count == 0) return status;
   status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
   status = aim(solver, count, duration, memory);
-  if (status == PBF_OK) status = pbf_colliders_to_backend(solver, count, memory, now);
-  if (status == PBF_OK)
-    pbf_colliders_replace(solver, count, memory, now);
-  else
-    drop(solver, count, memory);
+  if (status == PBF_OK) return put_in_place(solver, count, memory);
+  drop(solver, count, memory);
   return status;
 }
 

@@ -1,10 +1,48 @@
 #ifndef PBF_LIB_SOLVER_COLLIDERS_H
 #define PBF_LIB_SOLVER_COLLIDERS_H
 
+#include "collider_set.h"
 #include "solver.h"
 
-static inline uint64_t pbf_colliders_bytes(uint32_t count) {
-  return (uint64_t)count * sizeof(pbf_collider);
+/* A solver's colliders lie in one block: as they were set, in 2D once more as backends get them, and
+ * behind them sets of those that are not among the first 64. */
+enum pbf_collider_mark {
+  PBF_COLLIDERS_PLACED,  /* in fluid, since the last step: overlap.h */
+  PBF_COLLIDERS_SHIFTED, /* all farther by the same, since then: prestabilize.h */
+  PBF_COLLIDERS_JUMP_IN, /* those that these two get when the block takes its place */
+  PBF_COLLIDERS_JUMP_ALIKE,
+  PBF_COLLIDER_MARKS
+};
+
+static inline uint32_t pbf_collider_words(uint32_t count) {
+  return count > 64 ? (count - 1) / 64 : 0;
+}
+
+static inline uint64_t pbf_collider_copies(const pbf_solver *solver, uint32_t count) {
+  return (uint64_t)count * (solver->kind.dimension == 2 ? 2 : 1);
+}
+
+static inline uint64_t pbf_colliders_bytes(const pbf_solver *solver, uint32_t count) {
+  return pbf_collider_copies(solver, count) * sizeof(pbf_collider) +
+         PBF_COLLIDER_MARKS * (uint64_t)pbf_collider_words(count) * sizeof(uint64_t);
+}
+
+/* The words of a set in a block; null: there are none. */
+static inline uint64_t *pbf_colliders_marked(const pbf_solver *solver, uint32_t count,
+                                             pbf_collider *colliders, enum pbf_collider_mark mark) {
+  const uint32_t words = pbf_collider_words(count);
+  if (words == 0) return NULL;
+  return (uint64_t *)(void *)(colliders + pbf_collider_copies(solver, count)) +
+         (uint64_t)mark * words;
+}
+
+/* One of the solver's sets, of which the first word is given. */
+static inline pbf_collider_set pbf_colliders_set(const pbf_solver *solver, uint64_t first,
+                                                 enum pbf_collider_mark mark) {
+  const pbf_collider_set set = {
+      first, pbf_collider_words(solver->collider_count),
+      pbf_colliders_marked(solver, solver->collider_count, solver->colliders, mark)};
+  return set;
 }
 
 /* A reference to the geometry of colliders[index], where it has one. Fails for what is none. */
@@ -14,8 +52,8 @@ pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index);
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders);
 
 /* Hands checked colliders, whose poses hold at `time`, to the backend. */
-pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count,
-                                    const pbf_collider *colliders, double time);
+pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
+                                    double time);
 
 /* The solver owns `colliders`, and their references, from now on and frees what it had. */
 void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,

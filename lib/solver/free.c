@@ -24,7 +24,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_emission_free(solver, solver->emission);
   if (solver->colliders) pbf_colliders_let_go(solver->collider_count, solver->colliders);
   pbf_memory_free(&solver->allocator, solver->colliders,
-                  pbf_colliders_bytes(solver->collider_count));
+                  pbf_colliders_bytes(solver, solver->collider_count));
   if (solver->left) pbf_callbacks_release_rest(solver);
   pbf_memory_free(&allocator, solver, sizeof *solver);
   if (ranks.release) ranks.release(ranks.user);

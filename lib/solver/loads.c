@@ -7,7 +7,7 @@
 #include "structs.h"
 
 /* Their numbers to a backend: physics/loads.h. */
-enum { WALLS = 6, MAX_LOADS = PBF_MAX_COLLIDERS };
+enum { WALLS = 6, LOADS_AT_ONCE = 64 };
 
 static pbf_status check_found(const pbf_solver *solver) {
   if (!solver->params.loads)
@@ -30,10 +30,20 @@ static pbf_status check_out(uint32_t count, const pbf_collider_load *theirs) {
   return status;
 }
 
+/* Those of some solids, to where a caller wants them. */
+static pbf_status read_some(pbf_solver *solver, uint32_t first, uint32_t count,
+                            unsigned char *theirs, uint32_t stride) {
+  pbf_collider_load loads[LOADS_AT_ONCE];
+  pbf_status status = solver->api.get_loads(solver->backend, first, count, loads);
+  status = pbf_backend_result(solver, status, "get_loads");
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    pbf_struct_out(&pbf_kind_collider_load, &loads[i], theirs + (uint64_t)i * stride, stride);
+  return status;
+}
+
 /* Loads of all solids of a kind, `there` in number, of which the first is number `first`. */
 static pbf_status get_loads(pbf_solver *solver, const char *kind, uint32_t first, uint32_t there,
                             uint32_t count, pbf_collider_load *theirs) {
-  pbf_collider_load loads[MAX_LOADS];
   pbf_status status = check_found(solver);
   if (status != PBF_OK) return status;
   if (count != there)
@@ -41,15 +51,13 @@ static pbf_status get_loads(pbf_solver *solver, const char *kind, uint32_t first
                     kind);
   if (count == 0) return PBF_OK;
   status = check_out(count, theirs);
-  if (status != PBF_OK) return status;
-  status = solver->api.get_loads(solver->backend, first, count, loads);
-  status = pbf_backend_result(solver, status, "get_loads");
-  if (status != PBF_OK) return status;
-  const uint32_t stride = pbf_struct_size(theirs);
-  for (uint32_t i = 0; i < count; ++i)
-    pbf_struct_out(&pbf_kind_collider_load, &loads[i],
-                   (unsigned char *)theirs + (uint64_t)i * stride, stride);
-  return PBF_OK;
+  const uint32_t stride = status == PBF_OK ? pbf_struct_size(theirs) : 0;
+  for (uint32_t i = 0; i < count && status == PBF_OK; i += LOADS_AT_ONCE) {
+    const uint32_t left = count - i, some = left < LOADS_AT_ONCE ? left : LOADS_AT_ONCE;
+    status = read_some(solver, first + i, some, (unsigned char *)theirs + (uint64_t)i * stride,
+                       stride);
+  }
+  return status;
 }
 
 pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads) {

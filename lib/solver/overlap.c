@@ -8,8 +8,11 @@
 
 /* Before the first step nothing has moved: pre-stabilization sees to what is placed then. */
 static pbf_overlap *noted(pbf_solver *solver) {
-  if (!solver->overlap.found.struct_size)
+  const pbf_collider_set placed = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED);
+  if (!solver->overlap.found.struct_size) {
     solver->overlap.found = (pbf_overlap){.struct_size = sizeof(pbf_overlap), .first_id = 1};
+    for (uint32_t w = 0; w < placed.words; ++w) placed.more[w] = 0;
+  }
   return &solver->overlap.found;
 }
 
@@ -21,8 +24,12 @@ void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t 
   if (none || last_id > o->last_id) o->last_id = last_id;
 }
 
-void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders) {
-  if (solver->overlap.moved && colliders) noted(solver)->colliders |= colliders;
+void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *colliders) {
+  if (!solver->overlap.moved || pbf_collider_set_is_empty(colliders)) return;
+  pbf_overlap *o = noted(solver);
+  pbf_collider_set placed = pbf_colliders_set(solver, o->colliders, PBF_COLLIDERS_PLACED);
+  pbf_collider_set_unite(&placed, colliders);
+  o->colliders = placed.first;
 }
 
 /* What a step leaves of a density error is as its length squared: of what a much longer one has
@@ -73,7 +80,9 @@ pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
   if (!solver->api.set_overlap) return PBF_OK;
   if (solver->params.solver != PBF_SOLVER_CHEBYSHEV) return pbf_overlap_forget(solver);
   if (solver->overlap.found.struct_size) {
-    pbf_status status = tell(solver, &solver->overlap.found);
+    pbf_overlap found = solver->overlap.found;
+    found.more_colliders = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED).more;
+    pbf_status status = tell(solver, &found);
     if (status != PBF_OK) return status;
     solver->overlap.found.struct_size = 0;
     solver->overlap.end = now + time_apart(solver);

@@ -3,13 +3,13 @@
 #ifndef PBF_LIB_SOLVER_OVERLAP_H
 #define PBF_LIB_SOLVER_OVERLAP_H
 
-#include "solver.h"
+#include "colliders.h"
 
 /* The particles of these rows are where no step has moved them. */
 void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t last_id);
 
-/* These colliders, a bit each, are where nothing has moved them. */
-void pbf_overlap_note_colliders(pbf_solver *solver, uint64_t colliders);
+/* These of its colliders are where nothing has moved them. */
+void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *colliders);
 
 /* Walls have jumped into the fluid. */
 void pbf_overlap_note_walls(pbf_solver *solver);

@@ -109,12 +109,17 @@ static int walls_have_jumped(const pbf_solver *solver) {
   return jumped;
 }
 
+static pbf_collider_set shifted_colliders(const pbf_solver *solver) {
+  return pbf_colliders_set(solver, solver->placement.colliders, PBF_COLLIDERS_SHIFTED);
+}
+
 /* What has not been shifted with the particles lies in their places now. */
 static void note_jumps(pbf_solver *solver, int walls) {
   const pbf_placement *placed = &solver->placement;
   double way2 = 0, h = solver->params.smoothing_radius;
   for (int k = 0; k < 3; ++k) way2 += pow(placed->collider_shift[k] - placed->shift[k], 2);
-  if (way2 >= h * h) pbf_overlap_note_colliders(solver, placed->colliders);
+  const pbf_collider_set shifted = shifted_colliders(solver);
+  if (placed->shifted && way2 >= h * h) pbf_overlap_note_colliders(solver, &shifted);
   if (walls) pbf_overlap_note_walls(solver);
 }
 
@@ -151,14 +156,18 @@ void pbf_note_shift(pbf_solver *solver, const double shift[3]) {
   for (int k = 0; k < 3; ++k) solver->placement.shift[k] += shift[k];
 }
 
-void pbf_note_collider_shift(pbf_solver *solver, uint64_t colliders, const double shift[3]) {
+void pbf_note_collider_shift(pbf_solver *solver, const pbf_collider_set *colliders,
+                             const double shift[3]) {
   pbf_placement *placed = &solver->placement;
-  if (!colliders) return;
-  if (placed->colliders && placed->colliders != colliders) {
-    pbf_overlap_note_colliders(solver, placed->colliders);
+  pbf_collider_set shifted = shifted_colliders(solver);
+  if (pbf_collider_set_is_empty(colliders)) return;
+  if (placed->shifted && pbf_collider_sets_differ(&shifted, colliders)) {
+    pbf_overlap_note_colliders(solver, &shifted);
     for (int k = 0; k < 3; ++k) placed->collider_shift[k] = 0;
   }
-  placed->colliders = colliders;
+  pbf_collider_set_copy(&shifted, colliders);
+  placed->shifted = 1;
+  placed->colliders = shifted.first;
   for (int k = 0; k < 3; ++k) placed->collider_shift[k] += shift[k];
 }
 

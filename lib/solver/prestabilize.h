@@ -4,7 +4,7 @@
 #ifndef PBF_LIB_SOLVER_PRESTABILIZE_H
 #define PBF_LIB_SOLVER_PRESTABILIZE_H
 
-#include "solver.h"
+#include "colliders.h"
 
 /* Whether it matters how all positions at once are set now. */
 int pbf_setting_matters(const pbf_solver *solver);
@@ -13,8 +13,9 @@ int pbf_setting_matters(const pbf_solver *solver);
 void pbf_note_shift(pbf_solver *solver, const double shift[3]);
 void pbf_note_set_anew(pbf_solver *solver);
 
-/* These colliders, a bit each, have been set elsewhere, all farther by the same. */
-void pbf_note_collider_shift(pbf_solver *solver, uint64_t colliders, const double shift[3]);
+/* These of its colliders have been set elsewhere, all farther by the same. */
+void pbf_note_collider_shift(pbf_solver *solver, const pbf_collider_set *colliders,
+                             const double shift[3]);
 
 /* The parameters change to these: densities may change with them, or walls jump over particles. */
 void pbf_note_params(pbf_solver *solver, const pbf_params *params);

@@ -110,7 +110,7 @@ static void add_array(pbf_plan *plan, const char *name, double bytes_per_particl
 }
 
 static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
-  plan->bytes += sizeof *solver + pbf_colliders_bytes(solver->collider_count);
+  plan->bytes += sizeof *solver + pbf_colliders_bytes(solver, solver->collider_count);
   plan->bytes += pbf_worker_bytes(solver);
   if (solver->ids) add_array(plan, "ids (host)", sizeof *solver->ids, pbf_ids_bytes(solver));
   if (solver->previous)

@@ -22,7 +22,8 @@ typedef struct pbf_overlap_state {
 /* How places have been set since the last step: prestabilize.h. */
 typedef struct pbf_placement {
   uint64_t set_anew;        /* 1: all places, or what density they have, are other ones */
-  uint64_t colliders;       /* that have jumped, a bit each, … */
+  uint64_t shifted;         /* 1: colliders have jumped, */
+  uint64_t colliders;       /* these, a bit each of the first 64 (colliders.h), … */
   double collider_shift[3]; /* … all alike */
   double shift[3];          /* of all particles alike */
   double wall_shift[6];     /* of each wall */

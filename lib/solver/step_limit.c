@@ -14,13 +14,15 @@
 #include "text.h"
 
 static double colliders_speed(const pbf_solver *solver, const pbf_params *params) {
-  pbf_collider clean[PBF_MAX_COLLIDERS];
   const double elapsed = pbf_solver_time(solver) - solver->collider_time;
+  double fastest = 0;
   for (uint32_t i = 0; i < solver->collider_count; ++i) {
-    pbf_motion_collider_state(&solver->colliders[i], elapsed, &clean[i]);
-    clean[i] = pbf_collider_for_backend(&clean[i], solver->kind.dimension);
+    pbf_collider now;
+    pbf_motion_collider_state(&solver->colliders[i], elapsed, &now);
+    now = pbf_collider_for_backend(&now, solver->kind.dimension);
+    fastest = fmax(fastest, pbf_fastest_collider(params, solver->kind.dimension, 1, &now));
   }
-  return pbf_fastest_collider(params, solver->kind.dimension, solver->collider_count, clean);
+  return fastest;
 }
 
 pbf_step_limits pbf_step_limits_of(const pbf_solver *solver, double particle_speed) {

@@ -9,6 +9,7 @@
 #include "particles/particles.h"
 #include "shape/registry.h"
 #include "snapshot.h"
+#include "solver/colliders.h"
 #include "solver/handles.h"
 
 static pbf_snapshot_header header_of(const pbf_solver *solver) {
@@ -83,12 +84,21 @@ static void put_colliders(const pbf_solver *solver, uint64_t offset, void *buffe
   }
 }
 
+static void put_marks(const pbf_solver *solver, uint64_t offset, void *buffer) {
+  const pbf_collider_set placed = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED);
+  const pbf_collider_set shifted = pbf_colliders_set(solver, 0, PBF_COLLIDERS_SHIFTED);
+  const uint64_t bytes = placed.words * sizeof *placed.more;
+  put(buffer, offset, placed.more, bytes);
+  put(buffer, offset + bytes, shifted.more, bytes);
+}
+
 static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *header, void *buffer) {
   pbf_snapshot_layout layout = pbf_snapshot_layout_of(header);
   memset(buffer, 0, layout.size);
   put(buffer, 0, header, sizeof *header);
   put(buffer, layout.params, &solver->params, sizeof solver->params);
   put_colliders(solver, layout.colliders, buffer);
+  put_marks(solver, layout.marks, buffer);
   if (header->has_ids)
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
   if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);

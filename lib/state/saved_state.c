@@ -50,7 +50,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
+      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 || header->placement.shifted > 1 ||
       header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -128,7 +128,18 @@ static pbf_status find_geometry(pbf_saved_state *in, uint32_t i) {
   return PBF_OK;
 }
 
+static void read_marks(const pbf_solver *solver, pbf_saved_state *in) {
+  const uint32_t count = in->header.collider_count;
+  const uint64_t bytes = (uint64_t)pbf_collider_words(count) * sizeof(uint64_t);
+  const unsigned char *stored = in->buffer + in->layout.marks;
+  if (bytes == 0) return;
+  memcpy(pbf_colliders_marked(solver, count, in->colliders, PBF_COLLIDERS_PLACED), stored, bytes);
+  memcpy(pbf_colliders_marked(solver, count, in->colliders, PBF_COLLIDERS_SHIFTED), stored + bytes,
+         bytes);
+}
+
 static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) {
+  read_marks(solver, in);
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
         in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
@@ -185,7 +196,7 @@ static pbf_status allocate_section(const pbf_solver *solver, uint64_t size, void
 
 static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
-  uint64_t colliders = pbf_colliders_bytes(in->header.collider_count);
+  uint64_t colliders = pbf_colliders_bytes(solver, in->header.collider_count);
   pbf_status status = allocate_section(solver, colliders, &in->colliders);
   if (status == PBF_OK) status = allocate_section(solver, pbf_ids_bytes(solver), &in->ids);
   if (status == PBF_OK) status = allocate_section(solver, bytes, &in->positions);
@@ -220,7 +231,7 @@ void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
   if (in->colliders) pbf_colliders_let_go(in->collider_holds, in->colliders);
   pbf_memory_free(&solver->allocator, in->colliders,
-                  pbf_colliders_bytes(in->header.collider_count));
+                  pbf_colliders_bytes(solver, in->header.collider_count));
   pbf_memory_free(&solver->allocator, in->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, in->positions, bytes);
   pbf_memory_free(&solver->allocator, in->velocities, bytes);

@@ -1,5 +1,7 @@
 #include "snapshot.h"
 
+#include "solver/colliders.h"
+
 static uint64_t padded(uint64_t size) { return (size + 7) / 8 * 8; }
 
 uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header) {
@@ -16,7 +18,9 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
   uint64_t field = padded(pbf_snapshot_field_bytes(header));
   layout.params = padded(header->header_size);
   layout.colliders = layout.params + padded(header->params_size);
-  layout.ids = layout.colliders + padded((uint64_t)header->collider_size * header->collider_count);
+  layout.marks =
+      layout.colliders + padded((uint64_t)header->collider_size * header->collider_count);
+  layout.ids = layout.marks + 2 * sizeof(uint64_t) * pbf_collider_words(header->collider_count);
   layout.positions = layout.ids + (header->has_ids ? padded((uint64_t)header->count * 4) : 0);
   layout.velocities = layout.positions + field;
   uint64_t next = layout.velocities + field;

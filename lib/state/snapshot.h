@@ -1,5 +1,6 @@
 /* Layout of a saved state, little-endian, every section at a multiple of 8 bytes:
- *   header | parameters | colliders | ids, unless they are 0 … count - 1 | positions | velocities |
+ *   header | parameters | colliders | which of those behind the first 64 have been placed, and
+ *   which have been shifted alike | ids, unless they are 0 … count - 1 | positions | velocities |
  *   what the backend keeps of each particle in some scenes (kept.h) | emitters, drains, lifetimes,
  *   if any | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
@@ -16,7 +17,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 #define PBF_SNAPSHOT_MAGIC \
   { 'P', 'B', 'F', 'S', 'T', 'A', 'T', 'E' }
 
-enum { PBF_SNAPSHOT_VERSION = 6 };
+enum { PBF_SNAPSHOT_VERSION = 7 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
@@ -44,8 +45,8 @@ typedef struct pbf_snapshot_header {
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
-  uint64_t params, colliders, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission, checksum,
-      size;
+  uint64_t params, colliders, marks, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission,
+      checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);

@@ -40,14 +40,16 @@ struct placed_density_pass {
   PBF_IN void end(sums<L> *) const {}
 };
 
-/* The density that placed surfaces contribute at x, as they stood `before` the step or after it. */
+/* The density that placed surfaces contribute at x, as they stood `before` the step or after it;
+ * `more` is for those that have no bit in `found`. */
 template <class Obstacles>
 PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o,
-                                      const pbf_overlap &found, pbf_vec x, int before) {
+                                      const pbf_overlap &found, const uint64_t *more, pbf_vec x,
+                                      int before) {
   pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
   if (found.walls) boundary = pbf_boundary_of_domain(c, &o.domain, x);
   for (int k = 0; k < pbf_surface_count(o); ++k)
-    if (found.colliders >> k & 1) {
+    if (pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k))) {
       const auto surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
       pbf_accumulate_surface(c, &surface, x, &boundary);
     }

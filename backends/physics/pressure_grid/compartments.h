@@ -45,6 +45,8 @@ enum {
 typedef struct pbf_pressure_grid_topology {
   const pbf_surface *surfaces;
   int surface_count; /* 0: none is thin, and all of this is idle */
+  const pbf_surface_grid *grid; /* on a host, of them; null: they are few */
+  uint64_t built;               /* when it is another one by now all are asked */
   pbf_domain domain;
   uint32_t first, limit, max_further; /* there may be so many further ones */
   uint32_t *counts;  /* of further compartments, further copies, torn nodes so far */
@@ -75,6 +77,28 @@ PBF_FN const pbf_surface *pbf_topology_surface(const pbf_pressure_grid_topology 
 
 PBF_FN const pbf_closed_surface *pbf_topology_surface(const pbf_closed_topology *t, int s) {
   return static_cast<const pbf_closed_surface *>(&t->surfaces[s]);
+}
+
+/* Surfaces that may be within a reach of a place, by their numbers. */
+typedef struct pbf_topology_near {
+  int count;
+  const uint16_t *numbers; /* null: all, one after another */
+} pbf_topology_near;
+
+PBF_FN pbf_topology_near pbf_topology_near_of(const pbf_pressure_grid_topology *t, pbf_vec x,
+                                              double reach) {
+  pbf_topology_near near = {t->surface_count, NULL};
+#ifndef __CUDA_ARCH__
+  if (t->grid && t->grid->built == t->built && t->grid->steepest * reach <= t->grid->reach)
+    near.count = (int)pbf_surfaces_at(t->grid, x, &near.numbers);
+#else
+  (void)x, (void)reach;
+#endif
+  return near;
+}
+
+PBF_FN int pbf_topology_number(const pbf_topology_near *near, int k) {
+  return near->numbers ? near->numbers[k] : k;
 }
 
 enum { PBF_FURTHER_COMPARTMENTS, PBF_FURTHER_COPIES, PBF_TORN_NODES, PBF_TOPOLOGY_COUNTS };

@@ -51,10 +51,14 @@ PBF_FN int pbf_compartment_with(const pbf_pressure_grid_topology *t, uint32_t ce
   return -1;
 }
 
+/* Between two points next to each other. */
 template <class Topology>
-PBF_FN int pbf_way_is_open(const Topology *t, pbf_vec from, pbf_vec to) {
-  for (int s = 0; s < t->surface_count; ++s)
-    if (pbf_surface_blocks(pbf_topology_surface(t, s), from, to)) return 0;
+PBF_FN int pbf_way_is_open(const pbf_pressure_grid *c, const Topology *t, pbf_vec from,
+                           pbf_vec to) {
+  const pbf_topology_near near = pbf_topology_near_of(t, from, 1.01 * c->width / PBF_SAMPLES);
+  for (int k = 0; k < near.count; ++k)
+    if (pbf_surface_blocks(pbf_topology_surface(t, pbf_topology_number(&near, k)), from, to))
+      return 0;
   return 1;
 }
 
@@ -74,7 +78,7 @@ PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology
     if (k < 0 || l < 0 || (links >> (PBF_COMPARTMENTS * k + l) & 1)) continue;
     const pbf_vec from = pbf_sample_at(c, i, at);
     ++at[axis];
-    if (pbf_way_is_open(t, from, pbf_sample_at(c, i, at)))
+    if (pbf_way_is_open(c, t, from, pbf_sample_at(c, i, at)))
       links |= UINT64_C(1) << (PBF_COMPARTMENTS * k + l);
   }
   return links;

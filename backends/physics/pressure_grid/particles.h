@@ -5,26 +5,39 @@
 #include "physics/pressure_grid/division.h"
 
 /* The solids that can be between x and a point near it. */
+typedef struct pbf_solids_beside {
+  pbf_topology_near near;
+  uint64_t bits; /* of the first of these; of more than 64 nothing is known */
+} pbf_solids_beside;
+
 template <class Topology>
-PBF_FN uint64_t pbf_solids_beside(const pbf_pressure_grid *c, const Topology *t, pbf_vec x) {
+PBF_FN pbf_solids_beside pbf_find_solids_beside(const pbf_pressure_grid *c, const Topology *t,
+                                                pbf_vec x) {
   const double reach = 2.0 * c->width / PBF_SAMPLES;
-  uint64_t beside = 0;
-  for (int s = 0; s < t->surface_count; ++s) {
+  pbf_solids_beside beside = {pbf_topology_near_of(t, x, reach), 0};
+  for (int k = 0; k < beside.near.count && k < 64; ++k) {
+    const int s = pbf_topology_number(&beside.near, k);
     pbf_vec normal;
     if (pbf_surface_is_unbounded(&t->surfaces[s]) ||
         pbf_surface_is_beyond(&t->surfaces[s], x, (pbf_real)reach))
       continue;
     if ((double)pbf_surface_distance(pbf_topology_surface(t, s), x, &normal) <
         (double)t->surfaces[s].steepest * reach)
-      beside |= UINT64_C(1) << s;
+      beside.bits |= UINT64_C(1) << k;
   }
   return beside;
 }
 
 template <class Topology>
-PBF_FN int pbf_is_seen(const Topology *t, uint64_t beside, pbf_vec x, pbf_vec point) {
-  for (int s = 0; s < t->surface_count && beside >> s; ++s)
-    if ((beside >> s & 1) && pbf_surface_blocks(pbf_topology_surface(t, s), x, point)) return 0;
+PBF_FN int pbf_is_seen(const Topology *t, const pbf_solids_beside &beside, pbf_vec x,
+                       pbf_vec point) {
+  for (int k = 0; k < beside.near.count; ++k) {
+    if (k < 64 && !(beside.bits >> k)) k = 64;
+    if (k >= beside.near.count) break;
+    if ((k >= 64 || (beside.bits >> k & 1)) &&
+        pbf_surface_blocks(pbf_topology_surface(t, pbf_topology_number(&beside.near, k)), x, point))
+      return 0;
+  }
   return 1;
 }
 
@@ -32,7 +45,7 @@ PBF_FN int pbf_is_seen(const Topology *t, uint64_t beside, pbf_vec x, pbf_vec po
 template <class Topology>
 PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
                                               pbf_vec x, const double before[PBF_DIM]) {
-  const uint64_t beside = pbf_solids_beside(c, t, x);
+  const pbf_solids_beside beside = pbf_find_solids_beside(c, t, x);
   uint32_t nearest = PBF_NO_INDEX;
   double nearest2 = 1e30;
   for (int a = 0; a < PBF_CORNERS; ++a) {

@@ -51,7 +51,9 @@ template <class Topology>
 PBF_FN int pbf_thin_solid_reaches(const pbf_pressure_grid *c, const Topology *t,
                                   const int i[PBF_DIM]) {
   const pbf_vec middle = pbf_cell_middle(c, i);
-  for (int s = 0; s < t->surface_count; ++s) {
+  const pbf_topology_near near = pbf_topology_near_of(t, middle, pbf_cell_reach(c));
+  for (int k = 0; k < near.count; ++k) {
+    const int s = pbf_topology_number(&near, k);
     pbf_vec normal;
     if (pbf_surface_is_thin(c, &t->surfaces[s]) &&
         (double)pbf_surface_distance(pbf_topology_surface(t, s), middle, &normal) <
@@ -115,12 +117,14 @@ template <class Topology>
 PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c, const Topology *t,
                                        const int i[PBF_DIM], pbf_cell_points *points) {
   const pbf_vec middle = pbf_cell_middle(c, i);
+  const double reach = pbf_cell_reach(c) + c->width / PBF_SAMPLES;
+  const pbf_topology_near near = pbf_topology_near_of(t, middle, reach);
   pbf_cell_points_within(c, &t->domain, i, points);
-  for (int s = 0; s < t->surface_count; ++s) {
+  for (int k = 0; k < near.count; ++k) {
+    const int s = pbf_topology_number(&near, k);
     pbf_vec normal;
     const double distance =
         (double)pbf_surface_distance(pbf_topology_surface(t, s), middle, &normal);
-    const double reach = pbf_cell_reach(c) + c->width / PBF_SAMPLES;
     if (distance < (double)t->surfaces[s].steepest * reach)
       pbf_cell_points_around(c, pbf_topology_surface(t, s), i, points);
   }

@@ -4,14 +4,34 @@
 
 #include "physics/depenetration.h"
 #include "physics/surfaces/domain.h"
+#include "physics/surfaces/near.h"
 #include "physics/surfaces/surface.h"
+
+/* So many colliders have a bit each in one number, and are asked one after another. Of more a grid
+ * tells which are near (surfaces/near.h). */
+enum { PBF_FEW_COLLIDERS = 64 };
+
+/* Some of the surfaces of an array, by their numbers, which ascend. */
+struct pbf_surface_list {
+  const pbf_surface *all;
+  const uint16_t *numbers; /* null: all, one after another */
+
+  PBF_IN int number(int k) const { return numbers ? numbers[k] : k; }
+  PBF_IN const pbf_surface &operator[](int k) const { return all[number(k)]; }
+};
+
+/* Which one the k-th of some is. */
+PBF_FN int pbf_surface_number(const pbf_surface_list &list, int k) { return list.number(k); }
+PBF_FN int pbf_surface_number(const pbf_surface *, int k) { return k; }
 
 /* Where they are at a time. A backend may hold them elsewhere, in a struct with members of the same
  * names. */
 typedef struct pbf_obstacles {
   pbf_domain domain;
   int count;
-  pbf_surface surfaces[PBF_MAX_COLLIDERS];
+  pbf_surface_list surfaces;
+  pbf_surface_grid *grid; /* of all of them; null: they are few */
+  uint16_t *room; /* for the numbers of some of them, twice as many as there are; a thread's own */
 } pbf_obstacles;
 
 namespace {
@@ -59,23 +79,66 @@ static inline pbf_surface pbf_obstacle_at(const pbf_params *params, const pbf_do
   return s;
 }
 
-/* At `time`, of colliders that were set at `set_at`. */
+/* At `time`, of colliders that were set at `set_at`, to `surfaces`. */
 static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
                                        const pbf_collider *colliders, double set_at, double time,
-                                       pbf_obstacles *o) {
+                                       pbf_surface *surfaces, pbf_obstacles *o) {
   o->domain = pbf_domain_at(params, time);
   o->count = (int)count;
+  o->surfaces = {surfaces, NULL};
+  o->grid = NULL;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
-    o->surfaces[k] = pbf_obstacle_at(params, &o->domain, &colliders[k], time - set_at);
+    surfaces[k] = pbf_obstacle_at(params, &o->domain, &colliders[k], time - set_at);
+}
+
+/* ---- Which of them are near ----------------------------------------------------------------- */
+
+/* How far places are from what they may ask about by pbf_obstacles_near, at most: as far as solids
+ * have a part in pushes. */
+static inline double pbf_obstacles_reach(const pbf_params *params) {
+  const double h = params->smoothing_radius;
+  return 1.002 * fmax(h, 2 * pbf_derive_spacing(params)) + 4e-3 * h;
+}
+
+/* Those that may be within `reach` of x. */
+static inline pbf_obstacles pbf_obstacles_near(const pbf_obstacles &all, pbf_vec x,
+                                               pbf_real reach) {
+  pbf_obstacles near = all;
+  if (!all.grid || (double)reach > all.grid->reach) return near;
+  near.count = (int)pbf_surfaces_at(all.grid, x, &near.surfaces.numbers);
+  return near;
+}
+
+/* Those that may be within `reach` of something in a box, in the room for them. */
+static inline pbf_obstacles pbf_obstacles_around(const pbf_obstacles &all, pbf_vec lower,
+                                                 pbf_vec upper, pbf_real reach) {
+  pbf_obstacles near = all;
+  if (!all.grid) return near;
+  near.count = (int)pbf_surfaces_around(all.grid, lower, upper, (double)reach, all.room + all.count,
+                                        &near.surfaces.numbers);
+  return near;
 }
 
 /* ---- Which of them move --------------------------------------------------------------------- */
 
-/* A bit each. */
+/* Some of the colliders: of the few first ones a bit each, and of the others, if there are any. */
 typedef struct pbf_moving_obstacles {
   uint32_t walls;
+  uint32_t others; /* how many of these */
   uint64_t surfaces;
+  const uint64_t *more;
 } pbf_moving_obstacles;
+
+static inline uint32_t pbf_words_of(uint32_t colliders) {
+  return (colliders + PBF_FEW_COLLIDERS - 1) / PBF_FEW_COLLIDERS;
+}
+
+/* Whether collider k is in a set, `first` of the few first ones and `more` of the others. */
+PBF_FN int pbf_set_has(uint64_t first, const uint64_t *more, int k) {
+  return (int)((k < PBF_FEW_COLLIDERS ? first : more[k / PBF_FEW_COLLIDERS - 1]) >>
+                   k % PBF_FEW_COLLIDERS &
+               1);
+}
 
 static inline int pbf_collider_moves(const pbf_collider *collider) {
   int moves =
@@ -86,40 +149,83 @@ static inline int pbf_collider_moves(const pbf_collider *collider) {
   return moves;
 }
 
+namespace {
+
+/* Makes a set of those that has(k) says, `room` being for the others' bits. */
+template <class Has>
+PBF_FN void find_set(uint32_t count, uint64_t *room, pbf_moving_obstacles *m, Has has) {
+  m->surfaces = 0;
+  m->others = 0;
+  m->more = room;
+  if (count > PBF_FEW_COLLIDERS) memset(room, 0, (pbf_words_of(count) - 1) * sizeof *room);
+  for (uint32_t k = 0; k < count; ++k) {
+    if (!has(k)) continue;
+    const uint64_t bit = UINT64_C(1) << k % PBF_FEW_COLLIDERS;
+    if (k < PBF_FEW_COLLIDERS) {
+      m->surfaces |= bit;
+    } else {
+      room[k / PBF_FEW_COLLIDERS - 1] |= bit;
+      ++m->others;
+    }
+  }
+}
+
+}  // namespace
+
 static inline pbf_moving_obstacles pbf_moving_obstacles_of(const pbf_params *params, uint32_t count,
-                                                           const pbf_collider *colliders) {
-  pbf_moving_obstacles m = {0, 0};
+                                                           const pbf_collider *colliders,
+                                                           uint64_t *room) {
+  pbf_moving_obstacles m = {0, 0, 0, room};
   for (int w = 0; w < 2 * PBF_DIM; ++w)
     if (params->wall_velocity[w] != 0 ||
         (params->wall_amplitude[w] != 0 && params->wall_frequency[w] != 0))
       m.walls |= 1u << w;
   if (!(PBF_BUILT & PBF_FEATURE_COLLIDERS)) return m;
-  for (uint32_t k = 0; k < count; ++k)
-    if (pbf_collider_moves(&colliders[k])) m.surfaces |= UINT64_C(1) << k;
+  find_set(count, room, &m, [&](uint32_t k) { return pbf_collider_moves(&colliders[k]) != 0; });
   return m;
 }
 
-/* Those of them that still move in a step that begins `elapsed` after they were set. */
+/* Those of them that still move in a step that begins `elapsed` after they were set. Of the others
+ * the bits are in `still`, once pbf_note_still_moving has written them. */
 static inline pbf_moving_obstacles pbf_still_moving(pbf_moving_obstacles m, uint32_t count,
-                                                    const pbf_collider *colliders, double elapsed) {
-  for (uint32_t k = 0; k < count; ++k)
+                                                    const pbf_collider *colliders, double elapsed,
+                                                    const uint64_t *still) {
+  for (uint32_t k = 0; k < count && k < PBF_FEW_COLLIDERS; ++k)
     if (pbf_motion_has_ended(&colliders[k], elapsed)) m.surfaces &= ~(UINT64_C(1) << k);
+  for (uint32_t k = PBF_FEW_COLLIDERS; k < count && m.others; ++k)
+    m.others -= pbf_set_has(0, m.more, (int)k) && pbf_motion_has_ended(&colliders[k], elapsed);
+  m.more = still;
   return m;
 }
 
-static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) { return m.walls || m.surfaces; }
+static inline void pbf_note_still_moving(const pbf_moving_obstacles &m, uint32_t count,
+                                         const pbf_collider *colliders, double elapsed,
+                                         uint64_t *still) {
+  pbf_moving_obstacles all;
+  if (count > PBF_FEW_COLLIDERS)
+    find_set(count, still, &all, [&](uint32_t k) {
+      return pbf_set_has(m.surfaces, m.more, (int)k) &&
+             !pbf_motion_has_ended(&colliders[k], elapsed);
+    });
+}
 
-/* Of the colliders `now` and `next`: those that are not the same in both, or move, and so may stand
- * elsewhere. */
+static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) {
+  return m.walls || m.surfaces || m.others;
+}
+
+/* Of the colliders `now` and `next`: those that are not the same in both, or are in `also`, and so
+ * may stand elsewhere. */
 static inline pbf_moving_obstacles pbf_changed_surfaces(uint32_t count, const pbf_collider *now,
                                                         uint32_t next_count,
-                                                        const pbf_collider *next) {
+                                                        const pbf_collider *next,
+                                                        const pbf_moving_obstacles &also,
+                                                        uint64_t *room) {
   static const pbf_collider none[1] = {{0}};
-  pbf_moving_obstacles m = {0, 0};
-  for (uint32_t k = 0; k < count || k < next_count; ++k) {
+  pbf_moving_obstacles m = {0, 0, 0, room};
+  find_set(count > next_count ? count : next_count, room, &m, [&](uint32_t k) {
     const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
-    if (memcmp(a, b, sizeof *a) != 0) m.surfaces |= UINT64_C(1) << k;
-  }
+    return memcmp(a, b, sizeof *a) != 0 || (k < count && pbf_set_has(also.surfaces, also.more, (int)k));
+  });
   return m;
 }
 
@@ -127,13 +233,14 @@ namespace {
 
 /* Whether one of them is within `reach` of x. */
 template <class Obstacles>
-PBF_FN int pbf_near_moving_obstacle(pbf_moving_obstacles m, const Obstacles &o, pbf_real reach,
-                                    pbf_vec x) {
+PBF_FN int pbf_near_moving_obstacle(const pbf_moving_obstacles &m, const Obstacles &o,
+                                    pbf_real reach, pbf_vec x) {
   for (int w = 0; w < 2 * PBF_DIM && m.walls; ++w)
     if (m.walls >> w & 1 && pbf_wall_distance(&o.domain, w, x) < reach) return 1;
-  for (int k = 0; k < pbf_surface_count(o) && m.surfaces; ++k) {
+  for (int k = 0; k < pbf_surface_count(o) && (m.surfaces || m.others); ++k) {
     pbf_vec normal;
-    if (!(m.surfaces >> k & 1) || pbf_surface_is_beyond(&o.surfaces[k], x, reach)) continue;
+    if (!pbf_set_has(m.surfaces, m.more, pbf_surface_number(o.surfaces, k))) continue;
+    if (pbf_surface_is_beyond(&o.surfaces[k], x, reach)) continue;
     if (pbf_surface_distance(&o.surfaces[k], x, &normal) < reach) return 1;
   }
   return 0;
