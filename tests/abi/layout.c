@@ -357,13 +357,14 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_overlap, 32);
+SIZE(pbf_overlap, 40);
 AT(pbf_overlap, struct_size, 0);
 AT(pbf_overlap, walls, 4);
 AT(pbf_overlap, first_id, 8);
 AT(pbf_overlap, last_id, 12);
 AT(pbf_overlap, colliders, 16);
 AT(pbf_overlap, part, 24);
+AT(pbf_overlap, more_colliders, 32);
 
 SIZE(pbf_backend_array, 32);
 AT(pbf_backend_array, struct_size, 0);

@@ -5,7 +5,35 @@
 #include "cpu/broad_phase.h"
 #include "support/random.h"
 
-enum { SCENES = 20000, PARTICLES = 6 };
+enum { SCENES = 20000, PARTICLES = 6, MOST = 100 };
+
+/* Some surfaces, and room for what is asked of them. */
+typedef struct crowd {
+  pbf_surface surfaces[MOST];
+  pbf_obstacles o;
+  pbf_surface_grid grid;
+  pbf_surface_box boxes[MOST];
+  uint32_t starts[PBF_CELLS_A_SURFACE * MOST + 65];
+  uint16_t entries[PBF_ENTRIES_A_SURFACE * MOST], room[2 * MOST];
+} crowd;
+
+static void begin_crowd(crowd *s, int count) {
+  s->o.count = count;
+  s->o.surfaces = {s->surfaces, NULL};
+  s->o.grid = NULL;
+  s->o.room = s->room;
+}
+
+/* Lets it tell which are near by its grid, for who asks as far away as that. */
+static void add_grid(crowd *s, pbf_real reach) {
+  s->grid.boxes = s->boxes;
+  s->grid.starts = s->starts;
+  s->grid.entries = s->entries;
+  s->grid.room = MOST;
+  for (int k = 0; k < s->o.count; ++k) s->boxes[k] = pbf_surface_box_of(&s->surfaces[k]);
+  pbf_grid_build(&s->grid, (uint32_t)s->o.count, &s->o.domain, (double)reach);
+  s->o.grid = &s->grid;
+}
 
 static pbf_vec random_vec(uint64_t *state, double size) {
   pbf_vec a;
@@ -72,13 +100,15 @@ static void what_is_not_met_does_nothing(void **state) {
   for (int k = 0; k < PBF_DIM; ++k) domain.lower.c[k] = -100, domain.upper.c[k] = 100;
   domain.bounce_depth = (pbf_real)0.1;
   for (int scene = 0; scene < SCENES; ++scene) {
-    static pbf_obstacles o;
-    o.domain = domain;
-    o.count = 1;
-    o.surfaces[0] = random_surface(&random);
+    static crowd c;
+    const pbf_obstacles &o = c.o;
+    begin_crowd(&c, 1);
+    c.o.domain = domain;
+    c.surfaces[0] = random_surface(&random);
+    if (scene % 2) add_grid(&c, (pbf_real)0.1);
     group g = random_group(&random);
     for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
-      static pbf_obstacles near;
+      pbf_obstacles near;
       ++all[with_obstacle_motion];
       if (collision_candidates(&o, &g.around, with_obstacle_motion, &near)) {
         ++met[with_obstacle_motion];
@@ -88,7 +118,7 @@ static void what_is_not_met_does_nothing(void **state) {
         pbf_vec after = pbf_resolve_collisions(o, with_obstacle_motion, g.from[i], g.x[i]);
         if (memcmp(&after, &g.x[i], sizeof after) != 0)
           fail_msg("scene %d: a shape %d that is not met moves a particle", scene,
-                   o.surfaces[0].shape);
+                   c.surfaces[0].shape);
       }
     }
   }
@@ -99,64 +129,127 @@ static void what_is_not_met_does_nothing(void **state) {
 }
 
 /* Pushes of every size, skins, and a domain whose walls have moved in. */
-static pbf_obstacles random_obstacles(uint64_t *state) {
+static void make_crowd(uint64_t *state, int count, crowd *s) {
   static const pbf_real pushes[] = {0, (pbf_real)0.1, (pbf_real)0.5, (pbf_real)INFINITY};
-  pbf_obstacles o;
-  o.count = 1 + (int)random_in(state, 0, 6);
-  o.domain.bounce_depth = (pbf_real)0.1;
+  begin_crowd(s, count);
+  s->o.domain.bounce_depth = (pbf_real)0.1;
   for (int k = 0; k < PBF_DIM; ++k) {
-    o.domain.lower.c[k] = (pbf_real)random_in(state, -2, 0);
-    o.domain.upper.c[k] = (pbf_real)random_in(state, 0.2, 2);
+    s->o.domain.lower.c[k] = (pbf_real)random_in(state, -2, 0);
+    s->o.domain.upper.c[k] = (pbf_real)random_in(state, 0.2, 2);
   }
-  for (int k = 0; k < o.count; ++k) {
-    o.surfaces[k] = random_surface(state);
-    o.surfaces[k].prediction_push = pushes[(int)random_in(state, 0, 4)];
-    o.surfaces[k].iteration_push = pushes[(int)random_in(state, 0, 4)];
+  for (int k = 0; k < count; ++k) {
+    s->surfaces[k] = random_surface(state);
+    s->surfaces[k].prediction_push = pushes[(int)random_in(state, 0, 4)];
+    s->surfaces[k].iteration_push = pushes[(int)random_in(state, 0, 4)];
   }
-  return o;
+}
+
+/* Many small ones, which push little, and now and then one without an end. */
+static void make_small_crowd(uint64_t *state, crowd *s) {
+  make_crowd(state, MOST, s);
+  for (int k = 0; k < MOST; ++k) {
+    while (!((double)s->surfaces[k].bound < 0.4) && random_in(state, 0, 1) < 0.999)
+      s->surfaces[k] = random_surface(state);
+    s->surfaces[k].prediction_push = k % 4 ? 0 : (pbf_real)0.05;
+    s->surfaces[k].iteration_push = k % 3 ? 0 : (pbf_real)0.05;
+  }
+}
+
+/* The number that are left out. */
+static int check_resolved(const crowd *s, const group *g, int with_obstacle_motion, int which) {
+  pbf_obstacles near;
+  collision_candidates(&s->o, &g->around, with_obstacle_motion, &near);
+  for (int i = 0; i < PARTICLES; ++i) {
+    const pbf_vec by_all = pbf_resolve_collisions(s->o, with_obstacle_motion, g->from[i], g->x[i]);
+    const pbf_vec by_near = pbf_resolve_collisions(near, with_obstacle_motion, g->from[i], g->x[i]);
+    if (memcmp(&by_all, &by_near, sizeof by_all) != 0)
+      fail_msg("scene %d: %d of %d surfaces move a particle elsewhere", which, near.count,
+               s->o.count);
+  }
+  return s->o.count - near.count;
 }
 
 /* One may push a particle into another, and that into a third. */
 static void the_surfaces_left_out_change_nothing(void **state) {
   (void)state;
+  static crowd s;
   uint64_t random = 3;
   int left_out = 0;
   for (int scene = 0; scene < SCENES; ++scene) {
-    const pbf_obstacles all = random_obstacles(&random);
+    make_crowd(&random, 1 + (int)random_in(&random, 0, 6), &s);
     const group g = random_group(&random);
-    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
-      static pbf_obstacles near;
-      collision_candidates(&all, &g.around, with_obstacle_motion, &near);
-      left_out += near.count < all.count;
-      for (int i = 0; i < PARTICLES; ++i) {
-        const pbf_vec by_all = pbf_resolve_collisions(all, with_obstacle_motion, g.from[i], g.x[i]);
-        const pbf_vec by_near =
-            pbf_resolve_collisions(near, with_obstacle_motion, g.from[i], g.x[i]);
-        if (memcmp(&by_all, &by_near, sizeof by_all) != 0)
-          fail_msg("scene %d: %d of %d surfaces move a particle elsewhere", scene, near.count,
-                   all.count);
-      }
-    }
+    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion)
+      left_out += check_resolved(&s, &g, with_obstacle_motion, scene) > 0;
   }
   assert_true(left_out > SCENES / 20);
 }
 
+/* Of many, what a grid leaves out before. Some turn, some have no end. */
+static void a_grid_leaves_out_no_more(void **state) {
+  (void)state;
+  static crowd s;
+  uint64_t random = 5;
+  int64_t left_out = 0, all = 0, cells = 0;
+  for (int scene = 0; scene < SCENES / 10; ++scene) {
+    make_small_crowd(&random, &s);
+    add_grid(&s, (pbf_real)0.1);
+    for (int k = 0, more = 1; k < PBF_DIM; ++k) cells += (more *= s.grid.cells[k]) > 1;
+    const group g = random_group(&random);
+    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
+      left_out += check_resolved(&s, &g, with_obstacle_motion, scene);
+      all += MOST;
+    }
+  }
+  assert_true(cells > SCENES / 20);
+  if (!(left_out > all / 20)) fail_msg("%d of %d are left out", (int)left_out, (int)all);
+}
+
+/* Those that a place is not told of are farther away than it asks about. */
+static void a_place_is_told_of_all_that_are_near(void **state) {
+  (void)state;
+  static crowd s;
+  const pbf_real reach = (pbf_real)0.1;
+  uint64_t random = 6;
+  for (int scene = 0; scene < SCENES / 10; ++scene) {
+    make_small_crowd(&random, &s);
+    add_grid(&s, reach);
+    const pbf_vec x = random_vec(&random, 2.5);
+    const pbf_obstacles near = pbf_obstacles_near(s.o, x, reach);
+    for (int k = 0, next = 0; k < MOST; ++k) {
+      pbf_vec normal;
+      if (next < near.count && near.surfaces.number(next) == k) {
+        ++next;
+        continue;
+      }
+      const pbf_surface before = pbf_surface_before(&s.surfaces[k]);
+      if (!(pbf_surface_distance(&s.surfaces[k], x, &normal) > reach) ||
+          !(pbf_surface_distance(&before, x, &normal) > reach))
+        fail_msg("scene %d: surface %d is near, and not told of", scene, k);
+    }
+    assert_true(near.count <= MOST);
+  }
+}
+
 static void what_is_not_near_lends_nothing(void **state) {
   (void)state;
+  static crowd s;
   uint64_t random = 2;
   const pbf_real reach = (pbf_real)0.3;
   int found = 0;
   for (int scene = 0; scene < SCENES; ++scene) {
-    static pbf_obstacles o, near;
+    pbf_obstacles near;
     pbf_vec normal;
-    o.count = 1;
-    o.surfaces[0] = random_surface(&random);
+    begin_crowd(&s, 1);
+    for (int k = 0; k < PBF_DIM; ++k)
+      s.o.domain.lower.c[k] = -3, s.o.domain.upper.c[k] = 3;
+    s.surfaces[0] = random_surface(&random);
+    if (scene % 2) add_grid(&s, reach / 2);
     group g = random_group(&random);
-    found += obstacles_within(&o, &g.around, reach, &near);
+    found += obstacles_within(&s.o, &g.around, reach, &near);
     if (near.count) continue;
     for (int i = 0; i < PARTICLES; ++i)
-      if (!(pbf_surface_distance(&o.surfaces[0], g.x[i], &normal) >= reach))
-        fail_msg("scene %d: a shape %d is nearer than that", scene, o.surfaces[0].shape);
+      if (!(pbf_surface_distance(&s.surfaces[0], g.x[i], &normal) >= reach))
+        fail_msg("scene %d: a shape %d is nearer than that", scene, s.surfaces[0].shape);
   }
   if (!(found > SCENES / 20 && found < SCENES * 19 / 20)) fail_msg("%d are near", found);
 }
@@ -165,6 +258,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_not_met_does_nothing),
       cmocka_unit_test(the_surfaces_left_out_change_nothing),
+      cmocka_unit_test(a_grid_leaves_out_no_more),
+      cmocka_unit_test(a_place_is_told_of_all_that_are_near),
       cmocka_unit_test(what_is_not_near_lends_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

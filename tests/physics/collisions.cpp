@@ -334,12 +334,13 @@ static void no_way_leads_between_flush_boxes(void **state) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   for (int k = 0; k < 3; ++k) p.domain_min[k] = -10, p.domain_max[k] = 10;
   pbf_obstacles o;
+  pbf_surface surfaces[2];
   pbf_collider boxes[2] = {collider(PBF_COLLIDER_BOX), collider(PBF_COLLIDER_BOX)};
   boxes[0].position[1] = -2; /* a floor with its top at 0, … */
   boxes[1].position[1] = 2;  /* … and a wall on it, from x = 0 on */
   boxes[1].position[0] = 1;
   boxes[0].half_extents[0] = 5;
-  pbf_place_obstacles(&p, 2, boxes, 0, 0, &o);
+  pbf_place_obstacles(&p, 2, boxes, 0, 0, surfaces, &o);
   for (double depth = -1e-6; depth < 2e-6; depth += 1e-7) {
     const pbf_vec x = pbf_resolve_collisions(o, 0, point(-0.5, 0, 0), point(1, -depth, 0));
     assert_true(x.c[0] < 0 && x.c[1] > 0);

@@ -52,7 +52,9 @@ double deepest(const pbf_collider (&colliders)[N]) {
   const pbf_params params = params_of();
   pbf_surface surfaces[N];
   for (uint32_t k = 0; k < N; ++k) surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
-  return pbf_groups_deepest(&params, N, colliders, surfaces, 1);
+  static pbf_group groups[PBF_FEW_COLLIDERS];
+  static uint16_t numbers[PBF_FEW_COLLIDERS];
+  return pbf_groups_deepest(&params, N, colliders, surfaces, 1, groups, numbers);
 }
 
 void expect(double found, double right) {

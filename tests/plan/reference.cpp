@@ -22,6 +22,9 @@ static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf
   if (wanted) bytes += allocated(held_bytes(holders));
 #define PBF_REFERENCE(type, member) &s->member
 #include "physics/arrays.def"
+  if (has.colliders)
+    bytes += allocated(
+        pbf_collider_table_bytes(pbf_collider_room((uint32_t)has.colliders), 1));
   return bytes;
 }
 
