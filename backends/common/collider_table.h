@@ -15,7 +15,7 @@ typedef struct pbf_collider_table {
   pbf_surface *divided;  /* as the pressure grid is divided by them */
   pbf_surface_grid grid; /* of `surfaces` */
   uint64_t *moving, *still_moving, *changed, *placed; /* sets of all but the few first ones */
-  uint16_t *numbers; /* of some of them, twice as many for each thread */
+  uint16_t *numbers; /* of some of them: PBF_OBSTACLE_LISTS as long for each thread */
 } pbf_collider_table;
 
 /* Hands out parts of a block, or, without one, adds up how large it is to be. */
@@ -44,7 +44,7 @@ static inline uint64_t pbf_place_collider_table(pbf_collider_table *t, pbf_basin
   pbf_next_part(&parts, words, &t->still_moving);
   pbf_next_part(&parts, words, &t->changed);
   pbf_next_part(&parts, words, &t->placed);
-  pbf_next_part(&parts, 2 * (uint64_t)room * threads, &t->numbers);
+  pbf_next_part(&parts, PBF_OBSTACLE_LISTS * (uint64_t)room * threads, &t->numbers);
   pbf_next_part(&parts, room, &t->grid.boxes);
   pbf_next_part(&parts, pbf_grid_cell_room(room) + 1, &t->grid.starts);
   pbf_next_part(&parts, PBF_ENTRIES_A_SURFACE * (uint64_t)room, &t->grid.entries);
@@ -75,7 +75,7 @@ static inline void pbf_place_all_obstacles(const pbf_params *params, pbf_collide
                                            pbf_obstacles *o) {
   pbf_place_obstacles(params, count, t->list, set_at, time, t->surfaces, o);
   o->room = t->numbers;
-  if (count <= PBF_FEW_COLLIDERS) return;
+  if (count <= PBF_ASKED_COLLIDERS) return;
   for (uint32_t k = 0; k < count; ++k) t->grid.boxes[k] = pbf_surface_box_of(&t->surfaces[k]);
   pbf_grid_build(&t->grid, count, &o->domain, pbf_obstacles_reach(params));
   o->grid = &t->grid;

@@ -154,6 +154,7 @@ static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c
   int met = 0;
   for (int k = 0; k < near->count; ++k) {
     pbf_vec normal;
+    if (pbf_surface_is_beyond(&near->surfaces[k], x, contribution_reach(c))) continue;
     if (pbf_surface_distance(&near->surfaces[k], x, &normal) > contribution_reach(c)) continue;
     if (!met++) *boundary = pbf_boundary_of_domain(c, &near->domain, x);
     pbf_accumulate_surface(c, &near->surfaces[k], x, boundary);

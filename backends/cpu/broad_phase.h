@@ -117,6 +117,18 @@ static inline void collect_candidates(const pbf_obstacles *all, const group_boun
       candidates);
 }
 
+/* How far what has no other side, and the domain, push one of them before others are asked. */
+PBF_FN pbf_real way_kept_before(const pbf_obstacles *o, const group_bounds *of,
+                                int with_obstacle_motion) {
+  pbf_real pushed = way_into_domain(of, &o->domain);
+  for (int k = 0; k < o->count; ++k) {
+    const pbf_surface *s = &o->surfaces[k];
+    if (!pbf_surface_is_unbounded(s)) continue;
+    pushed += way_pushed(of, s, INFINITY) + (with_obstacle_motion ? way_of_carried(of, s) : 0);
+  }
+  return pushed;
+}
+
 /* How far these and the domain push one of them: where it goes first, one after another; and then
  * from each other, by twice the longest of these ways (pbf_resolve_contacts). */
 PBF_FN pbf_real way_pushed_by_all(const pbf_obstacles *o, const group_bounds *of,
@@ -132,22 +144,55 @@ PBF_FN pbf_real way_pushed_by_all(const pbf_obstacles *o, const group_bounds *of
   return pushed + 2 * longest;
 }
 
-/* These obstacles without the surfaces that they don't meet; the number of those that are left.
- * What a surface does not find inside, and does not carry along, it leaves no farther from where
- * its way begins than the way is long. Others may be met where such a push takes a particle, and
- * push in turn. */
-static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
-                                       int with_obstacle_motion, pbf_obstacles *candidates) {
+namespace {
+
+/* The surfaces that they meet where those that they meet push them as far as way(candidates) says;
+ * the number. */
+template <class Way>
+PBF_FN int closed_candidates(const pbf_obstacles *all, const group_bounds *of,
+                             int with_obstacle_motion, pbf_obstacles *candidates, Way way) {
   pbf_real pushed = 0;
   *candidates = *all;
   for (int found = -1; pushed < INFINITY;) {
     collect_candidates(all, of, with_obstacle_motion, pushed, candidates);
     if (candidates->count == found || candidates->count == pbf_surface_count(*all)) break;
     found = candidates->count;
-    pushed = way_pushed_by_all(candidates, of, with_obstacle_motion);
+    pushed = way(candidates);
     if (!(pushed > 0)) break;
   }
   return candidates->count;
+}
+
+}  // namespace
+
+/* These obstacles without the surfaces that they don't meet; the number of those that are left.
+ * What a surface does not find inside, and does not carry along, it leaves no farther from where
+ * its way begins than the way is long. Others may be met where such a push takes a particle, and
+ * push in turn. */
+static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
+                                       int with_obstacle_motion, pbf_obstacles *candidates) {
+  return closed_candidates(all, of, with_obstacle_motion, candidates, [&](const pbf_obstacles *o) {
+    return way_pushed_by_all(o, of, with_obstacle_motion);
+  });
+}
+
+/* Without those that can't be the first to meet one of them, which are many fewer where colliders
+ * are many: each would push them on to others. */
+static inline int first_candidates(const pbf_obstacles *all, const group_bounds *of,
+                                   int with_obstacle_motion, pbf_obstacles *candidates) {
+  return closed_candidates(all, of, with_obstacle_motion, candidates, [&](const pbf_obstacles *o) {
+    return way_kept_before(o, of, with_obstacle_motion);
+  });
+}
+
+PBF_FN group_bounds bounds_of_way(pbf_vec from, pbf_vec x) {
+  pbf_vec lower = x, upper = x;
+  const pbf_vec way = pbf_sub(x, from);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lower.c[k] = pbf_real_min(x.c[k], from.c[k]);
+    upper.c[k] = pbf_real_max(x.c[k], from.c[k]);
+  }
+  return bounds_between(lower, upper, pbf_real_sqrt(pbf_dot(way, way)));
 }
 
 /* … or to which they are not as near as that. */

@@ -143,16 +143,12 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
 static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
-  pbf_obstacles candidates;
   const group_bounds these = bounds_of_group(from, x);
-  if (!collision_candidates(obstacles, &these, 0, &candidates)) {
+  if (!resolve_ways(obstacles, &these, 0, [&](auto resolve) {
+        for (uint32_t l = 0; l < lanes; ++l)
+          set_lane(x, l, resolve(lane_value(from, l), lane_value(x, l)));
+      }))
     clamp_group(obstacles, x);
-    return;
-  }
-  for (uint32_t l = 0; l < lanes; ++l) {
-    pbf_vec resolved = resolve_collisions(&candidates, 0, lane_value(from, l), lane_value(x, l));
-    set_lane(x, l, resolved);
-  }
 }
 
 /* Of a group's velocities, by what walls and colliders made of its moves. */

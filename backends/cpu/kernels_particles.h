@@ -36,23 +36,20 @@ static group_bounds bounds_of_range(const field *from, const field *x, uint32_t 
 static __attribute__((noinline)) void collide_range(const pbf_obstacles *o,
                                                     int with_obstacle_motion, field from, field x,
                                                     uint32_t first, uint32_t last) {
-  enum { AT_ONCE = 32 };
+  enum { AT_ONCE = 32, OF_MANY_AT_ONCE = 8 };
   if (pbf_surface_count(*o) == 0) {
     clamp_range(&o->domain, x, first, last);
     return;
   }
+  const uint32_t most = o->grid ? (uint32_t)OF_MANY_AT_ONCE : (uint32_t)AT_ONCE;
   for (uint32_t begin = first, end; begin < last; begin = end) {
-    pbf_obstacles candidates;
-    end = last - begin < AT_ONCE ? last : begin + AT_ONCE;
+    end = last - begin < most ? last : begin + most;
     const group_bounds these = bounds_of_range(&from, &x, begin, end);
-    if (!collision_candidates(o, &these, with_obstacle_motion, &candidates)) {
+    if (!resolve_ways(o, &these, with_obstacle_motion, [&](auto resolve) {
+          for (uint32_t i = begin; i < end; ++i)
+            field_set(&x, i, resolve(field_at(&from, i), field_at(&x, i)));
+        }))
       clamp_range(&o->domain, x, begin, end);
-      continue;
-    }
-    for (uint32_t i = begin; i < end; ++i)
-      field_set(&x, i,
-                resolve_collisions(&candidates, with_obstacle_motion, field_at(&from, i),
-                                   field_at(&x, i)));
   }
 }
 

@@ -107,15 +107,8 @@ PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32
 static __attribute__((noinline)) pbf_vec move_past_obstacles(const pbf_obstacles *o, pbf_vec x,
                                                              pbf_vec move) {
   if (!o->grid) return pbf_move_past_obstacles(*o, x, move);
-  const pbf_vec to = pbf_add_scaled(x, 1, move);
-  pbf_vec lower = x, upper = x;
   pbf_obstacles candidates;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    lower.c[k] = pbf_real_min(x.c[k], to.c[k]);
-    upper.c[k] = pbf_real_max(x.c[k], to.c[k]);
-  }
-  const group_bounds alone =
-      bounds_between(lower, upper, pbf_real_sqrt(pbf_dot(pbf_sub(to, x), pbf_sub(to, x))));
+  const group_bounds alone = bounds_of_way(x, pbf_add_scaled(x, 1, move));
   collision_candidates(o, &alone, 0, &candidates);
   return pbf_move_past_obstacles(candidates, x, move);
 }

@@ -20,10 +20,11 @@ static void view_many(const worker *w, double time, pbf_surface *surfaces, pbf_o
   o->count = (int)s->collider_count;
   o->surfaces = {surfaces, NULL};
   o->grid = &s->table.grid;
-  o->room = s->table.numbers + 2 * (uint64_t)s->table.room * w->self->thread;
+  o->room =
+      s->table.numbers + PBF_OBSTACLE_LISTS * (uint64_t)s->table.room * w->self->thread;
 }
 
-enum { COLLIDERS_AT_ONCE = 32 };
+enum { COLLIDERS_AT_ONCE = 16 };
 
 static void place_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
@@ -55,7 +56,7 @@ static void place_step_obstacles(worker *w, double begin, double end, bool with_
   w->moving_obstacles = moving_obstacles_at(s, begin);
   w->placed_at = end;
   w->begins_at = begin;
-  if (s->collider_count <= PBF_FEW_COLLIDERS) {
+  if (s->collider_count <= PBF_ASKED_COLLIDERS) {
     place_few(w, end, w->few, w->few_numbers, &w->obstacles);
     if (with_before) place_few(w, begin, w->few_before, w->few_numbers, &w->before);
     return;

@@ -28,8 +28,8 @@ typedef struct worker {
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
   const pbf_real *sort_overlap;                   /* and what is left of their overlap */
   double stage_begin;
-  pbf_surface few[PBF_FEW_COLLIDERS], few_before[PBF_FEW_COLLIDERS];
-  uint16_t few_numbers[2 * PBF_FEW_COLLIDERS];
+  pbf_surface few[PBF_ASKED_COLLIDERS], few_before[PBF_ASKED_COLLIDERS];
+  uint16_t few_numbers[PBF_ASKED_COLLIDERS];
 } worker;
 
 static inline worker worker_of(solver *s, team_thread *self) {

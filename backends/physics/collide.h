@@ -319,22 +319,37 @@ PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_ve
   return of.stay(to);
 }
 
-/* The way of a particle from `from` to x. What is found in one of them then, since it has been set
- * there, leaves it bit by bit, in the prediction; iterations ask for what that has reached. */
+/* Where what has no other side, and then the domain, keep a particle that is on its way from `from`
+ * to x. */
 template <class Surfaces>
-PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfaces,
-                                 int with_obstacle_motion, pbf_vec from, pbf_vec x) {
+PBF_FN pbf_vec pbf_keep_before(const pbf_domain *domain, const Surfaces &surfaces,
+                               int with_obstacle_motion, pbf_vec from, pbf_vec x) {
   surfaces.each([&](const auto &s) {
     if (pbf_surface_is_unbounded(&s)) x = pbf_keep_out(domain, &s, with_obstacle_motion, from, x);
   });
-  x = pbf_keep_in_domain(domain, x);
+  return pbf_keep_in_domain(domain, x);
+}
+
+/* Whether any of them has something against its way there. */
+template <class Surfaces>
+PBF_FN bool pbf_touches_any(const Surfaces &surfaces, int with_obstacle_motion, pbf_vec from,
+                            pbf_vec x) {
   bool touched = false;
   surfaces.each([&](const auto &s) {
     pbf_contact contact;
     touched = touched || pbf_find_contact(&s, pbf_push_of(&s, with_obstacle_motion),
                                           with_obstacle_motion, from, x, &contact) != 0;
   });
-  if (!touched) return x;
+  return touched;
+}
+
+/* The way of a particle from `from` to x. What is found in one of them then, since it has been set
+ * there, leaves it bit by bit, in the prediction; iterations ask for what that has reached. */
+template <class Surfaces>
+PBF_FN pbf_vec pbf_resolve_among(const pbf_domain *domain, const Surfaces &surfaces,
+                                 int with_obstacle_motion, pbf_vec from, pbf_vec x) {
+  x = pbf_keep_before(domain, surfaces, with_obstacle_motion, from, x);
+  if (!pbf_touches_any(surfaces, with_obstacle_motion, from, x)) return x;
   const collision<Surfaces> of = {domain, &surfaces, with_obstacle_motion, from};
   /* Whatever a collider does, the domain holds. */
   return pbf_keep_in_domain(domain, pbf_resolve_contacts(of, x));

@@ -58,7 +58,7 @@ static void counts_without_memory(void **state) {
   assert_fails(pbf_remove_particles(s, UINT32_MAX, &id), PBF_ERROR_NOT_FOUND, "4294967295");
   assert_fails(pbf_set_velocities(s, 1, UINT32_MAX, x), PBF_ERROR_INVALID_ARGUMENT, "4294967295");
   assert_fails(pbf_get_ids(s, UINT32_MAX, UINT32_MAX, &id), PBF_ERROR_INVALID_ARGUMENT, "first is");
-  assert_fails(pbf_set_colliders(s, UINT32_MAX, &ball), PBF_ERROR_INVALID_ARGUMENT, "at most 64");
+  assert_fails(pbf_set_colliders(s, UINT32_MAX, &ball), PBF_ERROR_INVALID_ARGUMENT, "at most 4096");
   assert_fails(pbf_get_collider(s, UINT32_MAX, &ball), PBF_ERROR_NOT_FOUND, "4294967295");
   assert_fails(pbf_load(s, "PBFSTATE", 8), PBF_ERROR_DATA, "cut short");
   unsigned char *buffer = malloc(1 << 16);

@@ -289,7 +289,8 @@ static void colliders_by_table(void **state) {
     put_count(&bad, counts[i].offset, counts[i].value);
     assert_fails(pbf_set_colliders(s, 1, &bad), PBF_ERROR_INVALID_ARGUMENT, counts[i].words);
   }
-  assert_fails(pbf_set_colliders(s, 65, &box), PBF_ERROR_INVALID_ARGUMENT, "count is 65");
+  assert_fails(pbf_set_colliders(s, PBF_MAX_COLLIDERS + 1, &box), PBF_ERROR_INVALID_ARGUMENT,
+               "count is 4097; it must be at most 4096");
   assert_fails(pbf_collider_init(&box, sizeof box, 5), PBF_ERROR_INVALID_ARGUMENT, "shape is 5");
   uint32_t count = 0;
   assert_ok(pbf_get_collider_count(s, &count));

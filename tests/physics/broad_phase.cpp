@@ -14,7 +14,7 @@ typedef struct crowd {
   pbf_surface_grid grid;
   pbf_surface_box boxes[MOST];
   uint32_t starts[PBF_CELLS_A_SURFACE * MOST + 65];
-  uint16_t entries[PBF_ENTRIES_A_SURFACE * MOST], room[2 * MOST];
+  uint16_t entries[PBF_ENTRIES_A_SURFACE * MOST], room[PBF_OBSTACLE_LISTS * MOST];
 } crowd;
 
 static void begin_crowd(crowd *s, int count) {

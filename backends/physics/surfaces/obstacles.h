@@ -7,9 +7,12 @@
 #include "physics/surfaces/near.h"
 #include "physics/surfaces/surface.h"
 
-/* So many colliders have a bit each in one number, and are asked one after another. Of more a grid
- * tells which are near (surfaces/near.h). */
+/* So many colliders have a bit each in one number. */
 enum { PBF_FEW_COLLIDERS = 64 };
+
+/* So many are asked one after another. Of more, on a CPU, a grid tells which are near
+ * (surfaces/near.h). */
+enum { PBF_ASKED_COLLIDERS = 16 };
 
 /* Some of the surfaces of an array, by their numbers, which ascend. */
 struct pbf_surface_list {
@@ -31,8 +34,11 @@ typedef struct pbf_obstacles {
   int count;
   pbf_surface_list surfaces;
   pbf_surface_grid *grid; /* of all of them; null: they are few */
-  uint16_t *room; /* for the numbers of some of them, twice as many as there are; a thread's own */
+  uint16_t *room; /* a thread's own, for PBF_OBSTACLE_LISTS lists of their numbers */
 } pbf_obstacles;
+
+/* What the cells of the grid list together, what is left of that, and of this for one particle. */
+enum { PBF_OBSTACLE_LISTS = 3 };
 
 namespace {
 
