@@ -87,7 +87,8 @@ static bool make_room_for(Solver *s, uint32_t count) {
   const uint32_t room = pbf_collider_room(count);
   if (room <= s->table.room) return true;
   const uint64_t bytes = pbf_collider_table_bytes(room, threads_of(s));
-  void *block = grow_load_tally(s, room) ? pbf_memory_take(&s->memory, "colliders", bytes, 1) : NULL;
+  void *block =
+      grow_load_tally(s, room) ? pbf_memory_take(&s->memory, "colliders", bytes, 1) : NULL;
   if (!block) return false;
   memset(block, 0, bytes);
   move_table(s, static_cast<char *>(block), room);
@@ -117,8 +118,8 @@ static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const p
 template <class Solver>
 static void allow_sleep(Solver *s, int changes, int before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->table.list,
-                                                s->table.moving);
+  s->moving_obstacles =
+      pbf_moving_obstacles_of(&s->params, s->collider_count, s->table.list, s->table.moving);
   if (!before) init_new(s, 0);
   if (changes) wake_all(s);
 }

@@ -43,7 +43,8 @@ struct surfaces_on_way {
 /* No shorter than the way, and found without a root. */
 PBF_FN pbf_real way_along_axes(pbf_vec from, pbf_vec x) {
   pbf_real way = 0;
-  for (int k = 0; k < PBF_DIM; ++k) way += x.c[k] < from.c[k] ? from.c[k] - x.c[k] : x.c[k] - from.c[k];
+  for (int k = 0; k < PBF_DIM; ++k)
+    way += x.c[k] < from.c[k] ? from.c[k] - x.c[k] : x.c[k] - from.c[k];
   return way;
 }
 

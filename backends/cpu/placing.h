@@ -20,8 +20,7 @@ static void view_many(const worker *w, double time, pbf_surface *surfaces, pbf_o
   o->count = (int)s->collider_count;
   o->surfaces = {surfaces, NULL};
   o->grid = &s->table.grid;
-  o->room =
-      s->table.numbers + PBF_OBSTACLE_LISTS * (uint64_t)s->table.room * w->self->thread;
+  o->room = s->table.numbers + PBF_OBSTACLE_LISTS * (uint64_t)s->table.room * w->self->thread;
 }
 
 enum { COLLIDERS_AT_ONCE = 16 };
@@ -33,8 +32,8 @@ static void place_task(void *context, uint32_t task) {
   const uint32_t first = task * COLLIDERS_AT_ONCE, left = s->collider_count - first;
   const uint32_t most = COLLIDERS_AT_ONCE, last = first + (left < most ? left : most);
   for (uint32_t k = first; k < last; ++k) {
-    t->surfaces[k] =
-        pbf_obstacle_at(&s->params, &w->obstacles.domain, &t->list[k], w->placed_at - s->collider_time);
+    t->surfaces[k] = pbf_obstacle_at(&s->params, &w->obstacles.domain, &t->list[k],
+                                     w->placed_at - s->collider_time);
     t->grid.boxes[k] = pbf_surface_box_of(&t->surfaces[k]);
     if (w->before.surfaces.all)
       t->before[k] = pbf_obstacle_at(&s->params, &w->before.domain, &t->list[k],
@@ -63,8 +62,8 @@ static void place_step_obstacles(worker *w, double begin, double end, bool with_
   }
   view_many(w, end, s->table.surfaces, &w->obstacles);
   view_many(w, begin, with_before ? s->table.before : NULL, &w->before);
-  parallel_for(w->self, (s->collider_count + COLLIDERS_AT_ONCE - 1) / COLLIDERS_AT_ONCE,
-               place_task, end_placing, w);
+  parallel_for(w->self, (s->collider_count + COLLIDERS_AT_ONCE - 1) / COLLIDERS_AT_ONCE, place_task,
+               end_placing, w);
 }
 
 #endif

@@ -74,8 +74,8 @@ static void placed_task(void *context, uint32_t task) {
 
 static pbf_real placed_density_of_solids(const worker *w, pbf_vec x) {
   const pbf_constants *c = &w->constants;
-  return placed_boundary(c, pbf_obstacles_near(w->before, x, c->h), w->s->found,
-                         w->s->table.placed, x, 0);
+  return placed_boundary(c, pbf_obstacles_near(w->before, x, c->h), w->s->found, w->s->table.placed,
+                         x, 0);
 }
 
 static void overlap_task(void *context, uint32_t task) {
@@ -91,8 +91,7 @@ static void overlap_task(void *context, uint32_t task) {
     s->kernels->placed_density(&pairs, w->b.is_placed(), placed, g.first, g.last);
   for (uint32_t i = r.first; i < r.last; ++i) {
     if (pairs.activity && pbf_is_inactive(pairs.activity[i])) continue;
-    if (pairs.contributing)
-      placed[i] += placed_density_of_solids(w, field_at(&start, i));
+    if (pairs.contributing) placed[i] += placed_density_of_solids(w, field_at(&start, i));
     w->b.sorted_overlap[i] = pbf_overlap_found(&w->constants, s->found, w->b.sorted_ids[i],
                                                density[i], placed[i], w->b.sorted_overlap[i]);
   }

@@ -21,9 +21,9 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   solver *s = w->s;
   if ((PBF_BUILT & PBF_FEATURE_TIMING) && s->timing) w->stage_begin = pbf_seconds();
   w->forces = pbf_forces_of(&s->params, begin);
-  place_step_obstacles(w, begin, end,
-                       (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) &&
-                           (s->residual_density || finds_overlap(w)));
+  place_step_obstacles(
+      w, begin, end,
+      (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)));
   pbf_set_target_density(&w->constants, &s->constants, &s->params, particles_of_all(s),
                          &s->schedule, end);
   w->sort_positions = &w->b.predicted();

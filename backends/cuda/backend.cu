@@ -72,7 +72,8 @@ static pbf_status take_for_scene(solver *s, const pbf_schedule &has, const pbf_p
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static pbf_status allow_sleep(solver *s, bool changes, bool before) {
   s->sleep = pbf_sleep_of(&s->params);
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders);
+  s->moving_obstacles =
+      pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders, nullptr);
   if (!before) return init_new(s, 0, s->count);
   return changes ? wake_all(s) : PBF_OK;
 }
@@ -218,6 +219,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->host = desc->host;
   s->capacity = desc->capacity;
   s->worlds = desc->worlds;
+  pbf_place_few_basins(&s->basins, &s->basins_memory);
   pbf_status status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
   if (status == PBF_OK) {
     pbf_cuda_scope scope(s->context);
@@ -242,16 +244,25 @@ static void drop_shapes(solver *s, const device_shapes &next) {
   if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, next.memory);
 }
 
+static pbf_status refuse_many(uint32_t count) {
+  char text[120];
+  snprintf(text, sizeof text,
+           "on a GPU a solver has at most %d colliders, not %u; a CPU's backends have more",
+           (int)PBF_FEW_COLLIDERS, count);
+  pbf_cuda_host->set_error(text);
+  return PBF_ERROR_UNSUPPORTED;
+}
+
 static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
                                 const pbf_collider *colliders, double time) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
+  if (count > PBF_FEW_COLLIDERS) return refuse_many(count);
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;
-  pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders);
-  changed.surfaces |= s->moving_obstacles.surfaces;
+  const pbf_moving_obstacles changed = pbf_changed_surfaces(
+      s->collider_count, s->colliders, count, colliders, s->moving_obstacles, nullptr);
   device_shapes shapes;
   pbf_status status = take_shapes(&s->memory, s->shapes, count, colliders, &shapes);
   if (status) return status;
@@ -269,7 +280,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   s->collider_time = s->time = time;
   if (room != count)
     if ((status = apply_params(s, &s->params, count, s->colliders))) return status;
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders);
+  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders, nullptr);
   return wake_near_colliders(s, changed, time);
 }
 

@@ -145,7 +145,7 @@ struct executor {
                                  s->viscous_force,
                                  changes,
                                  next_changes};
-    const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->collider_count, s->colliders);
+    const few_no_slip no_slip = no_slip_of(s);
     neighborhood starts = n;
     starts.particles.points = s->points;
     with_surfaces(s, [&](auto surfaces) {
@@ -160,9 +160,8 @@ struct executor {
     if (status != PBF_OK) return;
     if (finds_loads(s) && s->schedule.no_slip)
       launch(no_slip_loads_kernel, n, s->points, extras.obstacles,
-             pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params),
-             pbf_no_slip_of(&s->params, s->collider_count, s->colliders), extras.rest.activity,
-             changes, s->load_tally);
+             pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params), no_slip_of(s),
+             extras.rest.activity, changes, s->load_tally);
     launch_way(extras.rest.activity, changes, n.particles.velocities);
     status = pbf_cuda_check_launch("way_kernel");
   }
@@ -416,8 +415,9 @@ struct executor {
   }
 
   void friction() {
-    const pbf_friction_scales scales = pbf_friction_scales_of(
-        &n.constants, &prediction_inputs.forces, &s->params, s->collider_count, s->colliders);
+    const few_friction_scales scales = few_friction_scales_of(
+        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
+        s->collider_count);
     run(PBF_STAGE_FRICTION, [&] {
       launch(friction_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
              (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push, s->load_tally);
@@ -430,7 +430,7 @@ struct executor {
     run(PBF_STAGE_LOADS, [&] {
       launch(loads_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
              extras.rest.all, s->velocities, s->push, s->load_tally);
-      end_loads_kernel<<<1, PBF_MAX_SOLIDS, 0, s->stream>>>(extras.obstacles, scales,
+      end_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(extras.obstacles, scales,
                                                             extras.rest.all, s->load_tally);
     });
   }

@@ -297,7 +297,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
     pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
-    by_placed += placed_boundary(c, before, found, x, 1);
+    by_placed += placed_boundary(c, before, found, nullptr, x, 1);
   }
   pbf_real *overlap = n.particles.overlap + i;
   *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
@@ -503,12 +503,17 @@ struct viscous_stage {
   pbf_vec *next;             /* … after the one before it, and then after this one */
 };
 
+/* As pbf_no_slip, for kernels. */
+struct few_no_slip {
+  pbf_real walls, inv_time_step, of[PBF_FEW_COLLIDERS];
+};
+
 /* n's points are the starts. What fluid that sticks to solids needs is in an instance of its own.
  */
 template <bool NO_SLIP, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
-                          step_obstacles obstacles, pbf_no_slip no_slip) {
+                          step_obstacles obstacles, few_no_slip no_slip) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
   const bool begins = s.weights.first != 0;

@@ -159,7 +159,7 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
 /* Those that move in the step that begins at a time. */
 static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
   return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
-                          time - s->collider_time);
+                          time - s->collider_time, nullptr);
 }
 
 static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles,

@@ -21,7 +21,7 @@ static __device__ __forceinline__ void add_wide(pbf_wide_sum *to, const pbf_wide
 }
 
 /* Adds a change of each thread to the sum of all, by way of its block's. All threads call it. */
-static __device__ __forceinline__ void add_changes(pbf_load_tally *tally, double units,
+static __device__ __forceinline__ void add_changes(pbf_few_load_tally *tally, double units,
                                                    const pbf_vec &change, bool counts) {
   __shared__ pbf_wide_sum sums[PBF_DIM];
   if (threadIdx.x < PBF_DIM) sums[threadIdx.x] = {0, 0};
@@ -49,7 +49,7 @@ static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pb
 /* In the prediction, once particles are sorted; the sort's scratch is as it was. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
-                      sorted_particles to, pbf_vec *push, pbf_load_tally *tally) {
+                      sorted_particles to, pbf_vec *push, pbf_few_load_tally *tally) {
   const uint32_t i = thread_index();
   pbf_vec forced = {{0}};
   if (i < from.count) {
@@ -133,12 +133,26 @@ static __device__ __forceinline__ void add_shared_part(pbf_load_sums *to, const 
               static_cast<unsigned long long>(part.depth));
 }
 
+/* As pbf_friction_scales, for kernels. */
+struct few_friction_scales {
+  pbf_load_scales loads;
+  pbf_friction of[PBF_FEW_SOLIDS];
+};
+
+static inline few_friction_scales few_friction_scales_of(const pbf_friction_scales &scales,
+                                                         uint32_t colliders) {
+  few_friction_scales s = {};
+  s.loads = scales.loads;
+  for (uint32_t k = 0; k < PBF_WALLS + colliders; ++k) s.of[k] = scales.of[(int)k];
+  return s;
+}
+
 /* Changes velocities, and moves by that. Each thread writes to its particle alone; the tally is
  * null where loads are not wanted. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    friction_kernel(neighborhood n, step_obstacles o, pbf_friction_scales scales,
+    friction_kernel(neighborhood n, step_obstacles o, few_friction_scales scales,
                     pressure_source source, const pbf_real *activity, pbf_real inv_time_step,
-                    pbf_vec *velocities, pbf_vec *push, pbf_load_tally *tally) {
+                    pbf_vec *velocities, pbf_vec *push, pbf_few_load_tally *tally) {
   const uint32_t i = thread_index();
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
@@ -164,8 +178,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What solids take by viscosity, of what it leaves of the prediction's velocities. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     no_slip_loads_kernel(neighborhood n, const point *starts, step_obstacles o,
-                         pbf_load_scales scales, pbf_no_slip no_slip, const pbf_real *activity,
-                         const pbf_vec *changes, pbf_load_tally *tally) {
+                         pbf_load_scales scales, few_no_slip no_slip, const pbf_real *activity,
+                         const pbf_vec *changes, pbf_few_load_tally *tally) {
   const uint32_t i = thread_index();
   if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   const pbf_vec x = position_of(load(starts, i));
@@ -181,7 +195,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __global__ void __launch_bounds__(PBF_BLOCK)
     loads_kernel(neighborhood n, step_obstacles o, pbf_load_scales scales, pressure_source source,
                  const pbf_real *activity, const uint32_t *all_asleep, const pbf_vec *velocities,
-                 const pbf_vec *push, pbf_load_tally *tally) {
+                 const pbf_vec *push, pbf_few_load_tally *tally) {
   __shared__ pbf_load_sums walls[2 * PBF_DIM];
   const uint32_t i = thread_index();
   if (PBF_SLEEP && all_asleep && *all_asleep) return;
@@ -219,7 +233,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* A thread a solid. Where all sleep they keep what they had. */
 static __global__ void end_loads_kernel(step_obstacles o, pbf_load_scales scales,
-                                        const uint32_t *all_asleep, pbf_load_tally *tally) {
+                                        const uint32_t *all_asleep, pbf_few_load_tally *tally) {
   const int solid = (int)threadIdx.x;
   if (PBF_SLEEP && all_asleep && *all_asleep) {
     add_load(&tally->loads[solid], 1, scales.time_step);
@@ -230,7 +244,7 @@ static __global__ void end_loads_kernel(step_obstacles o, pbf_load_scales scales
 
 /* Steps in which all sleep, and which are not launched. */
 static __global__ void repeat_loads_kernel(uint32_t steps, double time_step,
-                                           pbf_load_tally *tally) {
+                                           pbf_few_load_tally *tally) {
   add_load(&tally->loads[threadIdx.x], steps, time_step);
 }
 
@@ -252,8 +266,15 @@ static inline bool notes_pushes(const solver *s) {
 
 static inline pbf_status clear_load_sums(solver *s) {
   return pbf_cuda_check(
-      cudaMemsetAsync(s->load_tally, 0, offsetof(pbf_load_tally, loads), s->stream),
+      cudaMemsetAsync(s->load_tally, 0, offsetof(pbf_few_load_tally, loads), s->stream),
       "cudaMemsetAsync");
+}
+
+static inline few_no_slip no_slip_of(const solver *s) {
+  const pbf_no_slip all = pbf_no_slip_of(&s->params, s->colliders);
+  few_no_slip few = {all.walls, all.inv_time_step, {}};
+  for (uint32_t k = 0; k < s->collider_count; ++k) few.of[k] = all.of[(int)k];
+  return few;
 }
 
 /* Of the step that ends; its grid is the last one's. */
@@ -268,17 +289,17 @@ static inline pressure_source present_pressures(const solver *s) {
 
 static inline pbf_status repeat_loads(solver *s, uint32_t steps) {
   if (!finds_loads(s) || !steps) return PBF_OK;
-  repeat_loads_kernel<<<1, PBF_MAX_SOLIDS, 0, s->stream>>>(steps, s->params.time_step,
+  repeat_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(steps, s->params.time_step,
                                                            s->load_tally);
   return pbf_cuda_check_launch("repeat_loads_kernel");
 }
 
 /* Colliders from this number on are other ones. */
 static inline pbf_status forget_loads(solver *s, uint32_t collider) {
-  if (!s->load_tally || collider == PBF_MAX_COLLIDERS) return PBF_OK;
+  if (!s->load_tally || collider == PBF_FEW_COLLIDERS) return PBF_OK;
   return pbf_cuda_check(
       cudaMemsetAsync(&s->load_tally->loads[PBF_WALLS + collider], 0,
-                      (PBF_MAX_COLLIDERS - collider) * sizeof(pbf_collider_load), s->stream),
+                      (PBF_FEW_COLLIDERS - collider) * sizeof(pbf_collider_load), s->stream),
       "cudaMemsetAsync");
 }
 

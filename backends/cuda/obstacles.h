@@ -37,7 +37,7 @@ static __host__ __device__ __forceinline__ int lowest_of(surface_set set) {
   return __builtin_ctzll(set);
 #endif
 }
-static_assert(PBF_MAX_COLLIDERS <= 64, "a set has 64 bits");
+static_assert(PBF_FEW_COLLIDERS <= 64, "a set has 64 bits");
 
 /* Kernels that are short of registers are built for each: colliders take half as many again,
  * looking for them takes more, and distances between the nodes of a field a stack. */

@@ -37,7 +37,7 @@ static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
 /* Behind the topology are the colliders that it is of. */
 static inline uint64_t topology_memory_bytes(uint32_t capacity) {
   return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)) +
-         PBF_MAX_COLLIDERS * sizeof(pbf_surface);
+         PBF_FEW_COLLIDERS * sizeof(pbf_surface);
 }
 
 static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity) {

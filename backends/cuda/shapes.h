@@ -5,12 +5,13 @@
 
 #include "cuda/memory.h"
 #include "cuda/status.h"
+#include "physics/surfaces/obstacles.h"
 
 /* Which of them there are, and where. */
 struct device_shapes {
   unsigned char *memory; /* null: there are none */
   uint32_t count;
-  uint64_t bytes, ids[PBF_MAX_COLLIDERS], places[PBF_MAX_COLLIDERS];
+  uint64_t bytes, ids[PBF_FEW_COLLIDERS], places[PBF_FEW_COLLIDERS];
 };
 
 static inline uint64_t shape_values_bytes(const pbf_shape *shape) {

@@ -40,7 +40,8 @@ struct solver {
   pbf_constants constants;
   pbf_schedule schedule;
   pbf_basins basins; /* that the schedule has asked about last */
-  double time;       /* of the last step's end: where walls and colliders stand for statistics */
+  pbf_few_basins basins_memory;
+  double time; /* of the last step's end: where walls and colliders stand for statistics */
 
   uint32_t capacity, count;
   uint32_t planned; /* particles that the schedule is for */
@@ -87,7 +88,7 @@ struct solver {
 
   uint32_t collider_count;
   double collider_time;
-  pbf_collider colliders[PBF_MAX_COLLIDERS];
+  pbf_collider colliders[PBF_FEW_COLLIDERS];
   device_shapes shapes; /* theirs */
 };
 

@@ -240,6 +240,32 @@ typedef struct pbf_basins {
   pbf_surface_grid *grid;
 } pbf_basins;
 
+/* Memory for few colliders. */
+typedef struct pbf_few_basins {
+  pbf_collider colliders[PBF_FEW_COLLIDERS];
+  uint64_t shapes[PBF_FEW_COLLIDERS];
+  pbf_surface surfaces[PBF_FEW_COLLIDERS];
+  pbf_group groups[PBF_FEW_COLLIDERS];
+  uint16_t numbers[PBF_FEW_COLLIDERS];
+  pbf_surface_grid grid;
+  pbf_surface_box boxes[PBF_FEW_COLLIDERS];
+  uint32_t starts[PBF_CELLS_A_SURFACE * PBF_FEW_COLLIDERS + 65];
+  uint16_t entries[PBF_ENTRIES_A_SURFACE * PBF_FEW_COLLIDERS];
+} pbf_few_basins;
+
+static inline void pbf_place_few_basins(pbf_basins *b, pbf_few_basins *in) {
+  b->colliders = in->colliders;
+  b->shapes = in->shapes;
+  b->surfaces = in->surfaces;
+  b->groups = in->groups;
+  b->numbers = in->numbers;
+  b->grid = &in->grid;
+  in->grid.boxes = in->boxes;
+  in->grid.starts = in->starts;
+  in->grid.entries = in->entries;
+  in->grid.room = PBF_FEW_COLLIDERS;
+}
+
 static inline uint64_t pbf_shape_id(const pbf_collider *collider) {
   return collider->geometry ? collider->geometry->id : 0;
 }

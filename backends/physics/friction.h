@@ -71,9 +71,9 @@ PBF_FN double friction_part(const pbf_friction &f, double push, double speed) {
  * does.
  */
 template <class Scales, class Obstacles, class Near, class GridLambda, class Take>
-PBF_FN pbf_vec friction_change(const pbf_constants *c, const Scales &s,
-                               const Obstacles &o, const Near &near, const load_particle &of,
-                               GridLambda grid_lambda, Take take) {
+PBF_FN pbf_vec friction_change(const pbf_constants *c, const Scales &s, const Obstacles &o,
+                               const Near &near, const load_particle &of, GridLambda grid_lambda,
+                               Take take) {
   double v[PBF_DIM];
   pbf_vec change = {{0}};
   for (int k = 0; k < PBF_DIM; ++k) v[k] = (double)of.change.c[k];

@@ -40,7 +40,8 @@ struct optional_array {
   }
   bool keep(pbf_load_tally **tally) const {
     const bool taken = wanted && !*tally;
-    if (!pbf_memory_keep_bytes(&s->memory, wanted, name, pbf_load_tally_bytes(s->table.room), tally))
+    if (!pbf_memory_keep_bytes(&s->memory, wanted, name, pbf_load_tally_bytes(s->table.room),
+                               tally))
       return false;
     if (taken) pbf_place_load_tally(*tally, s->table.room);
     return true;

@@ -108,7 +108,8 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) s->lambda[i] = pbf_is_placed(s->found, s->ids[i]);
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real placed = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i).density;
-    if (s->schedule.wall_density) placed += placed_boundary(c, *o, s->found, s->table.placed, s->x[i], 0);
+    if (s->schedule.wall_density)
+      placed += placed_boundary(c, *o, s->found, s->table.placed, s->x[i], 0);
     s->overlap[i] = pbf_overlap_found(c, s->found, s->ids[i], density_at(s, o, s->x, i, NULL),
                                       placed, s->overlap[i]);
   }
@@ -118,8 +119,7 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.corrects_shear, s->capacity, s->planned, o,
-                          s->table.divided);
+                          s->schedule.corrects_shear, s->capacity, s->planned, o, s->table.divided);
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,
@@ -528,7 +528,7 @@ struct executor {
 
 /* The nth step of its length. */
 static inline void solver_step(solver *s, double begin, double end, uint64_t nth) {
-  executor e = {s,     begin, end, nth, obstacles_at(s, end), obstacles_at(s, begin, s->table.before),
+  executor e = {s, begin, end, nth, obstacles_at(s, end), obstacles_at(s, begin, s->table.before),
                 0, false};
   run_step(e, s->schedule);
 }

@@ -138,9 +138,9 @@ void add_turning_floor(scene *s) {
   floor->angular_velocity[2] = 0.02;
 }
 
-/* As many as there may be, in and around the fluid, most of them under way. */
+/* In and around the fluid, most of them under way. */
 void add_many_colliders(scene *s) {
-  for (uint32_t k = 0; k < PBF_MAX_COLLIDERS; ++k) {
+  for (uint32_t k = 0; k < SCENE_COLLIDERS; ++k) {
     pbf_collider *c = &s->colliders[k];
     must(pbf_collider_init(c, sizeof *c, k == 0 ? PBF_COLLIDER_PLANE : 1 + k % 3),
          "pbf_collider_init");
@@ -153,7 +153,7 @@ void add_many_colliders(scene *s) {
     c->radius = c->half_length = s->spacing * (0.7 + noise(977 * k));
     if (k % 4 == 3) c->angular_velocity[2] = 3;
   }
-  s->collider_count = PBF_MAX_COLLIDERS;
+  s->collider_count = SCENE_COLLIDERS;
 }
 
 /* Round the whole fluid, which it holds. */

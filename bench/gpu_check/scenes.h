@@ -7,6 +7,8 @@
 
 #include <pbf/pbf.h>
 
+enum { SCENE_COLLIDERS = 64 }; /* at most: as many as a GPU takes */
+
 typedef struct scene {
   const char *name;
   uint32_t dimension;
@@ -14,7 +16,7 @@ typedef struct scene {
   uint32_t counts[3];
   double first[3], spacing;
   uint32_t collider_count;
-  pbf_collider colliders[PBF_MAX_COLLIDERS];
+  pbf_collider colliders[SCENE_COLLIDERS];
   double jitter;     /* of the lattice, in spacings */
   const char *extra; /* what is timed beside the defaults */
   int all_pairs;     /* no neighbour comes or goes in a step's iterations, or no lists are there */

@@ -159,7 +159,7 @@ export declare const constants: {
   readonly VERSION_PATCH: 0;
   readonly API_VERSION: 2;
   readonly MAX_CAPACITY: 1073741823;
-  readonly MAX_COLLIDERS: 64;
+  readonly MAX_COLLIDERS: 4096;
   readonly MAX_SNAPSHOTS: 16;
   readonly NAME_SIZE: 32;
   readonly MAX_STAGES: 24;

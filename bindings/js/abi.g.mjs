@@ -5,7 +5,7 @@ export const constants = Object.freeze({
   VERSION_PATCH: 0,
   API_VERSION: 2,
   MAX_CAPACITY: 1073741823,
-  MAX_COLLIDERS: 64,
+  MAX_COLLIDERS: 4096,
   MAX_SNAPSHOTS: 16,
   NAME_SIZE: 32,
   MAX_STAGES: 24,

@@ -758,6 +758,8 @@ typedef struct pbf_collider {
                                                 _no_slip, against the collider's own motion */
 } pbf_collider;
 
+/* Of a solver; on a GPU 64. What a step takes goes by how many are near the fluid, and memory by how
+ * many there are, about 2 KB each. */
 #define PBF_MAX_COLLIDERS 4096u
 
 /* Fills *collider: the shape at rest at the origin, axis +y, sizes and scale 1, half_length 1. */
@@ -767,7 +769,8 @@ PBF_API pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_siz
  * colliders[0].struct_size. Poses hold at the solver's present time. One that is set anew step by
  * step wants the velocities that it moves with: where a collider jumps, what it then presses
  * together counts as found, and steps shorter than a fiftieth of a fall by h, which undo their
- * share only, hardly push it away. */
+ * share only, hardly push it away. PBF_ERROR_INVALID_ARGUMENT: more than PBF_MAX_COLLIDERS.
+ * PBF_ERROR_UNSUPPORTED: more than the backend takes. */
 PBF_API pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count,
                                      const pbf_collider *colliders);
 

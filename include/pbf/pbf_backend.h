@@ -149,10 +149,10 @@ enum { PBF_BACKEND_FIELD_OVERLAP = 101 };
 /* What lies in other fluid, or in a solid, where no step has moved it: found there, an overlap. */
 typedef struct pbf_overlap {
   uint32_t struct_size;
-  uint32_t walls;             /* 1: walls have jumped into the fluid */
-  uint32_t first_id, last_id; /* particles placed; none: first_id > last_id */
-  uint64_t colliders;         /* placed, a bit each of the first 64, … */
-  double part;                /* of what all fluid is too dense by, 0 … 1 */
+  uint32_t walls;                 /* 1: walls have jumped into the fluid */
+  uint32_t first_id, last_id;     /* particles placed; none: first_id > last_id */
+  uint64_t colliders;             /* placed, a bit each of the first 64, … */
+  double part;                    /* of what all fluid is too dense by, 0 … 1 */
   const uint64_t *more_colliders; /* … and of each 64 after them; null where there are no more, and
                                      valid during the call */
 } pbf_overlap;

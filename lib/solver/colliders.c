@@ -43,8 +43,8 @@ static pbf_status take(const pbf_solver *solver, uint32_t count, const pbf_colli
                        pbf_collider **ours) {
   void *memory = NULL;
   uint32_t held = 0;
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(solver, count), "the colliders", &memory);
+  pbf_status status = pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(solver, count),
+                                          "the colliders", &memory);
   if (status != PBF_OK) return status;
   memset(memory, 0, pbf_colliders_bytes(solver, count));
   status = copy_in(solver, count, theirs, memory, &held);

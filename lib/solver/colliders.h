@@ -4,8 +4,8 @@
 #include "collider_set.h"
 #include "solver.h"
 
-/* A solver's colliders lie in one block: as they were set, in 2D once more as backends get them, and
- * behind them sets of those that are not among the first 64. */
+/* A solver's colliders lie in one block: as they were set, in 2D once more as backends get them,
+ * and behind them sets of those that are not among the first 64. */
 enum pbf_collider_mark {
   PBF_COLLIDERS_PLACED,  /* in fluid, since the last step: overlap.h */
   PBF_COLLIDERS_SHIFTED, /* all farther by the same, since then: prestabilize.h */

@@ -54,8 +54,8 @@ static pbf_status get_loads(pbf_solver *solver, const char *kind, uint32_t first
   const uint32_t stride = status == PBF_OK ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count && status == PBF_OK; i += LOADS_AT_ONCE) {
     const uint32_t left = count - i, some = left < LOADS_AT_ONCE ? left : LOADS_AT_ONCE;
-    status = read_some(solver, first + i, some, (unsigned char *)theirs + (uint64_t)i * stride,
-                       stride);
+    status =
+        read_some(solver, first + i, some, (unsigned char *)theirs + (uint64_t)i * stride, stride);
   }
   return status;
 }

@@ -24,7 +24,8 @@ static int is_reference(void) { return strcmp(test_backend(), "reference") == 0;
 
 static void positions_of(const load_scene *s, double *x) {
   assert_ok(pbf_get_positions(s->solver, 0, s->count, s->values));
-  for (uint32_t i = 0; i < s->count * s->dimension; ++i) x[i] = test_value(s->values, i, s->precision);
+  for (uint32_t i = 0; i < s->count * s->dimension; ++i)
+    x[i] = test_value(s->values, i, s->precision);
 }
 
 /* ---- A vessel of small boxes ---------------------------------------------------------------- */
@@ -71,8 +72,7 @@ static uint32_t large_boxes(const vessel *v, pbf_collider *to) {
                                  {{0, 0, -t}, {w, h, 0}},
                                  {{0, 0, w}, {w, h, w + t}}};
   const uint32_t count = v->dimension == 3 ? 5 : 3;
-  for (uint32_t k = 0; k < count; ++k)
-    to[k] = box_between(v->dimension, parts[k][0], parts[k][1]);
+  for (uint32_t k = 0; k < count; ++k) to[k] = box_between(v->dimension, parts[k][0], parts[k][1]);
   return count;
 }
 
@@ -161,9 +161,8 @@ static pbf_collider near_collider(uint32_t dimension, uint32_t i) {
 
 static pbf_collider far_collider(uint32_t dimension, uint32_t i) {
   const double z = dimension == 3 ? 2 + 0.1 * (i / 15 % 15) : 0;
-  pbf_collider c =
-      load_collider(i % 2 ? PBF_COLLIDER_BOX : PBF_COLLIDER_SPHERE, 2.5 + 0.1 * (i % 15),
-                    2.5 + 0.02 * (i / 15 % 80), z);
+  pbf_collider c = load_collider(i % 2 ? PBF_COLLIDER_BOX : PBF_COLLIDER_SPHERE,
+                                 2.5 + 0.1 * (i % 15), 2.5 + 0.02 * (i / 15 % 80), z);
   c.radius = 0.03;
   for (int k = 0; k < 3; ++k) c.half_extents[k] = 0.04;
   c.velocity[1] = 0.2;
@@ -313,7 +312,8 @@ static void check_outside(const load_scene *s, const pbf_collider *balls, const 
     const double *at = x + (size_t)i * s->dimension;
     for (uint32_t k = 0; k < s->dimension; ++k)
       if (!(at[k] >= 0 && at[k] <= s->params.domain_max[k]))
-        fail_msg("%uD, step %u: particle %u is at %g along axis %u", s->dimension, step, i, at[k], k);
+        fail_msg("%uD, step %u: particle %u is at %g along axis %u", s->dimension, step, i, at[k],
+                 k);
     for (uint32_t b = 0; b < BALLS; ++b) {
       double r2 = 0;
       for (uint32_t k = 0; k < s->dimension; ++k)

@@ -240,8 +240,7 @@ static void what_is_not_near_lends_nothing(void **state) {
     pbf_obstacles near;
     pbf_vec normal;
     begin_crowd(&s, 1);
-    for (int k = 0; k < PBF_DIM; ++k)
-      s.o.domain.lower.c[k] = -3, s.o.domain.upper.c[k] = 3;
+    for (int k = 0; k < PBF_DIM; ++k) s.o.domain.lower.c[k] = -3, s.o.domain.upper.c[k] = 3;
     s.surfaces[0] = random_surface(&random);
     if (scene % 2) add_grid(&s, reach / 2);
     group g = random_group(&random);

@@ -28,8 +28,8 @@ static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf
 #define PBF_CPU_BUFFER(type, member, extent) &s->buffers.member, extent(s)
 #include "physics/arrays.def"
   if (has.colliders)
-    bytes += allocated(
-        pbf_collider_table_bytes(pbf_collider_room((uint32_t)has.colliders), s->threads));
+    bytes +=
+        allocated(pbf_collider_table_bytes(pbf_collider_room((uint32_t)has.colliders), s->threads));
   return bytes;
 }
 

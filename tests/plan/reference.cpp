@@ -23,8 +23,7 @@ static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf
 #define PBF_REFERENCE(type, member) &s->member
 #include "physics/arrays.def"
   if (has.colliders)
-    bytes += allocated(
-        pbf_collider_table_bytes(pbf_collider_room((uint32_t)has.colliders), 1));
+    bytes += allocated(pbf_collider_table_bytes(pbf_collider_room((uint32_t)has.colliders), 1));
   return bytes;
 }
 

@@ -36,13 +36,15 @@ void call_set_params(actor *a) {
   if (call_both(a, set_params, &params, 0) == PBF_OK) a->subject->wild |= wild;
 }
 
+enum { MOST_LOADS = 64 };
+
 typedef struct out {
   uint32_t index;
   double limit[TWINS];
   uint32_t number[TWINS];
   pbf_params params[TWINS];
   pbf_collider collider[TWINS];
-  pbf_collider_load loads[TWINS][PBF_MAX_COLLIDERS];
+  pbf_collider_load loads[TWINS][MOST_LOADS];
   pbf_info info[TWINS];
   pbf_plan plan[TWINS];
   pbf_stats stats[TWINS];
@@ -138,7 +140,7 @@ void call_get_collider(actor *a) {
 }
 
 static pbf_collider_load *loads_of(out *o, int twin) {
-  for (uint32_t k = 0; k < o->index && k < PBF_MAX_COLLIDERS; ++k)
+  for (uint32_t k = 0; k < o->index && k < MOST_LOADS; ++k)
     o->loads[twin][k].struct_size = sizeof o->loads[twin][k];
   return o->loads[twin];
 }

@@ -44,7 +44,7 @@ enum {
  * further ones have indices from `first` on. */
 typedef struct pbf_pressure_grid_topology {
   const pbf_surface *surfaces;
-  int surface_count; /* 0: none is thin, and all of this is idle */
+  int surface_count;            /* 0: none is thin, and all of this is idle */
   const pbf_surface_grid *grid; /* on a host, of them; null: they are few */
   uint64_t built;               /* when it is another one by now all are asked */
   pbf_domain domain;

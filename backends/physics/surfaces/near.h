@@ -1,8 +1,8 @@
-/* A grid that tells which of many surfaces are near a place. Each of its cells lists all that may be
- * within a reach of something in it, in the order of their numbers, so that who asks those alone
+/* A grid that tells which of many surfaces are near a place. Each of its cells lists all that may
+ * be within a reach of something in it, in the order of their numbers, so that who asks those alone
  * gets the bits of asking all. How wide cells are follows from the surfaces: there is memory for so
- * many entries a surface, and where solids are larger or closer than that, cells are wider and their
- * lists longer; none is left out. Host only. */
+ * many entries a surface, and where solids are larger or closer than that, cells are wider and
+ * their lists longer; none is left out. Host only. */
 #ifndef PBF_PHYSICS_SURFACES_NEAR_H
 #define PBF_PHYSICS_SURFACES_NEAR_H
 
@@ -27,7 +27,7 @@ typedef struct pbf_surface_grid {
   uint32_t count;           /* of surfaces, … */
   uint64_t room;            /* … and how many there is memory for */
   uint64_t built;           /* how often */
-  uint32_t *starts; /* of a cell's entries, and the end */
+  uint32_t *starts;         /* of a cell's entries, and the end */
   uint16_t *entries;
   pbf_surface_box *boxes; /* of the surfaces */
 } pbf_surface_grid;
@@ -174,8 +174,8 @@ static inline void pbf_grid_fill(pbf_surface_grid *g, uint64_t cells) {
   g->starts[0] = 0;
 }
 
-/* Of the first `count` boxes, for who asks at places within `reach` of the surfaces. About two cells
- * a surface; wider ones where these would have more entries than there is memory for. */
+/* Of the first `count` boxes, for who asks at places within `reach` of the surfaces. About two
+ * cells a surface; wider ones where these would have more entries than there is memory for. */
 static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf_domain *domain,
                                   double reach) {
   double length[PBF_DIM], volume = 1;

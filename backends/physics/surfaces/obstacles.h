@@ -34,7 +34,7 @@ typedef struct pbf_obstacles {
   int count;
   pbf_surface_list surfaces;
   pbf_surface_grid *grid; /* of all of them; null: they are few */
-  uint16_t *room; /* a thread's own, for PBF_OBSTACLE_LISTS lists of their numbers */
+  uint16_t *room;         /* a thread's own, for PBF_OBSTACLE_LISTS lists of their numbers */
 } pbf_obstacles;
 
 /* What the cells of the grid list together, what is left of that, and of this for one particle. */
@@ -230,7 +230,8 @@ static inline pbf_moving_obstacles pbf_changed_surfaces(uint32_t count, const pb
   pbf_moving_obstacles m = {0, 0, 0, room};
   find_set(count > next_count ? count : next_count, room, &m, [&](uint32_t k) {
     const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
-    return memcmp(a, b, sizeof *a) != 0 || (k < count && pbf_set_has(also.surfaces, also.more, (int)k));
+    return memcmp(a, b, sizeof *a) != 0 ||
+           (k < count && pbf_set_has(also.surfaces, also.more, (int)k));
   });
   return m;
 }

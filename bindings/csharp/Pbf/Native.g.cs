@@ -32,7 +32,7 @@ namespace Pbf
         public const uint VersionPatch = 0;
         public const uint ApiVersion = 2;
         public const uint MaxCapacity = 1073741823;
-        public const uint MaxColliders = 64;
+        public const uint MaxColliders = 4096;
         public const uint MaxSnapshots = 16;
         public const uint NameSize = 32;
         public const uint MaxStages = 24;
