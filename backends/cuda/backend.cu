@@ -244,20 +244,10 @@ static void drop_shapes(solver *s, const device_shapes &next) {
   if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, next.memory);
 }
 
-static pbf_status refuse_many(uint32_t count) {
-  char text[120];
-  snprintf(text, sizeof text,
-           "on a GPU a solver has at most %d colliders, not %u; a CPU's backends have more",
-           (int)PBF_FEW_COLLIDERS, count);
-  pbf_cuda_host->set_error(text);
-  return PBF_ERROR_UNSUPPORTED;
-}
-
 static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
                                 const pbf_collider *colliders, double time) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
-  if (count > PBF_FEW_COLLIDERS) return refuse_many(count);
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;

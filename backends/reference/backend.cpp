@@ -237,6 +237,7 @@ const pbf_backend_api PBF_VARIANT_API = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
+    .get_extension = pbf_colliders_extension,
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,

@@ -758,8 +758,8 @@ typedef struct pbf_collider {
                                                 _no_slip, against the collider's own motion */
 } pbf_collider;
 
-/* Of a solver; on a GPU 64. What a step takes goes by how many are near the fluid, and memory by how
- * many there are, about 2 KB each. */
+/* Of a solver; on a GPU 64. What a step takes goes by how many are near the fluid, and memory by
+ * how many there are, about 2 KB each. */
 #define PBF_MAX_COLLIDERS 4096u
 
 /* Fills *collider: the shape at rest at the origin, axis +y, sizes and scale 1, half_length 1. */

@@ -84,6 +84,9 @@ typedef struct pbf_backend_desc {
  * gives all; what it is to refuse ranks.h says. */
 #define PBF_BACKEND_RANKS "pbf.ranks/1"
 
+/* The extension of a backend that takes more than 64 colliders: a uint32_t, how many at most. */
+#define PBF_BACKEND_COLLIDERS "pbf.colliders/1"
+
 /* New particles. Their ids ascend and are above all ids that the solver has held. */
 typedef struct pbf_particles {
   uint32_t struct_size;

@@ -112,13 +112,25 @@ static void choose_paths(const pbf_solver *solver, uint32_t count, pbf_collider 
 
 /* ---- Setting -------------------------------------------------------------------------------- */
 
-static pbf_status check_array(uint32_t count, const pbf_collider *colliders) {
+pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count) {
+  enum { WITHOUT_EXTENSION = 64 };
+  const uint32_t *most =
+      solver->api.get_extension ? solver->api.get_extension(PBF_BACKEND_COLLIDERS) : NULL;
+  const uint32_t taken = most ? *most : WITHOUT_EXTENSION;
+  if (count <= taken) return PBF_OK;
+  return pbf_fail(PBF_ERROR_UNSUPPORTED, "the backend \"%s\" takes at most %u colliders, not %u",
+                  solver->plugin->name, taken, count);
+}
+
+static pbf_status check_array(const pbf_solver *solver, uint32_t count,
+                              const pbf_collider *colliders) {
   if (count > PBF_MAX_COLLIDERS) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
                     PBF_MAX_COLLIDERS);
   }
   if (count == 0) return PBF_OK;
-  return pbf_struct_check_out(&pbf_kind_collider, colliders);
+  pbf_status status = pbf_colliders_check_count(solver, count);
+  return status == PBF_OK ? pbf_struct_check_out(&pbf_kind_collider, colliders) : status;
 }
 
 void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
@@ -214,7 +226,7 @@ static pbf_status put_in_place(pbf_solver *solver, uint32_t count, pbf_collider 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
   pbf_collider *memory = NULL;
   double now = pbf_solver_time(solver);
-  pbf_status status = check_array(count, theirs);
+  pbf_status status = check_array(solver, count, theirs);
   if (status == PBF_OK && count > 0) status = take(solver, count, theirs, &memory);
   if (status != PBF_OK) return status;
   choose_paths(solver, count, memory, now);
@@ -303,7 +315,7 @@ static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "duration is %.9g; it must be a time above 0, and finite", duration);
   }
-  return check_array(count, targets);
+  return check_array(solver, count, targets);
 }
 
 static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs,

@@ -45,6 +45,9 @@ static inline pbf_collider_set pbf_colliders_set(const pbf_solver *solver, uint6
   return set;
 }
 
+/* Fails for more than the backend takes. */
+pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count);
+
 /* A reference to the geometry of colliders[index], where it has one. Fails for what is none. */
 pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index);
 

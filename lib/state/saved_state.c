@@ -75,6 +75,8 @@ static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, u
   memcpy(&checksum, in->buffer + in->layout.checksum, sizeof checksum);
   if (pbf_fnv(PBF_FNV_START, buffer, in->layout.checksum) != checksum)
     return reject("is damaged: its checksum does not fit");
+  status = pbf_colliders_check_count(solver, in->header.collider_count);
+  if (status != PBF_OK) return status;
   if (in->header.count <= solver->capacity) return PBF_OK;
   return pbf_fail(PBF_ERROR_CAPACITY,
                   "the saved state has %u particles; desc.capacity of this solver is %u",

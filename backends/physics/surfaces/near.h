@@ -102,7 +102,7 @@ namespace {
 
 /* Calls visit(cell) for each. */
 template <class Visit>
-PBF_FN void each_cell(const pbf_surface_grid *g, const pbf_cell_range &r, Visit visit) {
+static inline void each_cell(const pbf_surface_grid *g, const pbf_cell_range &r, Visit visit) {
   const int levels = PBF_DIM == 3 ? r.last[PBF_DIM - 1] : 0;
   for (int z = PBF_DIM == 3 ? r.first[PBF_DIM - 1] : 0; z <= levels; ++z)
     for (int y = r.first[1]; y <= r.last[1]; ++y)

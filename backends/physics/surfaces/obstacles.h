@@ -159,7 +159,7 @@ namespace {
 
 /* Makes a set of those that has(k) says, `room` being for the others' bits. */
 template <class Has>
-PBF_FN void find_set(uint32_t count, uint64_t *room, pbf_moving_obstacles *m, Has has) {
+static inline void find_set(uint32_t count, uint64_t *room, pbf_moving_obstacles *m, Has has) {
   m->surfaces = 0;
   m->others = 0;
   m->more = room;
