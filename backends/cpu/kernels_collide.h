@@ -65,14 +65,42 @@ static __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles 
   return resolve_collisions(&candidates, with_obstacle_motion, from, x);
 }
 
+/* Whether these are spread over so many cells that each particle had better look by itself: in the
+ * order in which they have been added, or in two rows. */
+static inline bool is_spread(const pbf_surface_grid *grid, const group_bounds *these) {
+  enum { MOST_CELLS = 48 };
+  double lower[PBF_DIM], upper[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    lower[k] = (double)these->lower.c[k];
+    upper[k] = (double)these->upper.c[k];
+  }
+  const pbf_cell_range range = pbf_cells_between(grid, lower, upper, 0);
+  return pbf_cells_in(&range) > MOST_CELLS;
+}
+
+static __attribute__((noinline)) pbf_vec resolve_alone(const pbf_obstacles *all,
+                                                       int with_obstacle_motion, pbf_vec from,
+                                                       pbf_vec x) {
+  pbf_obstacles candidates;
+  const group_bounds alone = bounds_of_way(from, x);
+  if (!first_candidates(all, &alone, with_obstacle_motion, &candidates))
+    return pbf_keep_in_domain(&all->domain, x);
+  return resolve_among_many(all, &candidates, with_obstacle_motion, from, x);
+}
+
 namespace {
 
-/* The particles of a group: of(i, resolve) calls resolve(from, x), which tells where x ends, for
- * one after another. 0: they meet nothing but the domain. */
+/* The ways of a group's particles: each_way(resolve) is to call resolve(from, x), which tells where
+ * x ends, for one after another. 0: they meet nothing but the domain. */
 template <class EachWay>
 PBF_FN int resolve_ways(const pbf_obstacles *o, const group_bounds *these, int with_obstacle_motion,
                         EachWay each_way) {
   pbf_obstacles candidates;
+  if (o->grid && is_spread(o->grid, these)) {
+    each_way(
+        [&](pbf_vec from, pbf_vec x) { return resolve_alone(o, with_obstacle_motion, from, x); });
+    return 1;
+  }
   if (o->grid) {
     if (!first_candidates(o, these, with_obstacle_motion, &candidates)) return 0;
     each_way([&](pbf_vec from, pbf_vec x) {
