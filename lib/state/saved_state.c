@@ -50,8 +50,9 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 || header->placement.shifted > 1 ||
-      header->count > PBF_MAX_CAPACITY || pbf_snapshot_layout_of(header).size != size)
+      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
+      header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY ||
+      pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
   if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
