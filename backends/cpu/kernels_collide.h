@@ -67,14 +67,14 @@ static __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles 
 
 /* Whether these are spread over so many cells that each particle had better look by itself: in the
  * order in which they have been added, or in two rows. */
-static inline bool is_spread(const pbf_surface_grid *grid, const group_bounds *these) {
+static inline bool is_spread(const pbf_surface_grid *of, const group_bounds *these) {
   enum { MOST_CELLS = 48 };
   double lower[PBF_DIM], upper[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
     lower[k] = (double)these->lower.c[k];
     upper[k] = (double)these->upper.c[k];
   }
-  const pbf_cell_range range = pbf_cells_between(grid, lower, upper, 0);
+  const pbf_cell_range range = pbf_cells_between(of, lower, upper, 0);
   return pbf_cells_in(&range) > MOST_CELLS;
 }
 
