@@ -169,8 +169,10 @@ PBF_FN int closed_candidates(const pbf_obstacles *all, const group_bounds *of,
  * What a surface does not find inside, and does not carry along, it leaves no farther from where
  * its way begins than the way is long. Others may be met where such a push takes a particle, and
  * push in turn. */
-static inline int collision_candidates(const pbf_obstacles *all, const group_bounds *of,
-                                       int with_obstacle_motion, pbf_obstacles *candidates) {
+static inline __attribute__((noinline)) int collision_candidates(const pbf_obstacles *all,
+                                                                 const group_bounds *of,
+                                                                 int with_obstacle_motion,
+                                                                 pbf_obstacles *candidates) {
   return closed_candidates(all, of, with_obstacle_motion, candidates, [&](const pbf_obstacles *o) {
     return way_pushed_by_all(o, of, with_obstacle_motion);
   });
@@ -178,8 +180,10 @@ static inline int collision_candidates(const pbf_obstacles *all, const group_bou
 
 /* Without those that can't be the first to meet one of them, which are many fewer where colliders
  * are many: each would push them on to others. */
-static inline int first_candidates(const pbf_obstacles *all, const group_bounds *of,
-                                   int with_obstacle_motion, pbf_obstacles *candidates) {
+static inline __attribute__((noinline)) int first_candidates(const pbf_obstacles *all,
+                                                             const group_bounds *of,
+                                                             int with_obstacle_motion,
+                                                             pbf_obstacles *candidates) {
   return closed_candidates(all, of, with_obstacle_motion, candidates, [&](const pbf_obstacles *o) {
     return way_kept_before(o, of, with_obstacle_motion);
   });

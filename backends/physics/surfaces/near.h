@@ -235,8 +235,10 @@ static inline uint32_t pbf_merge_cells(const pbf_surface_grid *g, const pbf_cell
 
 /* How many surfaces may be within `reach` of something in a box, and which: of one cell
  * its list, of several a list in `room`; null: all. */
-static inline uint32_t pbf_surfaces_around(const pbf_surface_grid *g, pbf_vec lower, pbf_vec upper,
-                                           double reach, uint16_t *room, const uint16_t **numbers) {
+static inline __attribute__((noinline)) uint32_t pbf_surfaces_around(const pbf_surface_grid *g,
+                                                                     pbf_vec lower, pbf_vec upper,
+                                                                     double reach, uint16_t *room,
+                                                                     const uint16_t **numbers) {
   enum { MOST_CELLS = 512 }; /* in more than that all are asked as fast */
   double low[PBF_DIM], high[PBF_DIM];
   const double beyond = fmax(reach - g->reach, 0);

@@ -77,8 +77,10 @@ static inline void pbf_set_push(const pbf_params *params, pbf_surface *s) {
 }
 
 /* A collider at the end of a step between these walls, `elapsed` after it was set. */
-static inline pbf_surface pbf_obstacle_at(const pbf_params *params, const pbf_domain *domain,
-                                          const pbf_collider *at_set, double elapsed) {
+static inline __attribute__((noinline)) pbf_surface pbf_obstacle_at(const pbf_params *params,
+                                                                    const pbf_domain *domain,
+                                                                    const pbf_collider *at_set,
+                                                                    double elapsed) {
   pbf_surface s = pbf_surface_at(at_set, elapsed, params->time_step);
   pbf_set_margins(params, domain, &s);
   pbf_set_push(params, &s);
