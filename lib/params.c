@@ -7,6 +7,9 @@
 #include "physics/motion.h"
 #include "structs.h"
 
+/* Of a periodic axis, in units of h: the images of a pair are then apart (physics/periodic.h). */
+enum { PBF_PERIODIC_MIN_WIDTH = 4 };
+
 /* A support of more spacings has thousands of neighbours a particle: a unit gone wrong. */
 enum { MAX_SPACINGS = 10 };
 
@@ -158,6 +161,33 @@ static pbf_status check_factors(const pbf_params *params, pbf_check_kind kind) {
   return PBF_OK;
 }
 
+/* Both faces are one place, which stands still, and images of a pair must not all be near. */
+static pbf_status check_periodic(const pbf_params *params, uint32_t axis) {
+  const double length = params->domain_max[axis] - params->domain_min[axis];
+  const double least = PBF_PERIODIC_MIN_WIDTH * params->smoothing_radius;
+  if (!(params->periodic >> axis & 1)) return PBF_OK;
+  if (length < least)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "params.periodic has axis %u, along which the domain is %.9g long; it must be "
+                    "at least %d smoothing_radius (%.9g)",
+                    axis, length, PBF_PERIODIC_MIN_WIDTH, least);
+  for (uint32_t wall = 2 * axis; wall < 2 * axis + 2; ++wall)
+    if (params->wall_velocity[wall] != 0 || params->wall_amplitude[wall] != 0)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "params.wall_%s[%u] is %.9g; it must be 0, as params.periodic has axis %u, "
+                      "which has no walls",
+                      params->wall_velocity[wall] != 0 ? "velocity" : "amplitude", wall,
+                      params->wall_velocity[wall] != 0 ? params->wall_velocity[wall]
+                                                       : params->wall_amplitude[wall],
+                      axis);
+  if (params->pressure_grid > 0)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "params.pressure_grid is %.9g; it must be 0, or -1, with params.periodic, for "
+                    "its cells end at walls",
+                    params->pressure_grid);
+  return PBF_OK;
+}
+
 static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, double time) {
   for (uint32_t axis = 0; axis < kind.dimension; ++axis) {
     double low = params->domain_min[axis], high = params->domain_max[axis];
@@ -170,6 +200,7 @@ static pbf_status check_domain(const pbf_params *params, pbf_check_kind kind, do
     pbf_status status = check_resolution(params, kind.precision, (int)(2 * axis), low);
     if (status == PBF_OK)
       status = check_resolution(params, kind.precision, (int)(2 * axis + 1), high);
+    if (status == PBF_OK) status = check_periodic(params, axis);
     if (status != PBF_OK) return status;
   }
   pbf_box box = pbf_params_box(params, kind.dimension, time);
@@ -208,6 +239,7 @@ pbf_status pbf_params_check(const pbf_params *params, pbf_check_kind kind, doubl
 pbf_params pbf_params_for_backend(const pbf_params *params, uint32_t dimension) {
   pbf_params clean = *params;
   if (dimension == 3) return clean;
+  clean.periodic &= PBF_PERIODIC_X | PBF_PERIODIC_Y;
 #define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
   for (int k = count / 3 * 2; k < count; ++k) clean.name[k] = 0;
 #include "physics/params.def"

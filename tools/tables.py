@@ -115,7 +115,7 @@ def integer_schema(param):
         return {"enum": names, "description": listed(names, "or")}
     if param["type"].startswith("SOME_OF"):
         some = ", ".join(f'"{name}"' for name in names)
-        return {"type": "array", "minItems": 1, "uniqueItems": True,
+        return {"type": "array", "minItems": min(int(param["min"]), 1), "uniqueItems": True,
                 "items": {"enum": names, "description": listed(names, "or")},
                 "description": f"a list of some of {some}, each at most once"}
     least = int(param["min"])
@@ -271,7 +271,8 @@ def reference_row(param, header):
 
 def reference_text(params, header):
     head = ["name", "type", "unit", "range", "default", "what it does", "feature"]
-    return REFERENCE.format(table=table(head, [reference_row(param, header) for param in params]))
+    rows = [reference_row(param, header) for param in params if param["name"] != "reserved"]
+    return REFERENCE.format(table=table(head, rows))
 
 
 def building_text(features, text):

@@ -11,6 +11,7 @@
 typedef struct block {
   _Alignas(LIST_UNIT) uint32_t first[PARTS]; /* the particle in slot 1 of each window */
   uint32_t rounds;                           /* most neighbours of a particle */
+  uint32_t image;                            /* of the group, from which they are there: IMAGES */
 } block;
 
 enum { MAX_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 28 * PARTS };

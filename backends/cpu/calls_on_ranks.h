@@ -74,6 +74,8 @@ static void describe_ranks(solver *s, const pbf_ranks *ranks) {
 static const char *refusal_on_ranks(const pbf_params *params, const pbf_schedule *schedule) {
   if (params->sleep_speed > 0)
     return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
+  if (params->periodic)
+    return "params.periodic is not 0: ranks do not know their neighbours across the domain's faces";
   if (params->loads)
     return "params.loads is 1: ranks do not know what others' particles do to solids; 0 is without";
   if (schedule->runs[PBF_STAGE_FRICTION])

@@ -23,16 +23,40 @@ PBF_FN u32_lanes neighbors_listed(const uint8_t *list, const uint8_t *end) {
   return count;
 }
 
+/* From a group's places to those of the image from which a block's windows are there. */
+PBF_FN lane_vector<lane> add_image(lane_vector<lane> x, const pair_pass *p, const block *b) {
+  const pbf_vec *at = &p->images[b->image];
+  for (int k = 0; k < PBF_DIM; ++k) x.c[k] = x.c[k] + ops<lane>::set(at->c[k]);
+  return x;
+}
+
+/* What a pass knows of its particle: of one that begins at another place, at that of the image. */
+template <class Own>
+PBF_FN auto own_of_image(Own own, const pair_pass *p, const block *b, int)
+    -> decltype((void)own.start, Own()) {
+  if (b->image) own.start = add_image(own.start, p, b);
+  return own;
+}
+template <class Own>
+PBF_FN const Own &own_of_image(const Own &own, const pair_pass *, const block *, long) {
+  return own;
+}
+
+/* What a loop over pairs is built for. */
+enum pair_loop { FOR_SPEED, FOR_SIZE };
+
 /* A loop whose next round's distances are begun before the present one's terms: their latency is
  * the longest. Counts the neighbours, too, unless null. */
-template <class Pass>
+template <pair_loop LOOP = FOR_SPEED, class Pass>
 PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
                           const typename Pass::template own<lane> &own, uint32_t g,
                           typename Pass::template sums<lane> *sums, u32_lanes *neighbors = NULL) {
-  const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
     const block *b = current_block(&w);
+    lane_vector<lane> x = load_vector(p->x, g * WIDTH);
+    if (b->image) x = add_image(x, p, b);
+    const auto &seen = own_of_image(own, p, b, 0);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER > 0 ? of.number : NULL);
     vector_table vectors;
     if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL);
@@ -44,9 +68,9 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
       j.r2 = now.r2;
       if (Pass::NUMBER > 0) j.number = number_of(&around, &now);
       if (Pass::VECTOR) j.vector = vector_of(&vectors, now.j, Pass::NUMBER > 1 ? &j.second : NULL);
-      pass.pair(sums, own, j);
+      pass.pair(sums, seen, j);
     };
-    if (BUILT_FOR_SIZE) {
+    if (BUILT_FOR_SIZE || LOOP == FOR_SIZE) {
       for (; list < end; list += WIDTH) add(pairs_listed(b, list, x, &around));
       continue;
     }
@@ -60,12 +84,12 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
   }
 }
 
-template <class Pass>
+template <pair_loop LOOP = FOR_SPEED, class Pass>
 PBF_FN typename Pass::template sums<lane> sums_of_group(
     const Pass &pass, const pair_pass *p, const lookups &of,
     const typename Pass::template own<lane> &own, uint32_t g, u32_lanes *neighbors = NULL) {
   auto sums = pass.template begin<lane>();
-  add_neighbors(pass, p, of, own, g, &sums, neighbors);
+  add_neighbors<LOOP>(pass, p, of, own, g, &sums, neighbors);
   pass.end(&sums);
   return sums;
 }

@@ -72,7 +72,6 @@ template <class Pass>
 PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, const pair_pass *p,
                                                            const lookups &of, uint32_t g,
                                                            const lane_ghost_walls &m) {
-  const lane_vector<lane> x = load_vector(p->x, g * WIDTH);
   neighbor_of<lane> itself = {lane_vector<lane>::zero(), ops<lane>::set(0), ops<lane>::set(0), {}};
   typename Pass::template own<lane> own;
   if constexpr (Pass::NUMBER) {
@@ -86,6 +85,8 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
     const block *b = current_block(&w);
+    lane_vector<lane> x = load_vector(p->x, g * WIDTH);
+    if (b->image) x = add_image(x, p, b);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
     const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
     for (; list < end; list += WIDTH) {

@@ -13,6 +13,18 @@
 #include "physics/passes/predict.h"
 #include "physics/step.h"
 
+/* To the images in the domain. */
+static void move_inside(const worker *w, const field *x, range particles) {
+  const pbf_periods periods = pbf_periods_of(&w->s->params);
+  for (uint32_t i = particles.first; i < particles.last; ++i)
+    field_set(x, i, pbf_image_inside(&periods, field_at(x, i)));
+}
+
+static void end_inside_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  move_inside(w, &w->b.x, task_particles(w, task));
+}
+
 static void predict_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range all = task_particles(w, task);
@@ -21,6 +33,7 @@ static void predict_task(void *context, uint32_t task) {
     w->s->kernels->predict(&w->forces, &w->obstacles, w->s->schedule.collide_after_prediction,
                            w->b.x, w->b.v, w->b.predicted(), w->b.predicted_velocity(), r.first,
                            r.last);
+  if (w->s->params.periodic) move_inside(w, &w->b.predicted(), all);
   copy_sleeping(w, all, &w->b.x, &w->b.predicted());
   zero_sleeping(w, all, w->b.predicted_velocity().c, PBF_DIM);
   find_bounds(w, task);
@@ -167,6 +180,8 @@ struct executor {
   bool update_sleep() { return ::update_sleep(w); }
   void end() {
     if (has_ranks(w->s)) keep_own(w);
+    if (w->s->params.periodic)
+      parallel_for(w->self, particle_task_count(w), end_inside_task, NULL, w);
   }
 };
 

@@ -8,6 +8,11 @@
 
 #include "cpu/field.h"
 #include "physics/grid_wrap.h"
+#include "physics/periodic.h"
+
+/* Images of a particle: a digit to the base 3 for each of the particles' axes, 0 where it is, 1 a
+ * period up and 2 a period down. */
+enum { IMAGES = PBF_DIM == 3 ? 27 : 9 };
 
 /* Everything along axes is in the grid's own order of them: along rows first. */
 typedef struct grid {
@@ -18,7 +23,8 @@ typedef struct grid {
   uint32_t cells[PBF_DIM];  /* along rows those stored, else those that there are */
   uint32_t stride[PBF_DIM]; /* row = (stride[1] * index + stride[2] * index) & row_mask */
   uint32_t row_mask;
-  uint32_t reach; /* cells along a row that h can span */
+  uint32_t reach;       /* cells along a row that h can span */
+  uint32_t up[PBF_DIM]; /* of periodic axes the image a period up, else 0 */
   uint32_t total;
   pbf_real far; /* an x out of reach of all particles */
 } grid;
@@ -75,17 +81,25 @@ static inline void grid_number_rows(grid *g, const pbf_grid_wrap *stored) {
   g->stride[PBF_DIM - 1] = 1;
 }
 
+/* The image a period up along an axis of the particles' ones; 0 where there is none. */
+static inline uint32_t image_up(const pbf_periods *periods, int axis) {
+  static const uint32_t powers[3] = {1, 3, 9};
+  return periods && periods->length.c[axis] > 0 ? powers[axis] : 0;
+}
+
 /* A grid of at most `limit` cells (100 or more) around the box low … high. Where that has more,
- * cells get longer along rows, up to h, or it is wrapped (physics/grid_wrap.h). */
-static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
-                               uint64_t limit) {
+ * cells get longer along rows, up to h, or it is wrapped (physics/grid_wrap.h). Along a periodic
+ * axis the last cell is longer, and ends where the box does. */
+static inline grid grid_of_cells(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
+                                 uint64_t limit, const pbf_periods *periods) {
   const pbf_vec lower = grid_vec(axis, low), upper = grid_vec(axis, high);
   grid g = {};
   double cells[PBF_DIM], widths[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
     double extent = fmax((double)upper.c[k] - (double)lower.c[k], 0);
     double width = grid_width(h, extent, k ? 1 : GRID_CELLS_PER_H);
-    cells[k] = fmin(floor(extent / width) + 1, 1 << 30);
+    g.up[k] = image_up(periods, axis[k]);
+    cells[k] = fmin(fmax(floor(extent / width) + (g.up[k] ? 0 : 1), 1), 1 << 30);
     widths[k] = k ? cells[k] : ceil(cells[k] / GRID_CELLS_PER_H);
     g.axis[k] = axis[k];
     g.lower[k] = lower.c[k];
@@ -99,12 +113,26 @@ static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec hig
   if (stored.columns < cells[0]) {
     g.cells[0] = (uint32_t)stored.columns;
     if (!stored.wraps_columns) {
-      g.inv_width[0] *= (pbf_real)(stored.columns / (cells[0] + 1));
+      g.inv_width[0] *= (pbf_real)(stored.columns / (cells[0] + (g.up[0] ? 0 : 1)));
       g.last[0] = (pbf_real)(stored.columns - 1);
     }
   }
   grid_number_rows(&g, &stored);
   g.total = g.cells[0] * (uint32_t)stored.rows;
+  return g;
+}
+
+static inline int grid_is_stored_whole(const grid *g) {
+  return g->row_mask == UINT32_MAX && (pbf_real)g->cells[0] > g->last[0];
+}
+
+/* Cells of the same number are not across a face from each other in a wrapped grid: where any axis
+ * is periodic, they get wider instead. */
+static inline grid grid_around(const int axis[PBF_DIM], pbf_vec low, pbf_vec high, double h,
+                               uint64_t limit, const pbf_periods *periods = NULL) {
+  grid g = grid_of_cells(axis, low, high, h, limit, periods);
+  for (double width = h; periods && periods->any && !grid_is_stored_whole(&g);)
+    g = grid_of_cells(axis, low, high, width *= 1.25, limit, periods);
   return g;
 }
 
@@ -115,9 +143,7 @@ PBF_FN uint32_t grid_index(const grid *g, int axis, pbf_real x) {
   return (uint32_t)(int32_t)t;
 }
 
-PBF_FN int grid_is_wrapped(const grid *g) {
-  return g->row_mask != UINT32_MAX || (pbf_real)g->cells[0] <= g->last[0];
-}
+PBF_FN int grid_is_wrapped(const grid *g) { return !grid_is_stored_whole(g); }
 
 /* Row of the indices across rows. */
 PBF_FN uint32_t grid_row(const grid *g, const uint32_t at[PBF_DIM]) {
@@ -143,15 +169,28 @@ enum { GRID_ROWS_AROUND = PBF_DIM == 3 ? 9 : 3 };
 
 #define GRID_NO_ROW UINT32_MAX
 
-static inline uint32_t grid_row_around(const grid *g, uint32_t row, int number) {
+/* Indices across rows of a row; of a wrapped grid all but the last are 0. */
+static inline void grid_row_indices(const grid *g, uint32_t row, uint32_t at[PBF_DIM]) {
+  at[PBF_DIM - 1] = row;
+  if (PBF_DIM < 3) return;
+  at[1] = g->row_mask != UINT32_MAX ? 0 : row % g->cells[1];
+  if (g->row_mask == UINT32_MAX) at[PBF_DIM - 1] = row / g->cells[1];
+}
+
+/* Of the rows around the one at `from`. `image`: that of its particles, from which what is in that
+ * row is there, beyond faces. */
+static inline uint32_t grid_row_around(const grid *g, const uint32_t from[PBF_DIM], int number,
+                                       uint32_t *image) {
   const int step[3] = {0, number % 3 - 1, PBF_DIM == 3 ? number / 3 - 1 : 0};
-  uint32_t at[PBF_DIM], wrapped = g->row_mask != UINT32_MAX;
+  uint32_t at[PBF_DIM];
+  const bool wrapped = g->row_mask != UINT32_MAX;
   for (int k = 1; k < PBF_DIM; ++k) {
-    at[k] = (wrapped ? 0 : row % g->cells[k]) + (uint32_t)step[k];
-    row /= wrapped ? 1 : g->cells[k];
-    if (!wrapped && at[k] >= g->cells[k]) return GRID_NO_ROW;
+    at[k] = from[k] + (uint32_t)step[k];
+    if (wrapped || at[k] < g->cells[k]) continue;
+    if (!g->up[k]) return GRID_NO_ROW;
+    *image += step[k] < 0 ? g->up[k] : 2 * g->up[k];
+    at[k] = step[k] < 0 ? g->cells[k] - 1 : 0;
   }
-  if (wrapped) at[PBF_DIM - 1] += row; /* that axis has stride 1 */
   return grid_row(g, at);
 }
 

@@ -41,9 +41,29 @@ typedef struct list_size {
   uint32_t lacking; /* 1: there was not */
 } list_size;
 
+/* Candidates in one row that are still to be tested, with an image of the particles. */
+typedef struct candidate_range {
+  uint32_t next, end, image;
+} candidate_range;
+
+/* In each row around. */
+typedef struct row_candidates {
+  candidate_range in[GRID_ROWS_AROUND];
+} row_candidates;
+
+/* Cells of a row in which the particles are. */
+typedef struct reached_cells {
+  uint32_t row, first, last;
+} reached_cells;
+
+/* Where along the rows: beyond a face that is periodic there are more. */
+enum { BETWEEN_FACES, BEYOND_LOWER, BEYOND_UPPER };
+
 /* What the search reads and where it writes. */
-typedef struct search {
+typedef struct search search;
+struct search {
   const struct grid *grid;
+  const pbf_vec *images; /* where they are, IMAGES of them */
   pbf_real h2;
   field x;                  /* sorted */
   const uint32_t *cells;    /* of the sorted particles */
@@ -51,7 +71,9 @@ typedef struct search {
   uint32_t count;
   group *groups;
   uint8_t *data;
-} search;
+  /* Candidates around particles. */
+  void (*candidates)(const search *s, const reached_cells *from, int where, row_candidates *found);
+};
 
 /* What pbf_boundary_correction needs, of particles in groups near walls. */
 typedef struct boundary_cache {
@@ -64,6 +86,7 @@ typedef struct pair_pass {
   const pbf_constants *constants;
   int features;
   struct lists lists;
+  const pbf_vec *images;             /* where they are */
   field x;                           /* sorted */
   const pbf_real *quads;             /* as pack makes them, of x and what move looks up */
   const pbf_real *vectors;           /* and of what else a pass looks up */

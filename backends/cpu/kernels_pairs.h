@@ -420,7 +420,7 @@ static void wake_around(const pair_pass *p, uint32_t *awakened, uint32_t i, cons
     uint32_t slot = list[round * WIDTH], part = slot / SLOTS;
     if (slot % SLOTS == 0 || !(windows >> part & 1)) continue;
     uint32_t j = b->first[part] + slot % SLOTS - 1;
-    pbf_vec x_ij = pbf_sub(x, field_at(&p->x, j));
+    pbf_vec x_ij = pbf_add_scaled(pbf_sub(x, field_at(&p->x, j)), 1, p->images[b->image]);
     /* Others may say the same at the same time. */
     if (pbf_dot(x_ij, x_ij) < p->constants->h2)
       __atomic_store_n(&awakened[j], AWAKENED, __ATOMIC_RELAXED);
@@ -446,7 +446,8 @@ static void wake_neighbors(const pair_pass *p, const pbf_real *is_source,
     }
 }
 
-/* ---- On request ---------------------------------------------------------------------------- */
+/* ---- On request, or seldom
+ * ---------------------------------------------------------------------------- */
 
 /* Where walls have ghosts all groups sum up alike: which of a particle's neighbours in the order
  * have ghosts must not show in how its own sum is rounded. */
@@ -454,7 +455,7 @@ static lane density_by_walls(const pair_pass *p, int features, uint32_t g) {
   const pbf_constants c = *p->constants;
   lambda_sums<lane> sums;
   if (!sum_with_ghosts<lambda_pass>(p, features, {}, g, &sums))
-    sums = sums_of_group(lambda_pass<int, SCALED_SUMS>{&c, features}, p, {}, {}, g);
+    sums = sums_of_group<FOR_SIZE>(lambda_pass<int, SCALED_SUMS>{&c, features}, p, {}, {}, g);
   return sums.density;
 }
 
@@ -480,7 +481,8 @@ static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real
   const pbf_constants c = *p->constants;
   const placed_density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g)
-    lane_store(densities + g * WIDTH, sums_of_group(pass, p, {numbers, NULL}, {}, g).density);
+    lane_store(densities + g * WIDTH,
+               sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g).density);
 }
 
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
@@ -488,7 +490,8 @@ static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, u
   const pbf_constants c = *p->constants;
   const pressure_fit_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_sums<pressure_fit_pass::sums> sums(sums_of_group(pass, p, {numbers, NULL}, {}, g));
+    const lane_sums<pressure_fit_pass::sums> sums(
+        sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g));
     alignas(64) pbf_real lines[WIDTH];
     for (uint32_t l = 0; l < WIDTH; ++l) lines[l] = pass.finish(sums[l], numbers[g * WIDTH + l]);
     lane_store(fitted + g * WIDTH, lane_load(lines));

@@ -55,18 +55,13 @@ static inline u32_lanes near_mask(const search *s, const run *r, uint32_t first,
   return r->begin ? near & ~u32_below(lane_number, r->begin) : near;
 }
 
-/* Candidates in one row that are still to be tested. */
-typedef struct candidates {
-  uint32_t next, end;
-} candidates;
-
 typedef struct neighbor_window {
-  uint32_t first;
+  uint32_t first, image;
   u32_lanes near;
 } neighbor_window;
 
 /* The next window that has a neighbour, beginning with it; 0 at the end. */
-static int next_window(const search *s, const run *r, candidates *c, neighbor_window *w) {
+static int next_window(const search *s, const run *r, candidate_range *c, neighbor_window *w) {
   while (c->next < c->end) {
     uint32_t left = c->end - c->next, size = left < SLOTS - 1 ? left : SLOTS - 1;
     u32_lanes near = near_mask(s, r, c->next, 1, 1 + size);
@@ -75,6 +70,7 @@ static int next_window(const search *s, const run *r, candidates *c, neighbor_wi
     if (!any) continue;
     uint32_t lead = (uint32_t)__builtin_clz(any) - 1;
     w->first = c->next - size + lead;
+    w->image = c->image;
     w->near = u32_shift_left(near, (int)lead);
     if (lead) {
       uint32_t more = c->end - c->next < lead ? c->end - c->next : lead;
@@ -120,6 +116,7 @@ static void put_block(builder *b, const neighbor_window *windows, uint32_t count
     neighbors = neighbors + u32_popcount(masks[part]);
   }
   to.rounds = u32_max(neighbors);
+  to.image = windows[0].image;
   uint32_t units = block_units(to.rounds);
   if (b->next + units > b->arena->end && !b->lacking) move_list(b, units);
   if (!b->lacking) block_write(b->data + b->next * LIST_UNIT, &to, masks);
@@ -132,29 +129,11 @@ static void put_waiting(builder *b) {
   b->waiting = 0;
 }
 
+/* A block is of one image. */
 static void put_window(builder *b, const neighbor_window *w) {
+  if (b->waiting && b->windows[0].image != w->image) put_waiting(b);
   b->windows[b->waiting++] = *w;
   if (b->waiting == PARTS) put_waiting(b);
-}
-
-/* The candidates in each row around a run. */
-typedef struct row_candidates {
-  candidates in[GRID_ROWS_AROUND];
-} row_candidates;
-
-static row_candidates candidates_of(const search *s, const run *r) {
-  const grid *g = s->grid;
-  uint32_t left = r->first_cell > g->reach ? r->first_cell - g->reach : 0;
-  uint32_t right = r->last_cell + g->reach, end = g->cells[0] - 1;
-  row_candidates c;
-  if (right > end) right = end;
-  for (int k = 0; k < GRID_ROWS_AROUND; ++k) {
-    uint32_t row = grid_row_around(g, r->row, k);
-    const uint32_t *ends = s->cell_end + (uint64_t)row * g->cells[0];
-    c.in[k] =
-        row == GRID_NO_ROW ? (candidates){0, 0} : (candidates){*(ends + left - 1), ends[right]};
-  }
-  return c;
 }
 
 /* The windows of a run. Their order is that of a particle's neighbours, and so of all sums over
@@ -165,30 +144,60 @@ typedef struct run_windows {
   const search *s;
   const run *r;
   row_candidates rows;
-  int next; /* row, in this order */
+  int next;  /* row, in this order */
+  int where; /* along rows: what is beyond faces comes last */
+  run moved; /* to an image, where candidates are near one */
 } run_windows;
 
-static run_windows windows_of(const search *s, const run *r) {
-  return (run_windows){s, r, candidates_of(s, r), 0};
+static void take_candidates(run_windows *all, int where) {
+  const reached_cells from = {all->r->row, all->r->first_cell, all->r->last_cell};
+  all->s->candidates(all->s, &from, where, &all->rows);
+  all->where = where;
+  all->next = 0;
 }
 
-static int next_of_run(run_windows *all, neighbor_window *w) {
+static __attribute__((noinline)) const run *image_of_run(run_windows *all, uint32_t image) {
+  all->moved = *all->r;
+  for (int k = 0; k < PBF_DIM; ++k)
+    all->moved.x[k] = all->r->x[k] + ops<lane>::set(all->s->images[image].c[k]);
+  return &all->moved;
+}
+
+static int next_in_rows(run_windows *all, neighbor_window *w) {
   for (; all->next < GRID_ROWS_AROUND; ++all->next) {
     const int pair = all->next / 2, row = all->next % 2 ? GRID_ROWS_AROUND - 1 - pair : pair;
-    if (next_window(all->s, all->r, &all->rows.in[row], w)) return 1;
+    candidate_range *c = &all->rows.in[row];
+    const run *r = c->image ? image_of_run(all, c->image) : all->r;
+    if (next_window(all->s, r, c, w)) return 1;
   }
   return 0;
 }
 
+static int next_of_run(run_windows *all, neighbor_window *w) {
+  while (!next_in_rows(all, w)) {
+    if (!all->s->grid->up[0] || all->where == BEYOND_UPPER) return 0;
+    take_candidates(all, all->where + 1);
+  }
+  return 1;
+}
+
 static void search_run(const search *s, const run *r, builder *b) {
-  run_windows all = windows_of(s, r);
+  run_windows all;
+  all.s = s;
+  all.r = r;
+  take_candidates(&all, BETWEEN_FACES);
   for (neighbor_window w; next_of_run(&all, &w);) put_window(b, &w);
 }
 
 /* Where a group lies in two runs, windows of both share blocks: each lane has neighbours in one of
  * them alone. */
 static void search_runs(const search *s, const run *one, const run *two, builder *b) {
-  run_windows all[2] = {windows_of(s, one), windows_of(s, two)};
+  run_windows all[2];
+  for (int k = 0; k < 2; ++k) {
+    all[k].s = s;
+    all[k].r = k ? two : one;
+    take_candidates(&all[k], BETWEEN_FACES);
+  }
   int found = 1;
   while (found) {
     found = 0;

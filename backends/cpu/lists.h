@@ -2,6 +2,7 @@
 #ifndef PBF_CPU_LISTS_H
 #define PBF_CPU_LISTS_H
 
+#include "cpu/candidates.h"
 #include "cpu/ranks.h"
 #include "cpu/sleepers.h"
 
@@ -71,6 +72,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
                 .data = s->list_data ? s->list_data : none,
                 .far = s->grid.far,
                 .count = held_places(s).last},
+      .images = s->images,
       .x = x,
       .quads = quads,
       .vectors = packed_vectors(s),
@@ -82,13 +84,15 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
 static void list_neighbors(worker *w, range groups, list_size *all) {
   const solver *s = w->s;
   const search job = {.grid = &s->grid,
+                      .images = s->images,
                       .h2 = s->constants.h2,
                       .x = *w->sorted_positions,
                       .cells = s->sorted_cells,
                       .cell_end = s->cell_end,
                       .count = held_places(s).last,
                       .groups = s->groups,
-                      .data = s->list_data};
+                      .data = s->list_data,
+                      .candidates = find_candidates};
   list_size_add(all, s->kernels->search(&job, groups.first, groups.last, &w->arena));
 }
 

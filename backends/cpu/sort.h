@@ -33,8 +33,17 @@ static box box_of_ranks(solver *s, box around) {
   return around;
 }
 
+static void place_images(solver *s, const pbf_periods *periods) {
+  for (uint32_t image = 0; image < IMAGES; ++image)
+    for (uint32_t k = 0, left = image; k < PBF_DIM; ++k, left /= 3)
+      s->images[image].c[k] = left % 3 == 1   ? periods->length.c[k]
+                              : left % 3 == 2 ? -periods->length.c[k]
+                                              : 0;
+}
+
 /* The grid's box is that of the particles, as far as it lies in the domain, wherever its walls have
- * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. */
+ * moved to, enlarged by its own size: what flies out farther counts to the outermost cells. Along a
+ * periodic axis it is the domain. */
 static void make_grid(void *context) {
   worker *w = static_cast<worker *>(context);
   const pbf_domain *domain = &w->obstacles.domain;
@@ -45,17 +54,23 @@ static void make_grid(void *context) {
       all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[task].upper.c[k]);
     }
   if (has_ranks(w->s)) all = box_of_ranks(w->s, all);
+  const pbf_periods periods = pbf_periods_of(&w->s->params);
   double size[PBF_DIM];
   int axis[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
-    const double low = (double)domain->lower.c[k], high = (double)domain->upper.c[k];
+    const bool periodic = periods.length.c[k] > 0;
+    const pbf_vec lower = periodic ? periods.lower : domain->lower;
+    const pbf_vec upper = periodic ? periods.upper : domain->upper;
+    const double low = (double)lower.c[k], high = (double)upper.c[k];
+    if (periodic) all.lower.c[k] = (pbf_real)low, all.upper.c[k] = (pbf_real)high;
     size[k] = high - low;
     all.lower.c[k] = pbf_real_max(all.lower.c[k], (pbf_real)(low - size[k]));
     all.upper.c[k] = pbf_real_min(all.upper.c[k], (pbf_real)(high + size[k]));
   }
   grid_axes(size, axis);
   w->s->grid = grid_around(axis, all.lower, all.upper, w->s->params.smoothing_radius,
-                           cell_limit(particles_of_all(w->s)));
+                           cell_limit(particles_of_all(w->s)), &periods);
+  place_images(w->s, &periods);
   for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
 }
 

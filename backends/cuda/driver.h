@@ -10,6 +10,9 @@
 
 /* Vectors of what passes look up, as they lie in an array. */
 static __device__ __forceinline__ pbf_vec vector_in(const point &p) { return position_of(p); }
+static __device__ __forceinline__ pbf_vec vector_in(const start_point &p) {
+  return position_of(p.at);
+}
 static __device__ __forceinline__ pbf_vec vector_in(pbf_vec v) { return v; }
 static __device__ __forceinline__ pbf_vec vector_in(const pbf_deviator &d) {
   pbf_vec v;
@@ -36,6 +39,7 @@ static __device__ __forceinline__ pbf_real second_in(const pbf_deviator &d) {
 
 /* Where particles are for a pass: at their points, … */
 struct at_points {
+  enum { ELSEWHERE = 0 };
   template <class Value>
   __device__ __forceinline__ pbf_vec place(const point &p, const Value &) const {
     return position_of(p);
@@ -49,16 +53,17 @@ struct meets_listed {
   const point *points; /* by which lists were made */
   pbf_vec x;           /* of the particle, there */
   pbf_real h2;
+  pbf_vec period;
 
   __device__ __forceinline__ bool operator()(uint32_t j) const {
-    const pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    const pbf_vec x_ij = pbf_nearest_image(period, pbf_sub(x, position_of(load(points, j))));
     return pbf_dot(x_ij, x_ij) < h2;
   }
 };
 
 static __device__ __forceinline__ meets_listed meets_listed_of(const neighborhood &n,
                                                                const point *points, uint32_t i) {
-  return {points, position_of(load(points, i)), n.constants.h2};
+  return {points, position_of(load(points, i)), n.constants.h2, n.grid.period};
 }
 
 /* … at points that have moved since lists were made by `listed`, … */
@@ -72,6 +77,7 @@ struct at_moved_points : at_points {
 
 /* … or where the step began that takes them there at these velocities. */
 struct at_start {
+  enum { ELSEWHERE = 1 };
   pbf_real time_step;
 
   __device__ __forceinline__ meets_listed meets(const neighborhood &n, uint32_t i) const {
@@ -110,9 +116,12 @@ static __device__ __forceinline__ void add_neighbors(
     typename Pass::template sums<pbf_real> *sums, const Places &places = {}) {
   const uint32_t real = min(i, n.particles.count - 1);
   for_points_with(
-      n.particles, n.grid, n.lists, i, values,
+      n.particles, n.grid, n.lists, i, x, values,
       [&](const point &other, const Value &v) {
-        neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
+        pbf_vec place = places.place(other, v);
+        if (Places::ELSEWHERE && n.grid.periodic)
+          place = pbf_sub(x, pbf_nearest_image(n.grid.period, pbf_sub(x, place)));
+        neighbor_of<pbf_real> j = neighbor_between(x, place);
         if constexpr (Pass::NUMBER > 0) j.number = number_in(other, v);
         if constexpr (Pass::VECTOR) j.vector = lanes_of(vector_in(v));
         if constexpr (Pass::NUMBER > 1) j.second = second_in(v);
@@ -140,17 +149,22 @@ static __device__ __forceinline__ void for_present_neighbors(const neighborhood 
   const sorted_particles &p = n.particles;
   pbf_vec x = position_of(load(p.points, i));
   grid_view view = grid_look(n.grid, x);
-  for (int row = 0; row < PBF_ROWS; ++row) {
-    uint32_t first, last;
-    if (!grid_reach(n.grid, view, row, &first, &last)) continue;
-    uint32_t end = p.cell_start[last + 1];
-    for (uint32_t j = p.cell_start[first]; j < end; ++j) {
-      point other = load(p.points, j);
-      pbf_vec x_ij = pbf_sub(x, position_of(other));
-      pbf_real r2 = pbf_dot(x_ij, x_ij);
-      if (j != i && r2 < n.constants.h2)
-        visit(neighbor_of<pbf_real>{lanes_of(x_ij), r2, other.lambda, {}});
+  for (bool beyond = false;; beyond = true) {
+    for (int row = 0; row < PBF_ROWS; ++row) {
+      uint32_t first, last;
+      if (!grid_reach(n.grid, view, row, &first, &last)) continue;
+      uint32_t end = p.cell_start[last + 1];
+      for (uint32_t j = p.cell_start[first]; j < end; ++j) {
+        point other = load(p.points, j);
+        pbf_vec x_ij = pbf_sub(x, position_of(other));
+        if (n.grid.periodic) x_ij = pbf_nearest_image(n.grid.period, x_ij);
+        pbf_real r2 = pbf_dot(x_ij, x_ij);
+        if (j != i && r2 < n.constants.h2)
+          visit(neighbor_of<pbf_real>{lanes_of(x_ij), r2, other.lambda, {}});
+      }
     }
+    if (beyond || !grid_reaches_beyond(n.grid, view)) break;
+    view = grid_view_beyond(n.grid, view);
   }
 }
 

@@ -29,6 +29,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   velocities[i] = pass.finish(velocities[i]);
 }
 
+/* To the images in the domain. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    inside_kernel(pbf_periods periods, uint32_t count, point *points) {
+  const uint32_t i = thread_index();
+  if (i >= count) return;
+  point here = load(points, i);
+  const pbf_vec x = pbf_image_inside(&periods, position_of(here));
+  for (int k = 0; k < PBF_DIM; ++k) here.c[k] = x.c[k];
+  store(points, i, here);
+}
+
 namespace {
 
 /* The stages of physics/step.h. Once a call has failed, the later stages launch nothing. */
@@ -58,9 +69,10 @@ struct executor {
     if (PBF_SLEEP && s->activity)
       extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
-                         has.collide_after_prediction};
-    n = neighborhood_of(
-        s, grid_over(&domain(), s->params.smoothing_radius, grid_cell_limit(s->count), PBF_FINEST));
+                         has.collide_after_prediction, pbf_periods_of(&s->params)};
+    n = neighborhood_of(s,
+                        grid_over(&domain(), &prediction_inputs.periods, s->params.smoothing_radius,
+                                  grid_cell_limit(s->count), PBF_FINEST));
     pbf_set_target_density(&n.constants, &s->constants, &s->params, s->count, &has, time);
     moved = s->points;
     ghosts = ghosts_between(s, domain());
@@ -491,7 +503,11 @@ struct executor {
   }
 
   /* The grid's part of lambda is added where pressures are asked for. */
-  void end() {}
+  void end() {
+    if (status != PBF_OK || !prediction_inputs.periods.any) return;
+    launch(inside_kernel, prediction_inputs.periods, s->count, s->points);
+    status = pbf_cuda_check_launch("inside_kernel");
+  }
 };
 
 }  // namespace

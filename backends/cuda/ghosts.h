@@ -112,7 +112,7 @@ static __global__ void __launch_bounds__(32 * PBF_GHOST_SHARES)
   if (warp_has(ghosts)) {
     if (share == 0) add_ghosts(pass, ghosts, of_own, {{0}}, here.lambda, &sums);
     for_points_with<PBF_GHOST_SHARES>(
-        n.particles, n.grid, n.lists, i, values, [&](const point &other, const Value &value) {
+        n.particles, n.grid, n.lists, i, x, values, [&](const point &other, const Value &value) {
           add_ghosts(pass, ghosts, of_own, pbf_sub(x, places.place(other, value)), other.lambda,
                      &sums);
         });

@@ -22,7 +22,9 @@ struct cell_grid {
   pbf_vec origin, scale; /* cell coordinate = (x - origin) * scale, kept in 0 … last */
   pbf_vec last;
   pbf_real reach, reach2;   /* h and a margin for rounding */
-  pbf_real row_width;       /* of cells across the rows, at least `reach` */
+  pbf_vec row_width;        /* of cells across the rows, at least `reach` */
+  pbf_vec period;           /* of each axis; 0 between walls */
+  int periodic;             /* any */
   pbf_real turn;            /* where the numbering along x turns back first; 0: never */
   uint32_t cells[PBF_DIM];  /* along x those stored, else those that the domain has */
   uint32_t stride[PBF_DIM]; /* row = (stride[1] * y + stride[2] * z) & row_mask */
@@ -42,28 +44,55 @@ static inline double grid_margin(double cells) {
   return 1 + 1e-4 + 8 * epsilon * cells;
 }
 
+/* The widths of a cell across the rows that an axis has room for. Those of a periodic one fill it,
+ * and are three or more, so that the cells around a cell are different ones. */
+static inline double grid_widths(const pbf_periods *periods, int axis, double extent,
+                                 double row_width) {
+  if (periods->length.c[axis] > 0) return fmax(floor(extent / row_width), 3);
+  return floor(extent / row_width) + 1;
+}
+
+/* Cells across a face have numbers of their own: with periodic axes they get wider where the grid
+ * would be wrapped. */
+static inline double grid_width_to_store(const pbf_periods *periods, const double extent[PBF_DIM],
+                                         double row_width, uint32_t limit) {
+  for (double total = HUGE_VAL; periods->any && total > limit;) {
+    total = 1;
+    for (int k = 0; k < PBF_DIM; ++k) total *= grid_widths(periods, k, extent[k], row_width);
+    if (total > limit) row_width *= 1.25;
+  }
+  return row_width;
+}
+
 /* Of up to `limit` cells, and up to `finest` of them in h along the rows. */
-static inline cell_grid grid_over(const pbf_domain *domain, double h, uint32_t limit,
-                                  double finest) {
+static inline cell_grid grid_over(const pbf_domain *domain, const pbf_periods *periods, double h,
+                                  uint32_t limit, double finest) {
   enum { MAX_CELLS = 1 << 21 }; /* along an axis; exact as a float, also if four times as many */
   cell_grid g;
   double extent[PBF_DIM], full[PBF_DIM], longest = 1;
+  g.periodic = periods->any;
+  g.period = periods->length;
   for (int k = 0; k < PBF_DIM; ++k) {
-    extent[k] = fmax(0, (double)domain->upper.c[k] - (double)domain->lower.c[k]);
+    extent[k] = g.period.c[k] > 0
+                    ? (double)g.period.c[k]
+                    : fmax(0, (double)domain->upper.c[k] - (double)domain->lower.c[k]);
     longest = fmax(longest, extent[k] / h);
   }
   double reach = h * grid_margin(fmin(longest, MAX_CELLS));
   g.reach = (pbf_real)reach;
   g.reach2 = (pbf_real)(reach * reach);
   double row_width = fmax(reach * grid_margin(0), longest * h / MAX_CELLS);
-  g.row_width = (pbf_real)row_width;
-  for (int k = 0; k < PBF_DIM; ++k) full[k] = floor(extent[k] / row_width) + 1;
+  row_width = grid_width_to_store(periods, extent, row_width, limit);
+  for (int k = 0; k < PBF_DIM; ++k) full[k] = grid_widths(periods, k, extent[k], row_width);
   const pbf_grid_wrap stored = pbf_grid_wrap_of(limit, finest, full);
   double width =
       stored.wraps_columns ? row_width / finest : fmax(extent[0], row_width) / stored.columns;
   for (int k = 0; k < PBF_DIM; ++k) {
-    g.origin.c[k] = domain->lower.c[k];
-    g.scale.c[k] = (pbf_real)(1 / (k ? row_width : width));
+    const bool periodic = g.period.c[k] > 0;
+    const double across = periodic ? extent[k] / full[k] : row_width;
+    g.origin.c[k] = (periodic ? periods->lower : domain->lower).c[k];
+    g.row_width.c[k] = (pbf_real)across;
+    g.scale.c[k] = (pbf_real)(1 / (k ? across : width));
     g.cells[k] = (uint32_t)(k ? full[k] : stored.columns);
     g.last.c[k] = (pbf_real)(g.cells[k] - 1);
   }
@@ -127,10 +156,11 @@ PBF_FN grid_view grid_look(const cell_grid &g, pbf_vec x) {
     pbf_real t = grid_coordinate(g, k, x.c[k]);
     view.own[k] = grid_index(g, k, t);
     pbf_real own = (pbf_real)view.own[k];
-    pbf_real below = pbf_real_max(t - own, 0) * g.row_width;
-    pbf_real above = pbf_real_max(own + 1 - t, 0) * g.row_width;
-    view.below2[k] = view.own[k] == 0 ? g.reach2 : below * below;
-    view.above2[k] = own >= g.last.c[k] ? g.reach2 : above * above;
+    pbf_real below = pbf_real_max(t - own, 0) * g.row_width.c[k];
+    pbf_real above = pbf_real_max(own + 1 - t, 0) * g.row_width.c[k];
+    const bool ends = !(g.period.c[k] > 0);
+    view.below2[k] = ends && view.own[k] == 0 ? g.reach2 : below * below;
+    view.above2[k] = ends && own >= g.last.c[k] ? g.reach2 : above * above;
   }
   return view;
 }
@@ -138,6 +168,34 @@ PBF_FN grid_view grid_look(const cell_grid &g, pbf_vec x) {
 /* Steps across the rows from a particle's to row 0 … PBF_ROWS - 1. */
 PBF_FN uint32_t grid_step(int row, int axis) {
   return (uint32_t)((axis == 1 ? row % 3 : row / 3) - 1);
+}
+
+/* An index across the rows, a step on: beyond a face of a periodic axis. */
+PBF_FN uint32_t grid_beyond(const cell_grid &g, int axis, uint32_t at) {
+  if (!(g.period.c[axis] > 0) || at < g.cells[axis]) return at;
+  return at == g.cells[axis] ? 0 : g.cells[axis] - 1;
+}
+
+/* The image of x from which row 0 … PBF_ROWS - 1 is there. */
+PBF_FN pbf_vec grid_image(const cell_grid &g, const grid_view &view, int row, pbf_vec x) {
+  for (int k = 1; k < PBF_DIM; ++k) {
+    const uint32_t at = view.own[k] + grid_step(row, k);
+    if (at >= g.cells[k]) x.c[k] += at == g.cells[k] ? -g.period.c[k] : g.period.c[k];
+  }
+  return x;
+}
+
+/* Whether a particle reaches beyond a periodic face along its row. */
+PBF_FN bool grid_reaches_beyond(const cell_grid &g, const grid_view &view) {
+  const pbf_real period = g.period.c[0];
+  return period > 0 && !(view.along > g.reach && view.along < period - g.reach);
+}
+
+/* The view from a particle's image beyond the nearer face along its row. */
+PBF_FN grid_view grid_view_beyond(const cell_grid &g, grid_view view) {
+  const pbf_real period = g.period.c[0];
+  view.along += 2 * view.along < period ? period : -period;
+  return view;
 }
 
 /* Cells first … last of row 0 … PBF_ROWS - 1 that can hold neighbours; false when there are none.
@@ -149,7 +207,7 @@ PBF_FN bool grid_reach(const cell_grid &g, const grid_view &view, int row, uint3
   for (int k = 1; k < PBF_DIM; ++k) {
     int step = (int)grid_step(row, k);
     left2 -= step == 0 ? 0 : step < 0 ? view.below2[k] : view.above2[k];
-    at[k] = view.own[k] + (uint32_t)step;
+    at[k] = grid_beyond(g, k, view.own[k] + (uint32_t)step);
   }
   if (!(left2 > 0)) return false;
   pbf_real left = ops<pbf_real>::root(left2); /* `reach` has room for its rounding */
@@ -169,7 +227,7 @@ PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint3
     at[PBF_DIM - 1] += cell; /* that axis has stride 1 */
   } else {
     for (int k = 1; k < PBF_DIM; ++k) {
-      at[k] = cell % g.cells[k] + grid_step(row, k);
+      at[k] = grid_beyond(g, k, cell % g.cells[k] + grid_step(row, k));
       cell /= g.cells[k];
       if (at[k] >= g.cells[k]) return false;
     }
@@ -177,6 +235,25 @@ PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint3
   uint32_t start = grid_row(g, at);
   *first = start + (column > span ? column - span : 0);
   *last = start + (column + span < g.cells[0] ? column + span : g.cells[0] - 1);
+  return true;
+}
+
+/* Those of them beyond a face, of a cell whose row has these. */
+PBF_FN bool grid_reach_beyond(const cell_grid &g, uint32_t cell, uint32_t *first, uint32_t *last) {
+  const uint32_t column = cell % g.cells[0], span = g.columns_in_reach, cells = g.cells[0];
+  const uint32_t start = *first / cells * cells;
+  if (!(g.period.c[0] > 0) || *last - *first + 1 == cells) return false;
+  if (column < span) {
+    const uint32_t left = column + cells - span, between = *last - start + 1;
+    *first = start + (left > between ? left : between);
+    *last = start + cells - 1;
+  } else if (column + span >= cells) {
+    const uint32_t right = column + span - cells, between = *first - start;
+    *first = start;
+    *last = start + (right < between ? right : between - 1);
+  } else {
+    return false;
+  }
   return true;
 }
 

@@ -205,7 +205,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const torque_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   auto sums = pass.template begin<pbf_real>();
   for (int k = 0; k < PBF_CURL_DIM && !first; ++k) sums.torque[k] = torques[own].c[k];
-  add_neighbors(pass, n, i, position_of(here), {here.lambda, lanes_of(start)}, starts, &sums);
+  add_neighbors(pass, n, i, position_of(here), {here.lambda, lanes_of(start)},
+                reinterpret_cast<const start_point *>(starts), &sums);
   if (i < n.particles.count) torques[i] = curl_of(sums.torque);
 }
 
@@ -281,7 +282,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   auto sums = all.template begin<pbf_real>();
   auto placed_sums = placed.template begin<pbf_real>();
   for_points_with(
-      n.particles, n.grid, n.lists, i, velocities,
+      n.particles, n.grid, n.lists, i, x, velocities,
       [&](const point &other, const pbf_vec &v) {
         neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
         j.number = other.lambda == PBF_PLACED_MARK ? 1 : 0;

@@ -41,9 +41,12 @@ static __device__ __forceinline__ void walk_cells(const sorted_particles &p, con
   uint32_t cell = p.cells[i], first, last;
   for (int row = share; row < PBF_ROWS; row += of) {
     if (!grid_reach_of_cell(grid, cell, row, &first, &last)) continue;
-    uint32_t end = p.cell_start[last + 1];
-    for (uint32_t j = p.cell_start[first]; j < end; ++j)
-      if (j != i) visit(j);
+    for (bool beyond = false;; beyond = true) {
+      uint32_t end = p.cell_start[last + 1];
+      for (uint32_t j = p.cell_start[first]; j < end; ++j)
+        if (j != i) visit(j);
+      if (beyond || !grid_reach_beyond(grid, cell, &first, &last)) break;
+    }
   }
 }
 
@@ -120,13 +123,47 @@ struct meets_all {
   __device__ __forceinline__ bool operator()(uint32_t) const { return true; }
 };
 
-/* The same with visit(point, value), where `values` has one for each particle. What is far from
- * everything has i's own. A walk leaves out those that it does not meet. */
+/* A place that passes look up beside the points. */
+struct start_point {
+  point at;
+};
+
+static __device__ __forceinline__ start_point load(const start_point *starts, uint32_t i) {
+  return {load(&starts->at, i)};
+}
+
+/* What is looked up, with its particle moved to an image. */
+template <class Value>
+static __device__ __forceinline__ Value value_moved(const Value &value, pbf_vec) {
+  return value;
+}
+static __device__ __forceinline__ start_point value_moved(start_point start, pbf_vec by) {
+  for (int k = 0; k < PBF_DIM; ++k) start.at.c[k] += by.c[k];
+  return start;
+}
+
+/* Moves a point, and what is looked up with it, to the image nearest to x. */
+template <class Value>
+static __device__ __forceinline__ void move_near(const cell_grid &grid, pbf_vec x, point *other,
+                                                 Value *value) {
+  pbf_vec by = {{0}};
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const pbf_real period = grid.period.c[k], half = (pbf_real)0.5 * period;
+    const pbf_real apart = x.c[k] - other->c[k];
+    if (period > 0) by.c[k] = apart > half ? period : apart < -half ? -period : 0;
+    other->c[k] += by.c[k];
+  }
+  *value = value_moved(*value, by);
+}
+
+/* The same with visit(point, value), where `values` has one for each particle, and points are at
+ * their image nearest to x. What is far from everything has i's own. A walk leaves out those that
+ * it does not meet. */
 template <uint32_t SHARES = 1, class Value, class Visit, class Meets = meets_all>
 static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
                                                        const cell_grid &grid,
                                                        const neighbor_lists &lists, uint32_t i,
-                                                       const Value *values, Visit visit,
+                                                       pbf_vec x, const Value *values, Visit visit,
                                                        Meets meets = {}) {
   for_chunks<SHARES>(
       p, grid, lists, i,
@@ -142,22 +179,21 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
             near[q] = load(p.points, j);
             value[q] = load(values, j == lists.sentinel_index ? i : j);
           }
+          if (grid.periodic) {
+#pragma unroll
+            for (uint32_t q = 0; q < PBF_GATHERS; ++q) move_near(grid, x, &near[q], &value[q]);
+          }
 #pragma unroll
           for (uint32_t q = 0; q < PBF_GATHERS; ++q) visit(near[q], value[q]);
         }
       },
       [&](uint32_t j) {
-        if (meets(j)) visit(load(p.points, j), load(values, j));
+        if (!meets(j)) return;
+        point near = load(p.points, j);
+        Value value = load(values, j);
+        if (grid.periodic) move_near(grid, x, &near, &value);
+        visit(near, value);
       });
-}
-
-/* And with visit(point), for what needs nothing else. */
-template <class Visit>
-static __device__ __forceinline__ void for_points(const sorted_particles &p, const cell_grid &grid,
-                                                  const neighbor_lists &lists, uint32_t i,
-                                                  Visit visit) {
-  for_points_with(p, grid, lists, i, static_cast<const no_value *>(nullptr),
-                  [&](const point &other, no_value) { visit(other); });
 }
 
 /* What every pass reads. */

@@ -102,6 +102,21 @@ static inline uint32_t list_blocks(uint32_t count) {
   return (count + SEARCH_BLOCK - 1) / SEARCH_BLOCK;
 }
 
+/* Particles start … end - 1 of a row. */
+struct row_part {
+  uint32_t start, end;
+};
+
+/* What a particle reaches of a row beyond the nearer face along it, which is periodic. */
+static __device__ __forceinline__ row_part part_beyond(const sorted_particles &p,
+                                                       const cell_grid &grid, const grid_view &view,
+                                                       int row) {
+  uint32_t first, last;
+  if (!grid_reaches_beyond(grid, view)) return {0, 0};
+  if (!grid_reach(grid, grid_view_beyond(grid, view), row, &first, &last)) return {0, 0};
+  return {p.cell_start[first], p.cell_start[last + 1]};
+}
+
 /* Which particles get a list. The sleeping boundary (physics/sleep.h) is known once the awake have
  * theirs; a warp's lists have their bases in common, so that it gets them together. */
 enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SLEEPING_BOUNDARY };
@@ -141,10 +156,26 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t start = next_start, end = next_end;
     if (row + 1 < PBF_ROWS) bounds(row + 1, &next_start, &next_end);
-    uint32_t base = min_of_lanes(~0u, start < end ? start : ~0u);
+    uint32_t lowest = start < end ? start : ~0u;
+    if (grid.period.c[0] > 0) {
+      const row_part beyond = looks ? part_beyond(p, grid, view, row) : row_part{0, 0};
+      if (beyond.start < beyond.end) lowest = min(lowest, beyond.start);
+      __syncwarp();
+    }
+    uint32_t base = min_of_lanes(~0u, lowest);
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
     if (start < end && end - base > PBF_PLACES) list.fits = false;
-    list.add_row(p.points, start, end, i, x, h2, ((uint32_t)row << PBF_PLACE_BITS) + start - base);
+    const pbf_vec from = grid.periodic ? grid_image(grid, view, row, x) : x;
+    list.add_row(p.points, start, end, i, from, h2,
+                 ((uint32_t)row << PBF_PLACE_BITS) + start - base);
+    if (grid.period.c[0] > 0 && looks) {
+      const row_part beyond = part_beyond(p, grid, view, row);
+      pbf_vec seen = from;
+      seen.c[0] += 2 * view.along < grid.period.c[0] ? grid.period.c[0] : -grid.period.c[0];
+      if (beyond.start < beyond.end && beyond.end - base > PBF_PLACES) list.fits = false;
+      list.add_row(p.points, beyond.start, beyond.end, i, seen, h2,
+                   ((uint32_t)row << PBF_PLACE_BITS) + beyond.start - base);
+    }
     __syncwarp();
   }
   if (!real) return;

@@ -34,7 +34,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec x = position_of(load(points, own));
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     if (!awake || j == n.lists.sentinel_index || !pbf_is_inactive(activity[j])) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    pbf_vec x_ij = pbf_nearest_image(n.grid.period, pbf_sub(x, position_of(load(points, j))));
     if (pbf_dot(x_ij, x_ij) < n.constants.h2) activity[j] = pbf_sleeping_boundary();
   });
 }
@@ -70,7 +70,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (!__any_sync(~0u, wakes_neighbors)) return;
   for_neighbors(n.particles, n.grid, n.lists, i, [&](uint32_t j) {
     if (!wakes_neighbors || j == n.lists.sentinel_index) return;
-    pbf_vec x_ij = pbf_sub(x, position_of(load(points, j)));
+    pbf_vec x_ij = pbf_nearest_image(n.grid.period, pbf_sub(x, position_of(load(points, j))));
     if (pbf_dot(x_ij, x_ij) < n.constants.h2) marks.awakened[j] = 1;
   });
 }

@@ -18,6 +18,7 @@ struct prediction {
   pbf_forces forces;
   step_obstacles obstacles;
   int collide;
+  pbf_periods periods; /* of the domain */
 };
 
 struct unsorted_particles {
@@ -53,7 +54,9 @@ static __device__ __forceinline__ void count_particle(const unsorted_particles &
                                                       uint32_t *cell_count,
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
-  uint32_t cell = grid_cell(grid, predicted_position<SURFACES, SLEEP>(from, p, i, x));
+  pbf_vec predicted = predicted_position<SURFACES, SLEEP>(from, p, i, x);
+  if (p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
+  uint32_t cell = grid_cell(grid, predicted);
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
@@ -81,7 +84,9 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     to.velocities[place] = {{0}};
     *from.some_asleep = 1;
   } else {
-    store(to.points, place, point_at(predicted));
+    pbf_vec inside = predicted;
+    if (p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
+    store(to.points, place, point_at(inside));
     pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }

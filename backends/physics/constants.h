@@ -58,6 +58,7 @@ typedef struct pbf_constants {
   pbf_real max_undone;        /* … and what it undoes of it at most, … */
   pbf_real max_residual_part; /* … but for the rest of this part, see pbf_residual_density */
   pbf_real overlap_decay;     /* of what is allowed for of an overlap, a step: passes/overlap.h */
+  pbf_vec period;             /* of each axis; 0 between walls */
   pbf_real wall_offset;
   pbf_real boundary_weight; /* of what surfaces contribute, and of ghosts */
   pbf_real boundary_rest_density,
@@ -370,6 +371,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
   pbf_set_tension(&c, params, &d);
+  for (int k = 0; k < PBF_DIM; ++k) c.period.c[k] = pbf_period_of(params, k);
   if (!same) pbf_set_walls(&c, params, &d);
   c.rounding = c.accelerated
                    ? (pbf_real)pbf_density_rounding(params, (double)c.residual_density, d.diagonal)

@@ -98,11 +98,17 @@ static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, in
   return is_deep(params, axis, pbf_basins_depth(basins, fluid));
 }
 
+/* Its cells end at walls: a domain that is periodic along any axis has none. */
+static inline int pbf_may_have_pressure_grid(const pbf_params *params) {
+  return params->pressure_grid != 0 && !params->periodic;
+}
+
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
  * have one where fewer have. */
 static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
                                     uint32_t colliders, const pbf_collider *list, uint32_t count) {
-  if (params->pressure_grid >= 0) return params->pressure_grid;
+  if (!pbf_may_have_pressure_grid(params)) return 0;
+  if (params->pressure_grid > 0) return params->pressure_grid;
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
              pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count);
   return deep ? PBF_DEPTH_WIDTH : 0;
@@ -114,7 +120,7 @@ static inline int pbf_depth_corrects_shear(const pbf_params *params, pbf_basins 
                                            uint32_t count) {
   if (params->shear_stress_correction >= 0) return params->shear_stress_correction > 0;
   if (params->surface_tension > 0) return pbf_shear_stress_correction(params) > 0;
-  return params->pressure_grid != 0 && pbf_shear_stress_correction(params) > 0 &&
+  return pbf_may_have_pressure_grid(params) && pbf_shear_stress_correction(params) > 0 &&
          pbf_depth_could_be(pbf_depth_is_sheared, params, basins, colliders, list, count);
 }
 

@@ -108,12 +108,14 @@ PBF_FN void pbf_wide_add(pbf_wide_sum *to, pbf_wide_sum more) {
  * above all of these. A number of the former is at most twice the largest speed that walls stop. */
 PBF_FN double pbf_units_of_velocity(double max_speed) { return 0x1p60 / max_speed; }
 
-/* No particle is farther from a solid's position. */
+/* No particle is farther from a solid's position. `periods`: of the axes without walls. */
 template <class Obstacles>
-PBF_FN double pbf_lever(const Obstacles &o, int solid) {
+PBF_FN double pbf_lever(const Obstacles &o, const pbf_periods &periods, int solid) {
   double lever = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const double lower = (double)o.domain.lower.c[k], upper = (double)o.domain.upper.c[k];
+    const int periodic = periods.length.c[k] > 0;
+    const double lower = (double)(periodic ? periods.lower : o.domain.lower).c[k];
+    const double upper = (double)(periodic ? periods.upper : o.domain.upper).c[k];
     const double at = solid < PBF_WALLS ? 0 : (double)o.surfaces[solid - PBF_WALLS].center.c[k];
     lever += fabs(upper - lower) + fabs(at - lower);
   }
@@ -142,6 +144,7 @@ typedef struct pbf_load_scales {
                        lambda does not add up over a step */
   double mass;      /* of a particle, over rest density */
   double time_step;
+  pbf_periods periods; /* of the domain */
 } pbf_load_scales;
 
 /* A particle has the mass of the cell that it fills in a fluid at rest, or what the caller says. */
@@ -159,6 +162,7 @@ static inline pbf_load_scales pbf_load_scales_of(const pbf_constants *c, const p
   s.by_lambda = c->accelerated ? (double)c->omega * pbf_per_time_step(params) : 0;
   s.mass = pbf_particle_mass(params);
   s.time_step = params->time_step;
+  s.periods = pbf_periods_of(params);
   return s;
 }
 
@@ -402,7 +406,7 @@ template <class Obstacles>
 PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
                               const pbf_load_plane &p, const load_share &share) {
   double number[PBF_LOAD_SUMS] = {0}, units[PBF_LOAD_SUMS], r[3] = {0}, u[3] = {0};
-  const double lever = pbf_lever(o, p.solid), depth = fmax(0.0, -(double)p.distance);
+  const double lever = pbf_lever(o, s->periods, p.solid), depth = fmax(0.0, -(double)p.distance);
   load_part part;
   for (int k = 0; k < PBF_DIM; ++k) {
     const bool is_wall = p.solid < PBF_WALLS;
@@ -523,7 +527,8 @@ template <class Tally, class Obstacles>
 PBF_FN void end_load(Tally *t, const Obstacles &o, const load_rests &rests,
                      const pbf_load_scales *s, int solid) {
   if (!is_solid_there(solid, pbf_surface_count(o))) return;
-  find_load(&t->sums[solid], rests, solid < PBF_WALLS, s, pbf_lever(o, solid), &t->loads[solid]);
+  find_load(&t->sums[solid], rests, solid < PBF_WALLS, s, pbf_lever(o, s->periods, solid),
+            &t->loads[solid]);
   add_load(&t->loads[solid], 1, s->time_step);
 }
 

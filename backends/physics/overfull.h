@@ -19,8 +19,9 @@ static inline double pbf_density_in_volume(const pbf_params *params, uint32_t co
   const double unevenness = 0.015;
   double between = 1, volume = 1, spacing = pbf_derive_spacing(params);
   for (int k = 0; k < PBF_DIM; ++k) {
-    double lower = pbf_motion_wall(params, 2 * k, time) - pbf_reach_beyond_walls(params);
-    double upper = pbf_motion_wall(params, 2 * k + 1, time) + pbf_reach_beyond_walls(params);
+    double beyond = pbf_is_periodic(params, k) ? 0 : pbf_reach_beyond_walls(params);
+    double lower = pbf_motion_wall(params, 2 * k, time) - beyond;
+    double upper = pbf_motion_wall(params, 2 * k + 1, time) + beyond;
     between *= fmax(upper - lower, 0);
     volume *= spacing;
   }

@@ -51,7 +51,9 @@ static inline void add_neighbors(const solver *s, const Pass &pass, const pbf_ve
                                  uint32_t *neighbors = NULL) {
   neighbor n = neighbors_of(&s->grid, i);
   while (next_neighbor(&s->grid, x, s->constants.h2, &n)) {
-    pass.pair(sums, own, looked_up(n, of));
+    typename Pass::template own<pbf_real> image = own;
+    if (s->grid.periods.any) move_own(&image, lanes_of(n.image), 0);
+    pass.pair(sums, image, looked_up(n, of));
     if (neighbors) ++*neighbors;
   }
 }

@@ -5,15 +5,16 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "physics/real.h"
+#include "physics/periodic.h"
 
 /* Lists of the particles in each cell, at the positions the grid was built from. Cells far apart
  * may share a list (indices are taken modulo `cells`), which costs distance tests and loses none.
  */
 typedef struct grid {
-  double width;
+  double width[PBF_DIM];
   double origin[PBF_DIM];
   uint32_t cells[PBF_DIM];
+  pbf_periods periods;
   uint32_t *cell_of; /* particle -> cell */
   uint32_t *start;   /* cell -> first entry in `list`; one more at the end */
   uint32_t *list;    /* particles, cell by cell */
@@ -23,12 +24,14 @@ typedef struct grid {
 static inline uint32_t grid_cell_limit(uint32_t count) { return 2 * count + 1024; }
 
 /* A box around the particles, and its number of cells, halved along the longest side until they
- * fit. Three cells along an axis are needed to tell the left neighbour from the right one. */
+ * fit. Three cells along an axis are needed to tell the left neighbour from the right one. Along a
+ * periodic axis they fill the period. */
 static inline void size_grid(grid *g, const pbf_params *params, uint32_t limit, uint32_t count,
                              const pbf_vec *x) {
   double width = params->search_cell_width;
   double cells[PBF_DIM], total = 1;
-  g->width = width > params->smoothing_radius ? width : params->smoothing_radius;
+  if (!(width > params->smoothing_radius)) width = params->smoothing_radius;
+  g->periods = pbf_periods_of(params);
   for (int k = 0; k < PBF_DIM; ++k) {
     double lower = x[0].c[k], upper = x[0].c[k];
     for (uint32_t i = 1; i < count; ++i) {
@@ -36,7 +39,12 @@ static inline void size_grid(grid *g, const pbf_params *params, uint32_t limit, 
       upper = fmax(upper, x[i].c[k]);
     }
     g->origin[k] = lower;
-    cells[k] = fmax(3, fmin(1e9, floor((upper - lower) / g->width) + 1));
+    g->width[k] = width;
+    cells[k] = fmax(3, fmin(1e9, floor((upper - lower) / width) + 1));
+    if (pbf_is_periodic(params, k)) {
+      g->origin[k] = params->domain_min[k];
+      cells[k] = fmax(3, fmin(1e9, floor((double)g->periods.length.c[k] / width)));
+    }
     total *= cells[k];
   }
   while (total > limit) {
@@ -47,13 +55,17 @@ static inline void size_grid(grid *g, const pbf_params *params, uint32_t limit, 
     cells[longest] = fmax(3, ceil(cells[longest] / 2));
     total *= cells[longest];
   }
-  for (int k = 0; k < PBF_DIM; ++k) g->cells[k] = (uint32_t)cells[k];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    g->cells[k] = (uint32_t)cells[k];
+    if (pbf_is_periodic(params, k)) g->width[k] = (double)g->periods.length.c[k] / cells[k];
+  }
 }
 
 static inline uint32_t cell_at(const grid *g, pbf_vec x) {
   uint32_t cell = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k) {
-    double c = fmod(floor((x.c[k] - g->origin[k]) / g->width), g->cells[k]);
+    double c = floor((x.c[k] - g->origin[k]) / g->width[k]);
+    c = g->periods.length.c[k] > 0 ? fmin(c, g->cells[k] - 1.0) : fmod(c, g->cells[k]);
     cell = cell * g->cells[k] + (c > 0 ? (uint32_t)c : 0); /* 0 also for NaN */
   }
   return cell;
@@ -76,8 +88,9 @@ static inline void grid_build(grid *g, const pbf_params *params, uint32_t limit,
 /* Walks over the particles j != i nearer than h to particle i, at positions x. */
 typedef struct neighbor {
   uint32_t j;
-  pbf_vec x_ij;
+  pbf_vec x_ij; /* of the nearest images */
   pbf_real r2;
+  pbf_vec image; /* x_ij less x_i - x_j */
   /* where the walk stands */
   uint32_t i, next, end;
   int block;
@@ -114,6 +127,11 @@ static inline int next_neighbor(const grid *g, const pbf_vec *x, pbf_real h2, ne
   while (next_cell(g, n)) {
     n->j = g->list[n->next++];
     n->x_ij = pbf_sub(x[n->i], x[n->j]);
+    if (g->periods.any) {
+      const pbf_vec between = n->x_ij;
+      n->x_ij = pbf_nearest_image(g->periods.length, between);
+      n->image = pbf_sub(n->x_ij, between);
+    }
     n->r2 = pbf_dot(n->x_ij, n->x_ij);
     if (n->r2 < h2 && n->j != n->i) return 1;
   }

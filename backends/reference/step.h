@@ -47,6 +47,16 @@ static inline void collide_moving(const solver *s, const pbf_obstacles *o) {
     if (!asleep(s, i)) collide_one(s, o, s->predicted[i], i);
 }
 
+/* A step that leaves the domain by a face begins an image away. */
+static inline void begin_inside(solver *s) {
+  const pbf_periods periods = pbf_periods_of(&s->params);
+  for (uint32_t i = 0; i < s->count && periods.any; ++i) {
+    const pbf_vec left = s->predicted[i];
+    s->moved[i] = s->predicted[i] = pbf_image_inside(&periods, left);
+    s->x[i] = pbf_add_scaled(s->x[i], 1, pbf_sub(s->predicted[i], left));
+  }
+}
+
 static inline void predict(solver *s, double time, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params, time);
   for (uint32_t i = 0; i < s->count; ++i)
@@ -61,6 +71,7 @@ static inline void predict(solver *s, double time, const pbf_obstacles *o) {
     s->v[i] = pbf_predicted_velocity(&forces, s->x[i], s->v[i], free, s->predicted[i]);
     begin_push(s, &forces, i, forced);
   }
+  begin_inside(s);
 }
 
 /* What walls and colliders add to the density of particle i at x, and to its gradient. */
@@ -363,6 +374,7 @@ static inline typename Pass::template sums<pbf_real> sums_before(
   while (next_neighbor(&s->grid, s->moved, s->constants.h2, &n)) {
     neighbor before = n;
     before.x_ij = pbf_sub(s->x[i], s->x[n.j]);
+    if (s->grid.periods.any) before.x_ij = pbf_add_scaled(before.x_ij, 1, n.image);
     before.r2 = pbf_dot(before.x_ij, before.x_ij);
     pass.pair(&sums, own, looked_up(before, of));
   }
@@ -519,6 +531,9 @@ struct executor {
   void end() {
     if (runs<PBF_STAGE_GRID>(s->schedule) && s->schedule.accelerated) add_weight(s);
     memcpy(s->x, s->moved, s->count * sizeof *s->x);
+    const pbf_periods periods = pbf_periods_of(&s->params);
+    for (uint32_t i = 0; i < s->count && periods.any; ++i)
+      s->x[i] = pbf_image_inside(&periods, s->x[i]);
   }
 };
 

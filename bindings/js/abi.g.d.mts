@@ -45,6 +45,7 @@ export interface Params {
   wallStaticFriction: number;
   wallNoSlip: number;
   surfaceTension: number;
+  periodic: number;
 }
 
 export interface Collider {
@@ -192,6 +193,9 @@ export declare const constants: {
   readonly COLLIDE_AFTER_PREDICTION: 1;
   readonly COLLIDE_IN_ITERATION: 2;
   readonly COLLIDE_AFTER_SOLVE: 4;
+  readonly PERIODIC_X: 1;
+  readonly PERIODIC_Y: 2;
+  readonly PERIODIC_Z: 4;
   readonly WALL_X_MIN: 0;
   readonly WALL_X_MAX: 1;
   readonly WALL_Y_MIN: 2;

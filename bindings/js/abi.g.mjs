@@ -38,6 +38,9 @@ export const constants = Object.freeze({
   COLLIDE_AFTER_PREDICTION: 1,
   COLLIDE_IN_ITERATION: 2,
   COLLIDE_AFTER_SOLVE: 4,
+  PERIODIC_X: 1,
+  PERIODIC_Y: 2,
+  PERIODIC_Z: 4,
   WALL_X_MIN: 0,
   WALL_X_MAX: 1,
   WALL_Y_MIN: 2,
@@ -107,7 +110,7 @@ export const structs = {
     },
   },
   pbf_params: {
-    size: 576,
+    size: 584,
     fields: {
       structSize: ["u32", 0],
       kernel: ["u32", 4],
@@ -155,6 +158,8 @@ export const structs = {
       wallStaticFriction: ["f64", 552],
       wallNoSlip: ["f64", 560],
       surfaceTension: ["f64", 568],
+      periodic: ["u32", 576],
+      reserved: ["u32", 580],
     },
   },
   pbf_collider: {

@@ -20,7 +20,7 @@ _Static_assert(offsetof(pbf_desc, isa) == 52, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, enqueue_task) == 56, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, finish_task) == 60, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, task_user) == 64, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_params) == 576, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_params) == 584, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, kernel) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, smoothing_radius) == 8, "as abi.g.mjs has it");
@@ -67,6 +67,8 @@ _Static_assert(offsetof(pbf_params, wall_friction) == 544, "as abi.g.mjs has it"
 _Static_assert(offsetof(pbf_params, wall_static_friction) == 552, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, wall_no_slip) == 560, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, surface_tension) == 568, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_params, periodic) == 576, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_params, reserved) == 580, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_collider) == 280, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, shape) == 4, "as abi.g.mjs has it");

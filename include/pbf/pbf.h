@@ -209,6 +209,9 @@ enum {
   PBF_COLLIDE_AFTER_SOLVE = 4
 };
 
+/* Axes along which the domain is periodic (bits). */
+enum { PBF_PERIODIC_X = 1, PBF_PERIODIC_Y = 2, PBF_PERIODIC_Z = 4 };
+
 /* Indices of the six walls in the arrays below: 2 * axis for the lower wall, + 1 for the upper. */
 enum {
   PBF_WALL_X_MIN = 0,
@@ -401,6 +404,14 @@ typedef struct pbf_params {
                        0.05: see pbf_get_step_limit. Made for a smoothing_radius of 2 spacings.
                        Walls and colliders neither pull nor hold: the contact angle is 180 degrees.
                        Two passes over pairs a step, beside that correction. 0: none */
+  uint32_t periodic; /* PBF_PERIODIC_… bits of axes along which the domain's two faces are one:
+                        what leaves it by the one comes in by the other, and fluid on both sides
+                        are neighbours. There are no walls there, and none may move; the domain
+                        is at least 4 smoothing_radius wide. Positions are those inside the
+                        domain. Colliders, and attraction, act where they lie, not beyond the
+                        faces. Without a pressure grid: pressure_grid is 0, or -1, which then is
+                        none. 0, the default: walls on all sides */
+  uint32_t reserved; /* 0 */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */

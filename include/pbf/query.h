@@ -12,6 +12,9 @@
  *             & Salkauskas, Mathematics of Computation 37, 1981). Linear fields come out as they
  *             are, at surfaces, too. Along directions in which the particles hardly spread, as in
  *             spray, it is their weighted mean (Shepard, ACM National Conference 1968). 0 in air.
+ *   faces     of periodic axes (pbf_params.periodic) are none: a point is at its image in the
+ *             domain, near particles on both sides. Volumes of pbf_find_in_volume, and rays, end
+ *             there: they meet what lies where they are.
  *   order     sums run over cells and, within a cell, by id: the same positions give the same bits
  *             on all backends.
  *   cost      the first query after particles have changed sorts all of them, some 0.03

@@ -232,17 +232,34 @@ static void gather(const pbf_query_index *index, const pbf_numbers *numbers, uin
 
 /* ---- Building ------------------------------------------------------------------------------- */
 
+static void find_period(const pbf_solver *solver, uint32_t axis, double *face, double *period) {
+  const pbf_params *params = &solver->params;
+  const int periodic = params->periodic >> axis & 1 && axis < solver->kind.dimension;
+  *face = periodic ? params->domain_min[axis] : 0;
+  *period = periodic ? params->domain_max[axis] - params->domain_min[axis] : 0;
+}
+
+static int has_periods_of_now(const pbf_query_index *index, const pbf_solver *solver) {
+  double face, period;
+  for (uint32_t k = 0; k < 3; ++k) {
+    find_period(solver, k, &face, &period);
+    if (index->face[k] != face || index->period[k] != period) return 0;
+  }
+  return 1;
+}
+
 static int is_of_now(const pbf_solver *solver) {
   const pbf_query_index *index = solver->query;
   return index && index->is_built && index->generation == solver->generation &&
          index->radius == 1.5 * solver->params.smoothing_radius &&
-         index->spacing == pbf_derive_spacing(&solver->params);
+         index->spacing == pbf_derive_spacing(&solver->params) && has_periods_of_now(index, solver);
 }
 
 static void describe(pbf_query_index *index, const pbf_solver *solver) {
   index->count = solver->count;
   index->radius = 1.5 * solver->params.smoothing_radius;
   index->spacing = pbf_derive_spacing(&solver->params);
+  for (uint32_t k = 0; k < 3; ++k) find_period(solver, k, &index->face[k], &index->period[k]);
   const double d = index->spacing / index->radius;
   index->scale = index->dimension == 3 ? d * d * d * 21 / (2 * pi) : d * d * 7 / pi;
 }
@@ -344,6 +361,26 @@ void pbf_query_go(pbf_query_place *place, const double *point) {
   memcpy(place->cell, cell, sizeof cell);
   place->is_set = 1;
   find_runs(place);
+}
+
+uint32_t pbf_query_images(const pbf_query_index *index, const double *point,
+                          double images[PBF_QUERY_IMAGES][3]) {
+  uint32_t count = 1;
+  images[0][2] = 0;
+  memcpy(images[0], point, index->dimension * sizeof *point);
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const double period = index->period[k];
+    if (!(period > 0)) continue;
+    const double from = images[0][k] - index->face[k], in = from - period * floor(from / period);
+    const double beyond = in < index->radius ? period : in > period - index->radius ? -period : 0;
+    for (uint32_t i = 0; i < count; ++i) images[i][k] = index->face[k] + in;
+    for (uint32_t i = 0; beyond != 0 && i < count; ++i) {
+      memcpy(images[count + i], images[i], sizeof images[i]);
+      images[count + i][k] += beyond;
+    }
+    count *= beyond != 0 ? 2 : 1;
+  }
+  return count;
 }
 
 /* ---- Ordering points ------------------------------------------------------------------------- */

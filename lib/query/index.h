@@ -22,9 +22,11 @@ typedef struct pbf_query_index {
   uint32_t dimension, precision;
   uint32_t count, capacity; /* particles that there are, and that the memory is for */
   double radius, spacing;
-  double scale;               /* spacing^dimension times the norm of the kernel */
-  double lower[3], upper[3];  /* of the particles' positions */
-  double cell;                /* width */
+  double scale;              /* spacing^dimension times the norm of the kernel */
+  double lower[3], upper[3]; /* of the particles' positions */
+  double face[3],
+      period[3]; /* of periodic axes, else 0: the lower face, and how far the other is */
+  double cell;   /* width */
   uint32_t cells[3], bits[3]; /* along each axis, empty ones around all included */
   uint32_t shift, entries;    /* of the directory: entry e is of keys from e << shift on */
   uint64_t bytes;
@@ -70,6 +72,12 @@ typedef struct pbf_query_place {
 
 /* Goes to the cell of a point; count is 0 where nothing is near. */
 void pbf_query_go(pbf_query_place *place, const double *point);
+
+/* Where a point, and images of it beyond periodic faces, can be near particles: `images` gets them,
+ * the first the one inside the domain. Returns how many. */
+enum { PBF_QUERY_IMAGES = 8 };
+uint32_t pbf_query_images(const pbf_query_index *index, const double *point,
+                          double images[PBF_QUERY_IMAGES][3]);
 
 /* At most so many points are ordered at once. */
 enum { PBF_QUERY_ORDERED = 8192 };

@@ -77,14 +77,16 @@ static void add_slope(const near *n, uint32_t dimension, double slope[3]) {
 
 double pbf_query_density(pbf_query_place *place, const double *point, double *gradient) {
   const pbf_query_index *index = place->index;
-  double sum = 0, slope[3] = {0, 0, 0};
+  double sum = 0, slope[3] = {0, 0, 0}, images[PBF_QUERY_IMAGES][3];
   near n;
-  pbf_query_go(place, point);
-  for (uint32_t run = 0; run < place->count; ++run) {
-    for (uint32_t begin = place->runs[run].begin; begin < place->runs[run].end;) {
-      find_part(index, point, &place->runs[run], &begin, &n);
-      add_density(&n, &sum);
-      if (gradient) add_slope(&n, index->dimension, slope);
+  for (uint32_t i = pbf_query_images(index, point, images); i-- > 0;) {
+    pbf_query_go(place, images[i]);
+    for (uint32_t run = 0; run < place->count; ++run) {
+      for (uint32_t begin = place->runs[run].begin; begin < place->runs[run].end;) {
+        find_part(index, images[i], &place->runs[run], &begin, &n);
+        add_density(&n, &sum);
+        if (gradient) add_slope(&n, index->dimension, slope);
+      }
     }
   }
   for (uint32_t k = 0; k < index->dimension && gradient; ++k)
@@ -190,10 +192,13 @@ static void solve(const moments *m, double b[3], uint32_t n) {
 void pbf_query_fields(pbf_query_place *place, const double *point, uint32_t fields,
                       double values[VALUES]) {
   const uint32_t n = place->index->dimension;
+  double images[PBF_QUERY_IMAGES][3];
   moments m = {0};
   memset(values, 0, VALUES * sizeof *values);
-  pbf_query_go(place, point);
-  collect_all(place, point, fields, &m);
+  for (uint32_t i = pbf_query_images(place->index, point, images); i-- > 0;) {
+    pbf_query_go(place, images[i]);
+    collect_all(place, images[i], fields, &m);
+  }
   if (!(m.weight > 0)) return;
   centre(&m, n);
   decompose(&m, n);

@@ -27,7 +27,8 @@ cell_grid grid_of(const test_domain &d, uint32_t limit, double finest) {
     domain.lower.c[k] = (pbf_real)d.lower[k];
     domain.upper.c[k] = (pbf_real)(d.lower[k] + d.size[k]);
   }
-  return grid_over(&domain, 1, limit, finest);
+  const pbf_periods none = {};
+  return grid_over(&domain, &none, 1, limit, finest);
 }
 
 template <class Visit>
@@ -88,6 +89,84 @@ void neighbors_are_in_one_row_around(void **) {
                        }));
     }
   });
+}
+
+/* Domains that are periodic along all axes. */
+const test_domain PERIODIC[] = {
+    {{0, 0, 0}, {4, 4, 4}},       {{-3, 2, 1}, {5.3, 4.9, 4.1}}, {{1, 0, -7}, {300, 4.2, 60}},
+    {{0, -5, 0}, {4.4, 3000, 9}}, {{0, 0, 0}, {200, 200, 200}},
+};
+
+pbf_periods periods_of(const test_domain &d) {
+  pbf_periods periods = {};
+  periods.any = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    periods.lower.c[k] = (pbf_real)d.lower[k];
+    periods.upper.c[k] = (pbf_real)(d.lower[k] + d.size[k]);
+    periods.length.c[k] = (pbf_real)d.size[k];
+  }
+  return periods;
+}
+
+/* Anywhere, and often next to a face. */
+pbf_vec place_near_faces(uint64_t *state, const test_domain &d) {
+  pbf_vec x;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double at = random_in(state, 0, d.size[k]);
+    if (random_in(state, 0, 1) < 0.5) at = random_in(state, -1, 1);
+    x.c[k] = (pbf_real)(d.lower[k] + (at < 0 ? at + d.size[k] : at));
+  }
+  return x;
+}
+
+/* As lists are made: in how many parts of rows a neighbour is, from an image that is near it. */
+int parts_near(const cell_grid &g, pbf_vec x, pbf_vec y) {
+  const uint32_t other = grid_cell(g, y);
+  int found = 0;
+  grid_view view = grid_look(g, x);
+  for (int beyond = 0; beyond <= grid_reaches_beyond(g, grid_look(g, x)); ++beyond) {
+    if (beyond) view = grid_view_beyond(g, view);
+    for (int row = 0; row < PBF_ROWS; ++row) {
+      uint32_t first, last;
+      if (!grid_reach(g, view, row, &first, &last) || other < first || other > last) continue;
+      pbf_vec image = grid_image(g, view, row, x);
+      if (beyond)
+        image.c[0] += 2 * (x.c[0] - g.origin.c[0]) < g.period.c[0] ? g.period.c[0] : -g.period.c[0];
+      const pbf_vec apart = pbf_sub(image, y);
+      found += pbf_dot(apart, apart) < 1.001;
+    }
+  }
+  return found;
+}
+
+/* As cells are walked. */
+int parts_walked(const cell_grid &g, pbf_vec x, pbf_vec y) {
+  const uint32_t own = grid_cell(g, x), other = grid_cell(g, y);
+  int found = 0;
+  for (int row = 0; row < PBF_ROWS; ++row) {
+    uint32_t first, last;
+    if (!grid_reach_of_cell(g, own, row, &first, &last)) continue;
+    found += first <= other && other <= last;
+    if (grid_reach_beyond(g, own, &first, &last)) found += first <= other && other <= last;
+  }
+  return found;
+}
+
+void neighbors_beyond_faces_are_met_once(void **) {
+  uint64_t state = 6;
+  for (const test_domain &d : PERIODIC)
+    for (uint32_t cells : CELLS_OF_H) {
+      const pbf_periods periods = periods_of(d);
+      const pbf_domain domain = {};
+      const cell_grid g = grid_over(&domain, &periods, 1, cells, PBF_FINEST);
+      assert_in_range(g.count, 1, cells * PBF_FINEST);
+      for (int k = 0; k < PAIRS / 20; ++k) {
+        const pbf_vec x = place_near_faces(&state, d);
+        const pbf_vec y = pbf_image_inside(&periods, random_neighbor(&state, x));
+        assert_int_equal(1, parts_near(g, x, y));
+        assert_int_equal(1, parts_walked(g, x, y));
+      }
+    }
 }
 
 /* No candidate is met twice. */
@@ -164,6 +243,7 @@ void fluid_spreads_over_a_vast_domain(void **) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(neighbors_are_in_one_row_around),
+      cmocka_unit_test(neighbors_beyond_faces_are_met_once),
       cmocka_unit_test(rows_are_apart),
       cmocka_unit_test(cells_are_within_the_limit),
       cmocka_unit_test(fluid_spreads_over_a_vast_domain),

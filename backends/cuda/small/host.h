@@ -27,7 +27,7 @@ static inline bool small_wanted(const pbf_params *params, const pbf_schedule &no
   if (params->shear_stress_correction < 0) /* with the grid */
     for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
       has.runs[stage] = 0;
-  return sizeof(pbf_real) == sizeof(float) && has_only(has, SMALL_STAGES) &&
+  return sizeof(pbf_real) == sizeof(float) && !params->periodic && has_only(has, SMALL_STAGES) &&
          !has.checks_convergence && !pbf_may_have_ghosts(params) &&
          params->iterations <= SMALL_ITERATIONS;
 }
@@ -190,11 +190,12 @@ static inline pbf_status small_upload_table(solver *s, const pbf_step_times &tim
                                             uint32_t steps) {
   small_upload upload;
   pbf_constants c = s->constants;
+  const pbf_periods none = {}; /* it serves no periodic domain */
   memset(static_cast<void *>(&upload), 0, sizeof upload);
   for (uint32_t k = 0; k < steps; ++k) {
     upload.steps[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1));
-    upload.steps[k].grid =
-        grid_over(&upload.steps[k].domain, s->params.smoothing_radius, small_cells(s->count), 1);
+    upload.steps[k].grid = grid_over(&upload.steps[k].domain, &none, s->params.smoothing_radius,
+                                     small_cells(s->count), 1);
     upload.steps[k].rounding = pbf_rounding_of(pbf_time_after(&times, k), s->params.time_step);
   }
   for (uint32_t k = 0; k < s->params.iterations; ++k) {

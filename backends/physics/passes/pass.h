@@ -34,6 +34,15 @@ struct neighbor_of {
   L second = {}; /* number */
 };
 
+/* Takes what a pass knows of its particle along to an image of it: where the step began, if it is
+ * that, and else nothing. */
+template <class Own, class L>
+PBF_FN auto move_own(Own *own, const lane_vector<L> &by, int) -> decltype((void)own->start) {
+  own->start.add_scaled(ops<L>::set(1), by);
+}
+template <class Own, class L>
+PBF_FN void move_own(Own *, const lane_vector<L> &, long) {}
+
 /* The weight of what counts in full. */
 struct unweighted {};
 template <class L>

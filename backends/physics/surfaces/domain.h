@@ -5,10 +5,10 @@
 
 #include "physics/derive.h"
 #include "physics/motion.h"
-#include "physics/real.h"
+#include "physics/periodic.h"
 
 typedef struct pbf_domain {
-  pbf_vec lower, upper;
+  pbf_vec lower, upper;  /* walls; of a periodic axis out of all reach */
   pbf_real bounce_depth; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
   pbf_real ghost_reach;  /* particles this near to a wall have ghosts in it (ghosts.h): h, or 0 */
   pbf_real rounding;     /* what rounding may take from distances in it */
@@ -55,6 +55,11 @@ static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
   }
   domain.ghost_reach = pbf_ghost_reach(params, domain.lower, domain.upper);
   domain.rounding = (pbf_real)pbf_domain_rounding(&domain);
+  for (int k = 0; k < PBF_DIM; ++k)
+    if (pbf_is_periodic(params, k)) {
+      domain.lower.c[k] = -(pbf_real)INFINITY;
+      domain.upper.c[k] = (pbf_real)INFINITY;
+    }
   return domain;
 }
 

@@ -51,6 +51,9 @@ namespace Pbf
         public const uint CollideAfterPrediction = 1;
         public const uint CollideInIteration = 2;
         public const uint CollideAfterSolve = 4;
+        public const uint PeriodicX = 1;
+        public const uint PeriodicY = 2;
+        public const uint PeriodicZ = 4;
         public const uint WallXMin = 0;
         public const uint WallXMax = 1;
         public const uint WallYMin = 2;
@@ -194,6 +197,8 @@ namespace Pbf
         public double WallStaticFriction;
         public double WallNoSlip;
         public double SurfaceTension;
+        public uint Periodic;
+        public uint Reserved;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -780,7 +785,7 @@ namespace Pbf
         {
             { typeof(NativeAllocator), new[] { "32", "StructSize=0", "Reserved=4", "User=8", "Allocate=16", "Release=24" } },
             { typeof(NativeDesc), new[] { "104", "StructSize=0", "ApiVersion=4", "Dimension=8", "Precision=12", "Capacity=16", "Strict=20", "Backend=24", "Device=32", "Threads=36", "Stream=40", "Allocator=48", "Log=56", "LogUser=64", "Isa=72", "EnqueueTask=80", "FinishTask=88", "TaskUser=96" } },
-            { typeof(Params), new[] { "576", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568" } },
+            { typeof(Params), new[] { "584", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580" } },
             { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
             { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
             { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },

@@ -40,6 +40,11 @@ enum {
   PBF_COLLIDE_AFTER_SOLVE = 4,
 };
 enum {
+  PBF_PERIODIC_X = 1,
+  PBF_PERIODIC_Y = 2,
+  PBF_PERIODIC_Z = 4,
+};
+enum {
   PBF_WALL_X_MIN = 0,
   PBF_WALL_X_MAX = 1,
   PBF_WALL_Y_MIN = 2,
@@ -201,6 +206,8 @@ typedef struct pbf_params {
   double wall_static_friction;
   double wall_no_slip;
   double surface_tension;
+  uint32_t periodic;
+  uint32_t reserved;
 } pbf_params;
 typedef struct pbf_read_desc {
   uint32_t struct_size;
@@ -583,7 +590,7 @@ pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out);
 return {
   pbf_allocator = {size = 32, struct_size = 0, reserved = 4, user = 8, allocate = 16, release = 24},
   pbf_desc = {size = 104, struct_size = 0, api_version = 4, dimension = 8, precision = 12, capacity = 16, strict = 20, backend = 24, device = 32, threads = 36, stream = 40, allocator = 48, log = 56, log_user = 64, isa = 72, enqueue_task = 80, finish_task = 88, task_user = 96},
-  pbf_params = {size = 576, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568},
+  pbf_params = {size = 584, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568, periodic = 576, reserved = 580},
   pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
   pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
   pbf_grid_desc = {size = 64, struct_size = 0, dimension = 4, nodes = 8, reserved = 20, origin = 24, cell = 48, values = 56},

@@ -44,6 +44,9 @@ pub const PBF_SOLVER_CHEBYSHEV: u32 = 1;
 pub const PBF_COLLIDE_AFTER_PREDICTION: u32 = 1;
 pub const PBF_COLLIDE_IN_ITERATION: u32 = 2;
 pub const PBF_COLLIDE_AFTER_SOLVE: u32 = 4;
+pub const PBF_PERIODIC_X: u32 = 1;
+pub const PBF_PERIODIC_Y: u32 = 2;
+pub const PBF_PERIODIC_Z: u32 = 4;
 pub const PBF_WALL_X_MIN: u32 = 0;
 pub const PBF_WALL_X_MAX: u32 = 1;
 pub const PBF_WALL_Y_MIN: u32 = 2;
@@ -210,6 +213,8 @@ pub struct pbf_params {
     pub wall_static_friction: f64,
     pub wall_no_slip: f64,
     pub surface_tension: f64,
+    pub periodic: u32,
+    pub reserved: u32,
 }
 
 #[repr(C)]
@@ -1057,7 +1062,7 @@ mod layout {
 
     #[test]
     fn pbf_params_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_params>(), 576);
+        assert_eq!(size_of::<pbf_params>(), 584);
         assert_eq!(offset!(pbf_params, struct_size), 0);
         assert_eq!(offset!(pbf_params, kernel), 4);
         assert_eq!(offset!(pbf_params, smoothing_radius), 8);
@@ -1104,6 +1109,8 @@ mod layout {
         assert_eq!(offset!(pbf_params, wall_static_friction), 552);
         assert_eq!(offset!(pbf_params, wall_no_slip), 560);
         assert_eq!(offset!(pbf_params, surface_tension), 568);
+        assert_eq!(offset!(pbf_params, periodic), 576);
+        assert_eq!(offset!(pbf_params, reserved), 580);
     }
 
     #[test]
