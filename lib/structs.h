@@ -6,6 +6,7 @@
 
 #include <pbf/batch.h>
 #include <pbf/emit.h>
+#include <pbf/phases.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {
@@ -40,6 +41,7 @@ extern const pbf_struct_kind pbf_kind_samples;
 extern const pbf_struct_kind pbf_kind_sample_grid;
 extern const pbf_struct_kind pbf_kind_emitter;
 extern const pbf_struct_kind pbf_kind_in_out;
+extern const pbf_struct_kind pbf_kind_phase;
 
 /* Fails unless `size` is one that a caller of this kind can have. */
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);

@@ -35,7 +35,7 @@ template <class Solver>
 static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_derived *derived,
                                 uint32_t colliders, const pbf_collider *list, int overlaps) {
   return pbf_schedule_of(params, derived, &s->basins, colliders, list, s->planned, s->capacity,
-                         overlaps);
+                         overlaps, s->phases.count > 0);
 }
 
 /* ---- Room for colliders ---------------------------------------------------------------------- */
@@ -132,6 +132,7 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
   pbf_derived derived = s->derived;
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
+  constants.phases = pbf_phase_constants_of(&s->phases);
   pbf_schedule schedule =
       schedule_of(s, params, &derived, s->collider_count, s->table.list, s->overlaps);
   status = take_schedule(s, &schedule, params);
@@ -201,6 +202,23 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
   return PBF_OK;
 }
 
+template <class Solver>
+static pbf_status set_phases(Solver *s, const pbf_phase_table *table) {
+  const pbf_phase_table before = s->phases, none = {};
+  s->phases = table ? *table : none;
+  const pbf_schedule schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) {
+    s->phases = before;
+    return status;
+  }
+  s->schedule = schedule;
+  s->constants.phases = pbf_phase_constants_of(&s->phases);
+  wake_all(s);
+  return PBF_OK;
+}
+
 /* The arrays are there. */
 template <class Solver>
 static pbf_status plan_for(Solver *s, uint32_t count) {
@@ -223,6 +241,7 @@ static bool project_at(Solver *s, double time, uint32_t iterations) {
   s->params = pbf_projection_of(&params, iterations);
   pbf_derived derived = s->derived;
   derive_tables(&s->params, &derived, &s->constants);
+  s->constants.phases = constants.phases;
   s->schedule = schedule_of(s, &s->params, &derived, s->collider_count, s->table.list, 0);
   s->residual_density = NULL;
   const bool done = step_of_no_time(s, time);

@@ -207,6 +207,10 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
     return PBF_OK;
   }
   wake_all(s);
+  if (which == PBF_BACKEND_FIELD_PHASE) {
+    write_phases(s, rows, (const uint8_t *)in);
+    return PBF_OK;
+  }
   write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
                 (const pbf_real *)in);
   return PBF_OK;
@@ -344,4 +348,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .plan_for = plan_for,
     .max_speed = max_speed_of_all,
     .get_loads = PBF_BUILT & PBF_FEATURE_LOADS ? get_loads<solver> : NULL,
+    .set_phases = set_phases<solver>,
 };

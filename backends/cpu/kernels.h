@@ -106,8 +106,9 @@ typedef struct move_pass {
   int collide; /* with these */
   pbf_real inv_time_step;
   field predicted, to;
-  field velocity;    /* goes along */
-  const field *push; /* of solids, to which what they do here is added; null: it is not */
+  field velocity;           /* goes along */
+  const field *push;        /* of solids, to which what they do here is added; null: it is not */
+  const pbf_real *mobility; /* null: phases do not differ */
 } move_pass;
 
 /* What the compensation of damping works on. */
@@ -116,7 +117,8 @@ struct damping_pass {
   const pbf_real *lambda;
   pbf_real inv_time_step;
   field flow, velocity;
-  const field *torque; /* that is made up for; null: none is */
+  const field *torque;      /* that is made up for; null: none is */
+  const pbf_real *mobility; /* null: phases do not differ */
   /* What a particle's sums make between obstacles: the same for all instruction sets. */
   pbf_vec (*between)(const pair_pass *p, const damping_pass *u, uint32_t i, pbf_vec end,
                      pbf_vec start);
@@ -128,6 +130,7 @@ typedef struct momentum_pass {
   const pbf_real *lambda; /* what an iteration moves by */
   field start;            /* of the step: where particles were */
   field torque, rate, velocity;
+  const pbf_real *mobility; /* null: phases do not differ */
 } momentum_pass;
 
 /* What shear_stress.h works on. */
@@ -136,10 +139,11 @@ struct shear_pass {
   const pbf_real *lambda;
   field deviator;    /* times lambda, … */
   pbf_real *rest[2]; /* … and of its components those that no vector has room for */
-  field push;        /* and before that what walls push with */
+  field push;        /* and before that what walls push with; over masses, where these differ */
   field change;      /* of the velocity */
   /* add_walls for particle i: the same for all instruction sets. */
   int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
+  const pbf_real *mobility, *mass; /* null: phases do not differ */
 };
 
 /* What surface_tension.h works on. */
@@ -157,6 +161,7 @@ typedef struct viscous_pass {
   const pbf_obstacles *obstacles; /* that fluid sticks to; null: it slides on all */
   const pbf_no_slip *no_slip;     /* and how much */
   const pbf_real *crowding;       /* what is left out of it */
+  const uint8_t *phase;           /* null: phases do not differ */
   field v;                        /* of the prediction */
   field force;                    /* which the first stage finds */
   field change, next; /* after the last one; and after the one before it, and then after this one */
@@ -194,6 +199,9 @@ typedef struct kernels {
   list_size (*search)(const search *s, uint32_t first, uint32_t last, list_arena *space);
   void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                  uint32_t last);
+  /* passes/mobility.h */
+  void (*mobility)(const pair_pass *p, const pbf_real *mobility, pbf_real *around, uint32_t first,
+                   uint32_t last);
   void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                uint32_t first, uint32_t last);

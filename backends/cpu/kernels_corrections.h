@@ -58,14 +58,33 @@ static void shear_push(const pair_pass *p, const shear_pass *s, uint32_t first, 
   }
 }
 
+namespace {
+
+/* Of each particle, or 1 for all. */
+struct mobilities {
+  pbf_real one;
+  const pbf_real *of;
+  uint32_t stride;
+  PBF_IN explicit mobilities(const pbf_real *all)
+      : one(1), of(all ? all : &one), stride(all != NULL) {}
+  mobilities(const mobilities &) = delete;
+  PBF_IN pbf_real operator[](uint32_t i) const { return of[i * stride]; }
+};
+
+}  // namespace
+
 static void shear_stress(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
-  const shear_stress_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  const shear_stress_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6,
+                                       s->mobility != NULL};
+  const pbf_real *mass = s->mobility ? s->mass : s->push.c[0]; /* which are not looked at */
+  const mobilities mobility(s->mobility);
   for (uint32_t g = first; g < last; ++g) {
     const lane_sums<shear_stress_pass<int>::sums> sums(
-        sums_of_group(pass, p, {NULL, &s->push}, {load_vector(s->push, g * WIDTH)}, g));
+        sums_of_group(pass, p, {mass, &s->push},
+                      {load_vector(s->push, g * WIDTH), lane_load(mass + g * WIDTH)}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&s->change, i, pass.finish(sums[l], field_at(&s->push, i)));
+      field_set(&s->change, i, pass.finish(sums[l], field_at(&s->push, i), mobility[i]));
   }
 }
 
@@ -101,8 +120,9 @@ static void compensate_damping(const pair_pass *p, const damping_pass *u, uint32
     const lane_sums<pass_type::sums> each(sums);
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
       const auto one = each[l];
-      const pbf_vec change =
+      pbf_vec change =
           near ? u->between(p, u, i, vec_of(one.end), vec_of(one.start)) : pass.change(one);
+      if (u->mobility) change = pbf_scaled(change, u->mobility[i]);
       field_set(&u->velocity, i, pass.finish(u->inv_time_step, field_at(&u->velocity, i), change));
     }
   }
@@ -125,11 +145,12 @@ static void angular_rate(const pair_pass *p, const momentum_pass *t, uint32_t fi
 static void turn(const pair_pass *p, const momentum_pass *t, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const rotation_pass pass = {&c};
+  const mobilities mobility(t->mobility);
   for (uint32_t g = first; g < last; ++g) {
     const lane_sums<rotation_pass::sums> sums(
         sums_of_group(pass, p, {NULL, &t->rate}, {load_vector(t->rate, g * WIDTH)}, g));
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&t->velocity, i, pass.finish(sums[l], field_at(&t->velocity, i)));
+      field_set(&t->velocity, i, pass.finish(sums[l], field_at(&t->velocity, i), mobility[i]));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "physics/passes/surface_tension.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
+#include "physics/passes/mobility.h"
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
 #include "physics/passes/pressure_fit.h"
@@ -121,6 +122,23 @@ static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32
     lambda_groups(fixed<PBF_FEATURE_POLY6>{}, p, lambda, added, first, last);
   else
     lambda_groups(fixed<0>{}, p, lambda, added, first, last);
+}
+
+/* What neighbours' numbers make, in one loop for all that asks for any of it. */
+static __attribute__((noinline)) mobility_pass<int>::sums<lane> sums_of_numbers(
+    const pair_pass *p, const pbf_real *numbers, uint32_t g) {
+  const mobility_pass<int> pass = {p->constants, hot_features(p) & PBF_FEATURE_POLY6};
+  return sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
+}
+
+static void mobility(const pair_pass *p, const pbf_real *mobility, pbf_real *around, uint32_t first,
+                     uint32_t last) {
+  const mobility_pass<int> pass = {p->constants, 0};
+  for (uint32_t g = first; g < last; ++g) {
+    const lane_sums<mobility_pass<int>::sums> sums(sums_of_numbers(p, mobility, g));
+    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+      around[i] = pass.finish(sums[l], mobility[i]);
+  }
 }
 
 /* The walls' part of the change, by what lambda has left of it. */
@@ -236,6 +254,12 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
       correct_change(p, m->lambda, g, &change);
       for (int k = 0; k < PBF_DIM; ++k) sums.change.c[k] = lane_load(change.c[k]);
       by_solids = notes && (by_solids || memcmp(&pairs, &change, sizeof pairs) != 0);
+    }
+    if (m->mobility) {
+      const lane mobility = lane_load(m->mobility + g * WIDTH);
+      sums.change.scale(mobility);
+      for (int k = 0; k < PBF_DIM && notes; ++k)
+        lane_store(pairs.c[k], lane_load(pairs.c[k]) * mobility);
     }
     pass.finish(sums, m->inv_time_step, &x, &v);
     lane_values moved = values_of(x);
@@ -361,7 +385,8 @@ static __attribute__((noinline)) int add_no_slip_at(const pair_pass *p, const vi
                                                     pbf_viscous_system *system) {
   const pbf_vec x = field_at(&p->x, i);
   return add_no_slip(p->constants, pbf_obstacles_near(*s->obstacles, x, p->constants->h),
-                     *s->no_slip, s->weights.first != 0, x, v, system);
+                     *s->no_slip, s->weights.first != 0, x, v, system,
+                     s->phase ? p->constants->phases.viscosity[s->phase[i]] : 1);
 }
 
 /* Whether some of a group may stick to solids; of colliders nothing is known. */
@@ -387,7 +412,8 @@ static void viscous_stress(const pair_pass *p, const viscous_pass *s, uint32_t f
     for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
       const pbf_vec none = {{0}}, change = begins ? none : field_at(&s->change, i);
       pbf_viscous_system system =
-          pass.system(sums[l], begins ? none : pbf_sub(field_at(&s->force, i), change));
+          pass.system(sums[l], begins ? none : pbf_sub(field_at(&s->force, i), change),
+                      s->phase ? pbf_viscous_scale(&c.phases, s->phase[i]) : 1);
       const int with_solids = may_stick && add_no_slip_at(p, s, i, field_at(&of, i), &system);
       if (begins) field_set(&s->force, i, system.residual);
       if (begins) field_set(&s->change, i, none);
@@ -478,11 +504,8 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
 
 static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real *densities,
                            uint32_t first, uint32_t last) {
-  const pbf_constants c = *p->constants;
-  const placed_density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g)
-    lane_store(densities + g * WIDTH,
-               sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g).density);
+    lane_store(densities + g * WIDTH, sums_of_numbers(p, numbers, g).density);
 }
 
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,

@@ -112,6 +112,14 @@ static load_particle load_particle_at(const worker *w, const pbf_load_scales *sc
                                 [&] { return grid_lambda_of(w, i); });
 }
 
+/* And of its momentum, which is what solids get. */
+static load_particle load_momentum_at(const worker *w, const pbf_load_scales *scales,
+                                      const near_surfaces &near, uint32_t i) {
+  const load_particle p = load_particle_at(w, scales, near, i);
+  const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
+  return w->s->mobility && !sleeps ? with_mass(p, w->s->mobility[i]) : p;
+}
+
 /* Calls visit(near, particles) for some particles of a range after others. */
 template <class Visit>
 static void each_near_surfaces(const worker *w, const pbf_load_scales *scales, range all,
@@ -145,7 +153,9 @@ static void friction_task(void *context, uint32_t task) {
        r = awake_particles(w, r.last, all.last)) {
     each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
       for (uint32_t i = some.first; i < some.last; ++i) {
-        const load_particle p = load_particle_at(w, &scales.loads, near, i);
+        load_particle p = load_particle_at(w, &scales.loads, near, i);
+        const pbf_real mobility = s->mobility ? s->mobility[i] : 1;
+        p.lambda *= mobility;
         pbf_vec change = {{0}};
         if (near.any || is_pushed(w, i))
           change = friction_change(
@@ -153,7 +163,9 @@ static void friction_task(void *context, uint32_t task) {
               [&](const pbf_load_plane &plane, const load_share &share) {
                 if (finds_loads(s))
                   add_part(loads.of(plane.solid),
-                           friction_load(&scales.loads, w->obstacles, p.x, plane, share), false);
+                           friction_load(&scales.loads, w->obstacles, p.x, plane,
+                                         with_mass(share, mobility)),
+                           false);
               });
         field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
         field_set(&to, i, pbf_add_scaled(p.x, w->forces.time_step, change));
@@ -178,7 +190,7 @@ static void loads_task(void *context, uint32_t task) {
   loads.begin(w->s->load_tally);
   each_near_surfaces(w, &scales, all, [&](const near_surfaces &near, range some) {
     for (uint32_t i = some.first; i < some.last; ++i) {
-      const load_particle p = load_particle_at(w, &scales, near, i);
+      const load_particle p = load_momentum_at(w, &scales, near, i);
       int last = -1;
       for (int k = 0; k < PBF_DIM; ++k)
         pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));

@@ -30,7 +30,7 @@ static inline void add_change(const solver *s, const pbf_wide_sum change[PBF_DIM
 static void push_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const solver *s = w->s;
-  const double units = -pbf_units_of_velocity((double)w->forces.max_speed);
+  const double units = -pbf_units_of_momentum(&w->constants, &w->forces);
   pbf_wide_sum change[PBF_DIM] = {};
   for (uint32_t i = s->first_place[task]; i < s->first_place[task + 1]; ++i) {
     const uint32_t before = s->order[i];
@@ -39,9 +39,10 @@ static void push_task(void *context, uint32_t task) {
     const pbf_vec forced =
         sleeps ? v
                : pbf_apply_forces(&w->forces, field_at(&w->b.x, before), field_at(&w->b.v, before));
+    const pbf_real mass = s->mobility ? 1 / s->mobility[i] : 1;
     field_set(&s->push, i, pbf_sub(v, forced));
     for (int k = 0; k < PBF_DIM; ++k)
-      pbf_wide_add(&change[k], pbf_wide_of(units * (double)forced.c[k]));
+      pbf_wide_add(&change[k], pbf_wide_of(units * (double)(forced.c[k] * mass)));
   }
   if (finds_loads(s)) add_change(s, change);
 }

@@ -16,6 +16,7 @@ static void append(solver *s, const pbf_particles *p) {
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
   memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
   if (s->buffers.overlap) memset(s->buffers.overlap + s->count, 0, p->count * sizeof(pbf_real));
+  if (s->buffers.phase) memset(s->buffers.phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
 }
 
@@ -29,6 +30,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     s->lambda[kept] = s->lambda[i];
     if (b->activity) b->activity[kept] = b->activity[i];
     if (b->overlap) b->overlap[kept] = b->overlap[i];
+    if (b->phase) b->phase[kept] = b->phase[i];
     b->ids[kept++] = b->ids[i];
   }
   s->count = kept;
@@ -89,6 +91,13 @@ static void write_overlap(solver *s, const pbf_rows *rows, const pbf_real *in) {
   for (uint32_t i = 0; i < s->count; ++i) {
     const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
     if (row < rows->count) s->buffers.overlap[i] = in[row];
+  }
+}
+
+static void write_phases(solver *s, const pbf_rows *rows, const uint8_t *in) {
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
+    if (row < rows->count) s->buffers.phase[i] = in[row];
   }
 }
 

@@ -109,6 +109,32 @@ static const pbf_real *pushes_of(const solver *s) {
   return s->schedule.accelerated ? s->added : s->lambda;
 }
 
+/* The particles of groups. */
+static range particles_of_groups(const solver *s, range groups, range all) {
+  const uint64_t width = s->kernels->width, last = groups.last * width;
+  return (range){(uint32_t)(groups.first * width), last < all.last ? (uint32_t)last : all.last};
+}
+
+/* Where phases differ the loop for lambda finds and bounds what particles are moved by, over what
+ * their mobility makes of it: passes/mobility.h. */
+static void begin_mobility(const worker *w, const pair_pass *pairs, range groups, range all) {
+  const solver *s = w->s;
+  const range r = particles_of_groups(s, groups, all);
+  s->kernels->mobility(pairs, s->mobility, s->mobility_around, groups.first, groups.last);
+  for (uint32_t i = r.first; i < r.last && s->schedule.accelerated; ++i) {
+    s->lambda[i] *= s->mobility_around[i];
+    s->added[i] *= s->mobility_around[i];
+  }
+}
+
+static void end_mobility(const worker *w, range groups, range all) {
+  const solver *s = w->s;
+  const range r = particles_of_groups(s, groups, all);
+  for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] /= s->mobility_around[i];
+  for (uint32_t i = r.first; i < r.last && s->schedule.accelerated; ++i)
+    s->added[i] /= s->mobility_around[i];
+}
+
 /* Returns how many do not solve. */
 static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t task) {
   solver *s = w->s;
@@ -116,8 +142,11 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t ta
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
-       g = solving_groups(w, g.last, r.last))
+       g = solving_groups(w, g.last, r.last)) {
+    if (s->mobility) begin_mobility(w, pairs, g, all);
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
+    if (s->mobility) end_mobility(w, g, all);
+  }
   uint32_t inactive = clear_inactive(w, all);
   fill_packed(s, packed_lambda(s), &pairs->x, pushes_of(s), all);
   return inactive;
@@ -138,7 +167,8 @@ static int is_converged(const worker *w) {
 
 static momentum_pass turns_of(const worker *w) {
   const solver *s = w->s;
-  return (momentum_pass){pushes_of(s), s->start, s->torque, w->b.rotation_rate(), w->b.v};
+  return (momentum_pass){pushes_of(s),         s->start, s->torque,
+                         w->b.rotation_rate(), w->b.v,   s->mobility};
 }
 
 static void start_task(void *context, uint32_t task) {
@@ -185,12 +215,13 @@ static void move_task(void *context, uint32_t task) {
                        w->b.sorted_predicted,
                        w->b.next_x_star(),
                        w->b.sorted_velocity,
-                       notes_pushes(s) ? &s->push : NULL};
+                       notes_pushes(s) ? &s->push : NULL,
+                       s->mobility};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     s->kernels->move(&pairs, &m, g.first, g.last);
   copy_sleeping(w, all, &w->b.sorted_predicted, &w->b.next_x_star());
-  fill_packed(s, packed_positions(s), &w->b.next_x_star(), NULL, all);
+  fill_packed(s, packed_positions(s), &w->b.next_x_star(), s->mobility, all);
 }
 
 static void checked_lambda_task(void *context, uint32_t task) {

@@ -125,8 +125,9 @@ struct pbf_backend_solver {
   pbf_real *pressure;          /* once it has been looked at */
   pbf_real pressure_scale;     /* of the last step */
 
-  pbf_overlap found; /* for the next step; struct_size 0: none */
-  int overlaps;      /* some may be left */
+  pbf_overlap found;      /* for the next step; struct_size 0: none */
+  int overlaps;           /* some may be left */
+  pbf_phase_table phases; /* that differ; count 0: none do */
 
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
@@ -201,7 +202,7 @@ static inline uint64_t padded(uint32_t capacity) {
 }
 
 /* What loops over pairs look up of neighbours, where they read quads (neighbors.h): positions,
- * which lambda reads, … */
+ * which lambda reads, and where phases differ mobilities, … */
 static inline pbf_real *packed_positions(const solver *s) { return s->packed[0]; }
 
 /* … and, one after another, the same with lambda, which move reads, with the sizes of curls, or the

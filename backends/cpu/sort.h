@@ -203,6 +203,15 @@ static void gather(const uint32_t *order, range places, const field *from, const
   for (int k = 0; k < PBF_DIM; ++k) gather_reals(order, places, from->c[k], to->c[k]);
 }
 
+/* And what they make of particles. */
+static void gather_phases(const worker *w, range places) {
+  const solver *s = w->s;
+  for (uint32_t i = places.first; i < places.last; ++i) {
+    w->b.sorted_phase[i] = w->b.phase[s->order[i]];
+    s->mobility[i] = w->constants.phases.mobility[w->b.sorted_phase[i]];
+  }
+}
+
 static void sort_range(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
@@ -211,7 +220,8 @@ static void sort_range(void *context, uint32_t task) {
   order_by_id(s, places, w->b.sorted_ids);
   gather(s->order, places, w->sort_positions, w->sorted_positions);
   if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
-  fill_packed(s, packed_positions(s), w->sorted_positions, NULL, places);
+  if (w->b.phase) gather_phases(w, places);
+  fill_packed(s, packed_positions(s), w->sorted_positions, s->mobility, places);
   if (sleep_is_on(w)) {
     gather_reals(s->order, places, w->b.activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);

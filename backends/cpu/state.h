@@ -67,6 +67,7 @@ struct buffers {
     exchange(&activity, &sorted_activity);
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
     exchange(&overlap, &sorted_overlap);
+    exchange(&phase, &sorted_phase);
   }
 
   /* After that, each from its stage to the next that has one of these. */

@@ -27,7 +27,9 @@ static void shear_awake(const worker *w, uint32_t task,
                             {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
                             w->b.shear_push(),
                             w->b.shear_velocity(),
-                            add_walls_at};
+                            add_walls_at,
+                            w->s->mobility,
+                            w->s->mobility_around};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))
     pass(&pairs, &shear, g.first, g.last);
@@ -53,13 +55,21 @@ static void deviators_task(void *context, uint32_t task) {
 
 static void shear_push_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
+  const range all = task_sorted(w, task);
+  const field push = w->b.shear_push();
   shear_awake(w, task, w->s->kernels->shear_push);
-  zero_sleeping(w, task_sorted(w, task), w->b.shear_push().c, PBF_DIM);
+  zero_sleeping(w, all, push.c, PBF_DIM);
+  for (uint32_t i = all.first; i < all.last && w->s->mobility; ++i) {
+    field_set(&push, i, pbf_scaled(field_at(&push, i), w->s->mobility[i]));
+    w->s->mobility_around[i] = 1 / w->s->mobility[i];
+  }
 }
 
 static void shear_pushes_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
-  fill_packed(w->s, packed_vectors(w->s), &w->b.shear_push(), NULL, task_held(w, task));
+  const range r = task_held(w, task);
+  fill_packed(w->s, packed_vectors(w->s), &w->b.shear_push(), NULL, r);
+  if (w->s->mobility) fill_packed(w->s, packed_positions(w->s), &w->b.x, w->s->mobility_around, r);
 }
 
 static void shear_stress_task(void *context, uint32_t task) {
@@ -101,6 +111,7 @@ static void compensate_damping_task(void *context, uint32_t task) {
                           w->b.mean_velocity(),
                           w->b.v,
                           corrects_torque(w) ? &s->torque : NULL,
+                          s->mobility,
                           change_between};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
        g = awake_groups(w, g.last, r.last))

@@ -22,7 +22,7 @@ static void change_velocities(const worker *w, uint32_t task, const field &x, co
     if (notes_pushes(w->s)) end_noting(w->s, &v, r);
   }
   copy_sleeping(w, all, &x, &to);
-  fill_packed(w->s, packed_positions(w->s), &to, NULL, all);
+  fill_packed(w->s, packed_positions(w->s), &to, w->s->mobility, all);
 }
 
 /* Where particles have come from, at which viscosity looks at them. */
@@ -42,7 +42,10 @@ static void crowding_task(void *context, uint32_t task) {
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
     w->s->kernels->crowding(&pairs, left_out, g.first, g.last);
-  zero_sleeping(w, task_sorted(w, task), &left_out, 1);
+  const range all = task_sorted(w, task);
+  zero_sleeping(w, all, &left_out, 1);
+  for (uint32_t i = all.first; i < all.last && w->b.sorted_phase; ++i)
+    left_out[i] = pbf_left_out(&w->constants.phases, w->b.sorted_phase[i], left_out[i]);
 }
 
 /* With where particles have come from, and the velocities of the prediction. */
@@ -68,6 +71,7 @@ static void viscous_stress_task(void *context, uint32_t task) {
                              s->schedule.no_slip ? &w->obstacles : NULL,
                              &no_slip,
                              crowding_of(s),
+                             w->b.sorted_phase,
                              w->b.sorted_velocity,
                              w->b.viscous_force(),
                              w->b.viscous_change(),
@@ -95,11 +99,14 @@ static void no_slip_loads_task(void *context, uint32_t task) {
                     v = pbf_add_scaled(field_at(&w->b.sorted_velocity, i), 1,
                                        field_at(&w->b.viscous_change(), i));
       const pbf_obstacles near = pbf_obstacles_near(w->obstacles, x, w->constants.h);
-      share_no_slip(&w->constants, near, no_slip, x, v,
-                    [&](const pbf_load_plane &plane, const load_share &share) {
-                      add_part(loads.of(plane.solid),
-                               friction_load(&scales, w->obstacles, x, plane, share), false);
-                    });
+      share_no_slip(
+          &w->constants, near, no_slip, x, v,
+          [&](const pbf_load_plane &plane, const load_share &share) {
+            const load_share part = s->mobility ? with_mass(share, s->mobility[i]) : share;
+            add_part(loads.of(plane.solid), friction_load(&scales, w->obstacles, x, plane, part),
+                     false);
+          },
+          w->b.sorted_phase ? w->constants.phases.viscosity[w->b.sorted_phase[i]] : 1);
     }
   loads.end();
 }

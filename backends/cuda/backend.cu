@@ -86,8 +86,10 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   pbf_derived derived = s->derived;
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
-  pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
-                                          s->planned, s->capacity, s->overlaps);
+  constants.phases = pbf_phase_constants_of(&s->phases);
+  pbf_schedule schedule =
+      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->capacity,
+                      s->overlaps, s->phases.count > 0);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
@@ -323,8 +325,9 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   s->params = pbf_projection_of(&params, iterations);
   pbf_derived derived = s->derived;
   derive_tables(&s->params, &derived, &s->constants);
+  s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->capacity);
+                                s->planned, s->capacity, 0, s->phases.count > 0);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
   s->params = params;
@@ -346,13 +349,27 @@ static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *ove
   return status;
 }
 
+static pbf_status set_phases(pbf_backend_solver *handle, const pbf_phase_table *table) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  const pbf_phase_table before = s->phases, none = {};
+  const bool had = s->phase != nullptr;
+  s->phases = table ? *table : none;
+  pbf_status status = apply_params(s, &s->params, s->collider_count, s->colliders);
+  if (status != PBF_OK) s->phases = before;
+  if (status == PBF_OK && s->phase && !had)
+    status =
+        pbf_cuda_check(cudaMemsetAsync(s->phase, 0, s->capacity, s->stream), "cudaMemsetAsync");
+  return status == PBF_OK ? wake_all(s) : status;
+}
+
 /* The arrays are there. */
 static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->capacity, s->overlaps);
+                      s->capacity, s->overlaps, s->phases.count > 0);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
@@ -533,4 +550,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     release_array,
     read_array,
     get_loads,
+    set_phases,
 };

@@ -20,12 +20,22 @@ static __device__ __forceinline__ pbf_vec vector_in(const pbf_deviator &d) {
   return v;
 }
 
+/* Of which the number beside the place is looked up, too. */
+struct point_with_number : point {};
+static __device__ __forceinline__ point_with_number load(const point_with_number *points,
+                                                         uint32_t i) {
+  return {load(static_cast<const point *>(points), i)};
+}
+
 /* Numbers: those of an array of numbers, or else the lambda beside the place. */
 static __device__ __forceinline__ pbf_real number_in(const point &, pbf_real number) {
   return number;
 }
 static __device__ __forceinline__ pbf_real number_in(const point &, const pbf_deviator &d) {
   return d.c[PBF_DEVIATOR_DIM - 2];
+}
+static __device__ __forceinline__ pbf_real number_in(const point &, const point_with_number &p) {
+  return p.lambda;
 }
 template <class Value>
 static __device__ __forceinline__ pbf_real number_in(const point &other, const Value &) {

@@ -12,7 +12,8 @@
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
-                 solids = s->topology_memory != nullptr, loads = notes_pushes(s);
+                 phases = s->phase != nullptr, solids = s->topology_memory != nullptr,
+                 loads = notes_pushes(s);
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"
@@ -113,9 +114,11 @@ struct executor {
   bool find_neighbors() {
     run(PBF_STAGE_NEIGHBORS, [&] {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
+      if (s->phase) launch(phase_kernel, n.particles, n.constants.phases);
       if (notes_pushes(s))
         launch(begin_push_kernel, state_of(s), prediction_inputs.forces, scratch_of(s), n.particles,
-               s->push, s->load_tally);
+               pbf_units_of_momentum(&n.constants, &prediction_inputs.forces), s->push,
+               s->load_tally);
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
@@ -291,8 +294,14 @@ struct executor {
       with_kernel(s->schedule.features,
                   [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(); });
       const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
+      if (s->phase)
+        with_kernel(s->schedule.features, [&](auto features) {
+          launch(begin_mobility_kernel<decltype(features)::value>, n, extras, place.first,
+                 s->mobility_around);
+        });
       launch_lambda(s, n, extras,
                     {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+      if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
     });
   }
 
@@ -335,6 +344,7 @@ struct executor {
     swap_arrays(&s->ids, &s->other_ids);
     swap_arrays(&s->activity, &s->other_activity);
     swap_arrays(&s->overlap, &s->other_overlap);
+    swap_arrays(&s->phase, &s->other_phase);
     s->ordered = false;
     s->time = time;
   }

@@ -59,6 +59,7 @@ struct move_finish {
   bool wall_density;
   int collisions; /* what a collider pushes another may push again */
   pbf_real inv_time_step;
+  const pbf_real *mobility = nullptr; /* of the particle; null: phases do not differ */
 };
 
 /* Where a move takes a particle from x, and its velocity with it; `predicted` counts where there
@@ -73,6 +74,7 @@ finish_move(const Pass &pass, const step_obstacles &o, const move_finish &end, p
     pbf_boundary boundary = boundary_at<SURFACES>(pass.c, o, x);
     sums.change = lanes_of(pbf_boundary_correction(vec_of(sums.change), lambda, &boundary));
   }
+  if (end.mobility) sums.change.scale(*end.mobility);
   lane_vector<pbf_real> y = lanes_of(x), v = lanes_of(*velocity);
   pass.finish(sums, end.inv_time_step, &y, &v);
   x = pbf_break_symmetry(pass.c, lambda, overlaps, vec_of(sums.change), id, vec_of(y));

@@ -11,6 +11,7 @@
 #include "physics/passes/damping_compensation.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
+#include "physics/passes/mobility.h"
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
 #include "physics/passes/shear_stress.h"
@@ -99,6 +100,46 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   points[i].lambda = lambda;
 }
 
+/* Where phases differ: what they make of particles that have just been sorted, … */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    phase_kernel(sorted_particles p, pbf_phase_constants phases) {
+  const uint32_t i = thread_index();
+  if (i < p.count) p.mobility[i] = phases.mobility[p.phase[i]];
+}
+
+/* Whether lambda_kernel finds this particle's, which does nothing once the solve has ended. */
+static __device__ __forceinline__ bool has_lambda(const neighborhood &n,
+                                                  const iteration_extras &extras, uint32_t i) {
+  if (PBF_TOLERANCE && extras.watch.watch && is_converged(extras.watch)) return false;
+  return i < n.particles.count &&
+         !(PBF_SLEEP && extras.rest.activity && pbf_is_inactive(extras.rest.activity[i]));
+}
+
+/* … and around it lambda_kernel finds and bounds what particles are moved by, over what their
+ * mobility makes of it: passes/mobility.h. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    begin_mobility_kernel(neighborhood n, iteration_extras extras, bool first, pbf_real *around) {
+  const uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const mobility_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const pbf_real *mobility = n.particles.mobility;
+  const pbf_vec x = position_of(load(n.particles.points, own));
+  const pbf_real found = pass.finish(sums_around(pass, n, i, x, {}, mobility), mobility[own]);
+  if (!has_lambda(n, extras, i)) return;
+  around[i] = found;
+  if (first || !extras.total) return;
+  extras.total[i] *= found;
+  n.particles.points[i].lambda *= found;
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    end_mobility_kernel(neighborhood n, iteration_extras extras, const pbf_real *around) {
+  const uint32_t i = thread_index();
+  if (!has_lambda(n, extras, i)) return;
+  n.particles.points[i].lambda /= around[i];
+  if (extras.total) extras.total[i] /= around[i];
+}
+
 /* The sleeping boundary's move: its place, with the lambda that others read, and in the state the
  * one that it keeps. No later stage asks for its neighbours. */
 static __device__ __forceinline__ void pass_shore(const neighborhood &n,
@@ -173,7 +214,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   const bool with_ghosts = EXTRAS && PBF_GHOSTS && end.ghosts;
   x = finish_move<SURFACES>(
       pass, extras.obstacles,
-      {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step},
+      {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step,
+       EXTRAS && n.particles.mobility ? n.particles.mobility + i : nullptr},
       own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], predicted,
       x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
@@ -226,7 +268,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_vec x = position_of(load(n.particles.points, own));
   const rotation_pass pass = {&n.constants};
   const auto sums = sums_around(pass, n, i, x, {lanes_of(position_of(load(rates, own)))}, rates);
-  if (i < n.particles.count) velocities[i] = pass.finish(sums, velocities[i]);
+  if (i < n.particles.count)
+    velocities[i] = pass.finish(sums, velocities[i],
+                                n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1);
 }
 
 /* What a very short step leaves of the density error where the particles were at its start, between
@@ -397,6 +441,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (wall_density)
     change = change_near_obstacles(c, obstacles_met<SURFACES>(obstacles), x, mean, here.lambda,
                                    vec_of(sums.end), vec_of(sums.start));
+  if (n.particles.mobility) change = pbf_scaled(change, n.particles.mobility[i]);
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
 
@@ -432,19 +477,28 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const auto d = lanes_of(deviators[own]);
   const shear_push_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const auto sums = sums_around(pass, n, i, x, {d}, deviators);
-  if (i < n.particles.count)
-    store(pushes, i, point_at(pass.finish(sums, d, position_of(load(pushes, i)))));
+  if (i >= n.particles.count) return;
+  point push = point_at(pass.finish(sums, d, position_of(load(pushes, i))));
+  if (n.particles.mobility) {
+    push = point_at(pbf_scaled(position_of(push), n.particles.mobility[i]));
+    push.lambda = 1 / n.particles.mobility[i];
+  }
+  store(pushes, i, push);
 }
 
+/* Where phases differ pushes are over masses, which lie beside them. */
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     shear_stress_kernel(neighborhood n, const point *pushes, pbf_vec *changes) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
-  const pbf_vec push = position_of(load(pushes, own));
-  const shear_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}};
-  const auto sums = sums_around(pass, n, i, x, {lanes_of(push)}, pushes);
-  if (i < n.particles.count) changes[i] = pass.finish(sums, push);
+  const point push = load(pushes, own);
+  const pbf_real *mobility = n.particles.mobility;
+  const shear_stress_pass<fixed<FEATURES>> pass = {&n.constants, {}, mobility != nullptr};
+  const auto sums = sums_around(pass, n, i, x, {lanes_of(position_of(push)), push.lambda},
+                                reinterpret_cast<const point_with_number *>(pushes));
+  if (i < n.particles.count)
+    changes[i] = pass.finish(sums, position_of(push), mobility ? mobility[i] : (pbf_real)1);
 }
 
 /* What velocities change by moves particles at once. What solids then do is added to `push`, unless
@@ -491,6 +545,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   point start = point_at(x);
   start.lambda = PBF_SLEEP && activity && pbf_is_asleep(activity[i]) ? 0 : pass.finish(sums);
+  if (n.particles.phase)
+    start.lambda = pbf_left_out(&n.constants.phases, n.particles.phase[i], start.lambda);
   store(starts, i, start);
 }
 
@@ -525,11 +581,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of, at_moved_points{{}, predicted});
   if (i >= n.particles.count) return;
   const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
-  pbf_viscous_system system = pass.system(sums, begins ? none : pbf_sub(s.force[i], change));
+  const pbf_phase_constants *phases = &n.constants.phases;
+  const uint8_t *phase = n.particles.phase;
+  pbf_viscous_system system =
+      pass.system(sums, begins ? none : pbf_sub(s.force[i], change),
+                  phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);
   int with_solids = 0;
   if (NO_SLIP)
     with_solids = add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, begins, x,
-                              v, &system);
+                              v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
   if (begins) {
     s.force[i] = system.residual;
     s.changes[i] = none;

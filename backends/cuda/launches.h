@@ -93,12 +93,14 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   unsorted_particles from = state_of(s);
   from.activity = nullptr;
   from.overlap = nullptr;
+  from.phase = nullptr;
   if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
   return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
 }
 
 static inline bool has_extras(const solver *s) {
-  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence;
+  return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence ||
+         s->schedule.phases;
 }
 
 /* What ghosts in these walls add to the sums of the kernel that comes next. */

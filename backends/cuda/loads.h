@@ -49,7 +49,8 @@ static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pb
 /* In the prediction, once particles are sorted; the sort's scratch is as it was. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
-                      sorted_particles to, pbf_vec *push, pbf_few_load_tally *tally) {
+                      sorted_particles to, double units, pbf_vec *push,
+                      pbf_few_load_tally *tally) {
   const uint32_t i = thread_index();
   pbf_vec forced = {{0}};
   if (i < from.count) {
@@ -64,9 +65,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                  ? v
                  : pbf_apply_forces(&forces, position_of(load(from.points, i)), from.velocities[i]);
     push[place] = pbf_sub(v, forced);
+    if (to.mobility) forced = pbf_scaled(forced, 1 / to.mobility[place]);
   }
-  if (tally)
-    add_changes(tally, -pbf_units_of_velocity((double)forces.max_speed), forced, i < from.count);
+  if (tally) add_changes(tally, -units, forced, i < from.count);
 }
 
 /* What an iteration is to be noted by. */
@@ -94,9 +95,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const bool notes = notes_push(p, n, i, x);
   if (__all_sync(~0u, !notes)) return;
   const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {&n.constants, {}};
-  const auto sums =
-      sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
+  auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
   if (!notes) return;
+  if (n.particles.mobility) sums.change.scale(n.particles.mobility[i]);
   const pbf_vec v = p.first ? n.particles.velocities[i] : velocities[i];
   push[i] = pbf_sub(push[i], pbf_push(&n.constants, p.inv_time_step, v, vec_of(sums.change)));
 }
@@ -157,13 +158,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
   point own = load(n.particles.points, i);
-  const load_particle p = load_particle_of(source, own, velocities[i], push[i]);
+  load_particle p = load_particle_of(source, own, velocities[i], push[i]);
+  const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
+  p.lambda *= mobility;
   const pbf_vec change = friction_change(
       &n.constants, scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
           add_shared_part(&tally->sums[plane.solid],
-                          friction_load(&scales.loads, o, p.x, plane, share), false);
+                          friction_load(&scales.loads, o, p.x, plane, with_mass(share, mobility)),
+                          false);
       });
   const pbf_vec moved = pbf_add_scaled(p.x, (pbf_real)scales.loads.time_step, change);
   const pbf_vec x = pbf_resolve_collisions(o, 0, p.x, moved);
@@ -184,11 +188,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   const pbf_vec x = position_of(load(starts, i));
   const pbf_vec v = pbf_add_scaled(n.particles.velocities[i], 1, changes[i]);
-  share_no_slip(&n.constants, o, no_slip, x, v,
-                [&](const pbf_load_plane &plane, const load_share &share) {
-                  add_shared_part(&tally->sums[plane.solid],
-                                  friction_load(&scales, o, x, plane, share), false);
-                });
+  const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
+  share_no_slip(
+      &n.constants, o, no_slip, x, v,
+      [&](const pbf_load_plane &plane, const load_share &share) {
+        add_shared_part(&tally->sums[plane.solid],
+                        friction_load(&scales, o, x, plane, with_mass(share, mobility)), false);
+      },
+      n.particles.phase ? n.constants.phases.viscosity[n.particles.phase[i]] : (pbf_real)1);
 }
 
 /* Walls have many particles at them, and are summed up by blocks first. */
@@ -209,6 +216,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     if (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))
       p = sleeping_load_particle(&n.constants, &scales, o, all_surfaces{}, p,
                                  [&] { return grid_lambda_of(source, own); });
+    else if (n.particles.mobility)
+      p = with_mass(p, n.particles.mobility[i]);
     int last = -1;
     share_push(
         &n.constants, &scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },

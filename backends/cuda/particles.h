@@ -78,6 +78,8 @@ struct sorted_particles {
   uint32_t count;
   pbf_real *activity; /* where fluid sleeps, else null */
   pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
+  uint8_t *phase;     /* where phases differ, else null, … */
+  pbf_real *mobility; /* … as this */
 };
 
 #endif

@@ -97,6 +97,10 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
     status = pbf_cuda_check(
         cudaMemsetAsync(s->overlap + s->count, 0, p->count * sizeof *s->overlap, s->stream),
         "cudaMemsetAsync");
+  if (status == PBF_OK && s->phase)
+    status =
+        pbf_cuda_check(cudaMemsetAsync(s->phase + s->count, (int)p->phase, p->count, s->stream),
+                       "cudaMemsetAsync");
   if (status == PBF_OK) status = init_new(s, s->count, p->count);
   if (status == PBF_OK) s->count += p->count;
   return status;
@@ -114,14 +118,16 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-      {s->points, s->velocities, s->ids, s->activity, s->overlap}, s->count, place,
-      {s->other, s->other_velocities, s->other_ids, s->other_activity, s->other_overlap});
+      {s->points, s->velocities, s->ids, s->activity, s->overlap, s->phase}, s->count, place,
+      {s->other, s->other_velocities, s->other_ids, s->other_activity, s->other_overlap,
+       s->other_phase});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   swap_arrays(&s->points, &s->other);
   swap_arrays(&s->velocities, &s->other_velocities);
   swap_arrays(&s->ids, &s->other_ids);
   swap_arrays(&s->activity, &s->other_activity);
   swap_arrays(&s->overlap, &s->other_overlap);
+  swap_arrays(&s->phase, &s->other_phase);
   s->count -= count;
   return PBF_OK;
 }
@@ -216,6 +222,18 @@ static inline pbf_status population_write_overlap(solver *s, const pbf_rows *row
   return pbf_cuda_check_launch("write_values_kernel");
 }
 
+static inline pbf_status population_write_phases(solver *s, const pbf_rows *rows, const void *in) {
+  if (!s->phase) return PBF_OK;
+  row_range range;
+  uint8_t *staged = reinterpret_cast<uint8_t *>(s->other);
+  if (pbf_status status = wake_all(s)) return status;
+  if (pbf_status status = upload_rows(s, rows, &range)) return status;
+  if (pbf_status status = copy_in(s, staged, in, rows->count)) return status;
+  write_values_kernel<uint8_t><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->phase, s->ids, s->count, range, staged);
+  return pbf_cuda_check_launch("write_values_kernel");
+}
+
 static inline pbf_status population_read(solver *s, uint32_t field, const pbf_rows *rows,
                                          void *out) {
   if (!rows->count) return PBF_OK;
@@ -296,6 +314,7 @@ static inline pbf_status population_write(solver *s, uint32_t field, const pbf_r
   if (field == PBF_BACKEND_FIELD_REST) return population_write_rest(s, rows, in);
   if (!rows->count) return PBF_OK;
   if (field == PBF_BACKEND_FIELD_OVERLAP) return population_write_overlap(s, rows, in);
+  if (field == PBF_BACKEND_FIELD_PHASE) return population_write_phases(s, rows, in);
   if (field == PBF_FIELD_POSITION) {
     s->owned = 0;
     if (pbf_status status = add_weight(s)) return status;

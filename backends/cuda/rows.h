@@ -108,6 +108,7 @@ struct particle_arrays {
   uint32_t *ids;
   pbf_real *activity; /* where fluid sleeps, else null */
   pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
+  uint8_t *phase;     /* where phases differ, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -120,6 +121,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   to.ids[place[i]] = from.ids[i];
   if (from.activity) to.activity[place[i]] = from.activity[i];
   if (from.overlap) to.overlap[place[i]] = from.overlap[i];
+  if (from.phase) to.phase[place[i]] = from.phase[i];
 }
 
 #endif

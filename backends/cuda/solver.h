@@ -70,11 +70,12 @@ struct solver {
   int pressure_grid_solids;        /* … and the colliders in it; 0: none is thin */
   pbf_domain pressure_grid_domain; /* between these walls */
   found_topology topology;         /* what the device's is of */
-  uint64_t *all_asleep; /* in the host's memory: the epoch in which the device found that; with
-                           sleep only */
-  uint64_t epoch;       /* between two events that may wake a particle */
-  pbf_overlap found;    /* for the next step; struct_size 0: none */
-  int overlaps;         /* some may be left */
+  uint64_t *all_asleep;   /* in the host's memory: the epoch in which the device found that; with
+                             sleep only */
+  uint64_t epoch;         /* between two events that may wake a particle */
+  pbf_overlap found;      /* for the next step; struct_size 0: none */
+  int overlaps;           /* some may be left */
+  pbf_phase_table phases; /* that differ; count 0: none do */
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */
@@ -141,12 +142,13 @@ static inline unsorted_particles state_of(const solver *s) {
           s->tally ? &s->tally->all : nullptr,
           s->tally ? &s->tally->some : nullptr,
           s->overlap,
-          s->constants.overlap_decay};
+          s->constants.overlap_decay,
+          s->phase};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
   return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count,
-           s->other_activity, s->other_overlap},
+           s->other_activity, s->other_overlap, s->other_phase, s->mobility},
           grid,
           s->lists,
           s->constants};

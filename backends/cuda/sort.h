@@ -31,6 +31,7 @@ struct unsorted_particles {
   uint32_t *some_asleep;      /* the sort sets it where a particle sleeps */
   const pbf_real *overlap;    /* where fluid has been placed in other fluid, else null; */
   pbf_real overlap_decay;     /* in this step */
+  const uint8_t *phase;       /* where phases differ, else null */
 };
 
 /* One entry a particle; dead after the sort. */
@@ -92,6 +93,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   }
   if (SLEEP) to.activity[place] = from.activity[i];
   if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
+  if (from.phase) to.phase[place] = from.phase[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }

@@ -9,6 +9,7 @@
 #include "physics/depth.h"
 #include "physics/derive.h"
 #include "physics/real.h"
+#include "physics/phases.h"
 #include "physics/viscosity_stages.h"
 
 enum { PBF_WALL_NODES = 33 };
@@ -71,6 +72,7 @@ typedef struct pbf_constants {
   pbf_real
       wall_value[PBF_WALL_NODES]; /* density of a wall at the distance k h / (nodes - 1), and */
   pbf_real wall_slope[PBF_WALL_NODES]; /* its derivative times the distance of two nodes */
+  pbf_phase_constants phases;
 } pbf_constants;
 
 /* What kernel_slope is scaled by. */
@@ -377,6 +379,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
                    ? (pbf_real)pbf_density_rounding(params, (double)c.residual_density, d.diagonal)
                    : 0;
   c.tension = c.accelerated ? 1 : (pbf_real)params->cohesion;
+  c.phases.heaviest = 1;
   return c;
 }
 

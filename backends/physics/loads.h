@@ -153,10 +153,15 @@ static inline double pbf_particle_mass(const pbf_params *params) {
   return given > 0 ? given : pow(pbf_derive_spacing(params), PBF_DIM);
 }
 
+/* Sums are of momenta, over the reference's mass: velocities times the particle's mass. */
+PBF_FN double pbf_units_of_momentum(const pbf_constants *c, const pbf_forces *f) {
+  return pbf_units_of_velocity((double)f->max_speed * c->phases.heaviest);
+}
+
 static inline pbf_load_scales pbf_load_scales_of(const pbf_constants *c, const pbf_forces *f,
                                                  const pbf_params *params) {
   pbf_load_scales s;
-  s.velocity = pbf_units_of_velocity((double)f->max_speed);
+  s.velocity = pbf_units_of_momentum(c, f);
   s.spacing = pbf_derive_spacing(params);
   s.reach = fmax(params->smoothing_radius, 2 * s.spacing);
   s.by_lambda = c->accelerated ? (double)c->omega * pbf_per_time_step(params) : 0;
@@ -183,6 +188,16 @@ struct load_particle {
   pbf_real lambda; /* of the iterations */
   bool has_grid;   /* its pressure is to be added */
 };
+
+/* Of a particle with this mobility what changes its momentum, in place of its velocity; the pushes
+ * of lambda are of momentum already. */
+PBF_FN load_particle with_mass(load_particle of, pbf_real mobility) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    of.change.c[k] /= mobility;
+    of.push.c[k] /= mobility;
+  }
+  return of;
+}
 
 PBF_FN pbf_load_plane load_plane_of_wall(const pbf_constants *c, const pbf_domain *domain, int wall,
                                          pbf_vec x) {
@@ -325,6 +340,15 @@ PBF_FN load_share load_share_of_plane(const pbf_load_plane &p, double weight, do
     share.change[k] = (by_lambda + weight * (1 + load_across()) * normal) * n;
     share.change[k] += p.solid < PBF_WALLS ? 0 : along;
     share.along[k] = p.solid < PBF_WALLS ? along : 0;
+  }
+  return share;
+}
+
+/* Of a particle with this mobility, of its momentum. */
+PBF_FN load_share with_mass(load_share share, pbf_real mobility) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    share.change[k] /= (double)mobility;
+    share.along[k] /= (double)mobility;
   }
   return share;
 }

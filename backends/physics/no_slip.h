@@ -141,14 +141,14 @@ PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const NoSlip &n, int surf
 }
 
 /* Adds all solids to what pairs make of the system of a particle at x with this velocity, or, not
- * `moves`, with this change of it; 0: none is in reach. */
+ * `moves`, with this change of it, which has this part of the viscosity; 0: none is in reach. */
 template <class Obstacles, class NoSlip>
 PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, bool moves,
-                       pbf_vec x, pbf_vec v, pbf_viscous_system *s) {
+                       pbf_vec x, pbf_vec v, pbf_viscous_system *s, pbf_real part = 1) {
   int added = 0;
   each_no_slip_plane(c, o, n, x, [&](int surface, pbf_real rate, pbf_real, pbf_vec normal) {
     const pbf_vec relative = moves ? relative_to_surface(o, n, surface, x, v) : v;
-    pbf_add_no_slip_plane(rate, normal, relative, s);
+    pbf_add_no_slip_plane(part * rate, normal, relative, s);
     added = 1;
   });
   return added;

@@ -9,10 +9,10 @@ namespace {
 
 /* Calls take(plane, share) for each that takes a part of what viscosity has left of a velocity, at
  * the place x where the solve looks at the particle. It is not in the particle's push, which is
- * along normals. */
+ * along normals. `part`: of the viscosity, that the particle has. */
 template <class Obstacles, class NoSlip, class Take>
 PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, pbf_vec x,
-                          pbf_vec v, Take take) {
+                          pbf_vec v, Take take, pbf_real part = 1) {
   each_no_slip_plane(
       c, o, n, x, [&](int surface, pbf_real rate, pbf_real distance, pbf_vec normal) {
         const pbf_vec relative = relative_to_surface(o, n, surface, x, v);
@@ -21,7 +21,8 @@ PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSl
             surface < 0 ? -1 - surface : PBF_WALLS + pbf_surface_number(o.surfaces, surface);
         pbf_load_plane plane = {solid, distance, 0, normal};
         load_share share = {{0}, {0}};
-        for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)rate * (double)along.c[k];
+        for (int k = 0; k < PBF_DIM; ++k)
+          share.change[k] = -(double)(part * rate) * (double)along.c[k];
         take(plane, share);
       });
 }

@@ -56,6 +56,11 @@ PBF_FN pbf_vec pbf_sub(pbf_vec a, pbf_vec b) {
   return a;
 }
 
+PBF_FN pbf_vec pbf_scaled(pbf_vec a, pbf_real s) {
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] *= s;
+  return a;
+}
+
 /* a + s b */
 PBF_FN pbf_vec pbf_add_scaled(pbf_vec a, pbf_real s, pbf_vec b) {
   for (int k = 0; k < PBF_DIM; ++k) a.c[k] += s * b.c[k];

@@ -28,6 +28,7 @@ typedef struct pbf_schedule {
   int may_correct_shear;  /* … or with more particles */
   int no_slip;            /* fluid sticks to walls or colliders: no_slip.h */
   int checks_convergence; /* the solve ends when its density error is small enough */
+  int phases;             /* that differ: phases.h */
   int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
@@ -40,6 +41,12 @@ static inline uint32_t pbf_has_friction(const pbf_params *params, uint32_t colli
   return has && params->time_step > 0;
 }
 
+/* Where fluids differ by little, what pressure resists of shear would hold the lighter one under
+ * the other for good, however deep they are. */
+static inline int pbf_phases_correct_shear(const pbf_params *params) {
+  return pbf_shear_stress_correction(params) > 0;
+}
+
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
  * `derived` is of the same parameters; `basins` are looked for where they are others than before.
@@ -47,7 +54,7 @@ static inline uint32_t pbf_has_friction(const pbf_params *params, uint32_t colli
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_derived *derived,
                                            pbf_basins *basins, uint32_t colliders,
                                            const pbf_collider *list, uint32_t count,
-                                           uint32_t capacity, int overlaps = 0) {
+                                           uint32_t capacity, int overlaps = 0, int phases = 0) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
@@ -56,6 +63,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
+  s.phases = phases;
   s.no_slip = params->viscosity > 0 && params->wall_no_slip > 0;
   for (uint32_t k = 0; k < colliders; ++k)
     s.no_slip |= params->viscosity > 0 && list[k].no_slip > 0;
@@ -64,16 +72,18 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
   s.corrects_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
-                     pbf_depth_corrects_shear(params, basins, colliders, list, count);
+                     (phases ? pbf_phases_correct_shear(params)
+                             : pbf_depth_corrects_shear(params, basins, colliders, list, count));
   const int accelerated = s.accelerated, corrects_shear = s.corrects_shear;
 #define PBF_STAGE(ID, name, feature, times, launches) \
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
                     pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity)) > 0;
-  s.may_correct_shear =
-      (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
-      pbf_depth_corrects_shear(params, basins, colliders, list, pbf_max_planned(capacity));
+  s.may_correct_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
+                        (phases ? pbf_phases_correct_shear(params)
+                                : pbf_depth_corrects_shear(params, basins, colliders, list,
+                                                           pbf_max_planned(capacity)));
   return s;
 }
 

@@ -79,6 +79,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
   else
     memset(s->v + s->count, 0, bytes);
   if (s->overlap) memset(s->overlap + s->count, 0, p->count * sizeof *s->overlap);
+  if (s->phase) memset(s->phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
   init_new(s, s->count - p->count);
   return PBF_OK;
@@ -97,6 +98,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->lambda[kept] = s->lambda[i];
     if (sleeps(s)) s->activity[kept] = s->activity[i];
     if (s->overlap) s->overlap[kept] = s->overlap[i];
+    if (s->phase) s->phase[kept] = s->phase[i];
     s->ids[kept++] = s->ids[i];
   }
   s->count = kept;
@@ -145,6 +147,10 @@ static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, c
     return PBF_OK;
   }
   wake_all(s);
+  if (field == PBF_BACKEND_FIELD_PHASE) {
+    memcpy(s->phase + rows->first, in, rows->count);
+    return PBF_OK;
+  }
   memcpy((field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first, in, rows->count * sizeof *s->x);
   return PBF_OK;
 }
@@ -245,4 +251,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .plan_for = plan_for,
     .max_speed = max_speed,
     .get_loads = get_loads,
+    .set_phases = set_phases<solver>,
 };

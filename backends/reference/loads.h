@@ -17,6 +17,10 @@ static inline bool notes_pushes(const solver *s) {
          ((PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_FRICTION]);
 }
 
+static inline pbf_real mobility_of(const solver *s, uint32_t i) {
+  return s->phase ? s->constants.phases.mobility[s->phase[i]] : 1;
+}
+
 static inline void add_change(solver *s, double units, pbf_vec change) {
   for (int k = 0; k < PBF_DIM; ++k)
     pbf_wide_add(&s->load_tally->change[k], pbf_wide_of(units * (double)change.c[k]));
@@ -31,7 +35,9 @@ static inline void begin_loads(solver *s) {
 static inline void begin_push(solver *s, const pbf_forces *forces, uint32_t i, pbf_vec forced) {
   if (!notes_pushes(s)) return;
   s->push[i] = pbf_sub(s->v[i], forced);
-  if (finds_loads(s)) add_change(s, -pbf_units_of_velocity((double)forces->max_speed), forced);
+  if (!finds_loads(s)) return;
+  const pbf_real mass = 1 / mobility_of(s, i);
+  add_change(s, -pbf_units_of_momentum(&s->constants, forces), pbf_scaled(forced, mass));
 }
 
 /* A particle's velocity has been changed by solids. */
@@ -56,13 +62,15 @@ static inline load_particle load_particle_at(const solver *s, uint32_t i) {
 /* What friction changes the velocity of particle i by. */
 static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pbf_obstacles *o,
                           uint32_t i) {
-  const load_particle p = load_particle_at(s, i);
+  load_particle p = load_particle_at(s, i);
+  const pbf_real mobility = mobility_of(s, i);
+  p.lambda *= mobility;
   return friction_change(
       &s->constants, scales, *o, all_surfaces{}, p, [&] { return grid_lambda_of(s, i); },
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (finds_loads(s))
           add_part(&s->load_tally->sums[plane.solid],
-                   friction_load(&scales.loads, *o, p.x, plane, share), false);
+                   friction_load(&scales.loads, *o, p.x, plane, with_mass(share, mobility)), false);
       });
 }
 
@@ -73,11 +81,14 @@ static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     const pbf_vec x = s->x[i], v = pbf_add_scaled(s->v[i], 1, s->change[i]);
-    share_no_slip(&s->constants, *o, no_slip, x, v,
-                  [&](const pbf_load_plane &plane, const load_share &share) {
-                    add_part(&s->load_tally->sums[plane.solid],
-                             friction_load(&scales, *o, x, plane, share), false);
-                  });
+    share_no_slip(
+        &s->constants, *o, no_slip, x, v,
+        [&](const pbf_load_plane &plane, const load_share &share) {
+          add_part(&s->load_tally->sums[plane.solid],
+                   friction_load(&scales, *o, x, plane, with_mass(share, mobility_of(s, i))),
+                   false);
+        },
+        s->phase ? s->constants.phases.viscosity[s->phase[i]] : 1);
   }
 }
 
@@ -86,7 +97,7 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
   const pbf_load_scales scales = pbf_load_scales_of(c, &forces, &s->params);
   pbf_load_tally *tally = s->load_tally;
   for (uint32_t i = 0; i < s->count; ++i) {
-    load_particle p = load_particle_at(s, i);
+    load_particle p = with_mass(load_particle_at(s, i), mobility_of(s, i));
     if (asleep(s, i))
       p = sleeping_load_particle(c, &scales, *o, all_surfaces{}, p,
                                  [&] { return grid_lambda_of(s, i); });

@@ -10,6 +10,7 @@
 #include "physics/passes/drag.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
+#include "physics/passes/mobility.h"
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
 #include "physics/passes/torque.h"
@@ -156,6 +157,12 @@ static inline void add_weight(solver *s) {
                                                       inv_time_step, s->moved[i]);
 }
 
+/* Of particle i in this iteration, where phases differ. */
+static inline pbf_real mobility_around(const solver *s, uint32_t i) {
+  const mobility_pass<int> pass = {&s->constants, s->schedule.features};
+  return pass.finish(sums_around(s, pass, s->moved, {s->mobility, NULL}, {}, i), s->mobility[i]);
+}
+
 /* Returns the density error, where it is wanted, in pbf_error_units's units. */
 static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
@@ -176,10 +183,11 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     const pbf_real lambda = pass.finish(sums, residual_density);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
       error_units += pbf_error_units(c, residual_density, sums.density);
+    const pbf_real mobility = s->phase ? mobility_around(s, i) : 1;
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
-      pbf_accelerate(c, sums.density, lambda, &s->lambda[i], &s->added[i]);
+      pbf_accelerate_for(c, mobility, sums.density, lambda, &s->lambda[i], &s->added[i]);
     else
-      s->lambda[i] = lambda;
+      s->lambda[i] = pbf_lambda_for(mobility, lambda);
   }
   return error_units;
 }
@@ -205,13 +213,15 @@ static inline void move(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     auto sums = sums_around(s, pass, s->moved, of, {of.number[i]}, i);
-    const pbf_vec pairs = vec_of(sums.change);
+    pbf_vec pairs = vec_of(sums.change);
     add_ghosts(s, pass, o, s->moved, of, {of.number[i]}, i, &sums);
     s->change[i] = vec_of(sums.change);
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density) {
       pbf_boundary boundary = pbf_boundary_at(c, *o, s->moved[i]);
       s->change[i] = pbf_boundary_correction(s->change[i], of.number[i], &boundary);
     }
+    if (s->phase) pairs = pbf_scaled(pairs, s->mobility[i]);
+    if (s->phase) s->change[i] = pbf_scaled(s->change[i], s->mobility[i]);
     note_push(s, i, pbf_push(c, inv_time_step, {{0}}, pbf_sub(s->change[i], pairs)));
   }
   for (uint32_t i = 0; i < s->count; ++i) {
@@ -275,14 +285,21 @@ static inline void change_velocities(solver *s, const pbf_obstacles *o, const pb
   }
 }
 
+/* Where phases differ pushes are over masses, which take the place of what the solve has added. */
 static inline void correct_shear_stress(solver *s, const pbf_obstacles *o) {
-  const shear_stress_pass<int> pass = {&s->constants, s->schedule.features};
-  const lookups of = {NULL, s->change};
+  const bool masses = s->phase != NULL;
+  const shear_stress_pass<int> pass = {&s->constants, s->schedule.features, masses};
+  const lookups of = {masses ? s->added : NULL, s->change};
   pbf_vec *change = s->predicted; /* of the velocity: the prediction is not asked for any more */
+  for (uint32_t i = 0; i < s->count && masses; ++i) {
+    s->change[i] = pbf_scaled(s->change[i], s->mobility[i]);
+    s->added[i] = 1 / s->mobility[i];
+  }
   for (uint32_t i = 0; i < s->count; ++i)
     if (!asleep(s, i))
-      change[i] = pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i),
-                              s->change[i]);
+      change[i] = pass.finish(
+          sums_around(s, pass, s->moved, of, {lanes_of(s->change[i]), masses ? s->added[i] : 0}, i),
+          s->change[i], masses ? s->mobility[i] : 1);
   change_velocities(s, o, change);
 }
 
@@ -317,6 +334,7 @@ static inline void compensate_damping(solver *s, const pbf_obstacles *o) {
     if ((PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && s->schedule.wall_density)
       change = change_near_obstacles(c, *o, s->moved[i], s->flow[i], s->lambda[i], vec_of(sums.end),
                                      vec_of(sums.start));
+    if (s->phase) change = pbf_scaled(change, s->mobility[i]);
     s->v[i] = pass.finish(inv_time_step, s->v[i], change);
   }
 }
@@ -334,8 +352,8 @@ static inline void turn(solver *s) {
   const lookups of = {NULL, s->change};
   for (uint32_t i = 0; i < s->count; ++i)
     if (!asleep(s, i))
-      s->v[i] =
-          pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i), s->v[i]);
+      s->v[i] = pass.finish(sums_around(s, pass, s->moved, of, {lanes_of(s->change[i])}, i),
+                            s->v[i], s->phase ? s->mobility[i] : 1);
 }
 
 static inline void compute_curl(solver *s) {
@@ -384,8 +402,10 @@ static inline typename Pass::template sums<pbf_real> sums_before(
 /* Before the solve what it adds is not there yet: what crowding leaves out is. */
 static inline void find_crowding(solver *s) {
   const crowding_pass pass = {&s->constants};
-  for (uint32_t i = 0; i < s->count; ++i)
+  for (uint32_t i = 0; i < s->count; ++i) {
     s->added[i] = asleep(s, i) ? 0 : pass.finish(sums_before(s, pass, {}, {}, i));
+    if (s->phase) s->added[i] = pbf_left_out(&s->constants.phases, s->phase[i], s->added[i]);
+  }
 }
 
 /* Stage k, from the state at the step's start, the velocities of the prediction and, of the last
@@ -403,10 +423,12 @@ static inline void apply_viscous_stress(solver *s, const pbf_obstacles *o, uint3
     if (asleep(s, i)) continue;
     const auto sums = sums_before(s, pass, {s->added, of}, {s->added[i], lanes_of(of[i])}, i);
     pbf_viscous_system system =
-        pass.system(sums, weights.first ? none : pbf_sub(s->viscous_force[i], change));
+        pass.system(sums, weights.first ? none : pbf_sub(s->viscous_force[i], change),
+                    s->phase ? pbf_viscous_scale(&s->constants.phases, s->phase[i]) : 1);
     const int with_solids =
         s->schedule.no_slip &&
-        add_no_slip(&s->constants, *o, no_slip, weights.first != 0, s->x[i], of[i], &system);
+        add_no_slip(&s->constants, *o, no_slip, weights.first != 0, s->x[i], of[i], &system,
+                    s->phase ? s->constants.phases.viscosity[s->phase[i]] : 1);
     if (weights.first) s->viscous_force[i] = system.residual;
     s->predicted[i] = pass.finish(system, with_solids, weights, change, before);
   }
@@ -478,6 +500,8 @@ struct executor {
     grid_build(&s->grid, &s->params, grid_cell_limit(s->count), s->count, s->moved);
     if (sleeps(s)) find_sleeping_boundary(s);
     if (s->torque) memset(s->torque, 0, s->count * sizeof *s->torque);
+    for (uint32_t i = 0; i < s->count && s->phase; ++i)
+      s->mobility[i] = s->constants.phases.mobility[s->phase[i]];
     return true;
   }
   void residual_density() { compute_residual_density(s, &before); }

@@ -168,6 +168,7 @@ export declare const constants: {
   readonly MAX_WORLDS: 65536;
   readonly MAX_EMITTERS: 64;
   readonly MAX_DRAINS: 64;
+  readonly MAX_PHASES: 8;
   readonly OK: 0;
   readonly ERROR_INVALID_ARGUMENT: -1;
   readonly ERROR_STRUCT_SIZE: -2;

@@ -13,6 +13,7 @@ export const constants = Object.freeze({
   MAX_WORLDS: 65536,
   MAX_EMITTERS: 64,
   MAX_DRAINS: 64,
+  MAX_PHASES: 8,
   OK: 0,
   ERROR_INVALID_ARGUMENT: -1,
   ERROR_STRUCT_SIZE: -2,

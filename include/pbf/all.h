@@ -5,6 +5,7 @@
 #include <pbf/batch.h>
 #include <pbf/emit.h>
 #include <pbf/pbf.h>
+#include <pbf/phases.h>
 #include <pbf/query.h>
 
 #endif

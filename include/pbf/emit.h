@@ -45,6 +45,8 @@ typedef struct pbf_emitter {
                          apart carry at this velocity, which is the most that may be */
   double jitter;      /* 0 … 1, in spacings: so far columns waver along the opening */
   double lifetime;    /* of its particles, >= 0; 0: for ever */
+  uint32_t phase;     /* of its particles (phases.h), below pbf_get_phase_count, or 0 */
+  uint32_t reserved;  /* 0 */
 } pbf_emitter;
 
 #define PBF_MAX_EMITTERS 64u

@@ -12,6 +12,7 @@
 #define PBF_PBF_BACKEND_H
 
 #include <pbf/pbf.h>
+#include <pbf/phases.h>
 #include <pbf/ranks.h>
 
 #ifdef __cplusplus
@@ -94,6 +95,8 @@ typedef struct pbf_particles {
   const uint32_t *ids;
   const void *positions;  /* (count, dimension), element type of the solver */
   const void *velocities; /* (count, dimension); null: at rest */
+  uint32_t phase;         /* of all, below pbf_phase_table.count, or 0 */
+  uint32_t reserved;      /* 0 */
 } pbf_particles;
 
 /* Rows first … first + count - 1 of the solver's particles in ascending order of id. `ids` has all
@@ -148,6 +151,20 @@ enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
 
 /* And while it knows of an overlap: what is left of it, a number of each particle. */
 enum { PBF_BACKEND_FIELD_OVERLAP = 101 };
+
+/* To be written between set_phases with a table and without: its phase, a uint8_t a particle. */
+enum { PBF_BACKEND_FIELD_PHASE = 102 };
+
+/* Of phases that differ. */
+typedef struct pbf_phase_table {
+  uint32_t struct_size;
+  uint32_t count;
+  double mobility[PBF_MAX_PHASES];  /* 1 / pbf_phase.rest_density */
+  double viscosity[PBF_MAX_PHASES]; /* as pbf_phase; … */
+  double thickness[PBF_MAX_PHASES]; /* … and dynamic, over the thickest phase's, 0 … 1 */
+  double thickest;                  /* viscosity * rest_density of that */
+  double heaviest;                  /* rest_density, or 1 */
+} pbf_phase_table;
 
 /* What lies in other fluid, or in a solid, where no step has moved it: found there, an overlap. */
 typedef struct pbf_overlap {
@@ -260,6 +277,11 @@ struct pbf_backend_api {
    * their sums anew. Called while params.loads is 1. `struct_size` is the host's to set. */
   pbf_status (*get_loads)(pbf_backend_solver *solver, uint32_t first, uint32_t count,
                           pbf_collider_load *loads);
+
+  /* Optional: particles differ in mass, by their phase in this table; all are of phase 0 until
+   * PBF_BACKEND_FIELD_PHASE is written. Null: they are alike. Wakes all. While
+   * there is a table, parameters are without what phases.h says is refused. */
+  pbf_status (*set_phases)(pbf_backend_solver *solver, const pbf_phase_table *table);
 };
 
 /* What the plugin answers. */

@@ -20,6 +20,7 @@
 static const pbf_count_rule counts[] = {
     COUNT(shape, PBF_EMITTER_DISC, " (PBF_EMITTER_…)"),
     COUNT(recycle, 1, ""),
+    COUNT(reserved, 0, ""),
 };
 
 static const pbf_real_rule reals[] = {

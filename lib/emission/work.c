@@ -197,7 +197,8 @@ static pbf_status add_batch(pbf_solver *solver, pbf_emission *e, const pbf_sourc
   pbf_status status = PBF_OK;
   if (source->emitter.lifetime > 0) status = reserve_births(solver, e);
   if (status == PBF_OK && count > 0)
-    status = pbf_population_append(solver, count, e->particles, velocities, 0);
+    status =
+        pbf_population_append(solver, count, e->particles, velocities, 0, source->emitter.phase);
   if (status != PBF_OK || count == 0 || !(source->emitter.lifetime > 0)) return status;
   e->births[e->head.births_count++] =
       (pbf_births){first, count, pbf_solver_time(solver) + source->emitter.lifetime};

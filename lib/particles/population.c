@@ -6,6 +6,7 @@
 #include "coincident.h"
 #include "error.h"
 #include "memory.h"
+#include "phases.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/overlap.h"
@@ -64,18 +65,24 @@ static void free_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids
 }
 
 pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void *positions,
-                                 const void *velocities, int is_placed) {
+                                 const void *velocities, int is_placed, uint32_t phase) {
   uint32_t *ids;
   pbf_status status = allocate_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
   pbf_distinct distinct;
   status = pbf_distinct_positions(solver, positions, count, &distinct);
-  const pbf_particles particles = {sizeof particles, count, ids, distinct.positions, velocities};
+  const pbf_particles particles = {.struct_size = sizeof particles,
+                                   .count = count,
+                                   .ids = ids,
+                                   .positions = distinct.positions,
+                                   .velocities = velocities,
+                                   .phase = phase};
   if (status == PBF_OK) status = add_to_backend(solver, &particles);
   pbf_distinct_free(solver, &distinct);
   free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
   solver->count += count;
+  pbf_phases_append(solver, count, phase);
   if (is_placed)
     pbf_overlap_note_particles(solver, (uint32_t)solver->next_id,
                                (uint32_t)(solver->next_id + count - 1));
@@ -92,7 +99,8 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
   if (status == PBF_OK) status = check_capacity(solver, count);
   if (status == PBF_OK && count > 0) {
     status = check_new(solver, count, positions, velocities);
-    if (status == PBF_OK) status = pbf_population_append(solver, count, positions, velocities, 1);
+    if (status == PBF_OK)
+      status = pbf_population_append(solver, count, positions, velocities, 1, 0);
   }
   if (status == PBF_OK && first_id) *first_id = (uint32_t)first;
   return status;

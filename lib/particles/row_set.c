@@ -4,6 +4,7 @@
 
 #include "accelerations.h"
 #include "memory.h"
+#include "phases.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
 #include "solver/previous.h"
@@ -48,7 +49,9 @@ static void compact_ids(pbf_solver *solver, const pbf_row_set *removed) {
   compact_previous(solver, removed);
   compact_accelerations(solver, removed);
   for (uint32_t row = 0; row < solver->count; ++row) {
-    if (!pbf_row_set_has(removed, row)) solver->ids[kept++] = solver->ids[row];
+    if (pbf_row_set_has(removed, row)) continue;
+    pbf_phases_move(solver, row, kept);
+    solver->ids[kept++] = solver->ids[row];
   }
   solver->count = kept;
   if (kept == 0) solver->overlap.moved = 0;

@@ -9,6 +9,7 @@
 #include "query/index.h"
 #include "emission/emission.h"
 #include "particles/accelerations.h"
+#include "particles/phases.h"
 #include "snapshot_memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
@@ -19,6 +20,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
   pbf_accelerations_free(solver);
+  pbf_phases_free(solver, solver->phases);
   pbf_snapshots_free(solver, solver->snapshots);
   pbf_query_index_free(solver);
   pbf_emission_free(solver, solver->emission);

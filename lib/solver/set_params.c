@@ -3,21 +3,29 @@
 #include "backend_call.h"
 #include "handles.h"
 #include "params.h"
+#include "particles/phases.h"
 #include "prestabilize.h"
 #include "solver_time.h"
 #include "structs.h"
 
-pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
-  pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
+pbf_status pbf_params_with_phases(pbf_solver *solver, const pbf_params *params,
+                                  const struct pbf_phases *phases) {
+  const pbf_params has = pbf_phases_params(phases, params);
+  pbf_params clean = pbf_params_for_backend(&has, solver->kind.dimension);
   pbf_status status = solver->api.set_params(solver->backend, &clean);
   if (status == PBF_OK) solver->time_step_there = params->time_step;
   return pbf_backend_result(solver, status, "set_params");
+}
+
+pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
+  return pbf_params_with_phases(solver, params, solver->phases);
 }
 
 static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   pbf_params params;
   pbf_status status = pbf_params_in(theirs, &params);
   if (status == PBF_OK) status = pbf_params_check(&params, solver->kind, pbf_solver_time(solver));
+  if (status == PBF_OK) status = pbf_phases_check_params(solver->phases, &params);
   if (status == PBF_OK) status = pbf_params_to_backend(solver, &params);
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);

@@ -129,6 +129,8 @@ struct pbf_solver {
   void *accelerations;         /* lib/particles/accelerations.h; null: there are none */
   uint32_t acceleration_count; /* rows that have been given one; those after them have none */
 
+  struct pbf_phases *phases; /* lib/particles/phases.h; null: there are none */
+
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];
 };

@@ -1,10 +1,11 @@
 /* Hash of the state: step (8 bytes), count (4 bytes), ids, positions, velocities, and what comes
- * and goes where anything does. */
+ * and goes, and phases, where there are any. */
 #include "emission/saved.h"
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
 #include "particles/particles.h"
+#include "particles/phases.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
 
@@ -41,6 +42,18 @@ static pbf_status add_emission(pbf_solver *solver, uint64_t *hash) {
   return PBF_OK;
 }
 
+static pbf_status add_phases(const pbf_solver *solver, uint64_t *hash) {
+  const uint64_t bytes = pbf_phases_saved_size(solver);
+  void *scratch;
+  if (bytes == 0) return PBF_OK;
+  pbf_status status = pbf_memory_allocate(&solver->allocator, bytes, "phases to hash", &scratch);
+  if (status != PBF_OK) return status;
+  pbf_phases_save(solver, scratch);
+  *hash = pbf_fnv(*hash, scratch, bytes);
+  pbf_memory_free(&solver->allocator, scratch, bytes);
+  return PBF_OK;
+}
+
 static pbf_status hash_state(pbf_solver *solver, uint64_t *theirs) {
   if (!theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hash is null");
   uint64_t hash = pbf_fnv(PBF_FNV_START, &solver->step, sizeof solver->step);
@@ -51,6 +64,7 @@ static pbf_status hash_state(pbf_solver *solver, uint64_t *theirs) {
   }
   pbf_status status = add_particles(solver, &hash);
   if (status == PBF_OK) status = add_emission(solver, &hash);
+  if (status == PBF_OK) status = add_phases(solver, &hash);
   if (status == PBF_OK) *theirs = hash;
   return status;
 }

@@ -57,7 +57,11 @@ static pbf_status read_previous(pbf_solver *solver, previous_state *previous) {
 
 static pbf_status replace_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids,
                                     const void *positions, const void *velocities) {
-  const pbf_particles particles = {sizeof particles, count, ids, positions, velocities};
+  const pbf_particles particles = {.struct_size = sizeof particles,
+                                   .count = count,
+                                   .ids = ids,
+                                   .positions = positions,
+                                   .velocities = velocities};
   pbf_status status = solver->api.remove_all(solver->backend);
   if (status != PBF_OK) return pbf_backend_result(solver, status, "remove_all");
   if (count == 0) return PBF_OK;
@@ -70,6 +74,7 @@ static void restore_particles(pbf_solver *solver, const previous_state *previous
   uint32_t count = solver->count;
   for (uint32_t row = 0; row < count; ++row) ids[row] = pbf_ids_of_row(solver, row);
   replace_particles(solver, count, ids, previous->positions, previous->velocities);
+  pbf_phases_to_backend(solver, solver->phases, count, ids);
   pbf_overlap_restore(solver, &solver->overlap);
   pbf_kept_write(solver, count, ids, &previous->kept);
 }
@@ -92,6 +97,8 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
                                                in->header.collider_time);
   if (status == PBF_OK)
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
+  if (status == PBF_OK)
+    status = pbf_phases_to_backend(solver, in->phases, in->header.count, in->ids);
   if (status == PBF_OK) status = pbf_overlap_restore(solver, &in->header.overlap);
   if (status == PBF_OK) status = pbf_kept_write(solver, in->header.count, in->ids, &in->kept);
   if (status == PBF_OK) status = pbf_time_to_backend(solver, in->time);
@@ -101,7 +108,7 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
 static pbf_status replace_state(pbf_solver *solver, pbf_saved_state *in) {
   previous_state previous;
   pbf_status status = read_previous(solver, &previous);
-  if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
+  if (status == PBF_OK) status = pbf_params_with_phases(solver, &in->params, in->phases);
   if (status == PBF_OK) {
     status = write_to_backend(solver, in);
     if (status != PBF_OK) status = roll_back(solver, &previous, in->ids, status);
@@ -130,6 +137,9 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   pbf_emission_free(solver, solver->emission);
   solver->emission = in->emission;
   in->emission = NULL;
+  pbf_phases_free(solver, solver->phases);
+  solver->phases = in->phases;
+  in->phases = NULL;
   uint32_t *old_ids = solver->ids;
   solver->ids = in->header.has_ids ? in->ids : NULL;
   in->ids = in->header.has_ids ? old_ids : in->ids;

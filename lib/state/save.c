@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "particles/accelerations.h"
 #include "particles/particles.h"
+#include "particles/phases.h"
 #include "shape/registry.h"
 #include "snapshot.h"
 #include "solver/colliders.h"
@@ -27,6 +28,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .kept = pbf_kept_by(solver),
       .planned = solver->planned,
       .emission = (uint32_t)pbf_emission_saved_size(solver),
+      .phases = pbf_phases_saved_size(solver),
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
@@ -102,6 +104,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
   if (header->has_ids)
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
   if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);
+  if (header->phases > 0) pbf_phases_save(solver, (unsigned char *)buffer + layout.phases);
   pbf_status status = write_particles(solver, header, &layout, buffer);
   uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
   put(buffer, layout.checksum, &checksum, sizeof checksum);

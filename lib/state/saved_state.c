@@ -51,7 +51,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
       header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
-      header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY ||
+      header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY || header->phases > size ||
       pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
@@ -208,6 +208,17 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
   return pbf_kept_allocate(solver, in->header.kept, in->header.count, "loading a state", &in->kept);
 }
 
+/* What else there is goes with them. */
+static pbf_status check_phases(const pbf_solver *solver, const pbf_saved_state *in) {
+  pbf_status status = pbf_phases_check_params(in->phases, &in->params);
+  if (status == PBF_OK && in->phases && in->phases->differ && solver->ranks.count)
+    status = reject("has phases, which are not to be had on ranks");
+  for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.source_count; ++i)
+    if (in->emission->sources[i].emitter.phase >= pbf_phases_count(in->phases))
+      status = reject("has an emitter of a phase that there is not");
+  return status;
+}
+
 static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   pbf_status status = read_params(solver, in);
   if (status == PBF_OK) status = read_colliders(solver, in);
@@ -216,6 +227,10 @@ static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   if (status == PBF_OK)
     status = pbf_emission_read(solver, in->buffer + in->layout.emission, in->header.emission,
                                in->header.next_id, &in->emission);
+  if (status == PBF_OK)
+    status = pbf_phases_read(solver, in->buffer + in->layout.phases, in->header.phases,
+                             in->header.count, &in->phases);
+  if (status == PBF_OK) status = check_phases(solver, in);
   return reject_by_check(status);
 }
 
@@ -240,4 +255,5 @@ void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   pbf_memory_free(&solver->allocator, in->velocities, bytes);
   pbf_kept_free(solver, &in->kept);
   pbf_emission_free(solver, in->emission);
+  pbf_phases_free(solver, in->phases);
 }

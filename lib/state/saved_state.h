@@ -3,6 +3,7 @@
 #define PBF_LIB_STATE_SAVED_STATE_H
 
 #include "emission/emission.h"
+#include "particles/phases.h"
 #include "snapshot.h"
 
 typedef struct pbf_saved_state {
@@ -18,6 +19,7 @@ typedef struct pbf_saved_state {
   void *velocities;
   pbf_kept_fields kept;
   pbf_emission *emission; /* or null */
+  pbf_phases *phases;     /* or null */
 } pbf_saved_state;
 
 /* Fails with PBF_ERROR_DATA for what pbf_save did not write, and unless the solver can hold it. */

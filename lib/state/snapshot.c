@@ -29,7 +29,8 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
     next += padded(pbf_snapshot_kept_bytes(header, (pbf_kept)k));
   }
   layout.emission = next;
-  layout.checksum = next + padded(header->emission);
+  layout.phases = next + padded(header->emission);
+  layout.checksum = layout.phases + padded(header->phases);
   layout.size = layout.checksum + 8;
   return layout;
 }

@@ -34,6 +34,8 @@ class Emitter:
     """Where the solver is full, the oldest particles make way."""
     seed: int = 0
     """Of the jitter."""
+    phase: int = 0
+    """Of its particles, see `Solver.phases`."""
 
     def _write(self, struct: Any) -> None:
         check(lib.pbf_emitter_init(struct, ffi.sizeof("pbf_emitter"), self.shape))

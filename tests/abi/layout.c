@@ -336,12 +336,23 @@ AT(pbf_backend_desc, worlds, 120);
 AT(pbf_backend_desc, reserved, 124);
 AT(pbf_backend_desc, ranks, 128);
 
-SIZE(pbf_particles, 32);
+SIZE(pbf_particles, 40);
 AT(pbf_particles, struct_size, 0);
 AT(pbf_particles, count, 4);
 AT(pbf_particles, ids, 8);
 AT(pbf_particles, positions, 16);
 AT(pbf_particles, velocities, 24);
+AT(pbf_particles, phase, 32);
+AT(pbf_particles, reserved, 36);
+
+SIZE(pbf_phase_table, 216);
+AT(pbf_phase_table, struct_size, 0);
+AT(pbf_phase_table, count, 4);
+AT(pbf_phase_table, mobility, 8);
+AT(pbf_phase_table, viscosity, 72);
+AT(pbf_phase_table, thickness, 136);
+AT(pbf_phase_table, thickest, 200);
+AT(pbf_phase_table, heaviest, 208);
 
 SIZE(pbf_rows, 24);
 AT(pbf_rows, struct_size, 0);
@@ -374,7 +385,7 @@ AT(pbf_backend_array, reserved, 12);
 AT(pbf_backend_array, data, 16);
 AT(pbf_backend_array, owner, 24);
 
-SIZE(pbf_backend_api, 240);
+SIZE(pbf_backend_api, 248);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -406,6 +417,7 @@ AT(pbf_backend_api, take_array, 208);
 AT(pbf_backend_api, release_array, 216);
 AT(pbf_backend_api, read_array, 224);
 AT(pbf_backend_api, get_loads, 232);
+AT(pbf_backend_api, set_phases, 240);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);
@@ -447,7 +459,7 @@ AT(pbf_sample_grid, counts, 4);
 AT(pbf_sample_grid, origin, 16);
 AT(pbf_sample_grid, step, 40);
 
-SIZE(pbf_emitter, 136);
+SIZE(pbf_emitter, 144);
 AT(pbf_emitter, struct_size, 0);
 AT(pbf_emitter, shape, 4);
 AT(pbf_emitter, recycle, 8);
@@ -461,6 +473,14 @@ AT(pbf_emitter, radius, 104);
 AT(pbf_emitter, rate, 112);
 AT(pbf_emitter, jitter, 120);
 AT(pbf_emitter, lifetime, 128);
+AT(pbf_emitter, phase, 136);
+AT(pbf_emitter, reserved, 140);
+
+SIZE(pbf_phase, 24);
+AT(pbf_phase, struct_size, 0);
+AT(pbf_phase, user, 4);
+AT(pbf_phase, rest_density, 8);
+AT(pbf_phase, viscosity, 16);
 
 SIZE(pbf_in_out, 56);
 AT(pbf_in_out, struct_size, 0);

@@ -28,7 +28,7 @@ static inline bool small_wanted(const pbf_params *params, const pbf_schedule &no
     for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
       has.runs[stage] = 0;
   return sizeof(pbf_real) == sizeof(float) && !params->periodic && has_only(has, SMALL_STAGES) &&
-         !has.checks_convergence && !pbf_may_have_ghosts(params) &&
+         !has.checks_convergence && !has.phases && !pbf_may_have_ghosts(params) &&
          params->iterations <= SMALL_ITERATIONS;
 }
 

@@ -122,8 +122,8 @@ struct rotation_pass {
   template <class L>
   PBF_IN void end(sums<L> *) const {}
 
-  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec v) const {
-    return pbf_add_scaled(v, 1, vec_of(s.velocity));
+  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec v, pbf_real mobility = 1) const {
+    return pbf_add_scaled(v, mobility, vec_of(s.velocity));
   }
 };
 

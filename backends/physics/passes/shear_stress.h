@@ -139,7 +139,7 @@ struct fabric_pass {
         size2 += (k == m ? 1 : 2) * part * part;
       }
     if (size2 > maximum * maximum) inside *= maximum / pbf_real_sqrt(size2);
-    const pbf_real most = c->shear_stress_max_lambda;
+    const pbf_real most = c->shear_stress_max_lambda * (pbf_real)c->phases.heaviest;
     lambda = pbf_real_max(pbf_real_min(lambda, most), -most);
     for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] *= inside * lambda;
     return d;
@@ -207,16 +207,20 @@ struct shear_push_pass {
 };
 
 /* The change of velocity that it gives, once pairs have exchanged so much of their pushes that on
- * the rest lattice a particle's own push goes to its neighbours, and theirs come to it. */
+ * the rest lattice a particle's own push goes to its neighbours, and theirs come to it. Where
+ * phases differ, `MASSES`, pushes are over masses, and a pair exchanges the momentum of its lighter
+ * particle: no heavy one throws a light one. */
 template <class Features>
 struct shear_stress_pass {
-  enum { NUMBER = 0, VECTOR = 1 /* push */ };
+  enum { NUMBER = 1 /* mass */, VECTOR = 1 /* push */ };
   const pbf_constants *c;
   Features features;
+  bool masses; /* where these differ */
 
   template <class L>
   struct own {
     lane_vector<L> push;
+    L mass = {};
   };
   template <class L>
   struct sums {
@@ -230,16 +234,18 @@ struct shear_stress_pass {
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &i, const neighbor_of<L> &j) const {
-    s->exchanged.add_scaled(kernel_value(features, c, j.r2), j.vector - i.push);
+    L weight = kernel_value(features, c, j.r2);
+    if (masses) weight = weight * -ops<L>::max(-i.mass, -j.number);
+    s->exchanged.add_scaled(weight, j.vector - i.push);
   }
 
   template <class L>
   PBF_IN void end(sums<L> *) const {}
 
   /* Where h is hardly more than the spacing there are no neighbours on that lattice. */
-  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec push) const {
+  PBF_IN pbf_vec finish(const sums<pbf_real> &s, pbf_vec push, pbf_real mobility = 1) const {
     const pbf_real neighbors = pbf_real_max(1 - c->value_scale, (pbf_real)0.1);
-    push = pbf_add_scaled(push, 1 / neighbors, vec_of(s.exchanged));
+    push = pbf_add_scaled(push, mobility / neighbors, vec_of(s.exchanged));
     return pbf_add_scaled(pbf_vec{{0}}, c->shear_stress_part, push);
   }
 };

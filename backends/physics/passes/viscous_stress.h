@@ -111,10 +111,11 @@ struct viscous_stress_pass {
 
   /* The system at a particle: `rest` and what pairs do are what is left of it. The multiple of the
    * unit matrix is the same for all: what pairs exchange is then conserved in each stage, converged
-   * or not. */
-  PBF_IN pbf_viscous_system system(const sums<pbf_real> &s, pbf_vec rest) const {
+   * or not. `scale` is pbf_viscous_scale's where phases differ. */
+  PBF_IN pbf_viscous_system system(const sums<pbf_real> &s, pbf_vec rest,
+                                   pbf_real scale = 1) const {
     pbf_viscous_system system;
-    system.residual = pbf_add_scaled(rest, c->viscosity_step, vec_of(s.change));
+    system.residual = pbf_add_scaled(rest, c->viscosity_step * scale, vec_of(s.change));
     for (int k = 0; k < PBF_DIM; ++k)
       for (int l = 0; l <= k; ++l)
         system.block[pbf_symmetric_entry(k, l)] = k == l ? c->viscosity_diagonal : 0;

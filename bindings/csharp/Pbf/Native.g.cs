@@ -40,6 +40,7 @@ namespace Pbf
         public const uint MaxWorlds = 65536;
         public const uint MaxEmitters = 64;
         public const uint MaxDrains = 64;
+        public const uint MaxPhases = 8;
         public const uint Float32 = 4;
         public const uint Float64 = 8;
         public const uint LogInfo = 1;
@@ -567,6 +568,8 @@ namespace Pbf
         public double Rate;
         public double Jitter;
         public double Lifetime;
+        public uint Phase;
+        public uint Reserved;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -581,6 +584,15 @@ namespace Pbf
         public ulong Recycled;
         public ulong Drained;
         public ulong Expired;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Phase
+    {
+        public uint StructSize;
+        public uint User;
+        public double RestDensity;
+        public double Viscosity;
     }
 
     internal static class Native
@@ -776,6 +788,18 @@ namespace Pbf
         internal static extern Status pbf_get_drain(SolverHandle solver, uint index, ref Volume drain);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_in_out(SolverHandle solver, ref InOut in_out);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_phase_init(ref Phase phase, uint struct_size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_phases(SolverHandle solver, uint count, IntPtr phases);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_phase_count(SolverHandle solver, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_phase(SolverHandle solver, uint index, ref Phase phase);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_particle_phases(SolverHandle solver, uint first, uint count, IntPtr phases);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_particle_phases(SolverHandle solver, uint first, uint count, ref uint phases);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -810,8 +834,9 @@ namespace Pbf
             { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },
             { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
-            { typeof(Emitter), new[] { "136", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128" } },
-            { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } }
+            { typeof(Emitter), new[] { "144", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128", "Phase=136", "Reserved=140" } },
+            { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } },
+            { typeof(Phase), new[] { "24", "StructSize=0", "User=4", "RestDensity=8", "Viscosity=16" } }
         };
     }
 }

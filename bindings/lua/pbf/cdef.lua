@@ -122,6 +122,7 @@ enum {
   PBF_MAX_WORLDS = 65536,
   PBF_MAX_EMITTERS = 64,
   PBF_MAX_DRAINS = 64,
+  PBF_MAX_PHASES = 8,
 };
 struct DLManagedTensor;
 typedef struct pbf_batch pbf_batch;
@@ -480,6 +481,8 @@ typedef struct pbf_emitter {
   double rate;
   double jitter;
   double lifetime;
+  uint32_t phase;
+  uint32_t reserved;
 } pbf_emitter;
 typedef struct pbf_in_out {
   uint32_t struct_size;
@@ -492,6 +495,12 @@ typedef struct pbf_in_out {
   uint64_t drained;
   uint64_t expired;
 } pbf_in_out;
+typedef struct pbf_phase {
+  uint32_t struct_size;
+  uint32_t user;
+  double rest_density;
+  double viscosity;
+} pbf_phase;
 uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
@@ -585,6 +594,12 @@ pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emit
 pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *drains);
 pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain);
 pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out);
+pbf_status pbf_phase_init(pbf_phase *phase, uint32_t struct_size);
+pbf_status pbf_set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *phases);
+pbf_status pbf_get_phase_count(pbf_solver *solver, uint32_t *count);
+pbf_status pbf_get_phase(pbf_solver *solver, uint32_t index, pbf_phase *phase);
+pbf_status pbf_set_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count, const uint32_t *phases);
+pbf_status pbf_get_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *phases);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {
@@ -615,6 +630,7 @@ return {
   pbf_volume_flow = {size = 72, struct_size = 0, reserved = 4, volume = 8, fraction = 16, centre = 24, velocity = 48},
   pbf_samples = {size = 48, struct_size = 0, count = 4, points = 8, densities = 16, velocities = 24, pressures = 32, wet = 40},
   pbf_sample_grid = {size = 64, struct_size = 0, counts = 4, origin = 16, step = 40},
-  pbf_emitter = {size = 136, struct_size = 0, shape = 4, recycle = 8, seed = 12, position = 16, velocity = 40, across = 64, half_width = 88, half_height = 96, radius = 104, rate = 112, jitter = 120, lifetime = 128},
+  pbf_emitter = {size = 144, struct_size = 0, shape = 4, recycle = 8, seed = 12, position = 16, velocity = 40, across = 64, half_width = 88, half_height = 96, radius = 104, rate = 112, jitter = 120, lifetime = 128, phase = 136, reserved = 140},
   pbf_in_out = {size = 56, struct_size = 0, emitters = 4, drains = 8, reserved = 12, emitted = 16, refused = 24, recycled = 32, drained = 40, expired = 48},
+  pbf_phase = {size = 24, struct_size = 0, user = 4, rest_density = 8, viscosity = 16},
 }

@@ -19,6 +19,7 @@ pub const PBF_MAX_ARRAYS: u32 = 40;
 pub const PBF_MAX_WORLDS: u32 = 65536;
 pub const PBF_MAX_EMITTERS: u32 = 64;
 pub const PBF_MAX_DRAINS: u32 = 64;
+pub const PBF_MAX_PHASES: u32 = 8;
 pub const PBF_OK: pbf_status = 0;
 pub const PBF_ERROR_INVALID_ARGUMENT: pbf_status = -1;
 pub const PBF_ERROR_STRUCT_SIZE: pbf_status = -2;
@@ -562,6 +563,8 @@ pub struct pbf_emitter {
     pub rate: f64,
     pub jitter: f64,
     pub lifetime: f64,
+    pub phase: u32,
+    pub reserved: u32,
 }
 
 #[repr(C)]
@@ -576,6 +579,15 @@ pub struct pbf_in_out {
     pub recycled: u64,
     pub drained: u64,
     pub expired: u64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_phase {
+    pub struct_size: u32,
+    pub user: u32,
+    pub rest_density: f64,
+    pub viscosity: f64,
 }
 
 extern "C" {
@@ -1013,6 +1025,36 @@ extern "C" {
         solver: *mut pbf_solver,
         in_out: *mut pbf_in_out,
     ) -> pbf_status;
+    pub fn pbf_phase_init(
+        phase: *mut pbf_phase,
+        struct_size: u32,
+    ) -> pbf_status;
+    pub fn pbf_set_phases(
+        solver: *mut pbf_solver,
+        count: u32,
+        phases: *const pbf_phase,
+    ) -> pbf_status;
+    pub fn pbf_get_phase_count(
+        solver: *mut pbf_solver,
+        count: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_get_phase(
+        solver: *mut pbf_solver,
+        index: u32,
+        phase: *mut pbf_phase,
+    ) -> pbf_status;
+    pub fn pbf_set_particle_phases(
+        solver: *mut pbf_solver,
+        first: u32,
+        count: u32,
+        phases: *const u32,
+    ) -> pbf_status;
+    pub fn pbf_get_particle_phases(
+        solver: *mut pbf_solver,
+        first: u32,
+        count: u32,
+        phases: *mut u32,
+    ) -> pbf_status;
 }
 
 #[cfg(all(test, target_pointer_width = "64"))]
@@ -1444,7 +1486,7 @@ mod layout {
 
     #[test]
     fn pbf_emitter_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_emitter>(), 136);
+        assert_eq!(size_of::<pbf_emitter>(), 144);
         assert_eq!(offset!(pbf_emitter, struct_size), 0);
         assert_eq!(offset!(pbf_emitter, shape), 4);
         assert_eq!(offset!(pbf_emitter, recycle), 8);
@@ -1458,6 +1500,8 @@ mod layout {
         assert_eq!(offset!(pbf_emitter, rate), 112);
         assert_eq!(offset!(pbf_emitter, jitter), 120);
         assert_eq!(offset!(pbf_emitter, lifetime), 128);
+        assert_eq!(offset!(pbf_emitter, phase), 136);
+        assert_eq!(offset!(pbf_emitter, reserved), 140);
     }
 
     #[test]
@@ -1472,5 +1516,14 @@ mod layout {
         assert_eq!(offset!(pbf_in_out, recycled), 32);
         assert_eq!(offset!(pbf_in_out, drained), 40);
         assert_eq!(offset!(pbf_in_out, expired), 48);
+    }
+
+    #[test]
+    fn pbf_phase_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_phase>(), 24);
+        assert_eq!(offset!(pbf_phase, struct_size), 0);
+        assert_eq!(offset!(pbf_phase, user), 4);
+        assert_eq!(offset!(pbf_phase, rest_density), 8);
+        assert_eq!(offset!(pbf_phase, viscosity), 16);
     }
 }

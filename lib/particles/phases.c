@@ -1,0 +1,304 @@
+/* Phases as they are set, and told to the backend. */
+#include "phases.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "check.h"
+#include "emission/emission.h"
+#include "error.h"
+#include "memory.h"
+#include "particles.h"
+#include "solver/backend_call.h"
+#include "solver/handles.h"
+#include "solver/ids.h"
+#include "solver/set_params.h"
+#include "structs.h"
+#include "values.h"
+
+static const double max_ratio = 1000;
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+static pbf_status check_phase(const pbf_phase *phase, uint32_t index, pbf_check_kind kind) {
+  static const pbf_real_rule rules[] = {
+      {"rest_density", offsetof(pbf_phase, rest_density), 1, PBF_ABOVE_ZERO, 0},
+      {"viscosity", offsetof(pbf_phase, viscosity), 1, PBF_FRACTION, 0}};
+  char label[32];
+  snprintf(label, sizeof label, "phases[%u]", index);
+  pbf_status status = pbf_check_reals(rules, 2, label, phase, kind);
+  if (status != PBF_OK) return status;
+  if (phase->rest_density * max_ratio >= 1 && phase->rest_density <= max_ratio) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s.rest_density is %.9g; it must be 0.001 … 1000",
+                  label, phase->rest_density);
+}
+
+static int is_usual(const pbf_phase *phase) {
+  return !(phase->rest_density < 1 || phase->rest_density > 1 || phase->viscosity < 1);
+}
+
+pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind) {
+  uint32_t lightest = 0, heaviest = 0;
+  phases->differ = 0;
+  for (uint32_t i = 0; i < phases->count; ++i) {
+    pbf_status status = check_phase(&phases->of[i], i, kind);
+    if (status != PBF_OK) return status;
+    if (phases->of[i].rest_density < phases->of[lightest].rest_density) lightest = i;
+    if (phases->of[i].rest_density > phases->of[heaviest].rest_density) heaviest = i;
+    phases->differ |= !is_usual(&phases->of[i]);
+  }
+  const double most = max_ratio * phases->of[lightest].rest_density * (1 + 1e-9);
+  if (phases->of[heaviest].rest_density <= most) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "phases[%u].rest_density is %.9g and phases[%u].rest_density %.9g; the heaviest "
+                  "phase may be 1000 times as heavy as the lightest",
+                  heaviest, phases->of[heaviest].rest_density, lightest,
+                  phases->of[lightest].rest_density);
+}
+
+static pbf_status refuse(const char *name, double value) {
+  return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                  "params.%s is %.9g and phases differ in rest_density or viscosity; %s knows of "
+                  "one fluid alone, and must be 0 or -1 with them",
+                  name, value, name);
+}
+
+pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params) {
+  if (!phases || !phases->differ) return PBF_OK;
+  if (params->pressure_grid > 0) return refuse("pressure_grid", params->pressure_grid);
+  if (params->surface_tension > 0) return refuse("surface_tension", params->surface_tension);
+  if (params->viscosity > 0 && params->solver == PBF_SOLVER_JACOBI)
+    return pbf_fail(
+        PBF_ERROR_UNSUPPORTED,
+        "params.viscosity is %.9g with PBF_SOLVER_JACOBI, and phases differ in "
+        "rest_density or viscosity; XSPH knows of one fluid alone, PBF_SOLVER_CHEBYSHEV "
+        "of several",
+        params->viscosity);
+  return PBF_OK;
+}
+
+pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
+  pbf_params theirs = *params;
+  if (!phases || !phases->differ) return theirs;
+  theirs.pressure_grid = 0;
+  return theirs;
+}
+
+/* ---- The backend ----------------------------------------------------------------------------- */
+
+static pbf_status write_rows(pbf_solver *solver, const pbf_rows *rows, const uint8_t *phases) {
+  if (rows->count == 0) return PBF_OK;
+  pbf_status status = solver->api.write(solver->backend, PBF_BACKEND_FIELD_PHASE, rows, phases);
+  return pbf_backend_result(solver, status, "write");
+}
+
+static pbf_phase_table table_of(const pbf_phases *phases) {
+  pbf_phase_table table = {.struct_size = sizeof table, .count = phases->count, .heaviest = 1};
+  for (uint32_t i = 0; i < phases->count; ++i) {
+    const pbf_phase *phase = &phases->of[i];
+    table.mobility[i] = 1 / phase->rest_density;
+    table.viscosity[i] = phase->viscosity;
+    table.thickest = fmax(table.thickest, phase->viscosity * phase->rest_density);
+    table.heaviest = fmax(table.heaviest, phase->rest_density);
+  }
+  for (uint32_t i = 0; i < phases->count && table.thickest > 0; ++i)
+    table.thickness[i] = phases->of[i].viscosity * phases->of[i].rest_density / table.thickest;
+  return table;
+}
+
+static pbf_status write_table(pbf_solver *solver, const pbf_phases *phases) {
+  pbf_phase_table table;
+  const int differ = phases && phases->differ;
+  if (!solver->api.set_phases && !differ) return PBF_OK;
+  if (!solver->api.set_phases)
+    return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                    "the backend \"%s\" has no phases that differ in rest_density or viscosity",
+                    solver->plugin->name);
+  if (differ) table = table_of(phases);
+  return pbf_backend_result(solver, solver->api.set_phases(solver->backend, differ ? &table : NULL),
+                            "set_phases");
+}
+
+pbf_status pbf_phases_to_backend(pbf_solver *solver, const pbf_phases *phases, uint32_t count,
+                                 const uint32_t *ids) {
+  pbf_status status = write_table(solver, phases);
+  if (status != PBF_OK || !phases || !phases->differ) return status;
+  const pbf_rows all = {sizeof all, 0, count, count, ids};
+  const pbf_rows own = pbf_ids_rows(solver, 0, count);
+  return write_rows(solver, ids ? &all : &own, phases->rows);
+}
+
+/* ---- Calls ----------------------------------------------------------------------------------- */
+
+pbf_status pbf_phase_init(pbf_phase *phase, uint32_t struct_size) {
+  const pbf_phase initial = {.struct_size = struct_size, .rest_density = 1, .viscosity = 1};
+  if (!phase) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "phase is null");
+  pbf_status status = pbf_struct_check_size(&pbf_kind_phase, struct_size);
+  if (status == PBF_OK) pbf_struct_out(&pbf_kind_phase, &initial, phase, struct_size);
+  return status;
+}
+
+static pbf_status copy_in(uint32_t count, const pbf_phase *theirs, pbf_phases *ours) {
+  const unsigned char *at = (const unsigned char *)theirs;
+  const uint32_t size = pbf_struct_size(theirs);
+  for (uint32_t i = 0; i < count; ++i, at += size) {
+    if (pbf_struct_size(at) != size)
+      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                      "phases[%u].struct_size is %u; it must be that of phases[0], %u", i,
+                      pbf_struct_size(at), size);
+    pbf_status status = pbf_struct_in(&pbf_kind_phase, at, &ours->of[i]);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+/* That what has a phase still has one. */
+static pbf_status check_in_use(const pbf_solver *solver, uint32_t count) {
+  const pbf_emission *e = solver->emission;
+  const uint32_t phases = count ? count : 1;
+  for (uint32_t row = 0; solver->phases && row < solver->count; ++row)
+    if (solver->phases->rows[row] >= phases)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "count is %u; the particle with the id %u is of phase %u", count,
+                      pbf_ids_of_row(solver, row), solver->phases->rows[row]);
+  for (uint32_t i = 0; e && i < e->head.source_count; ++i)
+    if (e->sources[i].emitter.phase >= phases)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; emitter %u has phase %u", count, i,
+                      e->sources[i].emitter.phase);
+  return PBF_OK;
+}
+
+static int differ(const pbf_phases *phases) { return phases && phases->differ; }
+
+/* As it was before, as far as a failing device lets it; its message is kept. */
+static pbf_status go_back(pbf_solver *solver, pbf_status status) {
+  char why[PBF_MESSAGE_SIZE];
+  memcpy(why, pbf_last_error(), sizeof why);
+  (void)pbf_phases_to_backend(solver, solver->phases, solver->count, NULL);
+  (void)pbf_params_to_backend(solver, &solver->params);
+  return pbf_fail(status, "%s", why);
+}
+
+/* Parameters come before a table that some of them do not go with, and after one that is left. */
+static pbf_status replace(pbf_solver *solver, pbf_phases *ours) {
+  pbf_phases *before = solver->phases;
+  pbf_status status = PBF_OK;
+  if (differ(ours)) status = pbf_params_with_phases(solver, &solver->params, ours);
+  if (status == PBF_OK) status = pbf_phases_to_backend(solver, ours, solver->count, NULL);
+  if (status == PBF_OK && differ(before) && !differ(ours))
+    status = pbf_params_with_phases(solver, &solver->params, ours);
+  if (status != PBF_OK) return go_back(solver, status);
+  solver->phases = ours;
+  pbf_phases_free(solver, before);
+  return PBF_OK;
+}
+
+static pbf_status set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *theirs) {
+  pbf_phases *ours = NULL;
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status != PBF_OK) return status;
+  if (count > PBF_MAX_PHASES)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
+                    PBF_MAX_PHASES);
+  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "phases is null");
+  status = check_in_use(solver, count);
+  if (status == PBF_OK && count > 0) status = pbf_phases_allocate(solver, count, &ours);
+  if (status != PBF_OK || (!ours && !solver->phases)) return status;
+  if (ours && solver->phases) memcpy(ours->rows, solver->phases->rows, solver->count);
+  if (ours) status = copy_in(count, theirs, ours);
+  if (ours && status == PBF_OK) status = pbf_phases_check(ours, solver->kind);
+  if (status == PBF_OK) status = pbf_phases_check_params(ours, &solver->params);
+  if (status == PBF_OK && differ(ours) && solver->ranks.count)
+    status = pbf_fail(PBF_ERROR_UNSUPPORTED,
+                      "phases that differ in rest_density or viscosity are not to be had on ranks");
+  if (status == PBF_OK) status = replace(solver, ours);
+  if (status != PBF_OK) pbf_phases_free(solver, ours);
+  return status;
+}
+
+pbf_status pbf_set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *phases) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_phases(solver, count, phases));
+}
+
+static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  *count = solver->phases ? solver->phases->count : 0;
+  return PBF_OK;
+}
+
+pbf_status pbf_get_phase_count(pbf_solver *solver, uint32_t *count) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_count(solver, count));
+}
+
+static pbf_status get_phase(const pbf_solver *solver, uint32_t index, pbf_phase *phase) {
+  const uint32_t count = solver->phases ? solver->phases->count : 0;
+  pbf_status status = pbf_struct_check_out(&pbf_kind_phase, phase);
+  if (status != PBF_OK) return status;
+  if (index >= count)
+    return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u phases", index, count);
+  pbf_struct_out(&pbf_kind_phase, &solver->phases->of[index], phase, phase->struct_size);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_phase(pbf_solver *solver, uint32_t index, pbf_phase *phase) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_phase(solver, index, phase));
+}
+
+static pbf_status set_rows(pbf_solver *solver, uint32_t first, uint32_t count, const uint32_t *in) {
+  pbf_phases *phases = solver->phases;
+  const uint32_t most = phases ? phases->count : 0;
+  pbf_status status = pbf_check_unmapped(solver);
+  if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer("phases", in, sizeof *in);
+  if (status != PBF_OK) return status;
+  if (!phases)
+    return pbf_fail(PBF_ERROR_STATE, "the solver has no phases; pbf_set_phases gives it some");
+  for (uint32_t i = 0; i < count; ++i)
+    if (in[i] >= most)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "phases[%u] is %u; it must be below the number of phases, %u", i, in[i],
+                      most);
+  void *memory;
+  status = pbf_memory_allocate(&solver->allocator, count, "phases of particles", &memory);
+  if (status != PBF_OK) return status;
+  uint8_t *bytes = memory;
+  for (uint32_t i = 0; i < count; ++i) bytes[i] = (uint8_t)in[i];
+  const pbf_rows rows = pbf_ids_rows(solver, first, count);
+  if (phases->differ) status = write_rows(solver, &rows, bytes);
+  if (status == PBF_OK) memcpy(phases->rows + first, bytes, count);
+  pbf_memory_free(&solver->allocator, memory, count);
+  return status;
+}
+
+pbf_status pbf_set_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count,
+                                   const uint32_t *phases) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_rows(solver, first, count, phases));
+}
+
+static pbf_status get_rows(const pbf_solver *solver, uint32_t first, uint32_t count,
+                           uint32_t *out) {
+  pbf_status status = pbf_check_rows(solver, first, count);
+  if (status != PBF_OK || count == 0) return status;
+  status = pbf_values_check_pointer("phases", out, sizeof *out);
+  if (status != PBF_OK) return status;
+  for (uint32_t i = 0; i < count; ++i)
+    out[i] = solver->phases ? solver->phases->rows[first + i] : 0;
+  return PBF_OK;
+}
+
+pbf_status pbf_get_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count,
+                                   uint32_t *phases) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_rows(solver, first, count, phases));
+}

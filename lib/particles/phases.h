@@ -1,0 +1,65 @@
+/* The phases of a solver, and which of them each particle is of, by row. */
+#ifndef PBF_LIB_PARTICLES_PHASES_H
+#define PBF_LIB_PARTICLES_PHASES_H
+
+#include <string.h>
+
+#include <pbf/phases.h>
+
+#include "solver/solver.h"
+
+/* Null in a solver without. */
+typedef struct pbf_phases {
+  uint32_t count;
+  uint32_t differ; /* 1: in mass or viscosity, and the backend has them */
+  pbf_phase of[PBF_MAX_PHASES];
+  uint8_t rows[]; /* capacity */
+} pbf_phases;
+
+static inline uint64_t pbf_phases_bytes(const pbf_solver *solver) {
+  return sizeof(pbf_phases) + solver->capacity;
+}
+
+/* Room for `count` phases; all rows are of phase 0. */
+pbf_status pbf_phases_allocate(const pbf_solver *solver, uint32_t count, pbf_phases **phases);
+void pbf_phases_free(const pbf_solver *solver, pbf_phases *phases);
+
+/* Each of them, and the heaviest and the lightest together. */
+pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind);
+
+/* Whether what these parameters ask for is to be had where phases differ. */
+pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params);
+
+/* The parameters that a backend gets: where phases differ, without what defaults leave to it and it
+ * has not for them. */
+pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params);
+
+/* How many there are, of which 0 is one, too, where there are none. */
+static inline uint32_t pbf_phases_count(const pbf_phases *phases) {
+  return phases ? phases->count : 1;
+}
+
+/* The table, and then the rows of particles that it holds: of the solver's own ids where `ids` is
+ * null. */
+pbf_status pbf_phases_to_backend(pbf_solver *solver, const pbf_phases *phases, uint32_t count,
+                                 const uint32_t *ids);
+
+/* The last `count` rows are new. */
+static inline void pbf_phases_append(const pbf_solver *solver, uint32_t count, uint32_t phase) {
+  if (solver->phases) memset(solver->phases->rows + (solver->count - count), (int)phase, count);
+}
+
+/* A row becomes another one, which is no later. */
+static inline void pbf_phases_move(const pbf_solver *solver, uint32_t from, uint32_t to) {
+  if (solver->phases) solver->phases->rows[to] = solver->phases->rows[from];
+}
+
+/* As part of a saved state: no bytes where there are none. */
+uint64_t pbf_phases_saved_size(const pbf_solver *solver);
+void pbf_phases_save(const pbf_solver *solver, void *buffer);
+
+/* Of `count` particles, and checked. */
+pbf_status pbf_phases_read(const pbf_solver *solver, const void *buffer, uint64_t size,
+                           uint32_t count, pbf_phases **phases);
+
+#endif
