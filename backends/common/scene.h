@@ -207,7 +207,7 @@ static pbf_status set_phases(Solver *s, const pbf_phase_table *table) {
   const pbf_phase_table before = s->phases, none = {};
   s->phases = table ? *table : none;
   const pbf_schedule schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->colliders, s->overlaps);
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) {
     s->phases = before;

@@ -49,8 +49,7 @@ static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pb
 /* In the prediction, once particles are sorted; the sort's scratch is as it was. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
-                      sorted_particles to, double units, pbf_vec *push,
-                      pbf_few_load_tally *tally) {
+                      sorted_particles to, double units, pbf_vec *push, pbf_few_load_tally *tally) {
   const uint32_t i = thread_index();
   pbf_vec forced = {{0}};
   if (i < from.count) {

@@ -47,8 +47,7 @@ typedef struct pbf_snapshot_header {
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
   uint64_t params, colliders, marks, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission,
-      phases,
-      checksum, size;
+      phases, checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
