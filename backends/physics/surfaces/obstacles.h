@@ -165,7 +165,7 @@ static inline void find_set(uint32_t count, uint64_t *room, pbf_moving_obstacles
   m->surfaces = 0;
   m->others = 0;
   m->more = room;
-  if (count > PBF_FEW_COLLIDERS) memset(room, 0, (pbf_words_of(count) - 1) * sizeof *room);
+  for (uint32_t word = 1; word < pbf_words_of(count); ++word) room[word - 1] = 0;
   for (uint32_t k = 0; k < count; ++k) {
     if (!has(k)) continue;
     const uint64_t bit = UINT64_C(1) << k % PBF_FEW_COLLIDERS;
