@@ -264,7 +264,8 @@ struct collision {
 };
 
 /* Whether a particle is inside one of the surfaces that `may_squeeze` tells, and at another one or
- * a wall: between what has closed on it. */
+ * a wall: between what has closed on it. Each tells by its own skin, twice as thick, so that those
+ * farther away than that need not be asked. */
 template <class Surfaces, class MaySqueeze>
 PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, const pbf_vec &x,
                            MaySqueeze may_squeeze) {
@@ -275,9 +276,10 @@ PBF_FN bool pbf_is_between(const pbf_domain *domain, const Surfaces &surfaces, c
     pbf_vec normal;
     const pbf_real distance = pbf_surface_distance(&s, x, &normal);
     const pbf_real min_distance = pbf_surface_is_unbounded(&s) ? 0 : s.skin;
+    if (!(distance - s.skin < s.skin)) return;
     skin = pbf_real_max(skin, s.skin);
     inside += may_squeeze(s) && distance - min_distance < -4 * s.rounding;
-    at += distance - s.skin < skin;
+    ++at;
   });
   return inside > 0 && (at > 1 || pbf_domain_distance(domain, x) < skin);
 }

@@ -70,8 +70,8 @@ def test_bad_ones(dam, collider, words):
 
 
 def test_too_many(dam):
-    with pytest.raises(pbf.Error, match="64"):
-        dam.colliders = [pbf.Sphere((2, 2, 2), radius=0.1)] * 65
+    with pytest.raises(pbf.Error, match="4096"):
+        dam.colliders = [pbf.Sphere((2, 2, 2), radius=0.1)] * 4097
 
 
 def test_moving_others(dam):

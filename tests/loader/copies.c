@@ -71,7 +71,7 @@ static pbf_status make(const library *it, uint64_t *most, pbf_solver **solver) {
 
 /* A failure that the backend puts into words. */
 static void fail_in_backend(const library *it) {
-  uint64_t most = 1 << 14;
+  uint64_t most = 1 << 13;
   pbf_solver *solver = NULL;
   check(make(it, &most, &solver) == PBF_ERROR_OUT_OF_MEMORY);
   check(strstr(it->last_error(), "no memory for ") != NULL);
