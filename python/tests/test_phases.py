@@ -8,7 +8,7 @@ import pbf
 def test_oil_and_water(make):
     fluid = make(pbf.fill_box((0, 0, 0), (0.4, 0.4, 0.4), 0.05), domain_max=(0.4, 1, 0.4))
     assert fluid.phases == [] and not fluid.particle_phases.any()
-    oil = fluid.positions[:, 1] < 0.2
+    oil = (fluid.positions[:, 1] < 0.2) & (fluid.positions[:, 0] < 0.2)
     fluid.phases = [pbf.Phase(), pbf.Phase(rest_density=0.5, viscosity=0.5, user=7)]
     fluid.particle_phases = oil.astype(int)
     assert fluid.phases[1] == pbf.Phase(0.5, 0.5, 7)

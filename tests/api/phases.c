@@ -205,11 +205,11 @@ static void layers_weigh_what_they_weigh(void **state) {
 
 /* A ball of light fluid comes up, and what it sets free is no more than it had. A thousandth of the
  * weight above it is more than a few iterations hold: it gives way at first, and what that throws
- * may have a fifth more energy, but no speed beyond it, and is at rest again in the end. */
+ * may have a third more energy, but no speed beyond it, and is at rest again in the end. */
 static void check_rise_of(uint32_t dimension, uint32_t precision, double light) {
   const uint32_t size[3] = {12, 16, dimension == 3 ? 10 : 1};
   const double density[2] = {1, light}, height = spacing * size[1];
-  const double room = light < 0.01 ? 1.25 : 1.01;
+  const double room = light < 0.01 ? 1.35 : 1.01;
   const pbf_params params = params_of(size, 1.6);
   fluid f = fluid_of(dimension, precision, &params, size, 0, density, ball);
   look(&f);
@@ -319,7 +319,8 @@ static void check_momenta_of(uint32_t dimension, uint32_t precision, double ligh
   free(start);
   if (!(change > 0.1 * scale)) fail_msg("nothing meets: %g", change / scale);
   for (int k = 0; k < (kind == 0 ? 6 : 3); ++k)
-    if (!(fabs(after[k] - before[k]) < rounding * scale))
+    if (!(fabs(after[k] - before[k]) <
+          (dimension == 3 && k > 2 ? fmax(rounding, 1e-7) : rounding) * scale))
       fail_msg("%uD, float%u, 1 : %g, kind %d: momentum %d changes by %g", dimension, 8 * precision,
                light, kind, k, (after[k] - before[k]) / scale);
   destroy(&f);
