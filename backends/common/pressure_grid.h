@@ -103,7 +103,7 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
          memcmp(of->surfaces.all, o->surfaces.all, (size_t)o->count * sizeof *o->surfaces.all) == 0;
 }
 
-/* Lets who asks from a cell's middle find the surfaces that matter to the cell. */
+/* Finds, from a cell's middle, the surfaces that matter to the cell. */
 static inline void pbf_pressure_grid_reach(const pbf_pressure_grid *c, const pbf_obstacles *o) {
   const double reach = 1.01 * (pbf_cell_reach(c) + c->width / PBF_SAMPLES);
   if (o->grid && o->grid->reach < o->grid->steepest * reach)

@@ -144,7 +144,7 @@ static inline void pbf_basin_note(pbf_region_basins *basins, int levels, uint32_
   if (!*fewest || points < *fewest) *fewest = points;
 }
 
-/* `grid` is of the surfaces, for who asks as far away as two points are apart. */
+/* `grid` is of the surfaces, within the distance between two points. */
 static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_surface *surfaces,
                                         const pbf_surface_grid *grid, pbf_region_basins *basins) {
   pbf_basin_points points;

@@ -514,7 +514,7 @@ static fluid sleepers(uint32_t dimension, uint32_t precision, const double shift
   return f;
 }
 
-/* What comes through a face wakes who sleeps at the other one, as it does anywhere. */
+/* What comes through a face wakes what sleeps at the other one, as it does anywhere. */
 static void check_waking(uint32_t dimension, uint32_t precision) {
   static const double middle[3] = {0.5, 0, 0};
   const double rounding = precision == PBF_FLOAT32 ? 1e-4 : 1e-11;

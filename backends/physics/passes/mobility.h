@@ -18,7 +18,7 @@ struct mobility_pass {
   struct own {};
   template <class L>
   struct sums {
-    L density; /* times numbers, for who asks for that: placed_density_pass */
+    L density; /* times numbers, where that is asked for: placed_density_pass */
     L slope2, mobile;
   };
 

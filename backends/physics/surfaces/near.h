@@ -1,5 +1,5 @@
 /* A grid that tells which of many surfaces are near a place. Each of its cells lists all that may
- * be within a reach of something in it, in the order of their numbers, so that who asks those alone
+ * be within a reach of something in it, in the order of their numbers, so that asking those alone
  * gets the bits of asking all. How wide cells are follows from the surfaces: there is memory for so
  * many entries a surface, and where solids are larger or closer than that, cells are wider and
  * their lists longer; none is left out. Host only. */
@@ -22,7 +22,7 @@ typedef struct pbf_surface_box {
 typedef struct pbf_surface_grid {
   double lower[PBF_DIM], per_length[PBF_DIM];
   int cells[PBF_DIM];
-  double reach;             /* of who asks at a place */
+  double reach;             /* within which a place asks */
   double stretch, steepest; /* the largest */
   uint32_t count;           /* of surfaces, … */
   uint64_t room;            /* … and how many there is memory for */
@@ -174,7 +174,7 @@ static inline void pbf_grid_fill(pbf_surface_grid *g, uint64_t cells) {
   g->starts[0] = 0;
 }
 
-/* Of the first `count` boxes, for who asks at places within `reach` of the surfaces. About two
+/* Of the first `count` boxes, for places within `reach` of the surfaces. About two
  * cells a surface; wider ones where these would have more entries than there is memory for. */
 static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf_domain *domain,
                                   double reach) {
