@@ -161,7 +161,7 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
 }
 
 /* Before particles add to the sums, in a grid for `count` of them. `surfaces` is room for as many
- * as the obstacles have, whose content stays until the next step. */
+ * as the obstacles have; its content stays until the next step. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
                                            const pbf_params *params, int corrects_shear,

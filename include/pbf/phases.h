@@ -11,7 +11,7 @@
  * water as 1 and oil as 0.9 both are those of water times 1000 kg/m³. Sums of pbf_stats and of
  * query.h count particles alike, whatever their mass.
  *
- * The rules of pbf.h hold here, too. A solver without phases, or all of whose phases have
+ * The rules of pbf.h hold here, too. A solver without phases, or with phases that all have
  * rest_density 1 and viscosity 1, has the bits of one without, and no time for them; the memory is
  * a byte a particle of capacity, and where they differ two bytes and two numbers on the backend.
  * Phases are part of saved states, and of pbf_hash where there are any.

@@ -209,8 +209,8 @@ static void keep_marks(const pbf_solver *solver, uint32_t count, pbf_collider *n
   }
 }
 
-/* Checked ones, whose poses hold now, for the backend and then for the solver, which owns them from
- * then on. */
+/* Checked ones, with poses that hold now, for the backend and then for the solver, which owns them
+ * from then on. */
 static pbf_status put_in_place(pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
   const double now = pbf_solver_time(solver);
   pbf_status status = pbf_colliders_to_backend(solver, count, colliders, now);

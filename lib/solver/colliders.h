@@ -54,7 +54,7 @@ pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index);
 /* Gives the references of so many colliders back. */
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders);
 
-/* Hands checked colliders, whose poses hold at `time`, to the backend. */
+/* Hands checked colliders, with poses that hold at `time`, to the backend. */
 pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
                                     double time);
 

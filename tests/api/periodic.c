@@ -72,14 +72,7 @@ static fluid fluid_of(uint32_t dimension, uint32_t precision, const pbf_params *
 }
 
 static void look(fluid *f) {
-  const uint32_t numbers = f->count * f->dimension;
-  char *raw = calloc(numbers, f->precision);
-  assert_non_null(raw);
-  assert_ok(pbf_get_positions(f->solver, 0, f->count, raw));
-  for (uint32_t i = 0; i < numbers; ++i) f->x[i] = test_value(raw, i, f->precision);
-  assert_ok(pbf_get_velocities(f->solver, 0, f->count, raw));
-  for (uint32_t i = 0; i < numbers; ++i) f->v[i] = test_value(raw, i, f->precision);
-  free(raw);
+  test_read(f->solver, f->dimension, f->precision, f->count, f->x, f->v);
 }
 
 static void destroy(fluid *f) {

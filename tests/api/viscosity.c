@@ -58,13 +58,7 @@ static fluid fluid_of(uint32_t dimension, uint32_t precision, const pbf_params *
 }
 
 static void look(fluid *f) {
-  char *raw = calloc((size_t)f->count * f->dimension, f->precision);
-  assert_non_null(raw);
-  assert_ok(pbf_get_positions(f->solver, 0, f->count, raw));
-  for (uint32_t i = 0; i < f->count * f->dimension; ++i) f->x[i] = test_value(raw, i, f->precision);
-  assert_ok(pbf_get_velocities(f->solver, 0, f->count, raw));
-  for (uint32_t i = 0; i < f->count * f->dimension; ++i) f->v[i] = test_value(raw, i, f->precision);
-  free(raw);
+  test_read(f->solver, f->dimension, f->precision, f->count, f->x, f->v);
 }
 
 static void destroy(fluid *f) {
@@ -140,17 +134,9 @@ static void whirl(const double x[3], double v[3]) {
 /* Sums of v, and of x × v, in units of their largest possible values. */
 static void momenta(const fluid *f, double sums[6]) {
   for (int k = 0; k < 6; ++k) sums[k] = 0;
-  for (uint32_t i = 0; i < f->count; ++i) {
-    double x[3] = {0}, v[3] = {0};
-    for (uint32_t k = 0; k < f->dimension; ++k) {
-      x[k] = f->x[i * f->dimension + k];
-      v[k] = f->v[i * f->dimension + k];
-    }
-    for (int k = 0; k < 3; ++k) {
-      sums[k] += v[k] / f->count;
-      sums[3 + k] += (x[(k + 1) % 3] * v[(k + 2) % 3] - x[(k + 2) % 3] * v[(k + 1) % 3]) / f->count;
-    }
-  }
+  for (uint32_t i = 0; i < f->count; ++i)
+    test_add_momenta(sums, f->dimension, 1.0 / f->count, f->x + i * f->dimension,
+                     f->v + i * f->dimension);
 }
 
 /* Places so far apart are too thin for pressure: what changes momenta is viscosity alone, and the

@@ -24,7 +24,7 @@ static void begin_crowd(crowd *s, int count) {
   s->o.room = s->room;
 }
 
-/* Lets it tell which are near by its grid, for who asks as far away as that. */
+/* Lets its grid tell which are near, within that reach. */
 static void add_grid(crowd *s, pbf_real reach) {
   s->grid.boxes = s->boxes;
   s->grid.starts = s->starts;

@@ -163,6 +163,30 @@ void test_put(void *values, uint64_t index, uint32_t precision, double value) {
   }
 }
 
+void test_read(pbf_solver *solver, uint32_t dimension, uint32_t precision, uint32_t count,
+               double *x, double *v) {
+  const size_t numbers = (size_t)count * dimension;
+  void *raw = calloc(numbers, precision);
+  assert_non_null(raw);
+  assert_ok(pbf_get_positions(solver, 0, count, raw));
+  for (size_t i = 0; i < numbers; ++i) x[i] = test_value(raw, i, precision);
+  assert_ok(pbf_get_velocities(solver, 0, count, raw));
+  for (size_t i = 0; i < numbers; ++i) v[i] = test_value(raw, i, precision);
+  free(raw);
+}
+
+void test_add_momenta(double sums[6], uint32_t dimension, double mass, const double *x,
+                      const double *v) {
+  double place[3] = {0}, way[3] = {0};
+  memcpy(place, x, dimension * sizeof *x);
+  memcpy(way, v, dimension * sizeof *v);
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3, last = (k + 2) % 3;
+    sums[k] += mass * way[k];
+    sums[3 + k] += mass * (place[next] * way[last] - place[last] * way[next]);
+  }
+}
+
 void *test_lattice(uint32_t dimension, uint32_t precision, uint32_t count) {
   enum { SIDE = 8 };
   void *positions = calloc((size_t)count * dimension + 1, precision);

@@ -62,6 +62,14 @@ void *test_lattice(uint32_t dimension, uint32_t precision, uint32_t count);
 double test_value(const void *values, uint64_t index, uint32_t precision);
 void test_put(void *values, uint64_t index, uint32_t precision, double value);
 
+/* Positions and velocities of the first `count` rows, `dimension` numbers each. */
+void test_read(pbf_solver *solver, uint32_t dimension, uint32_t precision, uint32_t count,
+               double *x, double *v);
+
+/* Adds a particle's momentum, and its angular momentum about the origin. */
+void test_add_momenta(double sums[6], uint32_t dimension, double mass, const double *x,
+                      const double *v);
+
 /* A solver of that kind with `count` particles, the i-th with velocity (i+1)/8 along x. */
 pbf_solver *test_filled(uint32_t dimension, uint32_t precision, uint32_t count, uint32_t capacity);
 
