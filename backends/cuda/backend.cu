@@ -175,11 +175,15 @@ static pbf_status open_stream(solver *s, void *stream) {
 }
 
 /* Lists grow in more shared memory than a kernel may have unasked. */
-template <class Kernel>
-static pbf_status allow_lists(Kernel *kernel) {
-  return pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                             (int)list_shared(PBF_MAX_LISTED / PBF_CHUNK)),
-                        "cudaFuncSetAttribute");
+template <searchers WHICH>
+static pbf_status allow_lists() {
+  for (auto kernel : {list_kernel<WHICH, false>, list_kernel<WHICH, true>})
+    if (pbf_status status =
+            pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                                (int)list_shared(PBF_MAX_LISTED / PBF_CHUNK)),
+                           "cudaFuncSetAttribute"))
+      return status;
+  return PBF_OK;
 }
 
 static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params *params) {
@@ -195,10 +199,10 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;
   if (pbf_status status = place_nowhere(s)) return status;
-  if (pbf_status status = allow_lists(list_kernel<SEARCH_ALL>)) return status;
+  if (pbf_status status = allow_lists<SEARCH_ALL>()) return status;
   if constexpr (PBF_SLEEP) {
-    if (pbf_status status = allow_lists(list_kernel<SEARCH_AWAKE>)) return status;
-    if (pbf_status status = allow_lists(list_kernel<SEARCH_SLEEPING_BOUNDARY>)) return status;
+    if (pbf_status status = allow_lists<SEARCH_AWAKE>()) return status;
+    if (pbf_status status = allow_lists<SEARCH_SLEEPING_BOUNDARY>()) return status;
   }
   if constexpr (PBF_HAS_PRESSURE_GRID)
     if (pbf_status status = allow_pressure_grid(s)) return status;

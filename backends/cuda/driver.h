@@ -47,15 +47,18 @@ static __device__ __forceinline__ pbf_real second_in(const pbf_deviator &d) {
   return d.c[PBF_DEVIATOR_DIM - 1];
 }
 
-/* Where particles are for a pass: at their points, … */
-struct at_points {
-  enum { ELSEWHERE = 0 };
+/* Where particles are for a pass: at their points, … ; in a kernel that serves all scenes at the
+ * images of these. */
+template <bool SERVES_ALL>
+struct at_points_of {
+  enum { ELSEWHERE = 0, IMAGES = SERVES_ALL };
   template <class Value>
   __device__ __forceinline__ pbf_vec place(const point &p, const Value &) const {
     return position_of(p);
   }
   __device__ __forceinline__ meets_all meets(const neighborhood &, uint32_t) const { return {}; }
 };
+typedef at_points_of<true> at_points;
 
 /* Lists hold the pairs within h of each other where they were made. A pass over other places asks
  * for these, or a pair would be seen by the one of its particles that walks the cells alone. */
@@ -77,7 +80,8 @@ static __device__ __forceinline__ meets_listed meets_listed_of(const neighborhoo
 }
 
 /* … at points that have moved since lists were made by `listed`, … */
-struct at_moved_points : at_points {
+template <bool SERVES_ALL>
+struct at_moved_points : at_points_of<SERVES_ALL> {
   const point *listed;
 
   __device__ __forceinline__ meets_listed meets(const neighborhood &n, uint32_t i) const {
@@ -87,7 +91,7 @@ struct at_moved_points : at_points {
 
 /* … or where the step began that takes them there at these velocities. */
 struct at_start {
-  enum { ELSEWHERE = 1 };
+  enum { ELSEWHERE = 1, IMAGES = 1 };
   pbf_real time_step;
 
   __device__ __forceinline__ meets_listed meets(const neighborhood &n, uint32_t i) const {
@@ -125,7 +129,7 @@ static __device__ __forceinline__ void add_neighbors(
     const typename Pass::template own<pbf_real> &own, const Value *values,
     typename Pass::template sums<pbf_real> *sums, const Places &places = {}) {
   const uint32_t real = min(i, n.particles.count - 1);
-  for_points_with(
+  for_points_with<1, Places::IMAGES != 0>(
       n.particles, n.grid, n.lists, i, x, values,
       [&](const point &other, const Value &v) {
         pbf_vec place = places.place(other, v);

@@ -164,8 +164,10 @@ struct executor {
     neighborhood starts = n;
     starts.particles.points = s->points;
     with_surfaces(s, [&](auto surfaces) {
-      launch(s->schedule.no_slip ? viscous_stress_kernel<true, decltype(surfaces)::value>
-                                 : viscous_stress_kernel<false, FEW_SURFACES>,
+      constexpr surfaces_met MET = decltype(surfaces)::value;
+      constexpr surfaces_met NONE_MET = serves_all<MET> ? MET : FEW_SURFACES;
+      launch(s->schedule.no_slip ? viscous_stress_kernel<true, MET>
+                                 : viscous_stress_kernel<false, NONE_MET>,
              starts, n.particles.points, stage, extras.obstacles, no_slip);
     });
     swap_arrays(&changes, &next_changes);

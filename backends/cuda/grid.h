@@ -238,7 +238,7 @@ PBF_FN bool grid_reach_of_cell(const cell_grid &g, uint32_t cell, int row, uint3
   return true;
 }
 
-/* Those of them beyond a face, of a cell whose row has these. */
+/* Of a cell with these neighbours in a row, those beyond a face along it. */
 PBF_FN bool grid_reach_beyond(const cell_grid &g, uint32_t cell, uint32_t *first, uint32_t *last) {
   const uint32_t column = cell % g.cells[0], span = g.columns_in_reach, cells = g.cells[0];
   const uint32_t start = *first / cells * cells;

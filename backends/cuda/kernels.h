@@ -74,7 +74,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   pbf_real total = accelerated && !parts.first ? extras.total[own] : 0;
   const lambda_pass<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
-  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
+  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr),
+                          at_points_of<serves_all<SURFACES>>{});
   if (i >= n.particles.count) return;
   pbf_real residual_density =
       EXTRAS && PBF_CHEBYSHEV && parts.residual_density ? parts.residual_density[i] : 0;
@@ -206,7 +207,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
-  auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
+  auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr),
+                          at_points_of<serves_all<SURFACES>>{});
   if (i >= n.particles.count || (SLEEP && asleep)) return;
   pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
   if (SURFACES != NO_SURFACES && !end.place.first && end.inv_time_step > 0)
@@ -215,7 +217,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   x = finish_move<SURFACES>(
       pass, extras.obstacles,
       {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step,
-       EXTRAS && n.particles.mobility ? n.particles.mobility + i : nullptr},
+       serves_all<SURFACES> && n.particles.mobility ? n.particles.mobility + i : nullptr},
       own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], predicted,
       x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
@@ -577,12 +579,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_vec *of = begins ? s.velocities : s.changes;
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), v = of[own], none = {{0}};
-  const auto sums =
-      sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of, at_moved_points{{}, predicted});
+  const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of,
+                                at_moved_points<serves_all<SURFACES>>{{}, predicted});
   if (i >= n.particles.count) return;
   const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
   const pbf_phase_constants *phases = &n.constants.phases;
-  const uint8_t *phase = n.particles.phase;
+  const uint8_t *phase = serves_all<SURFACES> ? n.particles.phase : nullptr;
   pbf_viscous_system system =
       pass.system(sums, begins ? none : pbf_sub(s.force[i], change),
                   phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);

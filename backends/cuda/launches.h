@@ -7,7 +7,7 @@
 #include "cuda/solver.h"
 
 static inline surfaces_met surfaces_of(const solver *s) {
-  if (s->shapes.count) return FIELD_SURFACES;
+  if (s->shapes.count || s->params.periodic || s->schedule.phases) return FIELD_SURFACES;
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? surfaces_of(s->collider_count) : NO_SURFACES;
 }
 
@@ -20,7 +20,7 @@ struct surfaces_constant {
  * meet. */
 template <class Launch>
 static inline void with_surfaces(const solver *s, Launch launch) {
-  if (s->shapes.count)
+  if (surfaces_of(s) == FIELD_SURFACES)
     launch(surfaces_constant<FIELD_SURFACES>{});
   else
     launch(surfaces_constant<FEW_SURFACES>{});
@@ -70,20 +70,22 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
   return PBF_OK;
 }
 
+template <searchers WHICH>
+static inline void launch_list_kernel(solver *s, const neighborhood &n) {
+  auto kernel = n.grid.periodic ? list_kernel<WHICH, true> : list_kernel<WHICH, false>;
+  kernel<<<list_blocks(s->count), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
+      n.particles, n.grid, s->constants.h2, s->lists);
+}
+
 static inline void launch_lists(solver *s, const neighborhood &n) {
-  uint32_t blocks = list_blocks(s->count);
-  size_t shared = list_shared(s->lists.chunks);
   if (!PBF_SLEEP || !s->activity) {
-    list_kernel<SEARCH_ALL><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(n.particles, n.grid,
-                                                                         s->constants.h2, s->lists);
+    launch_list_kernel<SEARCH_ALL>(s, n);
     return;
   }
   if constexpr (PBF_SLEEP) {
-    list_kernel<SEARCH_AWAKE><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
-        n.particles, n.grid, s->constants.h2, s->lists);
+    launch_list_kernel<SEARCH_AWAKE>(s, n);
     sleeping_boundary_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
-    list_kernel<SEARCH_SLEEPING_BOUNDARY><<<blocks, SEARCH_BLOCK, shared, s->stream>>>(
-        n.particles, n.grid, s->constants.h2, s->lists);
+    launch_list_kernel<SEARCH_SLEEPING_BOUNDARY>(s, n);
   }
 }
 

@@ -157,9 +157,10 @@ static __device__ __forceinline__ void move_near(const cell_grid &grid, pbf_vec 
 }
 
 /* The same with visit(point, value), where `values` has one for each particle, and points are at
- * their image nearest to x. What is far from everything has i's own. A walk leaves out those that
- * it does not meet. */
-template <uint32_t SHARES = 1, class Value, class Visit, class Meets = meets_all>
+ * their image nearest to x: where IMAGES is false no axis may be periodic. What is far from
+ * everything has i's own. A walk leaves out those that it does not meet. */
+template <uint32_t SHARES = 1, bool IMAGES = true, class Value, class Visit,
+          class Meets = meets_all>
 static __device__ __forceinline__ void for_points_with(const sorted_particles &p,
                                                        const cell_grid &grid,
                                                        const neighbor_lists &lists, uint32_t i,
@@ -179,7 +180,7 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
             near[q] = load(p.points, j);
             value[q] = load(values, j == lists.sentinel_index ? i : j);
           }
-          if (grid.periodic) {
+          if (IMAGES && grid.periodic) {
 #pragma unroll
             for (uint32_t q = 0; q < PBF_GATHERS; ++q) move_near(grid, x, &near[q], &value[q]);
           }
@@ -191,7 +192,7 @@ static __device__ __forceinline__ void for_points_with(const sorted_particles &p
         if (!meets(j)) return;
         point near = load(p.points, j);
         Value value = load(values, j);
-        if (grid.periodic) move_near(grid, x, &near, &value);
+        if (IMAGES && grid.periodic) move_near(grid, x, &near, &value);
         visit(near, value);
       });
 }

@@ -43,6 +43,11 @@ static_assert(PBF_FEW_COLLIDERS <= 64, "a set has 64 bits");
  * looking for them takes more, and distances between the nodes of a field a stack. */
 enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES, FIELD_SURFACES };
 
+/* Whether such a kernel is built for what few scenes have, too: periodic axes and phases. Theirs
+ * are those for fields, whatever they meet; the others ask for neither. */
+template <surfaces_met SURFACES>
+constexpr bool serves_all = SURFACES == FIELD_SURFACES;
+
 /* What a kernel that is built for such surfaces sees of them. */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ auto obstacles_met(const step_obstacles &o) {

@@ -121,7 +121,8 @@ static __device__ __forceinline__ row_part part_beyond(const sorted_particles &p
  * theirs; a warp's lists have their bases in common, so that it gets them together. */
 enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SLEEPING_BOUNDARY };
 
-template <searchers WHO>
+/* PERIODIC: some axis is. */
+template <searchers WHICH, bool PERIODIC>
 static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
   extern __shared__ uint16_t growing[];
@@ -129,14 +130,14 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   growing_list list(growing, lists.chunks * PBF_CHUNK);
-  pbf_real activity = WHO != SEARCH_ALL && real ? p.activity[i] : (pbf_real)PBF_ASLEEP;
-  bool looks = real && (WHO == SEARCH_ALL || !pbf_is_asleep(activity));
-  if (WHO == SEARCH_SLEEPING_BOUNDARY) {
+  pbf_real activity = WHICH != SEARCH_ALL && real ? p.activity[i] : (pbf_real)PBF_ASLEEP;
+  bool looks = real && (WHICH == SEARCH_ALL || !pbf_is_asleep(activity));
+  if (WHICH == SEARCH_SLEEPING_BOUNDARY) {
     if (!__any_sync(~0u, activity == pbf_sleeping_boundary())) return;
     looks = !pbf_is_inactive(activity);
   }
   /* The other lists are empty. */
-  if (WHO == SEARCH_AWAKE && !__any_sync(~0u, looks)) {
+  if (WHICH == SEARCH_AWAKE && !__any_sync(~0u, looks)) {
     if (real) list.write(list_of(lists, i));
     if (real) lists.sizes[i] = 0;
     return;
@@ -157,7 +158,7 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
     uint32_t start = next_start, end = next_end;
     if (row + 1 < PBF_ROWS) bounds(row + 1, &next_start, &next_end);
     uint32_t lowest = start < end ? start : ~0u;
-    if (grid.period.c[0] > 0) {
+    if (PERIODIC && grid.period.c[0] > 0) {
       const row_part beyond = looks ? part_beyond(p, grid, view, row) : row_part{0, 0};
       if (beyond.start < beyond.end) lowest = min(lowest, beyond.start);
       __syncwarp();
@@ -165,10 +166,10 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
     uint32_t base = min_of_lanes(~0u, lowest);
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
     if (start < end && end - base > PBF_PLACES) list.fits = false;
-    const pbf_vec from = grid.periodic ? grid_image(grid, view, row, x) : x;
+    const pbf_vec from = PERIODIC ? grid_image(grid, view, row, x) : x;
     list.add_row(p.points, start, end, i, from, h2,
                  ((uint32_t)row << PBF_PLACE_BITS) + start - base);
-    if (grid.period.c[0] > 0 && looks) {
+    if (PERIODIC && grid.period.c[0] > 0 && looks) {
       const row_part beyond = part_beyond(p, grid, view, row);
       pbf_vec seen = from;
       seen.c[0] += 2 * view.along < grid.period.c[0] ? grid.period.c[0] : -grid.period.c[0];

@@ -56,7 +56,7 @@ static __device__ __forceinline__ void count_particle(const unsorted_particles &
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
   pbf_vec predicted = predicted_position<SURFACES, SLEEP>(from, p, i, x);
-  if (p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
+  if (serves_all<SURFACES> && p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
   uint32_t cell = grid_cell(grid, predicted);
   scratch.cell[i] = cell;
   scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
@@ -86,14 +86,14 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     *from.some_asleep = 1;
   } else {
     pbf_vec inside = predicted;
-    if (p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
+    if (serves_all<SURFACES> && p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
     store(to.points, place, point_at(inside));
     pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
   if (SLEEP) to.activity[place] = from.activity[i];
   if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
-  if (from.phase) to.phase[place] = from.phase[i];
+  if (serves_all<SURFACES> && from.phase) to.phase[place] = from.phase[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }

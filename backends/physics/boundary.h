@@ -167,6 +167,8 @@ PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const Surface *s, pbf
   for (int plane = 0; plane < planes; ++plane) {
     pbf_vec normal;
     pbf_real slope, distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
+    /* Whether it is asked must not show, whatever others add up to. */
+    if (!(pbf_wall_node(c, distance) < PBF_WALL_LAST)) continue;
     pbf_real value = pbf_wall_density(c, distance, &slope);
     if (!pbf_surface_is_unbounded(s) && distance < -c->wall_offset) slope = 0;
     pbf_accumulate_plane(c, value, slope, normal, boundary);
