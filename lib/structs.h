@@ -7,6 +7,7 @@
 #include <pbf/batch.h>
 #include <pbf/emit.h>
 #include <pbf/phases.h>
+#include <pbf/shapes.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes two files of the library and one CPU backend, for projects that want no build of its own:
 
-    tools/amalgamate.py FOLDER [3d-f32]     writes FOLDER/pbf_all.c, FOLDER/pbf_all.cpp and FOLDER/pbf.h
+    tools/amalgamate.py FOLDER [3d-f32]     writes FOLDER/pbf_all.c, FOLDER/pbf_all.cpp and FOLDER/pbf/*.h
 
 What is in them: libpbf with `serial` linked in, of one dimension and precision, with the scalar loops over pairs. They are
 compiled as CONTRIBUTING.md says of all sources:
@@ -13,6 +13,7 @@ and linked with -lm -pthread. A file's own names that another one has as well ge
 """
 import pathlib
 import re
+import shutil
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -136,7 +137,10 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pbf_all.c").write_text(c_file(generated), encoding="utf-8")
     (folder / "pbf_all.cpp").write_text(cpp_file(generated, dimension, bits), encoding="utf-8")
-    (folder / "pbf.h").write_text((ROOT / "include/pbf/pbf.h").read_text(encoding="utf-8"), encoding="utf-8")
+    (folder / "pbf").mkdir(exist_ok=True)
+    everything = (ROOT / "include/pbf/all.h").read_text(encoding="utf-8")
+    for name in ["all.h", *re.findall(r"#include <pbf/(\w+\.h)>", everything)]:
+        shutil.copyfile(ROOT / "include/pbf" / name, folder / "pbf" / name)
 
 
 if __name__ == "__main__":

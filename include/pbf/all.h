@@ -7,5 +7,6 @@
 #include <pbf/pbf.h>
 #include <pbf/phases.h>
 #include <pbf/query.h>
+#include <pbf/shapes.h>
 
 #endif

@@ -39,6 +39,7 @@
 #include <pbf/emit.h>
 #include <pbf/pbf.h>
 #include <pbf/query.h>
+#include <pbf/shapes.h>
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 #define PBF_HAS_EXCEPTIONS 1

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include <pbf/pbf_backend.h>
+#include <pbf/shapes.h>
 
 typedef struct pbf_live_shape {
   pbf_shape shape; /* the handle: what backends see */

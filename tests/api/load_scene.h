@@ -4,6 +4,8 @@
 
 #include "support.h"
 
+#include <pbf/shapes.h>
+
 #include <math.h>
 
 static const double load_spacing = 0.05, load_gravity = 9.81;

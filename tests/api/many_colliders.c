@@ -109,9 +109,9 @@ static double level_in(const vessel *v, uint32_t precision, uint32_t layers, uin
 static void check_vessel(uint32_t dimension) {
   const vessel v = dimension == 3 ? (vessel){3, 11, 18, 1} : (vessel){2, 20, 30, 10};
   const uint32_t layers = 8, steps = is_reference() && dimension == 3 ? 30 : 150;
-  pbf_collider *boxes = calloc(PBF_MAX_COLLIDERS, sizeof *boxes);
   const uint32_t precision = test_has_kind(dimension, PBF_FLOAT32) ? PBF_FLOAT32 : PBF_FLOAT64;
   want_many(dimension, precision);
+  pbf_collider *boxes = calloc(PBF_MAX_COLLIDERS, sizeof *boxes);
   uint32_t count = small_boxes(&v, boxes);
   assert_true(count >= 1000);
   const double level = level_in(&v, precision, layers, steps, count, boxes);

@@ -4,6 +4,8 @@
 
 #include "support.h"
 
+#include <pbf/shapes.h>
+
 typedef struct mesh {
   uint32_t dimension, vertex_count, face_count;
   double *vertices;

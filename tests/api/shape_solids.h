@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <pbf/shapes.h>
+
 #include "meshes.h"
 #include "support.h"
 

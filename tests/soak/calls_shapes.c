@@ -2,6 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <pbf/shapes.h>
+
 #include "table.h"
 
 enum { SIDE = 9 };

@@ -235,74 +235,6 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    internal partial struct NativeGridDesc
-    {
-        public uint StructSize;
-        public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
-        public uint[] Nodes;
-        public uint Reserved;
-        public Vector3d Origin;
-        public double Cell;
-        public IntPtr Values;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct MeshDesc
-    {
-        public uint StructSize;
-        public uint Dimension;
-        public uint VertexCount;
-        public uint FaceCount;
-        public IntPtr Vertices;
-        public IntPtr Faces;
-        public double Cell;
-        public double Thickness;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct HeightsDesc
-    {
-        public uint StructSize;
-        public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)]
-        public uint[] Count;
-        public IntPtr Heights;
-        public double Spacing;
-        public double Base;
-        public double Cell;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct HullDesc
-    {
-        public uint StructSize;
-        public uint Dimension;
-        public uint PointCount;
-        public uint Reserved;
-        public IntPtr Points;
-        public double Cell;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct ShapeInfo
-    {
-        public uint StructSize;
-        public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
-        public uint[] Nodes;
-        public uint References;
-        public Vector3d Origin;
-        public double Cell;
-        public Vector3d Lower;
-        public Vector3d Upper;
-        public double Volume;
-        public double Area;
-        public ulong Bytes;
-        public ulong Hash;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     public partial struct Collider
     {
         public uint StructSize;
@@ -595,6 +527,74 @@ namespace Pbf
         public double Viscosity;
     }
 
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeGridDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+        public uint[] Nodes;
+        public uint Reserved;
+        public Vector3d Origin;
+        public double Cell;
+        public IntPtr Values;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct MeshDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        public uint VertexCount;
+        public uint FaceCount;
+        public IntPtr Vertices;
+        public IntPtr Faces;
+        public double Cell;
+        public double Thickness;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct HeightsDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)]
+        public uint[] Count;
+        public IntPtr Heights;
+        public double Spacing;
+        public double Base;
+        public double Cell;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct HullDesc
+    {
+        public uint StructSize;
+        public uint Dimension;
+        public uint PointCount;
+        public uint Reserved;
+        public IntPtr Points;
+        public double Cell;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct ShapeInfo
+    {
+        public uint StructSize;
+        public uint Dimension;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
+        public uint[] Nodes;
+        public uint References;
+        public Vector3d Origin;
+        public double Cell;
+        public Vector3d Lower;
+        public Vector3d Upper;
+        public double Volume;
+        public double Area;
+        public ulong Bytes;
+        public ulong Hash;
+    }
+
     internal static class Native
     {
 #if UNITY_IOS && !UNITY_EDITOR
@@ -662,22 +662,6 @@ namespace Pbf
         internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_shape_from_grid(IntPtr grid, out IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_shape_from_mesh(IntPtr mesh, out IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_shape_from_heights(IntPtr heights, out IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_shape_from_points(IntPtr hull, out IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_hold_shape(IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void pbf_release_shape(IntPtr shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_shape_info(IntPtr shape, ref ShapeInfo info);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_shape_distance(IntPtr shape, IntPtr point, ref double distance, IntPtr normal);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_collider_init(ref Collider collider, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -800,6 +784,22 @@ namespace Pbf
         internal static extern Status pbf_set_particle_phases(SolverHandle solver, uint first, uint count, IntPtr phases);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_particle_phases(SolverHandle solver, uint first, uint count, ref uint phases);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_grid(IntPtr grid, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_mesh(IntPtr mesh, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_heights(IntPtr heights, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shape_from_points(IntPtr hull, out IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_hold_shape(IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void pbf_release_shape(IntPtr shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_shape_info(IntPtr shape, ref ShapeInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_shape_distance(IntPtr shape, IntPtr point, ref double distance, IntPtr normal);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -812,11 +812,6 @@ namespace Pbf
             { typeof(Params), new[] { "584", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580" } },
             { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
             { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
-            { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },
-            { typeof(MeshDesc), new[] { "48", "StructSize=0", "Dimension=4", "VertexCount=8", "FaceCount=12", "Vertices=16", "Faces=24", "Cell=32", "Thickness=40" } },
-            { typeof(HeightsDesc), new[] { "48", "StructSize=0", "Dimension=4", "Count=8", "Heights=16", "Spacing=24", "Base=32", "Cell=40" } },
-            { typeof(HullDesc), new[] { "32", "StructSize=0", "Dimension=4", "PointCount=8", "Reserved=12", "Points=16", "Cell=24" } },
-            { typeof(ShapeInfo), new[] { "136", "StructSize=0", "Dimension=4", "Nodes=8", "References=20", "Origin=24", "Cell=48", "Lower=56", "Upper=80", "Volume=104", "Area=112", "Bytes=120", "Hash=128" } },
             { typeof(Collider), new[] { "280", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272" } },
             { typeof(ColliderLoad), new[] { "128", "StructSize=0", "Contacts=4", "Impulse=8", "AngularImpulse=32", "ImpulseSum=56", "AngularImpulseSum=80", "TimeSum=104", "Penetration=112", "WettedArea=120" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
@@ -836,7 +831,12 @@ namespace Pbf
             { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
             { typeof(Emitter), new[] { "144", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128", "Phase=136", "Reserved=140" } },
             { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } },
-            { typeof(Phase), new[] { "24", "StructSize=0", "User=4", "RestDensity=8", "Viscosity=16" } }
+            { typeof(Phase), new[] { "24", "StructSize=0", "User=4", "RestDensity=8", "Viscosity=16" } },
+            { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },
+            { typeof(MeshDesc), new[] { "48", "StructSize=0", "Dimension=4", "VertexCount=8", "FaceCount=12", "Vertices=16", "Faces=24", "Cell=32", "Thickness=40" } },
+            { typeof(HeightsDesc), new[] { "48", "StructSize=0", "Dimension=4", "Count=8", "Heights=16", "Spacing=24", "Base=32", "Cell=40" } },
+            { typeof(HullDesc), new[] { "32", "StructSize=0", "Dimension=4", "PointCount=8", "Reserved=12", "Points=16", "Cell=24" } },
+            { typeof(ShapeInfo), new[] { "136", "StructSize=0", "Dimension=4", "Nodes=8", "References=20", "Origin=24", "Cell=48", "Lower=56", "Upper=80", "Volume=104", "Area=112", "Bytes=120", "Hash=128" } }
         };
     }
 }

@@ -236,56 +236,6 @@ typedef struct pbf_anisotropy_desc {
   void *positions;
   void *stretches;
 } pbf_anisotropy_desc;
-typedef struct pbf_grid_desc {
-  uint32_t struct_size;
-  uint32_t dimension;
-  uint32_t nodes[3];
-  uint32_t reserved;
-  double origin[3];
-  double cell;
-  const float *values;
-} pbf_grid_desc;
-typedef struct pbf_mesh_desc {
-  uint32_t struct_size;
-  uint32_t dimension;
-  uint32_t vertex_count;
-  uint32_t face_count;
-  const double *vertices;
-  const uint32_t *faces;
-  double cell;
-  double thickness;
-} pbf_mesh_desc;
-typedef struct pbf_heights_desc {
-  uint32_t struct_size;
-  uint32_t dimension;
-  uint32_t count[2];
-  const double *heights;
-  double spacing;
-  double base;
-  double cell;
-} pbf_heights_desc;
-typedef struct pbf_hull_desc {
-  uint32_t struct_size;
-  uint32_t dimension;
-  uint32_t point_count;
-  uint32_t reserved;
-  const double *points;
-  double cell;
-} pbf_hull_desc;
-typedef struct pbf_shape_info {
-  uint32_t struct_size;
-  uint32_t dimension;
-  uint32_t nodes[3];
-  uint32_t references;
-  double origin[3];
-  double cell;
-  double lower[3];
-  double upper[3];
-  double volume;
-  double area;
-  uint64_t bytes;
-  uint64_t hash;
-} pbf_shape_info;
 typedef struct pbf_collider {
   uint32_t struct_size;
   uint32_t shape;
@@ -501,6 +451,56 @@ typedef struct pbf_phase {
   double rest_density;
   double viscosity;
 } pbf_phase;
+typedef struct pbf_grid_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t nodes[3];
+  uint32_t reserved;
+  double origin[3];
+  double cell;
+  const float *values;
+} pbf_grid_desc;
+typedef struct pbf_mesh_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t vertex_count;
+  uint32_t face_count;
+  const double *vertices;
+  const uint32_t *faces;
+  double cell;
+  double thickness;
+} pbf_mesh_desc;
+typedef struct pbf_heights_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t count[2];
+  const double *heights;
+  double spacing;
+  double base;
+  double cell;
+} pbf_heights_desc;
+typedef struct pbf_hull_desc {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t point_count;
+  uint32_t reserved;
+  const double *points;
+  double cell;
+} pbf_hull_desc;
+typedef struct pbf_shape_info {
+  uint32_t struct_size;
+  uint32_t dimension;
+  uint32_t nodes[3];
+  uint32_t references;
+  double origin[3];
+  double cell;
+  double lower[3];
+  double upper[3];
+  double volume;
+  double area;
+  uint64_t bytes;
+  uint64_t hash;
+} pbf_shape_info;
 uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
@@ -531,14 +531,6 @@ pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count,
 pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
 pbf_status pbf_get_anisotropies(pbf_solver *solver, const pbf_anisotropy_desc *anisotropy);
-pbf_status pbf_shape_from_grid(const pbf_grid_desc *grid, pbf_shape * *shape);
-pbf_status pbf_shape_from_mesh(const pbf_mesh_desc *mesh, pbf_shape * *shape);
-pbf_status pbf_shape_from_heights(const pbf_heights_desc *heights, pbf_shape * *shape);
-pbf_status pbf_shape_from_points(const pbf_hull_desc *hull, pbf_shape * *shape);
-pbf_status pbf_hold_shape(pbf_shape *shape);
-void pbf_release_shape(pbf_shape *shape);
-pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
-pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance, double *normal);
 pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
 pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
 pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets, double duration);
@@ -600,6 +592,14 @@ pbf_status pbf_get_phase_count(pbf_solver *solver, uint32_t *count);
 pbf_status pbf_get_phase(pbf_solver *solver, uint32_t index, pbf_phase *phase);
 pbf_status pbf_set_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count, const uint32_t *phases);
 pbf_status pbf_get_particle_phases(pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *phases);
+pbf_status pbf_shape_from_grid(const pbf_grid_desc *grid, pbf_shape * *shape);
+pbf_status pbf_shape_from_mesh(const pbf_mesh_desc *mesh, pbf_shape * *shape);
+pbf_status pbf_shape_from_heights(const pbf_heights_desc *heights, pbf_shape * *shape);
+pbf_status pbf_shape_from_points(const pbf_hull_desc *hull, pbf_shape * *shape);
+pbf_status pbf_hold_shape(pbf_shape *shape);
+void pbf_release_shape(pbf_shape *shape);
+pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
+pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance, double *normal);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {
@@ -608,11 +608,6 @@ return {
   pbf_params = {size = 584, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568, periodic = 576, reserved = 580},
   pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
   pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
-  pbf_grid_desc = {size = 64, struct_size = 0, dimension = 4, nodes = 8, reserved = 20, origin = 24, cell = 48, values = 56},
-  pbf_mesh_desc = {size = 48, struct_size = 0, dimension = 4, vertex_count = 8, face_count = 12, vertices = 16, faces = 24, cell = 32, thickness = 40},
-  pbf_heights_desc = {size = 48, struct_size = 0, dimension = 4, count = 8, heights = 16, spacing = 24, base = 32, cell = 40},
-  pbf_hull_desc = {size = 32, struct_size = 0, dimension = 4, point_count = 8, reserved = 12, points = 16, cell = 24},
-  pbf_shape_info = {size = 136, struct_size = 0, dimension = 4, nodes = 8, references = 20, origin = 24, cell = 48, lower = 56, upper = 80, volume = 104, area = 112, bytes = 120, hash = 128},
   pbf_collider = {size = 280, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224, geometry = 232, scale = 240, scale_rate = 248, friction = 256, static_friction = 264, no_slip = 272},
   pbf_collider_load = {size = 128, struct_size = 0, contacts = 4, impulse = 8, angular_impulse = 32, impulse_sum = 56, angular_impulse_sum = 80, time_sum = 104, penetration = 112, wetted_area = 120},
   pbf_view = {size = 72, struct_size = 0, field = 4, device_type = 8, device_id = 12, element_type = 16, components = 20, count = 24, reserved = 28, particle_stride = 32, component_stride = 40, generation = 48, data = 56, ids = 64},
@@ -633,4 +628,9 @@ return {
   pbf_emitter = {size = 144, struct_size = 0, shape = 4, recycle = 8, seed = 12, position = 16, velocity = 40, across = 64, half_width = 88, half_height = 96, radius = 104, rate = 112, jitter = 120, lifetime = 128, phase = 136, reserved = 140},
   pbf_in_out = {size = 56, struct_size = 0, emitters = 4, drains = 8, reserved = 12, emitted = 16, refused = 24, recycled = 32, drained = 40, expired = 48},
   pbf_phase = {size = 24, struct_size = 0, user = 4, rest_density = 8, viscosity = 16},
+  pbf_grid_desc = {size = 64, struct_size = 0, dimension = 4, nodes = 8, reserved = 20, origin = 24, cell = 48, values = 56},
+  pbf_mesh_desc = {size = 48, struct_size = 0, dimension = 4, vertex_count = 8, face_count = 12, vertices = 16, faces = 24, cell = 32, thickness = 40},
+  pbf_heights_desc = {size = 48, struct_size = 0, dimension = 4, count = 8, heights = 16, spacing = 24, base = 32, cell = 40},
+  pbf_hull_desc = {size = 32, struct_size = 0, dimension = 4, point_count = 8, reserved = 12, points = 16, cell = 24},
+  pbf_shape_info = {size = 136, struct_size = 0, dimension = 4, nodes = 8, references = 20, origin = 24, cell = 48, lower = 56, upper = 80, volume = 104, area = 112, bytes = 120, hash = 128},
 }

@@ -252,71 +252,6 @@ pub struct pbf_anisotropy_desc {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct pbf_grid_desc {
-    pub struct_size: u32,
-    pub dimension: u32,
-    pub nodes: [u32; 3],
-    pub reserved: u32,
-    pub origin: [f64; 3],
-    pub cell: f64,
-    pub values: *const f32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_mesh_desc {
-    pub struct_size: u32,
-    pub dimension: u32,
-    pub vertex_count: u32,
-    pub face_count: u32,
-    pub vertices: *const f64,
-    pub faces: *const u32,
-    pub cell: f64,
-    pub thickness: f64,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_heights_desc {
-    pub struct_size: u32,
-    pub dimension: u32,
-    pub count: [u32; 2],
-    pub heights: *const f64,
-    pub spacing: f64,
-    pub base: f64,
-    pub cell: f64,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_hull_desc {
-    pub struct_size: u32,
-    pub dimension: u32,
-    pub point_count: u32,
-    pub reserved: u32,
-    pub points: *const f64,
-    pub cell: f64,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_shape_info {
-    pub struct_size: u32,
-    pub dimension: u32,
-    pub nodes: [u32; 3],
-    pub references: u32,
-    pub origin: [f64; 3],
-    pub cell: f64,
-    pub lower: [f64; 3],
-    pub upper: [f64; 3],
-    pub volume: f64,
-    pub area: f64,
-    pub bytes: u64,
-    pub hash: u64,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
 pub struct pbf_collider {
     pub struct_size: u32,
     pub shape: u32,
@@ -590,6 +525,71 @@ pub struct pbf_phase {
     pub viscosity: f64,
 }
 
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_grid_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub nodes: [u32; 3],
+    pub reserved: u32,
+    pub origin: [f64; 3],
+    pub cell: f64,
+    pub values: *const f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_mesh_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub vertex_count: u32,
+    pub face_count: u32,
+    pub vertices: *const f64,
+    pub faces: *const u32,
+    pub cell: f64,
+    pub thickness: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_heights_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub count: [u32; 2],
+    pub heights: *const f64,
+    pub spacing: f64,
+    pub base: f64,
+    pub cell: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_hull_desc {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub point_count: u32,
+    pub reserved: u32,
+    pub points: *const f64,
+    pub cell: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_shape_info {
+    pub struct_size: u32,
+    pub dimension: u32,
+    pub nodes: [u32; 3],
+    pub references: u32,
+    pub origin: [f64; 3],
+    pub cell: f64,
+    pub lower: [f64; 3],
+    pub upper: [f64; 3],
+    pub volume: f64,
+    pub area: f64,
+    pub bytes: u64,
+    pub hash: u64,
+}
+
 extern "C" {
     pub fn pbf_version() -> u32;
     pub fn pbf_status_string(
@@ -726,38 +726,6 @@ extern "C" {
     pub fn pbf_get_anisotropies(
         solver: *mut pbf_solver,
         anisotropy: *const pbf_anisotropy_desc,
-    ) -> pbf_status;
-    pub fn pbf_shape_from_grid(
-        grid: *const pbf_grid_desc,
-        shape: *mut *mut pbf_shape,
-    ) -> pbf_status;
-    pub fn pbf_shape_from_mesh(
-        mesh: *const pbf_mesh_desc,
-        shape: *mut *mut pbf_shape,
-    ) -> pbf_status;
-    pub fn pbf_shape_from_heights(
-        heights: *const pbf_heights_desc,
-        shape: *mut *mut pbf_shape,
-    ) -> pbf_status;
-    pub fn pbf_shape_from_points(
-        hull: *const pbf_hull_desc,
-        shape: *mut *mut pbf_shape,
-    ) -> pbf_status;
-    pub fn pbf_hold_shape(
-        shape: *mut pbf_shape,
-    ) -> pbf_status;
-    pub fn pbf_release_shape(
-        shape: *mut pbf_shape,
-    );
-    pub fn pbf_get_shape_info(
-        shape: *mut pbf_shape,
-        info: *mut pbf_shape_info,
-    ) -> pbf_status;
-    pub fn pbf_get_shape_distance(
-        shape: *mut pbf_shape,
-        point: *const f64,
-        distance: *mut f64,
-        normal: *mut f64,
     ) -> pbf_status;
     pub fn pbf_collider_init(
         collider: *mut pbf_collider,
@@ -1055,6 +1023,38 @@ extern "C" {
         count: u32,
         phases: *mut u32,
     ) -> pbf_status;
+    pub fn pbf_shape_from_grid(
+        grid: *const pbf_grid_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_mesh(
+        mesh: *const pbf_mesh_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_heights(
+        heights: *const pbf_heights_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_shape_from_points(
+        hull: *const pbf_hull_desc,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_hold_shape(
+        shape: *mut pbf_shape,
+    ) -> pbf_status;
+    pub fn pbf_release_shape(
+        shape: *mut pbf_shape,
+    );
+    pub fn pbf_get_shape_info(
+        shape: *mut pbf_shape,
+        info: *mut pbf_shape_info,
+    ) -> pbf_status;
+    pub fn pbf_get_shape_distance(
+        shape: *mut pbf_shape,
+        point: *const f64,
+        distance: *mut f64,
+        normal: *mut f64,
+    ) -> pbf_status;
 }
 
 #[cfg(all(test, target_pointer_width = "64"))]
@@ -1185,71 +1185,6 @@ mod layout {
         assert_eq!(offset!(pbf_anisotropy_desc, lone_scale), 40);
         assert_eq!(offset!(pbf_anisotropy_desc, positions), 48);
         assert_eq!(offset!(pbf_anisotropy_desc, stretches), 56);
-    }
-
-    #[test]
-    fn pbf_grid_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_grid_desc>(), 64);
-        assert_eq!(offset!(pbf_grid_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_grid_desc, dimension), 4);
-        assert_eq!(offset!(pbf_grid_desc, nodes), 8);
-        assert_eq!(offset!(pbf_grid_desc, reserved), 20);
-        assert_eq!(offset!(pbf_grid_desc, origin), 24);
-        assert_eq!(offset!(pbf_grid_desc, cell), 48);
-        assert_eq!(offset!(pbf_grid_desc, values), 56);
-    }
-
-    #[test]
-    fn pbf_mesh_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_mesh_desc>(), 48);
-        assert_eq!(offset!(pbf_mesh_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_mesh_desc, dimension), 4);
-        assert_eq!(offset!(pbf_mesh_desc, vertex_count), 8);
-        assert_eq!(offset!(pbf_mesh_desc, face_count), 12);
-        assert_eq!(offset!(pbf_mesh_desc, vertices), 16);
-        assert_eq!(offset!(pbf_mesh_desc, faces), 24);
-        assert_eq!(offset!(pbf_mesh_desc, cell), 32);
-        assert_eq!(offset!(pbf_mesh_desc, thickness), 40);
-    }
-
-    #[test]
-    fn pbf_heights_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_heights_desc>(), 48);
-        assert_eq!(offset!(pbf_heights_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_heights_desc, dimension), 4);
-        assert_eq!(offset!(pbf_heights_desc, count), 8);
-        assert_eq!(offset!(pbf_heights_desc, heights), 16);
-        assert_eq!(offset!(pbf_heights_desc, spacing), 24);
-        assert_eq!(offset!(pbf_heights_desc, base), 32);
-        assert_eq!(offset!(pbf_heights_desc, cell), 40);
-    }
-
-    #[test]
-    fn pbf_hull_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_hull_desc>(), 32);
-        assert_eq!(offset!(pbf_hull_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_hull_desc, dimension), 4);
-        assert_eq!(offset!(pbf_hull_desc, point_count), 8);
-        assert_eq!(offset!(pbf_hull_desc, reserved), 12);
-        assert_eq!(offset!(pbf_hull_desc, points), 16);
-        assert_eq!(offset!(pbf_hull_desc, cell), 24);
-    }
-
-    #[test]
-    fn pbf_shape_info_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_shape_info>(), 136);
-        assert_eq!(offset!(pbf_shape_info, struct_size), 0);
-        assert_eq!(offset!(pbf_shape_info, dimension), 4);
-        assert_eq!(offset!(pbf_shape_info, nodes), 8);
-        assert_eq!(offset!(pbf_shape_info, references), 20);
-        assert_eq!(offset!(pbf_shape_info, origin), 24);
-        assert_eq!(offset!(pbf_shape_info, cell), 48);
-        assert_eq!(offset!(pbf_shape_info, lower), 56);
-        assert_eq!(offset!(pbf_shape_info, upper), 80);
-        assert_eq!(offset!(pbf_shape_info, volume), 104);
-        assert_eq!(offset!(pbf_shape_info, area), 112);
-        assert_eq!(offset!(pbf_shape_info, bytes), 120);
-        assert_eq!(offset!(pbf_shape_info, hash), 128);
     }
 
     #[test]
@@ -1525,5 +1460,70 @@ mod layout {
         assert_eq!(offset!(pbf_phase, user), 4);
         assert_eq!(offset!(pbf_phase, rest_density), 8);
         assert_eq!(offset!(pbf_phase, viscosity), 16);
+    }
+
+    #[test]
+    fn pbf_grid_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_grid_desc>(), 64);
+        assert_eq!(offset!(pbf_grid_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_grid_desc, dimension), 4);
+        assert_eq!(offset!(pbf_grid_desc, nodes), 8);
+        assert_eq!(offset!(pbf_grid_desc, reserved), 20);
+        assert_eq!(offset!(pbf_grid_desc, origin), 24);
+        assert_eq!(offset!(pbf_grid_desc, cell), 48);
+        assert_eq!(offset!(pbf_grid_desc, values), 56);
+    }
+
+    #[test]
+    fn pbf_mesh_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_mesh_desc>(), 48);
+        assert_eq!(offset!(pbf_mesh_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_mesh_desc, dimension), 4);
+        assert_eq!(offset!(pbf_mesh_desc, vertex_count), 8);
+        assert_eq!(offset!(pbf_mesh_desc, face_count), 12);
+        assert_eq!(offset!(pbf_mesh_desc, vertices), 16);
+        assert_eq!(offset!(pbf_mesh_desc, faces), 24);
+        assert_eq!(offset!(pbf_mesh_desc, cell), 32);
+        assert_eq!(offset!(pbf_mesh_desc, thickness), 40);
+    }
+
+    #[test]
+    fn pbf_heights_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_heights_desc>(), 48);
+        assert_eq!(offset!(pbf_heights_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_heights_desc, dimension), 4);
+        assert_eq!(offset!(pbf_heights_desc, count), 8);
+        assert_eq!(offset!(pbf_heights_desc, heights), 16);
+        assert_eq!(offset!(pbf_heights_desc, spacing), 24);
+        assert_eq!(offset!(pbf_heights_desc, base), 32);
+        assert_eq!(offset!(pbf_heights_desc, cell), 40);
+    }
+
+    #[test]
+    fn pbf_hull_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_hull_desc>(), 32);
+        assert_eq!(offset!(pbf_hull_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_hull_desc, dimension), 4);
+        assert_eq!(offset!(pbf_hull_desc, point_count), 8);
+        assert_eq!(offset!(pbf_hull_desc, reserved), 12);
+        assert_eq!(offset!(pbf_hull_desc, points), 16);
+        assert_eq!(offset!(pbf_hull_desc, cell), 24);
+    }
+
+    #[test]
+    fn pbf_shape_info_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_shape_info>(), 136);
+        assert_eq!(offset!(pbf_shape_info, struct_size), 0);
+        assert_eq!(offset!(pbf_shape_info, dimension), 4);
+        assert_eq!(offset!(pbf_shape_info, nodes), 8);
+        assert_eq!(offset!(pbf_shape_info, references), 20);
+        assert_eq!(offset!(pbf_shape_info, origin), 24);
+        assert_eq!(offset!(pbf_shape_info, cell), 48);
+        assert_eq!(offset!(pbf_shape_info, lower), 56);
+        assert_eq!(offset!(pbf_shape_info, upper), 80);
+        assert_eq!(offset!(pbf_shape_info, volume), 104);
+        assert_eq!(offset!(pbf_shape_info, area), 112);
+        assert_eq!(offset!(pbf_shape_info, bytes), 120);
+        assert_eq!(offset!(pbf_shape_info, hash), 128);
     }
 }
