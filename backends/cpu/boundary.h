@@ -152,13 +152,13 @@ static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c
                                                           const pbf_obstacles *near, pbf_vec x,
                                                           pbf_boundary *boundary) {
   int met = 0;
-  for (int k = 0; k < near->count; ++k) {
-    pbf_vec normal;
-    if (pbf_surface_is_beyond(&near->surfaces[k], x, contribution_reach(c))) continue;
-    if (pbf_surface_distance(&near->surfaces[k], x, &normal) > contribution_reach(c)) continue;
-    if (!met++) *boundary = pbf_boundary_of_domain(c, &near->domain, x);
-    pbf_accumulate_surface(c, &near->surfaces[k], x, boundary);
-  }
+  pbf_vec normal;
+  const auto is_near = [&](const pbf_surface &s) {
+    return !pbf_surface_is_beyond(&s, x, contribution_reach(c)) &&
+           !(pbf_surface_distance(&s, x, &normal) > contribution_reach(c));
+  };
+  for (int k = 0; k < near->count && !met; ++k) met = is_near(near->surfaces[k]);
+  if (met) *boundary = pbf_boundary_at(c, *near, x);
   return met;
 }
 

@@ -178,7 +178,10 @@ static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *
                                     [](const lane_box &box, float reach, const pbf_surface &s) {
                                       return is_near_box(box, s, reach);
                                     })};
-    near.each([&](const pbf_closed_surface &s) { pbf_accumulate_surface(c, &s, x, &boundary); });
+    const auto all = [&](auto visit) {
+      near.each([&](const pbf_closed_surface &s) { visit(s, 0); });
+    };
+    if (near.set) pbf_accumulate_surfaces(c, &o.domain, x, all, &boundary);
     return boundary;
   }
 }

@@ -6,6 +6,7 @@
 #include "physics/collide.h"
 #include "physics/constants.h"
 #include "physics/facets.h"
+#include "physics/near_faces.h"
 
 enum { PBF_WALL_LAST = PBF_WALL_NODES - 1 };
 
@@ -140,39 +141,108 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
 /* From where on surfaces contribute nothing. */
 PBF_FN pbf_real pbf_boundary_reach(const pbf_constants *c) { return c->h - c->wall_offset; }
 
+template <class Surface>
+PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real distance,
+                                         pbf_vec normal) {
+  return {normal, distance, pbf_surface_is_unbounded(s), solid};
+}
+
+/* The density that a face contributes by itself. Deep inside a surface that has another side it
+ * stays what it is at its first node, and so has no slope there: a push that never lowers what it
+ * is to undo would go on in every step. */
+PBF_FN pbf_real pbf_face_density(const pbf_constants *c, const pbf_near_face &face,
+                                 pbf_real *slope) {
+  const pbf_real value = pbf_wall_density(c, face.distance, slope);
+  if (!face.is_unbounded && face.distance < -c->wall_offset) *slope = 0;
+  return value;
+}
+
 /* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
-PBF_FN_SELDOM void pbf_accumulate_field(const pbf_constants *c, const pbf_surface *s, pbf_vec x,
-                                        pbf_boundary *boundary) {
-  const pbf_real reach = pbf_boundary_reach(c);
+template <class Visit>
+PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                   pbf_vec x, pbf_real reach, Visit visit) {
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);
-  for (int k = 0; k < facets.count; ++k) {
-    pbf_real slope, value = pbf_wall_density(c, facets.of[k].distance, &slope);
-    if (!pbf_surface_is_unbounded(s) && facets.of[k].distance < -c->wall_offset) slope = 0;
-    pbf_accumulate_plane(c, value, slope, facets.of[k].normal, boundary);
+  for (int k = 0; k < facets.count; ++k)
+    if (facets.of[k].distance < reach)
+      visit(pbf_face_of_surface(s, solid, facets.of[k].distance, facets.of[k].normal), 1);
+}
+
+/* Visits the planes of a surface within reach, but for flat faces, which are put among the others,
+ * and edges, which are counted. */
+template <class Surface, class Visit>
+PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
+                             pbf_real reach, pbf_near_faces *faces, Visit visit) {
+  if (pbf_surface_is_beyond(s, x, reach)) return;
+  if (pbf_surface_is_field(s)) {
+    pbf_visit_field(c, s, solid, x, reach, visit);
+    return;
+  }
+  const pbf_nearest_part nearest = pbf_surface_nearest_part(s, x);
+  const int planes = pbf_surface_planes(s);
+  for (int plane = 0; plane < planes; ++plane) {
+    pbf_vec normal;
+    const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
+    if (!(distance < reach)) continue;
+    faces->edges += nearest == PBF_NEAREST_EDGE;
+    if (nearest == PBF_NEAREST_EDGE) continue;
+    const pbf_near_face face = pbf_face_of_surface(s, solid, distance, normal);
+    if (nearest == PBF_NEAREST_FACE)
+      pbf_put_face(&face, faces);
+    else
+      visit(face, 1);
   }
 }
 
-/* Deep inside a surface that has another side density stays what it is at its first node, and so
- * has no slope there: a push that never lowers what it is to undo would go on in every step. */
-template <class Surface>
-PBF_FN void pbf_accumulate_surface(const pbf_constants *c, const Surface *s, pbf_vec x,
-                                   pbf_boundary *boundary) {
-  if (pbf_surface_is_beyond(s, x, pbf_boundary_reach(c))) return;
-  if (pbf_surface_is_field(s)) {
-    pbf_accumulate_field(c, s, x, boundary);
-    return;
+/* Visits a surface whose edge is nearest, with the part that all faces leave of it. */
+template <class Surface, class Visit>
+PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
+                           pbf_real reach, const pbf_near_faces *faces, Visit visit) {
+  if (pbf_surface_is_beyond(s, x, reach) || pbf_surface_is_field(s)) return;
+  if (pbf_surface_nearest_part(s, x) != PBF_NEAREST_EDGE) return;
+  pbf_vec normal;
+  const pbf_real distance = pbf_surface_distance(s, x, &normal);
+  if (!(distance < reach)) return;
+  const pbf_real part = pbf_part_before_faces(c, faces, distance, normal);
+  if (part > 0) visit(pbf_face_of_surface(s, solid, distance, normal), part);
+}
+
+/* The domain's walls, too, leave of edges what rises from them. */
+PBF_FN void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
+                           pbf_near_faces *faces) {
+  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
+    pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall};
+    face.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
+    if (face.distance < c->h) pbf_put_face(&face, faces);
   }
-  int planes = pbf_surface_planes(s);
-  for (int plane = 0; plane < planes; ++plane) {
-    pbf_vec normal;
-    pbf_real slope, distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
-    /* Whether it is asked must not show, whatever others add up to. */
-    if (!(pbf_wall_node(c, distance) < PBF_WALL_LAST)) continue;
-    pbf_real value = pbf_wall_density(c, distance, &slope);
-    if (!pbf_surface_is_unbounded(s) && distance < -c->wall_offset) slope = 0;
-    pbf_accumulate_plane(c, value, slope, normal, boundary);
-  }
+}
+
+/* Calls visit(face, part) for the planes within reach of x by which surfaces contribute, and the
+ * part of each that does; each(meet) calls meet(surface, number) for all surfaces, twice. */
+template <class Each, class Visit>
+PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
+                                pbf_real reach, Each each, Visit visit) {
+  pbf_near_faces faces;
+  faces.count = faces.edges = 0;
+  each([&](const auto &s, int solid) { pbf_meet_surface(c, &s, solid, x, reach, &faces, visit); });
+  for (int k = 0; k < faces.count; ++k) visit(faces.of[k], 1);
+  if (faces.edges == 0) return;
+  pbf_put_domain(c, domain, x, &faces);
+  each([&](const auto &s, int solid) { pbf_visit_edge(c, &s, solid, x, reach, &faces, visit); });
+}
+
+/* Adds what surfaces contribute at x, within the domain. */
+template <class Each>
+PBF_FN void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
+                                    Each each, pbf_boundary *boundary) {
+  pbf_each_near_plane(c, domain, x, pbf_boundary_reach(c), each,
+                      [&](const pbf_near_face &face, pbf_real part) {
+                        /* Whether it is asked must not show, whatever others add up to. */
+                        if (!(pbf_wall_node(c, face.distance) < PBF_WALL_LAST)) return;
+                        pbf_real slope;
+                        const pbf_real value = pbf_face_density(c, face, &slope);
+                        pbf_accumulate_plane(c, part * value, part * slope, face.normal, boundary);
+                      });
 }
 
 PBF_FN void pbf_add_boundary(const pbf_boundary *boundary, pbf_real *density, pbf_vec *gradient) {
@@ -191,8 +261,10 @@ namespace {
 template <class Obstacles>
 PBF_FN pbf_boundary pbf_boundary_at(const pbf_constants *c, const Obstacles &o, pbf_vec x) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  for (int k = 0; k < pbf_surface_count(o); ++k)
-    pbf_accumulate_surface(c, &o.surfaces[k], x, &boundary);
+  const auto all = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
+  };
+  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, x, all, &boundary);
   return boundary;
 }
 
@@ -202,10 +274,11 @@ template <class Obstacles>
 PBF_FN_APART pbf_boundary pbf_boundary_at_time(const pbf_constants *c, const Obstacles &o,
                                                pbf_vec x, pbf_vec at, int before) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  for (int k = 0; k < pbf_surface_count(o); ++k) {
-    const auto surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
-    pbf_accumulate_surface(c, &surface, at, &boundary);
-  }
+  const auto all = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k)
+      visit(before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k], k);
+  };
+  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, at, all, &boundary);
   return boundary;
 }
 

@@ -175,6 +175,7 @@ static inline pbf_load_scales pbf_load_scales_of(const pbf_constants *c, const p
 typedef struct pbf_load_plane {
   int solid;
   pbf_real distance, slope;
+  pbf_real part; /* that faces before it leave of it: near_faces.h */
   pbf_vec normal;
 } pbf_load_plane;
 
@@ -201,54 +202,25 @@ PBF_FN load_particle with_mass(load_particle of, pbf_real mobility) {
 
 PBF_FN pbf_load_plane load_plane_of_wall(const pbf_constants *c, const pbf_domain *domain, int wall,
                                          pbf_vec x) {
-  pbf_load_plane p = {wall, pbf_wall_distance(domain, wall, x), 0, {{0}}};
+  pbf_load_plane p = {wall, pbf_wall_distance(domain, wall, x), 0, 1, {{0}}};
   p.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
   pbf_wall_density(c, p.distance, &p.slope);
   return p;
 }
 
-/* At a distance from a surface, where `normal` points to the fluid. */
-PBF_FN pbf_load_plane load_plane_at(const pbf_constants *c, const pbf_surface *s, int solid,
-                                    pbf_real distance, pbf_vec normal) {
-  pbf_load_plane p = {solid, distance, 0, normal};
-  pbf_wall_density(c, distance, &p.slope);
-  if (!pbf_surface_is_unbounded(s) && distance < -c->wall_offset) p.slope = 0;
+PBF_FN pbf_load_plane load_plane_of_face(const pbf_constants *c, const pbf_near_face &face,
+                                         pbf_real part) {
+  pbf_load_plane p = {face.solid, face.distance, 0, part, face.normal};
+  pbf_face_density(c, face, &p.slope);
+  p.slope *= part;
   return p;
 }
 
 PBF_FN pbf_load_plane load_plane_of_surface(const pbf_constants *c, const pbf_surface *s, int solid,
-                                            int plane, int planes, pbf_vec x) {
+                                            pbf_vec x) {
   pbf_vec normal;
-  const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
-  return load_plane_at(c, s, solid, distance, normal);
-}
-
-/* Of a field, those by which it contributes density: pbf_accumulate_field. */
-template <class Visit>
-PBF_FN void each_load_facet(const pbf_constants *c, const pbf_surface *s, int solid, pbf_vec x,
-                            pbf_real reach, Visit visit) {
-  pbf_facets facets;
-  pbf_find_facets(s, reach, c->h, x, &facets);
-  for (int k = 0; k < facets.count; ++k) {
-    const pbf_facet &facet = facets.of[k];
-    if (facet.distance < reach) visit(load_plane_at(c, s, solid, facet.distance, facet.normal));
-  }
-}
-
-template <class Visit>
-PBF_FN void each_load_plane_of_surface(const pbf_constants *c, const pbf_surface *s, int solid,
-                                       pbf_vec x, pbf_real reach, Visit visit) {
-  const int planes = pbf_surface_planes(s);
-  if (pbf_surface_is_beyond(s, x, reach)) return;
-  if (pbf_surface_is_field(s)) {
-    each_load_facet(c, s, solid, x, reach, visit);
-    return;
-  }
-  for (int plane = 0; plane < planes; ++plane) {
-    pbf_load_plane p = {solid, 0, 0, {{0}}};
-    p.distance = pbf_surface_plane_distance(s, plane, planes, x, &p.normal);
-    if (p.distance < reach) visit(load_plane_at(c, s, solid, p.distance, p.normal));
-  }
+  const pbf_real distance = pbf_surface_distance(s, x, &normal);
+  return load_plane_of_face(c, pbf_face_of_surface(s, solid, distance, normal), 1);
 }
 
 /* The surfaces that a particle may be near. An executor that knows more has another one. */
@@ -266,8 +238,11 @@ PBF_FN void each_load_plane(const pbf_constants *c, const Obstacles &o, const Ne
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
     if (pbf_wall_distance(&o.domain, wall, x) < reach)
       visit(load_plane_of_wall(c, &o.domain, wall, x));
-  near.each(o, [&](int k) {
-    each_load_plane_of_surface(c, &o.surfaces[k], PBF_WALLS + k, x, reach, visit);
+  const auto all = [&](auto meet) {
+    near.each(o, [&](int k) { meet(o.surfaces[k], PBF_WALLS + k); });
+  };
+  pbf_each_near_plane(c, &o.domain, x, reach, all, [&](const pbf_near_face &face, pbf_real part) {
+    visit(load_plane_of_face(c, face, part));
   });
 }
 
@@ -280,9 +255,9 @@ struct load_system {
 PBF_FN double load_across() { return 1e-3; }
 
 /* The nearer a plane, the more it takes of what others could take as well. */
-PBF_FN double load_weight(const pbf_load_scales *s, pbf_real distance) {
-  const double part = 1 - fmax((double)distance, 0.0) / s->reach;
-  return part * part;
+PBF_FN double load_weight(const pbf_load_scales *s, const pbf_load_plane &p) {
+  const double near = 1 - fmax((double)p.distance, 0.0) / s->reach;
+  return (double)p.part * near * near;
 }
 
 PBF_FN void add_to_system(load_system *to, double weight, pbf_vec normal) {
@@ -316,7 +291,7 @@ PBF_FN_SELDOM pbf_load_plane nearest_load_plane(const pbf_constants *c, const Ob
     if (p.distance < nearest.distance) nearest = p;
   }
   for (int k = 0; k < pbf_surface_count(o); ++k) {
-    const pbf_load_plane p = load_plane_of_surface(c, &o.surfaces[k], PBF_WALLS + k, 0, 1, x);
+    const pbf_load_plane p = load_plane_of_surface(c, &o.surfaces[k], PBF_WALLS + k, x);
     if (p.distance < nearest.distance) nearest = p;
   }
   return nearest;
@@ -380,7 +355,7 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
   each_load_plane(c, o, near, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
     if (count == PBF_LOAD_PLANES) return;
     planes[count++] = p;
-    add_to_system(&system, load_weight(s, p.distance), p.normal);
+    add_to_system(&system, load_weight(s, p), p.normal);
     for (int k = 0; k < PBF_DIM; ++k)
       system.right[k] -= own * (double)p.slope * (double)p.normal.c[k];
   });
@@ -392,8 +367,7 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
   solve_system(&system);
   for (int k = 0; k < count; ++k) {
     const pbf_load_plane &p = planes[k];
-    take(p,
-         load_share_of_plane(p, load_weight(s, p.distance), all * (double)p.slope, system.right));
+    take(p, load_share_of_plane(p, load_weight(s, p), all * (double)p.slope, system.right));
   }
 }
 

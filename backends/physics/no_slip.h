@@ -118,18 +118,29 @@ PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const
     const pbf_real rate = n.walls * pbf_no_slip_rate(c, distance);
     if (rate > 0) visit(-1 - wall, rate, distance, normal);
   }
+  const auto no_slip_of = [&](int k) { return n.of[pbf_surface_number(o.surfaces, k)]; };
+  const auto visit_plane = [&](int k, pbf_real part, pbf_real distance, pbf_vec normal) {
+    const pbf_real rate = part * no_slip_of(k) * pbf_no_slip_rate(c, distance);
+    if (rate > 0) visit(k, rate, distance, normal);
+  };
+  bool any = false;
   for (int k = 0; k < pbf_surface_count(o); ++k) {
-    const pbf_real no_slip = n.of[pbf_surface_number(o.surfaces, k)];
-    if (!(no_slip > 0) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h)) continue;
-    const int planes = pbf_surface_planes(&o.surfaces[k]);
-    for (int plane = 0; plane < planes; ++plane) {
-      pbf_vec normal;
-      const pbf_real distance =
-          pbf_surface_plane_distance(&o.surfaces[k], plane, planes, x, &normal);
-      const pbf_real rate = no_slip * pbf_no_slip_rate(c, distance);
-      if (rate > 0) visit(k, rate, distance, normal);
-    }
+    if (!(no_slip_of(k) > 0)) continue;
+    any = true;
+    if (!pbf_surface_is_field(&o.surfaces[k]) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h))
+      continue;
+    pbf_vec normal;
+    const pbf_real distance = pbf_surface_distance(&o.surfaces[k], x, &normal);
+    visit_plane(k, 1, distance, normal);
   }
+  if (!any) return;
+  const auto all = [&](auto meet) {
+    for (int k = 0; k < pbf_surface_count(o); ++k)
+      if (!pbf_surface_is_field(&o.surfaces[k])) meet(o.surfaces[k], k);
+  };
+  pbf_each_near_plane(c, &o.domain, x, c->h, all, [&](const pbf_near_face &face, pbf_real part) {
+    visit_plane(face.solid, part, face.distance, face.normal);
+  });
 }
 
 /* A velocity relative to a surface's at x. */

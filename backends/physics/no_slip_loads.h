@@ -19,7 +19,7 @@ PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSl
         const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
         const int solid =
             surface < 0 ? -1 - surface : PBF_WALLS + pbf_surface_number(o.surfaces, surface);
-        pbf_load_plane plane = {solid, distance, 0, normal};
+        pbf_load_plane plane = {solid, distance, 0, 1, normal};
         load_share share = {{0}, {0}};
         for (int k = 0; k < PBF_DIM; ++k)
           share.change[k] = -(double)(part * rate) * (double)along.c[k];

@@ -48,11 +48,12 @@ PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o
                                       int before) {
   pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
   if (found.walls) boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  for (int k = 0; k < pbf_surface_count(o); ++k)
-    if (pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k))) {
-      const auto surface = before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k];
-      pbf_accumulate_surface(c, &surface, x, &boundary);
-    }
+  const auto placed = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k)
+      if (pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k)))
+        visit(before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k], k);
+  };
+  pbf_accumulate_surfaces(c, &o.domain, x, placed, &boundary);
   return boundary.overlapping + boundary.additive;
 }
 

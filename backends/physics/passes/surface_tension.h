@@ -91,8 +91,10 @@ PBF_FN_APART pbf_real pbf_density_of_solids(const pbf_constants *c, const Obstac
   pbf_domain walls = o.domain;
   walls.ghost_reach = 0;
   pbf_boundary boundary = pbf_boundary_of_domain(c, &walls, x);
-  for (int k = 0; k < pbf_surface_count(o); ++k)
-    pbf_accumulate_surface(c, &o.surfaces[k], x, &boundary);
+  const auto all = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
+  };
+  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &walls, x, all, &boundary);
   return boundary.overlapping + boundary.additive;
 }
 

@@ -44,6 +44,16 @@ struct box_shape {
     return distance;
   }
 
+  /* How many axes of its frame a point is beyond the faces of: from 2 on an edge is nearest. */
+  static PBF_IN int sides_beyond(const pbf_surface *s, pbf_vec p) {
+    int sides = 0;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      const pbf_real along = pbf_dot(p, s->frame[k]);
+      sides += along > s->half_extents.c[k] || along < -s->half_extents.c[k];
+    }
+    return sides;
+  }
+
   /* What of the way is between each two faces, one after the other. */
   static PBF_IN int blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
     pbf_real first = 0, last = 1;

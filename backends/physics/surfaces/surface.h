@@ -184,6 +184,22 @@ PBF_FN_APART pbf_real pbf_surface_distance(const Surface *s, pbf_vec x, pbf_vec 
   return s->sign * distance;
 }
 
+/* What of a surface is nearest to a place: a flat face, an edge or a corner between some, or what
+ * is curved. Of fields nothing is known. */
+typedef enum pbf_nearest_part {
+  PBF_NEAREST_FACE,
+  PBF_NEAREST_EDGE,
+  PBF_NEAREST_CURVED
+} pbf_nearest_part;
+
+template <class Surface>
+PBF_FN pbf_nearest_part pbf_surface_nearest_part(const Surface *s, pbf_vec x) {
+  if (s->shape == PBF_COLLIDER_PLANE) return PBF_NEAREST_FACE;
+  if (s->shape != PBF_COLLIDER_BOX) return PBF_NEAREST_CURVED;
+  const pbf_vec p = pbf_sub(x, s->center);
+  return s->sign > 0 && box_shape::sides_beyond(s, p) > 1 ? PBF_NEAREST_EDGE : PBF_NEAREST_FACE;
+}
+
 /* Whether x is farther than `reach` from anything of it, cheaply. */
 PBF_FN int pbf_surface_is_beyond(const pbf_surface *s, pbf_vec x, pbf_real reach) {
   pbf_vec p = pbf_sub(x, s->center);

@@ -1,0 +1,77 @@
+/* Part of boundary.h: the flat faces near a place, and what they leave of an edge.
+ *
+ * Beside the end of a box its nearest point is on an edge, and the plane through that is askew to
+ * both faces. Of a wall made of flush boxes those beside the one before a particle would each
+ * contribute such a plane, and none of them is there. But the edge lies in the wall's plane. So an
+ * edge counts as far as it rises from the faces nearer than itself, in parts of what it would rise
+ * were its plane at right angles to theirs. */
+#ifndef PBF_PHYSICS_NEAR_FACES_H
+#define PBF_PHYSICS_NEAR_FACES_H
+
+#include "physics/constants.h"
+
+/* More than the inside of a box has; of more the nearest ones. */
+enum { PBF_NEAR_FACES = 8 };
+
+typedef struct pbf_near_face {
+  pbf_vec normal;
+  pbf_real distance;
+  int is_unbounded; /* all behind it is solid */
+  int solid;        /* the number that visitors have for it */
+} pbf_near_face;
+
+typedef struct pbf_near_faces {
+  int count;
+  int edges; /* of solids that are near, but not yet added up */
+  pbf_near_face of[PBF_NEAR_FACES];
+} pbf_near_faces;
+
+/* The part of an edge's plane that a face leaves, from 0 where the edge is on the face or behind
+ * it, to 1 where both planes are at right angles. From places on the face, or behind it, little can
+ * be told of that: distances are taken as from some way before it. What rises by rounding alone is
+ * on it. Straight before an edge that rises it counts as the face that ends there. */
+PBF_FN pbf_real pbf_part_before_face(const pbf_constants *c, const pbf_near_face *face,
+                                     pbf_real distance, pbf_vec normal) {
+  const pbf_real least = c->h / 32, rounding = (pbf_real)0x1p-9;
+  const pbf_real cosine = pbf_dot(face->normal, normal);
+  if (!(cosine > 0)) return 1;
+  const pbf_real shift = pbf_real_max(least - face->distance, 0);
+  const pbf_real before = face->distance + shift, from_edge = pbf_real_max(distance + shift, 0);
+  const pbf_real rise = pbf_real_max(before * (1 - rounding) - cosine * from_edge, 0);
+  const pbf_real aside2 = pbf_real_max(1 - cosine * cosine, 0) * from_edge * from_edge;
+  const pbf_real part = pbf_real_min(rise / (before * (1 - rounding)), 1);
+  if (!(aside2 < least * least)) return part;
+  const pbf_real straight = 1 - pbf_real_sqrt(aside2) / least;
+  return part + (1 - part) * straight * pbf_real_min(rise / least, 1);
+}
+
+PBF_FN pbf_real pbf_part_before_faces(const pbf_constants *c, const pbf_near_faces *faces,
+                                      pbf_real distance, pbf_vec normal) {
+  pbf_real part = 1;
+  for (int k = 0; k < faces->count; ++k)
+    part = pbf_real_min(part, pbf_part_before_face(c, &faces->of[k], distance, normal));
+  return part;
+}
+
+/* Whether all that is behind one of two faces is behind the other, which is nearer. */
+PBF_FN int pbf_is_behind_face(const pbf_near_face *face, const pbf_near_face *nearer) {
+  return pbf_dot(face->normal, nearer->normal) > (pbf_real)0.999;
+}
+
+/* Puts a face among the others, nearest first, without those that lie behind others: of solids of
+ * several boxes those within. */
+PBF_FN void pbf_put_face(const pbf_near_face *face, pbf_near_faces *faces) {
+  int at = 0;
+  for (; at < faces->count && faces->of[at].distance <= face->distance; ++at)
+    if (pbf_is_behind_face(face, &faces->of[at])) return;
+  if (at == PBF_NEAR_FACES) return;
+  int kept = at;
+  for (int k = at; k < faces->count; ++k)
+    if (!pbf_is_behind_face(&faces->of[k], face)) faces->of[kept++] = faces->of[k];
+  if (kept == PBF_NEAR_FACES) --kept;
+  for (int k = kept; k > at; --k) faces->of[k] = faces->of[k - 1];
+  faces->of[at] = *face;
+  faces->count = kept + 1;
+}
+
+#endif

@@ -1,0 +1,208 @@
+/* A solid of many flush boxes is the solid of one box: the same density next to it, the same loads,
+ * the same friction with what sticks to it; and water rests in a pool of them. */
+#include "load_scene.h"
+
+enum { MOST = 64 };
+
+/* The wall below x = 0 of a tank 8 spacings wide, `thick` and 12 high, at least as long as both. */
+typedef struct wall {
+  uint32_t dimension;
+  double tile, thick, high, turned; /* about z, the tank with it */
+  double overlap;                   /* so far boxes reach into each other */
+} wall;
+
+static uint32_t tiles_along(double length, double tile) {
+  return tile > 0 ? (uint32_t)lround(length / tile) : 1;
+}
+
+static void turn(double angle, const double x[3], double to[3]) {
+  to[0] = cos(angle) * x[0] - sin(angle) * x[1];
+  to[1] = sin(angle) * x[0] + cos(angle) * x[1];
+  to[2] = x[2];
+}
+
+static pbf_collider turned_box(const wall *w, const double lower[3], const double upper[3]) {
+  double center[3], place[3];
+  for (int k = 0; k < 3; ++k) center[k] = (lower[k] + upper[k]) / 2;
+  turn(w->turned, center, place);
+  pbf_collider box = load_collider(PBF_COLLIDER_BOX, place[0], place[1], place[2]);
+  for (int k = 0; k < 3; ++k) box.half_extents[k] = (upper[k] - lower[k]) / 2 + w->overlap / 2;
+  box.half_extents[0] = (upper[0] - lower[0]) / 2;
+  box.orientation[2] = sin(w->turned / 2);
+  box.orientation[3] = cos(w->turned / 2);
+  return box;
+}
+
+static uint32_t wall_of(const wall *w, pbf_collider *to) {
+  const double from[3] = {-w->thick, -2 * load_spacing, -2 * load_spacing};
+  const double size[3] = {w->thick, w->high + 4 * load_spacing, 12 * load_spacing};
+  uint32_t n[3], count = 0;
+  for (uint32_t k = 0; k < 3; ++k) n[k] = k < w->dimension ? tiles_along(size[k], w->tile) : 1;
+  assert_true(n[0] * n[1] * n[2] <= MOST);
+  for (uint32_t x = 0; x < n[0]; ++x)
+    for (uint32_t y = 0; y < n[1]; ++y)
+      for (uint32_t z = 0; z < n[2]; ++z) {
+        const uint32_t at[3] = {x, y, z};
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; ++k) {
+          lower[k] = from[k] + size[k] * at[k] / n[k];
+          upper[k] = from[k] + size[k] * (at[k] + 1) / n[k];
+        }
+        to[count++] = turned_box(w, lower, upper);
+      }
+  return count;
+}
+
+static uint32_t planes(const wall *w) { return w->dimension == 3 ? 4 : 2; }
+
+/* Floor and the other walls are planes, so that nothing but the wall's boxes changes. */
+static uint32_t tank_of(const wall *w, pbf_collider *to) {
+  const double normals[4][3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}};
+  const double places[4][3] = {
+      {0, 0, 0}, {8 * load_spacing, 0, 0}, {0, 0, 0}, {0, 0, 8 * load_spacing}};
+  uint32_t count = wall_of(w, to);
+  for (uint32_t k = 0; k < planes(w); ++k) {
+    double place[3], normal[3];
+    turn(w->turned, places[k], place);
+    turn(w->turned, normals[k], normal);
+    to[count] = load_collider(PBF_COLLIDER_PLANE, place[0], place[1], place[2]);
+    for (int i = 0; i < 3; ++i) to[count].axis[i] = normal[i];
+    ++count;
+  }
+  return count;
+}
+
+static load_scene water_at(const wall *w, uint32_t precision, double support, double no_slip) {
+  const double size[3] = {8 * load_spacing, 8 * load_spacing, 8 * load_spacing};
+  const double gravity[3] = {0, -load_gravity, 0}, none[3] = {0};
+  pbf_collider colliders[MOST + 4];
+  pbf_params params = load_params(w->dimension, none);
+  params.smoothing_radius = support * load_spacing;
+  params.viscosity = no_slip > 0 ? 0.01 : 0;
+  turn(w->turned, gravity, params.gravity);
+  for (int k = 0; k < 3; ++k) params.domain_min[k] = -(params.domain_max[k] = 4);
+  const uint32_t count = tank_of(w, colliders);
+  for (uint32_t k = 0; k < count - planes(w); ++k) colliders[k].no_slip = no_slip;
+  load_scene s = load_scene_of(w->dimension, precision, &params, size, load_everywhere, 0, NULL);
+  for (uint32_t i = 0; i < s.count; ++i) {
+    double x[3] = {0}, to[3];
+    for (uint32_t k = 0; k < w->dimension; ++k)
+      x[k] = test_value(s.values, (uint64_t)i * w->dimension + k, precision);
+    turn(w->turned, x, to);
+    for (uint32_t k = 0; k < w->dimension; ++k)
+      test_put(s.values, (uint64_t)i * w->dimension + k, precision, to[k]);
+  }
+  assert_ok(pbf_set_positions(s.solver, 0, s.count, s.values));
+  assert_ok(pbf_set_colliders(s.solver, count, colliders));
+  return s;
+}
+
+/* The largest difference of two scenes' densities. */
+static double parted(load_scene *a, load_scene *b) {
+  char *other = calloc(b->count, b->precision);
+  double most = 0;
+  assert_ok(pbf_get_densities(a->solver, 0, a->count, a->values));
+  assert_ok(pbf_get_densities(b->solver, 0, b->count, other));
+  for (uint32_t i = 0; i < a->count; ++i)
+    most = fmax(most,
+                fabs(test_value(a->values, i, a->precision) - test_value(other, i, b->precision)));
+  free(other);
+  return most;
+}
+
+/* What the wall takes of the fluid's momentum, and the torque about the origin, in all. */
+static void load_of_wall(load_scene *s, const wall *w, double sums[6]) {
+  pbf_collider_load loads[MOST + 4];
+  pbf_collider colliders[MOST + 4];
+  const uint32_t boxes = wall_of(w, colliders), all = boxes + planes(w);
+  load_colliders(s, all, loads);
+  for (int k = 0; k < 6; ++k) sums[k] = 0;
+  for (uint32_t i = 0; i < boxes; ++i)
+    for (int k = 0; k < 3; ++k) sums[k] += loads[i].impulse[k];
+}
+
+static void check(const wall *tiles, uint32_t precision, double support, double no_slip) {
+  wall whole = *tiles;
+  double right[6], of_tiles[6], size = 0;
+  whole.tile = whole.overlap = 0;
+  load_scene one = water_at(&whole, precision, support, no_slip);
+  load_scene many = water_at(tiles, precision, support, no_slip);
+  const double bar = precision == PBF_FLOAT64 ? 1e-9 : 2e-5;
+  for (int step = 0; step < 4; ++step) {
+    const double apart = parted(&one, &many);
+    if (!(apart < bar))
+      fail_msg("%uD, float%u, tiles of %g turned by %g, h = %g d, step %d: densities differ by %g",
+               tiles->dimension, 8 * precision, tiles->tile / load_spacing, tiles->turned, support,
+               step, apart);
+    assert_ok(pbf_step(one.solver, 1));
+    assert_ok(pbf_step(many.solver, 1));
+  }
+  load_of_wall(&one, &whole, right);
+  load_of_wall(&many, tiles, of_tiles);
+  for (int k = 0; k < 3; ++k) size = fmax(size, fabs(right[k]));
+  assert_true(size > 0);
+  for (int k = 0; k < 3; ++k)
+    if (!(fabs(right[k] - of_tiles[k]) < 50 * bar * size))
+      fail_msg("%uD, tiles of %g, h = %g d: along axis %d they take %g, one box %g",
+               tiles->dimension, tiles->tile / load_spacing, support, k, of_tiles[k], right[k]);
+  load_end(&one);
+  load_end(&many);
+}
+
+static void with_kinds(void (*with)(uint32_t dimension, uint32_t precision)) {
+  int tried = 0;
+  if (test_is_stub()) test_skip("the stub has no fluid");
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
+    for (uint32_t precision = 4; precision <= 8; precision += 4)
+      if (test_has_kind(dimension, precision)) with(dimension, precision), ++tried;
+  if (!tried) test_skip("not in this build");
+}
+
+static void check_supports(uint32_t dimension, uint32_t precision) {
+  const double d = load_spacing, supports[] = {2, 2.5, 3};
+  for (int k = 0; k < 3; ++k) {
+    const wall flat = {dimension, dimension == 3 ? 4 * d : 2 * d, 4 * d, 12 * d, 0, 0};
+    check(&flat, precision, supports[k], 0);
+  }
+  const wall thin = {
+      dimension, dimension == 3 ? 4 * d : d, dimension == 3 ? 4 * d : 2 * d, 12 * d, 0, 0};
+  check(&thin, precision, 3, 0);
+}
+
+static void flush_boxes_are_one_solid(void **state) {
+  (void)state;
+  with_kinds(check_supports);
+}
+
+static void check_turned(uint32_t dimension, uint32_t precision) {
+  const double d = load_spacing;
+  const wall turned = {dimension, dimension == 3 ? 4 * d : 2 * d, 4 * d, 12 * d, 0.4, 0};
+  const wall overlapping = {dimension, dimension == 3 ? 4 * d : 2 * d, 4 * d, 12 * d, 0.4, d};
+  check(&turned, precision, 3, 0);
+  check(&overlapping, precision, 3, 0);
+}
+
+static void aslant_and_where_they_overlap(void **state) {
+  (void)state;
+  with_kinds(check_turned);
+}
+
+static void check_sticky(uint32_t dimension, uint32_t precision) {
+  const double d = load_spacing;
+  const wall flat = {dimension, dimension == 3 ? 4 * d : 2 * d, 4 * d, 12 * d, 0, 0};
+  check(&flat, precision, 2, 1);
+}
+
+static void fluid_sticks_to_them_as_to_one(void **state) {
+  (void)state;
+  with_kinds(check_sticky);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(flush_boxes_are_one_solid),
+      cmocka_unit_test(aslant_and_where_they_overlap),
+      cmocka_unit_test(fluid_sticks_to_them_as_to_one),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
