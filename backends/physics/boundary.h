@@ -208,8 +208,8 @@ PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, 
 }
 
 /* The domain's walls, too, leave of edges what rises from them. */
-PBF_FN void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
-                           pbf_near_faces *faces) {
+PBF_FN_APART void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
+                                 pbf_near_faces *faces) {
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
     pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall};
     face.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
@@ -231,17 +231,22 @@ PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain
   each([&](const auto &s, int solid) { pbf_visit_edge(c, &s, solid, x, reach, &faces, visit); });
 }
 
+PBF_FN_APART void pbf_accumulate_face(const pbf_constants *c, const pbf_near_face &face,
+                                      pbf_real part, pbf_boundary *boundary) {
+  /* Whether it is asked must not show, whatever others add up to. */
+  if (!(pbf_wall_node(c, face.distance) < PBF_WALL_LAST)) return;
+  pbf_real slope;
+  const pbf_real value = pbf_face_density(c, face, &slope);
+  pbf_accumulate_plane(c, part * value, part * slope, face.normal, boundary);
+}
+
 /* Adds what surfaces contribute at x, within the domain. */
 template <class Each>
-PBF_FN void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
-                                    Each each, pbf_boundary *boundary) {
+PBF_FN_APART void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain,
+                                          pbf_vec x, Each each, pbf_boundary *boundary) {
   pbf_each_near_plane(c, domain, x, pbf_boundary_reach(c), each,
                       [&](const pbf_near_face &face, pbf_real part) {
-                        /* Whether it is asked must not show, whatever others add up to. */
-                        if (!(pbf_wall_node(c, face.distance) < PBF_WALL_LAST)) return;
-                        pbf_real slope;
-                        const pbf_real value = pbf_face_density(c, face, &slope);
-                        pbf_accumulate_plane(c, part * value, part * slope, face.normal, boundary);
+                        pbf_accumulate_face(c, face, part, boundary);
                       });
 }
 

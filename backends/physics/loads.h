@@ -231,19 +231,22 @@ struct all_surfaces {
   }
 };
 
-/* Calls visit(plane) for those within reach, of one solid after another. */
-template <class Obstacles, class Near, class Visit>
-PBF_FN void each_load_plane(const pbf_constants *c, const Obstacles &o, const Near &near, pbf_vec x,
-                            pbf_real reach, Visit visit) {
+/* Those within reach, of one solid after another; their number. */
+template <class Obstacles, class Near>
+PBF_FN_APART int find_load_planes(const pbf_constants *c, const Obstacles &o, const Near &near,
+                                  pbf_vec x, pbf_real reach,
+                                  pbf_load_plane planes[PBF_LOAD_PLANES]) {
+  int count = 0;
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
     if (pbf_wall_distance(&o.domain, wall, x) < reach)
-      visit(load_plane_of_wall(c, &o.domain, wall, x));
+      planes[count++] = load_plane_of_wall(c, &o.domain, wall, x);
   const auto all = [&](auto meet) {
     near.each(o, [&](int k) { meet(o.surfaces[k], PBF_WALLS + k); });
   };
   pbf_each_near_plane(c, &o.domain, x, reach, all, [&](const pbf_near_face &face, pbf_real part) {
-    visit(load_plane_of_face(c, face, part));
+    if (count < PBF_LOAD_PLANES) planes[count++] = load_plane_of_face(c, face, part);
   });
+  return count;
 }
 
 /* A symmetric positive system: what solids take of a push is to be found from it. */
@@ -346,19 +349,18 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
   const double own = s->by_lambda * (double)of.lambda;
   const pbf_vec x = of.x;
   pbf_load_plane planes[PBF_LOAD_PLANES];
-  int count = 0;
+  const int count = find_load_planes(c, o, near, x, (pbf_real)s->reach, planes);
   bool pushed = false;
   for (int k = 0; k < PBF_DIM; ++k) {
     system.right[k] = (double)of.push.c[k];
     pushed = pushed || of.push.c[k] < 0 || of.push.c[k] > 0;
   }
-  each_load_plane(c, o, near, x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
-    if (count == PBF_LOAD_PLANES) return;
-    planes[count++] = p;
+  for (int i = 0; i < count; ++i) {
+    const pbf_load_plane &p = planes[i];
     add_to_system(&system, load_weight(s, p), p.normal);
     for (int k = 0; k < PBF_DIM; ++k)
       system.right[k] -= own * (double)p.slope * (double)p.normal.c[k];
-  });
+  }
   if (!count) {
     if (pushed) take(nearest_load_plane(c, o, x), load_share_of_all(system.right));
     return;
@@ -380,9 +382,10 @@ PBF_FN load_particle sleeping_load_particle(const pbf_constants *c, const pbf_lo
   of.has_grid = false;
   of.push = {{0}};
   const pbf_real push = (pbf_real)(s->by_lambda * (double)of.lambda);
-  each_load_plane(c, o, near, of.x, (pbf_real)s->reach, [&](const pbf_load_plane &p) {
-    of.push = pbf_add_scaled(of.push, push * p.slope, p.normal);
-  });
+  pbf_load_plane planes[PBF_LOAD_PLANES];
+  const int count = find_load_planes(c, o, near, of.x, (pbf_real)s->reach, planes);
+  for (int k = 0; k < count; ++k)
+    of.push = pbf_add_scaled(of.push, push * planes[k].slope, planes[k].normal);
   of.change = of.push;
   return of;
 }

@@ -105,33 +105,42 @@ PBF_FN pbf_vec pbf_surface_velocity(const pbf_surface *s, pbf_real inv_time_step
 
 namespace {
 
-/* Calls visit(surface, rate, distance, normal) for each plane within reach that fluid sticks to:
- * the k-th of the obstacles' surfaces; of wall k it is -1 - k. */
-template <class Obstacles, class NoSlip, class Visit>
-PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const NoSlip &n,
-                               pbf_vec x, Visit visit) {
-  const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;
-  for (int wall = 0; near_walls && wall < 2 * PBF_DIM; ++wall) {
-    pbf_vec normal = {{0}};
-    normal.c[wall / 2] = 1;
-    const pbf_real distance = pbf_wall_distance(&o.domain, wall, x);
-    const pbf_real rate = n.walls * pbf_no_slip_rate(c, distance);
-    if (rate > 0) visit(-1 - wall, rate, distance, normal);
-  }
+/* A plane that fluid sticks to: of the k-th of the obstacles' surfaces; of wall k it is -1 - k. */
+struct no_slip_plane {
+  int surface;
+  pbf_real rate, distance;
+  pbf_vec normal;
+};
+
+/* As many as are looked at of a place: more than a corner has. */
+enum { PBF_NO_SLIP_PLANES = 12 };
+
+struct no_slip_planes {
+  int count;
+  no_slip_plane of[PBF_NO_SLIP_PLANES];
+};
+
+PBF_FN void put_no_slip_plane(const pbf_constants *c, int surface, pbf_real no_slip,
+                              pbf_real distance, pbf_vec normal, no_slip_planes *planes) {
+  const pbf_real rate = no_slip * pbf_no_slip_rate(c, distance);
+  if (rate > 0 && planes->count < PBF_NO_SLIP_PLANES)
+    planes->of[planes->count++] = {surface, rate, distance, normal};
+}
+
+/* Those of colliders; of fields the nearest alone. */
+template <class Obstacles, class NoSlip>
+PBF_FN void find_no_slip_surfaces(const pbf_constants *c, const Obstacles &o, const NoSlip &n,
+                                  pbf_vec x, no_slip_planes *planes) {
   const auto no_slip_of = [&](int k) { return n.of[pbf_surface_number(o.surfaces, k)]; };
-  const auto visit_plane = [&](int k, pbf_real part, pbf_real distance, pbf_vec normal) {
-    const pbf_real rate = part * no_slip_of(k) * pbf_no_slip_rate(c, distance);
-    if (rate > 0) visit(k, rate, distance, normal);
-  };
   bool any = false;
   for (int k = 0; k < pbf_surface_count(o); ++k) {
+    const auto &s = o.surfaces[k];
     if (!(no_slip_of(k) > 0)) continue;
     any = true;
-    if (!pbf_surface_is_field(&o.surfaces[k]) || pbf_surface_is_beyond(&o.surfaces[k], x, c->h))
-      continue;
+    if (!pbf_surface_is_field(&s) || pbf_surface_is_beyond(&s, x, c->h)) continue;
     pbf_vec normal;
-    const pbf_real distance = pbf_surface_distance(&o.surfaces[k], x, &normal);
-    visit_plane(k, 1, distance, normal);
+    const pbf_real distance = pbf_surface_distance(&s, x, &normal);
+    put_no_slip_plane(c, k, no_slip_of(k), distance, normal, planes);
   }
   if (!any) return;
   const auto all = [&](auto meet) {
@@ -139,8 +148,26 @@ PBF_FN void each_no_slip_plane(const pbf_constants *c, const Obstacles &o, const
       if (!pbf_surface_is_field(&o.surfaces[k])) meet(o.surfaces[k], k);
   };
   pbf_each_near_plane(c, &o.domain, x, c->h, all, [&](const pbf_near_face &face, pbf_real part) {
-    visit_plane(face.solid, part, face.distance, face.normal);
+    put_no_slip_plane(c, face.solid, part * no_slip_of(face.solid), face.distance, face.normal,
+                      planes);
   });
+}
+
+/* All within reach of x. */
+template <class Obstacles, class NoSlip>
+PBF_FN_APART no_slip_planes find_no_slip_planes(const pbf_constants *c, const Obstacles &o,
+                                                const NoSlip &n, pbf_vec x) {
+  no_slip_planes planes;
+  planes.count = 0;
+  const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;
+  for (int wall = 0; near_walls && wall < 2 * PBF_DIM; ++wall) {
+    pbf_vec normal = {{0}};
+    normal.c[wall / 2] = 1;
+    put_no_slip_plane(c, -1 - wall, n.walls, pbf_wall_distance(&o.domain, wall, x), normal,
+                      &planes);
+  }
+  find_no_slip_surfaces(c, o, n, x, &planes);
+  return planes;
 }
 
 /* A velocity relative to a surface's at x. */
@@ -156,13 +183,13 @@ PBF_FN pbf_vec relative_to_surface(const Obstacles &o, const NoSlip &n, int surf
 template <class Obstacles, class NoSlip>
 PBF_FN int add_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, bool moves,
                        pbf_vec x, pbf_vec v, pbf_viscous_system *s, pbf_real part = 1) {
-  int added = 0;
-  each_no_slip_plane(c, o, n, x, [&](int surface, pbf_real rate, pbf_real, pbf_vec normal) {
-    const pbf_vec relative = moves ? relative_to_surface(o, n, surface, x, v) : v;
-    pbf_add_no_slip_plane(part * rate, normal, relative, s);
-    added = 1;
-  });
-  return added;
+  const no_slip_planes planes = find_no_slip_planes(c, o, n, x);
+  for (int k = 0; k < planes.count; ++k) {
+    const no_slip_plane &p = planes.of[k];
+    const pbf_vec relative = moves ? relative_to_surface(o, n, p.surface, x, v) : v;
+    pbf_add_no_slip_plane(part * p.rate, p.normal, relative, s);
+  }
+  return planes.count > 0;
 }
 
 }  // namespace

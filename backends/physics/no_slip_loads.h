@@ -13,18 +13,19 @@ namespace {
 template <class Obstacles, class NoSlip, class Take>
 PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSlip &n, pbf_vec x,
                           pbf_vec v, Take take, pbf_real part = 1) {
-  each_no_slip_plane(
-      c, o, n, x, [&](int surface, pbf_real rate, pbf_real distance, pbf_vec normal) {
-        const pbf_vec relative = relative_to_surface(o, n, surface, x, v);
-        const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, normal), normal);
-        const int solid =
-            surface < 0 ? -1 - surface : PBF_WALLS + pbf_surface_number(o.surfaces, surface);
-        pbf_load_plane plane = {solid, distance, 0, 1, normal};
-        load_share share = {{0}, {0}};
-        for (int k = 0; k < PBF_DIM; ++k)
-          share.change[k] = -(double)(part * rate) * (double)along.c[k];
-        take(plane, share);
-      });
+  const no_slip_planes planes = find_no_slip_planes(c, o, n, x);
+  for (int i = 0; i < planes.count; ++i) {
+    const no_slip_plane &p = planes.of[i];
+    const pbf_vec relative = relative_to_surface(o, n, p.surface, x, v);
+    const pbf_vec along = pbf_add_scaled(relative, -pbf_dot(relative, p.normal), p.normal);
+    const int solid =
+        p.surface < 0 ? -1 - p.surface : PBF_WALLS + pbf_surface_number(o.surfaces, p.surface);
+    const pbf_load_plane plane = {solid, p.distance, 0, 1, p.normal};
+    load_share share = {{0}, {0}};
+    for (int k = 0; k < PBF_DIM; ++k)
+      share.change[k] = -(double)(part * p.rate) * (double)along.c[k];
+    take(plane, share);
+  }
 }
 
 }  // namespace
