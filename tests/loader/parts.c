@@ -1,8 +1,11 @@
-/* Plugins of which a part lies in a file beside them: it is found, and one that is missing or
- * damaged is refused with the plugin, in words. */
+/* Plugins of which a part lies in a file beside them: it is found, and one that is missing, damaged
+ * or of another build is refused with the plugin, in words. */
+#include <dlfcn.h>
 #include <stdio.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <pbf/pbf_backend.h>
 
 #include "child.h"
 
@@ -19,7 +22,7 @@ static int set_up(void **state) {
 static int tear_down(void **state) {
   (void)state;
   drop_folder(folder);
-  return 0;
+  return unsetenv("PBF_BACKEND_PATH");
 }
 
 static const char *words;
@@ -96,12 +99,84 @@ static void no_part(void **state) {
   assert_refused("it needs part.so beside it, which exports no function pbf_backend_part");
 }
 
+/* ---- The CPU backends ----------------------------------------------------------------------- */
+
+static int has_serial(void) { return access(BACKEND_DIR "/pbf_backend_serial.so", R_OK) == 0; }
+
+static void take_serial(void) {
+  if (!has_serial()) test_skip("built without serial");
+  put_file(folder, "split.so", BACKEND_DIR "/pbf_backend_serial.so");
+}
+
+static void core_is_missing(void **state) {
+  (void)state;
+  take_serial();
+  assert_refused("it needs pbf_cpu.so, which is not beside it");
+}
+
+static void core_is_of_another_build(void **state) {
+  (void)state;
+  take_serial();
+  put_file(folder, "pbf_cpu.so", "part.so");
+  assert_refused("it needs pbf_cpu.so beside it, and that one is of another build");
+}
+
+static char said[256];
+static void note(const char *sentence) { snprintf(said, sizeof said, "%s", sentence); }
+
+/* As libraries were before there were parts. */
+static void ask_with_an_older_host(void) {
+  const pbf_backend_host host = {.struct_size = offsetof(pbf_backend_host, load_part),
+                                 .abi_min = PBF_BACKEND_ABI_VERSION,
+                                 .abi_max = PBF_BACKEND_ABI_VERSION,
+                                 .set_error = note};
+  pbf_backend_answer answer = {.struct_size = sizeof answer};
+  pbf_backend_negotiate_fn entry;
+  void *plugin = dlopen(BACKEND_DIR "/pbf_backend_serial.so", RTLD_NOW);
+  check(plugin != NULL);
+  *(void **)&entry = dlsym(plugin, PBF_BACKEND_ENTRY);
+  check(entry(&host, &answer) == PBF_ERROR_UNAVAILABLE);
+  check(strstr(said, "it needs pbf_cpu.so, which this version of libpbf does not load"));
+}
+
+static void host_is_older(void **state) {
+  (void)state;
+  if (!has_serial()) test_skip("built without serial");
+  in_child(ask_with_an_older_host);
+}
+
+/* A folder with a plugin that lacks its part is not the last one. */
+static void fall_back(void) {
+  pbf_backend_info info;
+  check(find_backend("serial", path, &info) >= 0 && !info.available);
+  check(strstr(info.reason, "it needs pbf_cpu.so, which is not beside it"));
+  check(find_backend("serial", BACKEND_DIR "/pbf_backend_serial.so", &info) >= 0 && info.available);
+}
+
+static void the_next_folder_is_tried(void **state) {
+  (void)state;
+  char list[256];
+  if (!has_serial()) test_skip("built without serial");
+  put_file(folder, "pbf_backend_serial.so", BACKEND_DIR "/pbf_backend_serial.so");
+  snprintf(path, sizeof path, "%s/pbf_backend_serial.so", folder);
+  snprintf(list, sizeof list, "%s:" BACKEND_DIR, folder);
+  setenv("PBF_BACKEND_PATH", list, 1);
+  in_child(fall_back);
+}
+
 #define PART(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void) {
   const struct CMUnitTest parts[] = {
-      PART(beside_the_plugin), PART(through_a_link), PART(not_there),
-      PART(cut_short),         PART(no_part),
+      PART(beside_the_plugin),
+      PART(through_a_link),
+      PART(not_there),
+      PART(cut_short),
+      PART(no_part),
+      PART(core_is_missing),
+      PART(core_is_of_another_build),
+      PART(host_is_older),
+      PART(the_next_folder_is_tried),
   };
   return cmocka_run_group_tests(parts, NULL, NULL);
 }
