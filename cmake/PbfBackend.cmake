@@ -1,3 +1,5 @@
+set(pbf_build_id "PBF_BUILD_ID=\"${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}\"")
+
 # pbf_add_backend(<name> <source>...)
 # A backend is a module with hidden visibility and one exported symbol, where libpbf looks for it;
 # with PBF_STATIC it is what lib/ links in.
@@ -6,19 +8,36 @@ function(pbf_add_backend name)
   if(PBF_STATIC)
     pbf_add_linked_backend(${name} ${ARGN})
   else()
-    pbf_add_plugin(${name} ${ARGN})
+    pbf_add_plugin(${target} ${ARGN})
   endif()
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/backends)
-  target_compile_definitions(${target} PRIVATE PBF_BACKEND_NAME="${name}"
-    PBF_BUILD_ID="${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}")
+  target_compile_definitions(${target} PRIVATE PBF_BACKEND_NAME="${name}" ${pbf_build_id})
   target_link_libraries(${target} PRIVATE pbf_compile m)
-  # Linked as C, without the libraries that CMake holds C++ objects to need.
-  set(CMAKE_CXX_IMPLICIT_LINK_LIBRARIES "" PARENT_SCOPE)
-  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
+  pbf_link_as_c(${target})
 endfunction()
 
-function(pbf_add_plugin name)
-  set(target pbf_backend_${name})
+# pbf_add_part(<target> <source>...)
+# What several plugins share: a file beside them, which libpbf loads for them; with PBF_STATIC it is
+# linked in, and of its names <target>_part alone is global.
+function(pbf_add_part target)
+  if(PBF_STATIC)
+    pbf_add_linked_objects(${target} ${target}_part ${ARGN})
+  else()
+    pbf_add_plugin(${target} ${ARGN})
+    set_property(GLOBAL APPEND PROPERTY PBF_PARTS ${target})
+  endif()
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/backends)
+  target_link_libraries(${target} PRIVATE pbf_compile m)
+  pbf_link_as_c(${target})
+endfunction()
+
+# Without the libraries that CMake holds C++ objects to need.
+macro(pbf_link_as_c target)
+  set(CMAKE_CXX_IMPLICIT_LINK_LIBRARIES "" PARENT_SCOPE)
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
+endmacro()
+
+function(pbf_add_plugin target)
   add_library(${target} MODULE ${ARGN})
   pbf_carry_runtime(${target})
   pbf_link_options(${target} -Wl,--no-undefined -Wl,--exclude-libs,ALL)
@@ -36,11 +55,19 @@ function(pbf_add_plugin name)
   endif()
 endfunction()
 
-# An archive of the backend's objects, of which lib/ makes one object.
 function(pbf_add_linked_backend name)
-  add_library(pbf_backend_${name} STATIC ${ARGN})
-  target_compile_definitions(pbf_backend_${name} PRIVATE PBF_LINKED_ENTRY=pbf_backend_negotiate_${name})
+  set(entry pbf_backend_negotiate_${name})
+  pbf_add_linked_objects(pbf_backend_${name} ${entry} ${ARGN})
+  target_compile_definitions(pbf_backend_${name} PRIVATE PBF_LINKED_ENTRY=${entry})
   set_property(GLOBAL APPEND PROPERTY PBF_LINKED_BACKENDS ${name})
+endfunction()
+
+# An archive of objects, of which lib/ makes one object with one global symbol.
+function(pbf_add_linked_objects target symbol)
+  add_library(${target} STATIC ${ARGN})
+  target_compile_definitions(${target} PRIVATE PBF_LINKED)
+  set_property(GLOBAL APPEND PROPERTY PBF_LINKED_TARGETS ${target})
+  set_property(GLOBAL PROPERTY PBF_LINKED_SYMBOL_${target} ${symbol})
 endfunction()
 
 # pbf_variant_target(<out> <backend> <variant>): the target's name.

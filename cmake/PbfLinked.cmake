@@ -1,6 +1,6 @@
-# The backends in a static libpbf. Each is linked into one object, in which everything but its entry
-# function is local: two backends, or a backend and the program, may have functions of one name. The
-# sections stay apart, so that a program's linker can drop what it does not reach.
+# The backends in a static libpbf, and what they share. Each is linked into one object, in which
+# everything but its entry is local: two backends, or a backend and the program, may have functions of
+# one name. The sections stay apart, so that a program's linker can drop what it does not reach.
 
 # pbf_linked_objects(<out>): the objects' paths; writes pbf_linked.h.
 function(pbf_linked_objects out)
@@ -14,30 +14,34 @@ function(pbf_linked_objects out)
       "for functions of one name in two can't be kept apart")
   endif()
   set(PBF_EACH_LINKED)
-  set(linked)
   foreach(name IN LISTS names)
     string(APPEND PBF_EACH_LINKED " DO(${name})")
-    pbf_link_into_one(object ${name})
+  endforeach()
+  get_property(targets GLOBAL PROPERTY PBF_LINKED_TARGETS)
+  set(linked)
+  foreach(target IN LISTS targets)
+    pbf_link_into_one(object ${target})
     list(APPEND linked ${object})
   endforeach()
   configure_file(${PROJECT_SOURCE_DIR}/cmake/pbf_linked.h.in ${PBF_GENERATED_DIR}/pbf_linked.h @ONLY)
   set(${out} ${linked} PARENT_SCOPE)
 endfunction()
 
-function(pbf_link_into_one out name)
-  set(object ${CMAKE_CURRENT_BINARY_DIR}/pbf_backend_${name}.o)
-  get_property(archives GLOBAL PROPERTY PBF_LINKED_ARCHIVES_${name})
+function(pbf_link_into_one out target)
+  set(object ${CMAKE_CURRENT_BINARY_DIR}/${target}.o)
+  get_property(archives GLOBAL PROPERTY PBF_LINKED_ARCHIVES_${target})
+  get_property(symbol GLOBAL PROPERTY PBF_LINKED_SYMBOL_${target})
   set(apart -Wl,--unique)
-  set(keep_entry COMMAND ${CMAKE_OBJCOPY} --keep-global-symbol=pbf_backend_negotiate_${name} ${object})
+  set(keep_entry COMMAND ${CMAKE_OBJCOPY} --keep-global-symbol=${symbol} ${object})
   if(EMSCRIPTEN) # whose linker keeps sections apart, and which has no objcopy: one backend alone
     set(apart)
     set(keep_entry)
   endif()
   add_custom_command(OUTPUT ${object}
     COMMAND ${CMAKE_C_COMPILER} -r -nostdlib ${apart} -o ${object}
-            -Wl,--whole-archive $<TARGET_FILE:pbf_backend_${name}> -Wl,--no-whole-archive ${archives}
+            -Wl,--whole-archive $<TARGET_FILE:${target}> -Wl,--no-whole-archive ${archives}
     ${keep_entry}
-    DEPENDS pbf_backend_${name} COMMAND_EXPAND_LISTS VERBATIM)
+    DEPENDS ${target} COMMAND_EXPAND_LISTS VERBATIM)
   set_source_files_properties(${object} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
   set(${out} ${object} PARENT_SCOPE)
 endfunction()

@@ -53,6 +53,12 @@ int pbf_os_is_absolute(const char *path);
 /* The folder of this library's own file, links resolved. 0: it is not known. */
 int pbf_os_own_folder(char *folder, size_t size);
 
+/* Where the file's own name begins in an absolute path. */
+const char *pbf_os_name_in(const char *path);
+
+/* The file that a path names, links resolved. 0: there is none, or links are not looked at. */
+int pbf_os_resolve(const char *path, char *file, size_t size);
+
 /* 1 when the process has rights that its caller lacks. */
 int pbf_os_is_elevated(void);
 

@@ -28,6 +28,13 @@ int pbf_os_is_elevated(void) {
 
 const char *pbf_os_path_variable(const char *name) { return pbf_environment(name); }
 
+const char *pbf_os_name_in(const char *path) { return strrchr(path, '/') + 1; }
+
+int pbf_os_resolve(const char *path, char *file, size_t size) {
+  char whole[PBF_OS_PATH_SIZE];
+  return realpath(path, whole) && snprintf(file, size, "%s", whole) < (int)size;
+}
+
 /* The file mapped where this function is, as the kernel names it. */
 static int file_by_map(char *path, size_t size) {
   FILE *maps = fopen("/proc/self/maps", "re");
@@ -52,14 +59,13 @@ static int file_by_map(char *path, size_t size) {
  * working directory long gone. */
 int pbf_os_own_folder(char *folder, size_t size) {
   Dl_info info;
-  char path[PBF_OS_PATH_SIZE], file[PBF_OS_PATH_SIZE];
+  char path[PBF_OS_PATH_SIZE];
   if (!dladdr((void *)(uintptr_t)&pbf_os_own_folder, &info) || !info.dli_fname) return 0;
   const char *name = info.dli_fname;
   if (name[0] != '/') name = file_by_map(path, sizeof path) ? path : NULL;
-  if (!name || !realpath(name, file)) return 0;
-  char *slash = strrchr(file, '/');
-  *slash = 0;
-  return snprintf(folder, size, "%s", file) < (int)size;
+  if (!name || !pbf_os_resolve(name, folder, size)) return 0;
+  *strrchr(folder, '/') = 0;
+  return 1;
 }
 
 /* ---- Files ---------------------------------------------------------------------------------- */

@@ -56,6 +56,18 @@ int pbf_os_own_folder(char *folder, size_t size) {
   return 1;
 }
 
+const char *pbf_os_name_in(const char *path) {
+  const char *name = path;
+  for (const char *c = path; *c; ++c)
+    if (*c == '/' || *c == '\\') name = c + 1;
+  return name;
+}
+
+int pbf_os_resolve(const char *path, char *file, size_t size) {
+  (void)path, (void)file, (void)size;
+  return 0;
+}
+
 /* A process that was given more rights has its own user's environment. */
 int pbf_os_is_elevated(void) { return 0; }
 

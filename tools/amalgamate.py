@@ -19,7 +19,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FOLDERS = [ROOT / "lib", ROOT / "backends", ROOT / "include", ROOT / "third_party"]
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"].*$', re.MULTILINE)
-C_SOURCES = ["backends/cpu/isa.c", "backends/cpu/plugin.c", "backends/cpu/team_serial.c"]
+C_SOURCES = [f"backends/cpu/{name}.c" for name in ("build", "core", "isa", "plugin", "team_serial")]
 # Where a definition of a file's own begins: functions, variables and types.
 STATIC = re.compile(r"^(?:PBF_UNSANITIZED )?static (?:inline |PBF_ALWAYS_INLINE |_Thread_local |_Atomic |const )*[\w *]*?[ *]+(\w+) ?[\[(=;]",
                     re.MULTILINE)
@@ -99,7 +99,7 @@ def c_file(generated):
     version = re.search(r"project\(pbf VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
     head = ("/* libpbf and its backend `serial` in one file, written by tools/amalgamate.py. */\n#define _GNU_SOURCE\n"
             "#define PBF_STATIC_LIBRARY\n#define PBF_BACKEND_NAME \"serial\"\n"
-            f"#define PBF_BUILD_ID \"{version}, amalgamated\"\n#define PBF_LINKED_ENTRY pbf_backend_negotiate_serial\n")
+            f"#define PBF_BUILD_ID \"{version}, amalgamated\"\n#define PBF_LINKED\n#define PBF_LINKED_ENTRY pbf_backend_negotiate_serial\n")
     joined, parts = Joined(generated), [head]
     texts = {path: re.sub(r"^#define _GNU_SOURCE.*\n", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
              for path in library_sources()}
@@ -133,7 +133,8 @@ def main():
     if not kind:
         sys.exit("amalgamate: the kind is one of 2d-f32, 2d-f64, 3d-f32, 3d-f64")
     dimension, bits = kind[1], kind[2]
-    generated = {"pbf_build.h": build_header(dimension, bits), "pbf_linked.h": "#define PBF_EACH_LINKED(DO) DO(serial)\n"}
+    generated = {"pbf_build.h": build_header(dimension, bits), "pbf_linked.h": "#define PBF_EACH_LINKED(DO) DO(serial)\n",
+                 "pbf_cpu_sources.h": "#define PBF_CPU_SOURCES \"in one file\"\n"}
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pbf_all.c").write_text(c_file(generated), encoding="utf-8")
     (folder / "pbf_all.cpp").write_text(cpp_file(generated, dimension, bits), encoding="utf-8")

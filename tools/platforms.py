@@ -98,19 +98,17 @@ def compiler(build):
 
 
 def kilobytes(platform, build):
-    """Of libpbf and of `serial`, stripped."""
+    """Of libpbf and of `serial` with what it shares, stripped."""
     sizes = {}
     for key, patterns in {"libpbf": ["lib/libpbf.so", "bin/libpbf.dll", "lib/libpbf.dylib", "js/pbf.wasm"],
-                          "serial": ["*/pbf/backends/pbf_backend_serial.*"]}.items():
-        file = next((file for pattern in patterns for file in build.glob(pattern)), None)
-        if file is None:
-            continue
-        copy = build / f"{key}.stripped"
-        shutil.copy(file.resolve(), copy)
-        if "strip" in platform:
-            subprocess.run([*platform["strip"].split(), copy], check=False)
-        sizes[key] = round(copy.stat().st_size / 1000)
-    return sizes
+                          "serial": ["*/pbf/backends/pbf_backend_serial.*", "*/pbf/backends/pbf_cpu.*"]}.items():
+        for file in (file for pattern in patterns for file in build.glob(pattern)):
+            copy = build / f"{file.name}.stripped"
+            shutil.copy(file.resolve(), copy)
+            if "strip" in platform:
+                subprocess.run([*platform["strip"].split(), copy], check=False)
+            sizes[key] = sizes.get(key, 0) + copy.stat().st_size
+    return {key: round(size / 1000) for key, size in sizes.items()}
 
 
 def commit():

@@ -1,5 +1,6 @@
 /* A backend's one function that libpbf calls by name: exported by a plugin; hidden, and with the
- * backend's name, in a static libpbf. The build defines PBF_LINKED_ENTRY in the latter case. */
+ * backend's name, in a static libpbf. The build defines PBF_LINKED_ENTRY in the latter case, and
+ * PBF_LINKED for what backends share, too. */
 #ifndef PBF_COMMON_ENTRY_H
 #define PBF_COMMON_ENTRY_H
 
@@ -7,22 +8,18 @@
 
 #include <pbf/pbf_backend.h>
 
+#include "common/exported.h"
+
 #ifdef PBF_LINKED_ENTRY
 #define PBF_ENTRY PBF_LINKED_ENTRY
-#define PBF_ENTRY_EXPORT __attribute__((visibility("hidden")))
 #else
 #define PBF_ENTRY pbf_backend_negotiate
-#if defined(_WIN32)
-#define PBF_ENTRY_EXPORT __declspec(dllexport)
-#else
-#define PBF_ENTRY_EXPORT __attribute__((visibility("default")))
-#endif
 #endif
 
 #ifdef __cplusplus
 extern "C"
 #endif
-    PBF_ENTRY_EXPORT pbf_status
+    PBF_EXPORTED pbf_status
     PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer);
 
 /* The answer, under the names that the build gives: PBF_OK, or no version in common. */

@@ -16,11 +16,11 @@ typedef struct pbf_variant {
 } pbf_variant;
 
 /* Null: built without it. */
-static inline const pbf_backend_api *pbf_variant_find(const pbf_variant *variants,
-                                                      uint32_t dimension, uint32_t precision) {
+static inline const pbf_variant *pbf_variant_find(const pbf_variant *variants, uint32_t dimension,
+                                                  uint32_t precision) {
   while (variants->api && (variants->dimension != dimension || variants->precision != precision))
     ++variants;
-  return variants->api;
+  return variants->api ? variants : NULL;
 }
 
 static inline void pbf_variant_say_missing(char *reason, size_t size, uint32_t dimension,
@@ -50,19 +50,26 @@ static inline pbf_backend_desc pbf_variant_complete(const pbf_backend_desc *desc
   return complete;
 }
 
+/* The variant that a complete description asks for; null, with a sentence: built without it. */
+static inline const pbf_variant *pbf_variant_wanted(const pbf_variant *variants,
+                                                    const pbf_backend_desc *desc) {
+  char reason[64];
+  const pbf_variant *v = pbf_variant_find(variants, desc->dimension, desc->precision);
+  if (v) return v;
+  pbf_variant_say_missing(reason, sizeof reason, desc->dimension, desc->precision);
+  desc->host->set_error(reason);
+  return NULL;
+}
+
 /* `create` of a backend: that of the variant. `negotiated` is the last host that has. */
 static inline pbf_status pbf_variant_create(const pbf_variant *variants,
                                             const pbf_backend_host *negotiated,
                                             const pbf_backend_desc *desc, const pbf_params *params,
                                             pbf_backend_solver **solver,
                                             const pbf_backend_api **api) {
-  const pbf_backend_api *variant = pbf_variant_find(variants, desc->dimension, desc->precision);
-  char reason[64];
   const pbf_backend_desc complete = pbf_variant_complete(desc, negotiated);
-  if (variant) return variant->create(&complete, params, solver, api);
-  pbf_variant_say_missing(reason, sizeof reason, desc->dimension, desc->precision);
-  complete.host->set_error(reason);
-  return PBF_ERROR_UNSUPPORTED;
+  const pbf_variant *variant = pbf_variant_wanted(variants, &complete);
+  return variant ? variant->api->create(&complete, params, solver, api) : PBF_ERROR_UNSUPPORTED;
 }
 
 #endif

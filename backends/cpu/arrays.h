@@ -64,7 +64,7 @@ static int take_tasks(solver *s) {
   s->list_sizes =
       take_memory(m, "list size of a task", SEARCH_TASKS * threads, sizeof *s->list_sizes);
   s->slab_counters = take_memory(m, "slabs taken", threads, sizeof *s->slab_counters);
-  s->team = take_memory(m, "team", team_bytes(s->threads), 1);
+  s->team = take_memory(m, "team", s->team_api->bytes(s->threads), 1);
   return s->team && s->sample && s->first_cell && s->first_place && s->first_group && s->boxes &&
          s->list_sizes && s->slab_counters;
 }

@@ -4,8 +4,8 @@
 #include "common/scene.h"
 #include "common/views.h"
 #include "cpu/arrays.h"
+#include "cpu/core.h"
 #include "cpu/particles.h"
-#include "cpu/plugin.h"
 #include "cpu/step.h"
 #include "cpu/survey.h"
 #include "pbf_build.h"
@@ -57,16 +57,17 @@ static bool step_of_no_time(solver *s, double time) {
 }
 
 static void destroy(solver *s) {
-  team_end();
+  s->team_api->end();
   release(s);
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **out, const pbf_backend_api **api) {
+  const team_api *teams = reinterpret_cast<const cpu_desc *>(desc)->team_api;
   cpu_isa isa;
   char error[160];
   if (pbf_status status = pbf_refuse_stream(desc)) return status;
-  if (desc->ranks && (team_size(desc->threads) > 1 || desc->enqueue_task)) {
+  if (desc->ranks && (teams->size(desc->threads) > 1 || desc->enqueue_task)) {
     desc->host->set_error("a rank has one thread: desc.threads 1, or the backend \"serial\"");
     return PBF_ERROR_UNSUPPORTED;
   }
@@ -84,18 +85,19 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->host = desc->host;
   s->capacity = s->local_capacity = desc->capacity;
   describe_ranks(s, desc->ranks);
-  s->threads = team_size(desc->threads);
-  s->threads_by_choice = !desc->threads && team_resizes;
+  s->team_api = teams;
+  s->threads = teams->size(desc->threads);
+  s->threads_by_choice = !desc->threads && teams->resizes;
   s->tasks = {desc->enqueue_task, desc->finish_task, desc->task_user};
   s->isa = isa;
   s->kernels = kernels_for(isa);
-  team_begin();
+  teams->begin();
   if (!take_arrays(s) || (has_ranks(s) && !take_rank_tables(s))) {
     pbf_status status = out_of_memory(s, "the arrays");
     destroy(s);
     return status;
   }
-  team_run(&s->tasks, s->team, s->threads, clear_arrays, s);
+  teams->run(&s->tasks, s->team, s->threads, clear_arrays, s);
   if (has_ranks(s)) begin_portions(s);
   ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
   pbf_status status = set_params(s, params);
@@ -286,7 +288,7 @@ static pbf_status get_plan(solver *s, pbf_plan *plan) {
 static pbf_status describe(solver *s, pbf_backend_state *state) {
   char brand[64];
   cpu_brand(brand, sizeof brand);
-  state->threads = team_threads(s->threads);
+  state->threads = s->team_api->threads(s->threads);
   state->device_type = PBF_DEVICE_CPU;
   snprintf(state->device_name, sizeof state->device_name, "%s (%s)", brand, cpu_isa_name(s->isa));
   return PBF_OK;
@@ -322,7 +324,6 @@ extern "C" const pbf_backend_api PBF_VARIANT_API;
 
 const pbf_backend_api PBF_VARIANT_API = {
     .struct_size = sizeof(pbf_backend_api),
-    .probe = cpu_probe,
     .create = create,
     .destroy = destroy,
     .set_params = set_params,

@@ -1,62 +1,59 @@
 /* The `serial`, `threads` and `openmp` plugins: one CPU solver with three kinds of team. */
-#include "cpu/plugin.h"
-
-#include <stdio.h>
+#include <stddef.h>
+#include <string.h>
 
 #include "common/entry.h"
-#include "common/host_only.h"
 #include "common/variants.h"
-#include "cpu/isa.h"
-#include "cpu/team.h"
-#include "cpu/team_worth.h"
+#include "cpu/core.h"
 
 static const pbf_backend_host *negotiated;
+static const cpu_core *core;
 
-#define VARIANT(dim, bits) {dim, bits / 8, &cpu_##dim##d_f##bits},
-static const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, NULL}};
+/* The core's tables, of which the plugin has two functions of its own. */
+enum { MAX_VARIANTS = 4 };
+static pbf_backend_api tables[MAX_VARIANTS];
 
-/* Millions of particle-iterations a second that one thread does in the benchmark, by the bits of
- * its vectors. */
-static int32_t thread_score(cpu_isa isa, const pbf_workload *workload) {
-  static const int32_t scores[CPU_ISA_COUNT] = {
-      [CPU_SCALAR] = 10, [CPU_SIMD128] = 16, [CPU_SSE2] = 16,
-      [CPU_NEON] = 16,   [CPU_AVX2] = 30,    [CPU_AVX512] = 80};
-  int32_t score = scores[isa];
-  if (workload->precision == PBF_FLOAT64) score = score / 2;
-  return workload->dimension == 3 ? score / 3 : score;
-}
-
-void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
-  cpu_isa isa;
-  if (pbf_variant_refuse(variants, workload, result)) return;
-  if (pbf_refuse_device(workload, result)) return;
-  if (!cpu_isa_choose(workload->isa, &isa, result->reason, sizeof result->reason)) return;
-  if (workload->has_tasks && team_ignores_tasks) {
-    snprintf(result->reason, sizeof result->reason,
-             "it has threads of its own; with desc.enqueue_task \"threads\" has none");
-    return;
-  }
-  char brand[64];
-  const double work = workload->capacity;
-  uint32_t threads = team_size(workload->threads);
-  if (!workload->threads && team_resizes) threads = team_worth(work, threads);
-  const double speed_up = work / team_cost(work, threads);
-  int32_t score = (int32_t)(thread_score(isa, workload) * speed_up);
-  cpu_brand(brand, sizeof brand);
-  result->score = score > 1 ? score : 1;
-  result->device_type = PBF_DEVICE_CPU;
-  snprintf(result->device_name, sizeof result->device_name, "%s (%s)", brand, cpu_isa_name(isa));
+static void probe(const pbf_workload *workload, pbf_probe_result *result) {
+  core->probe(&cpu_team, workload, result);
 }
 
 static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                          pbf_backend_solver **solver, const pbf_backend_api **api) {
-  return pbf_variant_create(variants, negotiated, desc, params, solver, api);
+  const cpu_desc complete = {pbf_variant_complete(desc, negotiated), &cpu_team};
+  const pbf_variant *variant = pbf_variant_wanted(core->variants, &complete.desc);
+  if (!variant) return PBF_ERROR_UNSUPPORTED;
+  pbf_status status = variant->api->create(&complete.desc, params, solver, api);
+  if (status == PBF_OK) *api = &tables[variant - core->variants];
+  return status;
 }
 
+#ifdef PBF_LINKED
+static const cpu_core *find_core(const pbf_backend_host *host) {
+  (void)host;
+  return &pbf_cpu_part;
+}
+#else
+/* Null, with a sentence: it is not there, or of another build. */
+static const cpu_core *find_core(const pbf_backend_host *host) {
+  if (host->struct_size < offsetof(pbf_backend_host, load_part) + sizeof host->load_part) {
+    host->set_error("it needs " CPU_CORE_FILE ", which this version of libpbf does not load");
+    return NULL;
+  }
+  const cpu_core *found = host->load_part(CPU_CORE_FILE);
+  if (!found || strcmp(found->build, cpu_build) == 0) return found;
+  host->set_error("it needs " CPU_CORE_FILE " beside it, and that one is of another build");
+  return NULL;
+}
+#endif
+
 pbf_status PBF_ENTRY(const pbf_backend_host *host, pbf_backend_answer *answer) {
-  static pbf_backend_api table;
   negotiated = host;
-  table = *variants[0].api;
-  table.create = create;
-  return pbf_entry_answer(host, &table, answer);
+  core = find_core(host);
+  if (!core) return PBF_ERROR_UNAVAILABLE;
+  for (int k = 0; core->variants[k].api; ++k) {
+    tables[k] = *core->variants[k].api;
+    tables[k].probe = probe;
+    tables[k].create = create;
+  }
+  return pbf_entry_answer(host, &tables[0], answer);
 }

@@ -97,6 +97,7 @@ struct pbf_backend_solver {
   cpu_isa isa;
   uint32_t threads;      /* at most */
   int threads_by_choice; /* 1: as many of them as are worth it */
+  const struct team_api *team_api;
   struct team *team;
   team_tasks tasks;
 

@@ -57,7 +57,7 @@ static void run_steps(void *context, team_thread *self) {
 }
 
 static uint32_t steps_at_once(const solver *s, uint32_t left) {
-  const uint64_t max_steps = team_run_length / (particles_of_all(s) + UINT64_C(1)) + 1;
+  const uint64_t max_steps = s->team_api->run_length / (particles_of_all(s) + UINT64_C(1)) + 1;
   return max_steps < left ? (uint32_t)max_steps : left;
 }
 
@@ -80,7 +80,7 @@ static void run_job(step_job *job) {
     atomic_store(&s->all_asleep, 0);
     atomic_store(&s->near_sleep_count, 0);
     job->stop = job->done + steps_at_once(s, job->steps - job->done);
-    team_run(&s->tasks, s->team, threads_now(s), run_steps, job);
+    s->team_api->run(&s->tasks, s->team, threads_now(s), run_steps, job);
     s->buffers = job->after;
     if (job->reached > job->done) note_grid_pressure(s);
     job->done = job->reached;

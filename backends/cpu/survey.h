@@ -72,7 +72,7 @@ static int diagnose_on_ranks(solver *s, team_function what) {
   do {
     s->count = own;
     atomic_store(&s->stopped, 0);
-    team_run(&s->tasks, s->team, s->threads, what, s);
+    s->team_api->run(&s->tasks, s->team, s->threads, what, s);
   } while (!s->ranks.failed && atomic_load(&s->stopped) && grow_lists_of_all(s));
   s->count = own;
   return !s->ranks.failed && !atomic_load(&s->stopped);
@@ -86,7 +86,7 @@ static int diagnose(solver *s, team_function what) {
   if (has_ranks(s)) return diagnose_on_ranks(s, what);
   do {
     atomic_store(&s->stopped, 0);
-    team_run(&s->tasks, s->team, threads_now(s), what, s);
+    s->team_api->run(&s->tasks, s->team, threads_now(s), what, s);
   } while (atomic_load(&s->stopped) && grow_lists(s));
   return !atomic_load(&s->stopped);
 }

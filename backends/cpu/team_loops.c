@@ -135,8 +135,8 @@ static void wait_for_end(team_thread *self, completion_function last, void *cont
   if (waited > 0) self->waited += waited;
 }
 
-void parallel_for(team_thread *self, uint32_t tasks, task_function task, completion_function last,
-                  void *context) {
+void team_parallel_for(team_thread *self, uint32_t tasks, task_function task,
+                       completion_function last, void *context) {
   ++self->loops;
   self->tasks += tasks;
   if (self->threads == 1) {

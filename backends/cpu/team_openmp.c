@@ -9,22 +9,14 @@
 #include <dlfcn.h>
 #endif
 
-uint32_t team_size(uint32_t wanted) {
+static uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
   uint32_t limit = (uint32_t)omp_get_thread_limit();
   if (threads > limit) threads = limit;
   return threads < TEAM_MAX_THREADS ? threads : TEAM_MAX_THREADS;
 }
 
-const int team_resizes = 0;
-
-const int team_ignores_tasks = 1;
-
-const uint64_t team_run_length = UINT64_MAX;
-
-void team_begin(void) {}
-
-void team_end(void) {}
+static void nothing(void) {}
 
 /* ---- Threads that can be had --------------------------------------------------------------- */
 
@@ -52,7 +44,7 @@ __attribute__((constructor)) static void remember_home(void) {
 static _Thread_local uint32_t kept, max_threads;
 static _Thread_local long numbers[TEAM_MAX_THREADS];
 
-uint32_t team_threads(uint32_t threads) {
+static uint32_t team_threads(uint32_t threads) {
   if (pbf_process() != home) return 1;
   return max_threads && max_threads < threads ? max_threads : threads;
 }
@@ -74,12 +66,12 @@ static uint32_t threads_to_be_had(uint32_t threads) {
 }
 
 static void run_alone(team *all, team_function function, void *context) {
-  team_thread alone = {.team = all, .thread = 0, .threads = 1};
+  team_thread alone = {.api = &cpu_team, .team = all, .thread = 0, .threads = 1};
   function(context, &alone);
 }
 
-void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
-              void *context) {
+static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+                     void *context) {
   (void)tasks;
   threads = threads_to_be_had(threads);
   team_reset(all, threads);
@@ -92,10 +84,21 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
   {
     into[omp_get_thread_num()] = thread_number();
     pbf_fp_environment before = pbf_fp_begin();
-    team_thread self = {.team = all,
+    team_thread self = {.api = &cpu_team,
+                        .team = all,
                         .thread = (uint32_t)omp_get_thread_num(),
                         .threads = (uint32_t)omp_get_num_threads()};
     function(context, &self);
     pbf_fp_end(before);
   }
 }
+
+const team_api cpu_team = {.ignores_tasks = 1,
+                           .run_length = UINT64_MAX,
+                           .size = team_size,
+                           .threads = team_threads,
+                           .bytes = team_bytes,
+                           .begin = nothing,
+                           .end = nothing,
+                           .run = team_run,
+                           .parallel_for = team_parallel_for};

@@ -19,13 +19,6 @@
  * long as it takes a caller to come with its next step. */
 enum { LOOKS_BEFORE_SLEEP = 1000 };
 
-/* About a millisecond of one thread: teams can't become smaller in less. */
-const uint64_t team_run_length = 10000;
-
-const int team_resizes = 1;
-
-const int team_ignores_tasks = 0;
-
 /* What the loops and their buffers on the stack need, many times over. */
 enum { STACK_BYTES = 1 << 20 };
 
@@ -65,12 +58,12 @@ static struct pool {
           .wake = PBF_CONDITION_INITIALIZER,
           .empty = PBF_CONDITION_INITIALIZER};
 
-uint32_t team_size(uint32_t wanted) {
+static uint32_t team_size(uint32_t wanted) {
   if (!wanted) wanted = pbf_processors();
   return wanted < TEAM_MAX_THREADS ? wanted : TEAM_MAX_THREADS;
 }
 
-uint32_t team_threads(uint32_t threads) {
+static uint32_t team_threads(uint32_t threads) {
   pbf_mutex_lock(&pool.lock);
   const uint32_t had = pool.refused && pool.size + 1 < threads ? pool.size + 1 : threads;
   pbf_mutex_unlock(&pool.lock);
@@ -89,7 +82,7 @@ static region *region_to_join(void) {
 /* Opens the lock for the while. After the count has gone down its caller may be gone, and with it
  * the region. */
 static void join(region *r) {
-  team_thread self = {.team = r->all, .thread = r->come++, .threads = r->threads};
+  team_thread self = {.api = &cpu_team, .team = r->all, .thread = r->come++, .threads = r->threads};
   atomic_fetch_add(&r->inside, 1);
   pbf_mutex_unlock(&pool.lock);
   r->function(r->context, &self);
@@ -153,7 +146,7 @@ static void grow(uint32_t threads) {
     pool.refused = !add_thread();
 }
 
-void team_begin(void) {
+static void team_begin(void) {
   pbf_mutex_lock(&pool.lock);
   if (!pool.forks_are_watched)
     pool.forks_are_watched = pbf_at_fork(before_fork, in_parent, in_child);
@@ -162,7 +155,7 @@ void team_begin(void) {
   pbf_mutex_unlock(&pool.lock);
 }
 
-void team_end(void) {
+static void team_end(void) {
   pbf_thread threads[TEAM_MAX_THREADS];
   uint32_t count = 0;
   pbf_mutex_lock(&pool.lock);
@@ -251,7 +244,7 @@ static void close_region(region *r) {
 }
 
 static void run_many(region *r, double begin) {
-  team_thread self = {.team = r->all, .thread = 0, .threads = r->threads};
+  team_thread self = {.api = &cpu_team, .team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
   const double done = pbf_seconds();
   close_region(r);
@@ -285,7 +278,7 @@ static void close_task(region *r) {
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
   void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
-  team_thread self = {.team = r->all, .thread = 0, .threads = r->threads};
+  team_thread self = {.api = &cpu_team, .team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
   close_task(r);
   if (handle) tasks->finish(tasks->user, handle);
@@ -293,8 +286,8 @@ static void run_as_task(const team_tasks *tasks, region *r) {
 
 /* ---- A run --------------------------------------------------------------------------------- */
 
-void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
-              void *context) {
+static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
+                     void *context) {
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
   const double begin = pbf_seconds();
   if (threads > 1 && tasks->enqueue) {
@@ -302,7 +295,18 @@ void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_functio
   } else if (threads > 1 && open_region(&r, begin) > 1) {
     run_many(&r, begin);
   } else {
-    team_thread self = {.team = all, .thread = 0, .threads = 1};
+    team_thread self = {.api = &cpu_team, .team = all, .thread = 0, .threads = 1};
     function(context, &self);
   }
 }
+
+const team_api cpu_team = {
+    .resizes = 1,
+    .run_length = 10000, /* about a millisecond of one thread: teams can't become smaller in less */
+    .size = team_size,
+    .threads = team_threads,
+    .bytes = team_bytes,
+    .begin = team_begin,
+    .end = team_end,
+    .run = team_run,
+    .parallel_for = team_parallel_for};

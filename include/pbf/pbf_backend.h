@@ -29,7 +29,17 @@ typedef struct pbf_backend_host {
   uint32_t abi_max;
   uint32_t reserved;
   void (*set_error)(const char *sentence); /* for pbf_last_error of this thread; copied */
+  /* For a plugin in a file, while it negotiates: the file of that name beside it, or else beside
+   * the file that it is a link to, is loaded once it has passed what plugins' files have to, and
+   * gives what its function PBF_BACKEND_PART does. Null after set_error: the plugin then answers
+   * PBF_ERROR_UNAVAILABLE. A host whose struct_size ends before has no such function. */
+  const void *(*load_part)(const char *file);
 } pbf_backend_host;
+
+/* A part of plugins: a file that several of them share. Which build it is of they have to ask it.
+ */
+#define PBF_BACKEND_PART "pbf_backend_part"
+typedef const void *(*pbf_backend_part_fn)(void);
 
 /* The kind of solver that probe is asked about. */
 typedef struct pbf_workload {
@@ -294,7 +304,8 @@ typedef struct pbf_backend_answer {
 } pbf_backend_answer;
 
 /* The host has zeroed *answer and set its struct_size. PBF_ERROR_UNSUPPORTED when no common
- * version exists. */
+ * version exists, PBF_ERROR_UNAVAILABLE, with a sentence, when something that it needs is missing.
+ */
 typedef pbf_status (*pbf_backend_negotiate_fn)(const pbf_backend_host *host,
                                                pbf_backend_answer *answer);
 

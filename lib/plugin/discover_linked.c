@@ -18,12 +18,19 @@ static const struct {
 #define ROW(name) {#name, pbf_backend_negotiate_##name},
     PBF_EACH_LINKED(ROW)};
 
+const pbf_backend_host pbf_plugin_host = {
+    .struct_size = sizeof(pbf_backend_host),
+    .abi_min = PBF_BACKEND_ABI_VERSION,
+    .abi_max = PBF_BACKEND_ABI_VERSION,
+    .set_error = pbf_plugin_message_set,
+};
+
 void pbf_discover_name(const char *name) {
   for (size_t i = 0; i < sizeof linked / sizeof linked[0]; ++i) {
     if (strcmp(linked[i].name, name) != 0) continue;
     pbf_plugin plugin = {0};
     snprintf(plugin.name, sizeof plugin.name, "%s", name);
-    pbf_plugin_negotiate(linked[i].entry, name, &plugin);
+    pbf_plugin_negotiate(&pbf_plugin_host, linked[i].entry, name, &plugin);
     pbf_entries_append(&plugin, PBF_ROOM_SEARCH);
     return;
   }

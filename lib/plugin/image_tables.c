@@ -316,11 +316,12 @@ static int is_amid_function(const image *it, uint64_t place) {
          place != begin && place - begin < record.range;
 }
 
-/* The function that is called first. */
+/* The function that is called first, of a plugin or a part. */
 static int is_entry_sound(const tables *t, uint32_t k) {
   const symbol *s = &t->symbols[k];
-  return s->st_shndx == SHN_UNDEF || strcmp(t->names + s->st_name, PBF_BACKEND_ENTRY) != 0 ||
-         !is_amid_function(t->it, s->st_value);
+  const char *name = t->names + s->st_name;
+  if (strcmp(name, PBF_BACKEND_ENTRY) != 0 && strcmp(name, PBF_BACKEND_PART) != 0) return 1;
+  return s->st_shndx == SHN_UNDEF || !is_amid_function(t->it, s->st_value);
 }
 
 static pbf_status check_symbols(tables *t) {

@@ -8,13 +8,6 @@
 #include "error.h"
 #include "structs.h"
 
-const pbf_backend_host pbf_plugin_host = {
-    .struct_size = sizeof(pbf_backend_host),
-    .abi_min = PBF_BACKEND_ABI_VERSION,
-    .abi_max = PBF_BACKEND_ABI_VERSION,
-    .set_error = pbf_plugin_message_set,
-};
-
 pbf_status pbf_plugin_refuse(pbf_plugin *plugin, pbf_status status, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
@@ -108,13 +101,12 @@ static pbf_status check_name(const char *name, const char *expected, pbf_plugin 
   return PBF_OK;
 }
 
-static pbf_status check_answer(const pbf_backend_answer *answer, const char *expected,
-                               pbf_plugin *plugin) {
-  if (answer->abi_version < pbf_plugin_host.abi_min ||
-      answer->abi_version > pbf_plugin_host.abi_max) {
+static pbf_status check_answer(const pbf_backend_host *host, const pbf_backend_answer *answer,
+                               const char *expected, pbf_plugin *plugin) {
+  if (answer->abi_version < host->abi_min || answer->abi_version > host->abi_max) {
     return pbf_plugin_refuse(plugin, PBF_ERROR_UNSUPPORTED,
                              "it speaks version %u of the plugin ABI; this library speaks %u … %u",
-                             answer->abi_version, pbf_plugin_host.abi_min, pbf_plugin_host.abi_max);
+                             answer->abi_version, host->abi_min, host->abi_max);
   }
   pbf_status status = check_name(answer->name, expected, plugin);
   if (status != PBF_OK) return status;
@@ -125,15 +117,17 @@ static pbf_status check_answer(const pbf_backend_answer *answer, const char *exp
   return pbf_plugin_copy_table(answer->api, &plugin->api, plugin->reason, sizeof plugin->reason);
 }
 
-pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,
-                                pbf_plugin *plugin) {
+pbf_status pbf_plugin_negotiate(const pbf_backend_host *host, pbf_backend_negotiate_fn entry,
+                                const char *expected, pbf_plugin *plugin) {
   pbf_backend_answer answer = {.struct_size = sizeof answer};
   pbf_plugin_message_clear();
-  pbf_status status = entry(&pbf_plugin_host, &answer);
-  if (status == PBF_OK) return check_answer(&answer, expected, plugin);
+  pbf_status status = entry(host, &answer);
+  if (status == PBF_OK) return check_answer(host, &answer, expected, plugin);
   const char *message = pbf_plugin_message();
+  if (status == PBF_ERROR_UNAVAILABLE && message[0])
+    return pbf_plugin_refuse(plugin, status, "%s", message);
   if (!message[0]) message = "it gave no reason";
   return pbf_plugin_refuse(plugin, status == PBF_ERROR_UNSUPPORTED ? status : PBF_ERROR_PLUGIN,
                            "it refused to work with version %u … %u of the plugin ABI: %s",
-                           pbf_plugin_host.abi_min, pbf_plugin_host.abi_max, message);
+                           host->abi_min, host->abi_max, message);
 }

@@ -17,13 +17,14 @@ typedef struct pbf_plugin {
   pbf_backend_api api;
 } pbf_plugin;
 
-/* What backends get of this library. */
+/* What backends get of this library: from files in plugin_file.c, linked ones in discover_linked.c,
+ * which have no parts. */
 extern const pbf_backend_host pbf_plugin_host;
 
 /* Asks a backend by its entry function; plugin->path is the caller's. `expected` is the name that
  * it must give, null for any. */
-pbf_status pbf_plugin_negotiate(pbf_backend_negotiate_fn entry, const char *expected,
-                                pbf_plugin *plugin);
+pbf_status pbf_plugin_negotiate(const pbf_backend_host *host, pbf_backend_negotiate_fn entry,
+                                const char *expected, pbf_plugin *plugin);
 
 /* Writes why the plugin can't be used, and gives `status` back. */
 PBF_PRINTF(3, 4)

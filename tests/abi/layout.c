@@ -284,12 +284,13 @@ AT(pbf_backend_info, build_id, 144);
 AT(pbf_backend_info, path, 240);
 AT(pbf_backend_info, reason, 496);
 
-SIZE(pbf_backend_host, 24);
+SIZE(pbf_backend_host, 32);
 AT(pbf_backend_host, struct_size, 0);
 AT(pbf_backend_host, abi_min, 4);
 AT(pbf_backend_host, abi_max, 8);
 AT(pbf_backend_host, reserved, 12);
 AT(pbf_backend_host, set_error, 16);
+AT(pbf_backend_host, load_part, 24);
 
 SIZE(pbf_workload, 40);
 AT(pbf_workload, struct_size, 0);

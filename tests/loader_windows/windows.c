@@ -116,12 +116,27 @@ static void what_is_damaged_is_refused(void **state) {
   }
 }
 
+static void a_part_lies_beside(void **state) {
+  (void)state;
+  make_folder();
+  copy(PBF_STUB_DIR "/split.so", FOLDER "/split.dll");
+  assert_fails(pbf_load_backend(FOLDER "/split.dll"), PBF_ERROR_UNAVAILABLE,
+               "it needs part.so, which is not beside it");
+  write_damaged(HERE "/damaged.dll", 4000, -1, 0);
+  copy(HERE "/damaged.dll", FOLDER "/part.so");
+  assert_fails(pbf_load_backend(FOLDER "/split.dll"), PBF_ERROR_UNAVAILABLE,
+               "it needs part.so beside it: it is cut short");
+  copy(PBF_STUB_DIR "/part.so", FOLDER "/part.so");
+  assert_ok(pbf_load_backend(FOLDER "/split.dll"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_list_of_folders_has_semicolons), /* before the list is made */
       cmocka_unit_test(paths_are_utf8_and_absolute),
       cmocka_unit_test(what_is_missing_has_a_name),
       cmocka_unit_test(what_is_damaged_is_refused),
+      cmocka_unit_test(a_part_lies_beside),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,9 +3,14 @@
 #include "cpu/kernels.cpp"
 #undef PBF_VARIANT_API
 #define PBF_VARIANT_API cpu_under_test
-#include "cpu/plugin.h"
 extern "C" const pbf_backend_api cpu_under_test;
 #include "cpu/backend.cpp"
+
+static pbf_status begin(const pbf_backend_desc *desc, const pbf_params *params,
+                        pbf_backend_solver **solver, const pbf_backend_api **api) {
+  const cpu_desc with_team = {*desc, &cpu_team};
+  return create(&with_team.desc, params, solver, api);
+}
 
 #include "entered.h"
 
@@ -74,10 +79,6 @@ static const watched *watched_at(unsigned k) {
   };
   static_assert(sizeof list / sizeof *list <= MAX_WATCHED + 1, "counters for all");
   return &list[k];
-}
-
-void cpu_probe(const pbf_workload *workload, pbf_probe_result *result) {
-  (void)workload, (void)result;
 }
 
 int main(void) { return test_the_plan(); }

@@ -150,7 +150,7 @@ static fluid fluid_with(int features) {
                                  .threads = 1,
                                  .allocator = test_allocator,
                                  .log = no_log};
-  assert_int_equal(create(&desc, &params, &f.solver, &f.api), PBF_OK);
+  assert_int_equal(begin(&desc, &params, &f.solver, &f.api), PBF_OK);
   add_block(&f);
   set_features(&f, features);
   return f;

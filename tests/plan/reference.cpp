@@ -4,6 +4,11 @@
 extern "C" const pbf_backend_api reference_under_test;
 #include "reference/backend.cpp"
 
+static pbf_status begin(const pbf_backend_desc *desc, const pbf_params *params,
+                        pbf_backend_solver **solver, const pbf_backend_api **api) {
+  return create(desc, params, solver, api);
+}
+
 #include "entered.h"
 
 template <class Element>

@@ -397,6 +397,9 @@ EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_a
 
 EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_answer *answer) {
   host = h;
+#ifdef STUB_PART
+  if (!h->load_part(STUB_PART)) return PBF_ERROR_UNAVAILABLE;
+#endif
   answer->abi_version = PBF_BACKEND_ABI_VERSION;
   answer->api = &table;
   const char *name = getenv("PBF_STUB_NAME");

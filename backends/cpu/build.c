@@ -1,0 +1,4 @@
+#include "cpu/core.h"
+#include "pbf_cpu_sources.h"
+
+const char cpu_build[] = PBF_BUILD_ID ", " PBF_CPU_SOURCES;
