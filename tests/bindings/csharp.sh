@@ -10,7 +10,7 @@ mkdir -p "$folder"
 cd "$folder"
 # Of what C# had when .NET Standard 2.0 came, and mscorlib alone.
 mcs -langversion:7.2 -warnaserror -noconfig -target:library -out:Pbf.dll "$csharp"/Pbf/*.cs
-mcs -langversion:7.2 -r:Pbf.dll -out:Binding.exe "$source/tests/bindings/Binding.cs"
+mcs -langversion:7.2 -r:Pbf.dll -out:Binding.exe "$source/tests/bindings/Binding.cs" "$source/tests/bindings/Objects.cs"
 mcs -r:Pbf.dll -out:Splash.exe "$csharp/samples/Splash.cs"
 mcs -warn:0 -target:library -r:Pbf.dll -out:Samples.dll "$source/tests/bindings/EngineStubs.cs" \
   "$csharp/samples/FluidBehaviour.cs" "$csharp/samples/Fluid.cs"
