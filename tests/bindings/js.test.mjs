@@ -277,9 +277,11 @@ test("both instruction sets that there are have the same bits", async () => {
   assert.equal(hashes.size, 1);
 });
 
-test("the program of all languages prints what it prints in C", () => {
+test("the programs of all languages print what they print in the others", () => {
   const printed = execFileSync(process.execPath, [`${folder}/splash.mjs`], { encoding: "utf8" });
   assert.match(printed, /\n1\.0 s: front at 1\.99 m\n$/);
+  const poured = execFileSync(process.execPath, [`${folder}/pour.mjs`], { encoding: "utf8" });
+  assert.match(poured, /^1919 came, 72 went, 0\.2[3-6] m high, 2[01]\d\d N on the floor, density 1\.0\n$/);
 });
 
 test("a worker has a module of its own, and the same bits", async () => {

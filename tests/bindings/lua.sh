@@ -8,3 +8,5 @@ export PBF_LIBRARY="$2/libpbf.so" LUA_PATH="$source/bindings/lua/?.lua;$source/t
 luajit "$source/tests/bindings/binding.lua"
 luajit "$source/bindings/lua/examples/splash.lua" | tee "$folder/printed"
 grep -q '1\.0 s: front at 1\.9' "$folder/printed"
+luajit "$source/bindings/lua/examples/pour.lua" | tee "$folder/printed"
+grep -q ', 0\.2[3-6] m high, 2[01][0-9][0-9] N on the floor, density 1\.0$' "$folder/printed"
