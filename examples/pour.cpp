@@ -1,5 +1,6 @@
 /* A tap pours water over a stone; after three seconds: how much has come and gone, how high it
  * stands, what it weighs. As in bindings/, in other languages. */
+/* code: pour */
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -7,7 +8,6 @@
 #include <pbf/pbf.hpp>
 
 static void pour() {
-  /* code: pour */
   pbf::desc desc;
   desc.capacity = 3000;
   pbf::params params;
@@ -18,12 +18,9 @@ static void pour() {
                                        0,  -.2, 0, 0,   0, .2, 0, 0,  -.2};
   const auto stone = pbf::shape::from_points(3, tips, .025).value();
   std::array<pbf::collider, 1> colliders = {pbf::collider::solid(stone, .5, .1, .5)};
-  std::array<pbf::emitter, 1> taps = {pbf::emitter(PBF_EMITTER_DISC)};  // downwards, at 1 m/s
-  std::array<pbf::volume, 1> drains = {pbf::volume(PBF_VOLUME_BOX)};    // an overflow at 0.2
-  taps[0].position[0] = taps[0].position[2] = .5, taps[0].position[1] = .9;
-  taps[0].radius = .15;
-  drains[0].position[0] = .95, drains[0].position[1] = drains[0].position[2] = .5;
-  drains[0].half_extents[0] = .05, drains[0].half_extents[1] = .3, drains[0].half_extents[2] = .5;
+  std::array<pbf::emitter, 1> taps = {pbf::emitter::disc(.5, .9, .5, .15)};  // downwards, 1 m/s
+  std::array<pbf::volume, 1> drains = {
+      pbf::volume::box(.95, .5, .5, .05, .3, .5)};  // an overflow at 0.2
   fluid.set_colliders(colliders).value();
   fluid.set_emitters(taps).value();
   fluid.set_drains(drains).value();
@@ -45,7 +42,6 @@ static void pour() {
               static_cast<unsigned>(in_out.emitted), static_cast<unsigned>(in_out.drained),
               level[0], -1000 * floor.impulse_sum[1] / floor.time_sum,
               density[0]);  // water has 1000 kg/m³
-  /* end */
 }
 
 int main() {
@@ -57,3 +53,4 @@ int main() {
   }
   return 0;
 }
+/* end */

@@ -249,9 +249,10 @@ export function named(names) {
 export function withRows(where, values, components, Type, use) {
   if (typeof values?.length !== "number") throw invalid(`${where} is ${String(values)}; it must be an array of numbers`);
   if (values.length % components) throw invalid(`${where} has ${values.length} numbers, no multiple of ${components}`);
-  return withBytes(values.length * Type.BYTES_PER_ELEMENT, (at) => {
-    new Type(exports.memory.buffer, at, values.length).set(values);
-    return use(at, values.length / components);
+  const given = values.buffer === exports.memory.buffer ? values.slice() : values; // a view, which ends where memory grows
+  return withBytes(given.length * Type.BYTES_PER_ELEMENT, (at) => {
+    new Type(exports.memory.buffer, at, given.length).set(given);
+    return use(at, given.length / components);
   });
 }
 

@@ -39,6 +39,9 @@ function pbf.version()
   return string.format("%d.%d.%d", version / 1000000, version / 1000 % 1000, version % 1000)
 end
 
+-- Loads a plugin from an absolute path, for the life of the process: the code in it is run.
+function pbf.load_backend(path) call("pbf_load_backend", need("string", "path", path, "an absolute path")) end
+
 -- Every backend found: tables of name, available, score, device_name, reason.
 function pbf.backends()
   local count, found = ffi.new("uint32_t[1]"), {}
@@ -319,6 +322,7 @@ end
 
 for name, method in pairs(require("pbf.queries").methods) do Solver[name] = method end
 for name, method in pairs(require("pbf.emission")) do Solver[name] = method end
+for name, method in pairs(require("pbf.reading")) do Solver[name] = method end
 for name, method in pairs(require("pbf.phases")) do Solver[name] = method end
 pbf.shape_from_grid, pbf.shape_from_mesh = shapes.from_grid, shapes.from_mesh
 pbf.shape_from_heights, pbf.shape_from_points = shapes.from_heights, shapes.from_points

@@ -273,6 +273,22 @@ struct volume : pbf_volume {
     pbf_volume_init(this, sizeof(pbf_volume), of_shape);
   }
   volume(const pbf_volume &from) noexcept : pbf_volume(from) {}
+
+  static volume box(double x, double y, double z, double half_x, double half_y,
+                    double half_z) noexcept {
+    volume made(PBF_VOLUME_BOX);
+    made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
+    return made.place(x, y, z);
+  }
+  static volume sphere(double x, double y, double z, double r) noexcept {
+    volume made(PBF_VOLUME_SPHERE);
+    made.radius = r;
+    return made.place(x, y, z);
+  }
+  volume &place(double x, double y, double z) noexcept {
+    position[0] = x, position[1] = y, position[2] = z;
+    return *this;
+  }
 };
 
 /* pbf_emitter at the origin, sizes 1: a PBF_EMITTER_…. */
@@ -281,6 +297,23 @@ struct emitter : pbf_emitter {
     pbf_emitter_init(this, sizeof(pbf_emitter), of_shape);
   }
   emitter(const pbf_emitter &from) noexcept : pbf_emitter(from) {}
+
+  /* Both across a stream that goes downwards at 1, until `velocity` is set. */
+  static emitter disc(double x, double y, double z, double r) noexcept {
+    emitter made(PBF_EMITTER_DISC);
+    made.radius = r;
+    return made.place(x, y, z);
+  }
+  static emitter rectangle(double x, double y, double z, double half_width,
+                           double half_height) noexcept {
+    emitter made(PBF_EMITTER_RECTANGLE);
+    made.half_width = half_width, made.half_height = half_height;
+    return made.place(x, y, z);
+  }
+  emitter &place(double x, double y, double z) noexcept {
+    position[0] = x, position[1] = y, position[2] = z;
+    return *this;
+  }
 };
 
 /* pbf_phase of this rest density, and viscosity 1. */

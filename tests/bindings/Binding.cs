@@ -333,6 +333,9 @@ internal static partial class Binding
             Equal(true, fluid.GetStepLimit() > 0);
         }
         Equal(true, Solver.Backends(TestDesc()).Any(backend => backend.Available == 1));
+        Equal((int)Constants.VersionMinor, Solver.LibraryVersion.Minor);
+        Refused(Status.InvalidArgument, "absolute", () => Solver.LoadBackend("water.so"));
+        Refused(Status.InvalidArgument, "null", () => Solver.LoadBackend(null));
     }
 
     private static Solver last, lastWorld;
@@ -347,6 +350,7 @@ internal static partial class Binding
             ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold,
             ShapesAreAsFarAsTheirFaces, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
             QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
+            FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
             WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall
         })
         {

@@ -231,6 +231,48 @@ internal static partial class Binding
         }
     }
 
+    private static void FieldsAreReadAsRenderersWantThem()
+    {
+        const Status wrong = Status.InvalidArgument;
+        var parameters = Params.Default;
+        parameters.Gravity = At(0, 0, 0);
+        using (var fluid = new Solver(DescOf(3, 10, Constants.Float64), parameters))
+        {
+            fluid.AddParticles(new[] { .25, .5, .5, .75, .5, .5 }, new double[] { 3, 0, -4, 0, 0, 0 });
+            fluid.KeepPrevious(true);
+            fluid.Step();
+            var speeds = new Rows { Components = 4, Stride = 5, W = Constants.WSpeed };
+            var rows = Enumerable.Repeat(9f, 10).ToArray();
+            fluid.Read(Constants.FieldPosition, rows, speeds);
+            Near(.25 + 3 * parameters.TimeStep, rows[0], 1e-6);
+            Equal("5 9 0.75 9", FormattableString.Invariant($"{rows[3]} {rows[4]} {rows[5]} {rows[9]}"));
+            var x = new double[6];
+            fluid.Read(Constants.FieldPosition, x, new Rows { Behind = 1 });
+            Near(.25, x[0], 0);
+            fluid.Read(Constants.FieldPosition, new float[9], speeds); // the last gap may be missing
+            Refused(wrong, "8 numbers", () => fluid.Read(Constants.FieldPosition, new float[8], speeds));
+            Refused(wrong, "1 numbers", () => fluid.Read(Constants.FieldPosition, new float[1], speeds));
+            Refused(wrong, "rows of 3 with 2", () => fluid.Read(Constants.FieldPosition, x, new Rows { Stride = 2 }));
+            Refused(wrong, "", () => fluid.Read(Constants.FieldPosition, x, new Rows { First = 1 }));
+        }
+    }
+
+    // Inside a fluid at rest particles are balls; alone they are half as large.
+    private static void AnisotropiesAreOfTheNeighbours()
+    {
+        using (var fluid = Block())
+        {
+            float[] x = new float[3], stretches = new float[9];
+            fluid.GetAnisotropies(x, stretches, new Anisotropy { First = 555 });
+            Near(.275, x[0], 1e-6);
+            for (int k = 0; k < 9; ++k) Near(k % 4 == 0 ? 1 : 0, stretches[k], .02);
+            fluid.SetPositions(new[] { .9f, .9f, .9f });
+            fluid.GetAnisotropies(null, stretches);
+            Near(.5, stretches[4], 1e-6);
+            Refused(Status.InvalidArgument, "positions has 2 rows, stretches 1", () => fluid.GetAnisotropies(new float[6], stretches));
+        }
+    }
+
     private static void WorldsFallAsTheyWouldAlone()
     {
         var parameters = Params.Default;

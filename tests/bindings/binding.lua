@@ -206,6 +206,7 @@ end
 function tests.backends_are_told()
   local available = false
   for _, found in ipairs(pbf.backends()) do available = available or found.available end
+  refused("PBF_ERROR_INVALID_ARGUMENT", "absolute", pbf.load_backend, "water.so")
   assert(available and pbf.version():match("^%d+%.%d+%.%d+$"))
 end
 

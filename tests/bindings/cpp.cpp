@@ -295,13 +295,9 @@ static void queries_know_water_at_rest(void **) {
   assert_near(distances[0], .4, .01);
   assert_near(normals[1], 1, .01);
   assert_true(std::isinf(distances[1]));
-  pbf::volume corner(PBF_VOLUME_BOX), half(PBF_VOLUME_BOX), dry(PBF_VOLUME_SPHERE);
-  for (int k = 0; k < 3; ++k) {
-    corner.position[k] = corner.half_extents[k] = d;
-    half.position[k] = k == 1 ? .5 : .25, half.half_extents[k] = .1;
-    dry.position[k] = .8;
-  }
-  dry.radius = .1;
+  const pbf::volume corner = pbf::volume::box(d, d, d, d, d, d);
+  pbf::volume half = pbf::volume::box(.25, .5, .25, .1, .1, .1);
+  const pbf::volume dry = pbf::volume::sphere(.8, .8, .8, .1);
   std::array<std::uint32_t, 9> ids;
   assert_int_equal(given(fluid.find_in(corner, ids)), 8);
   assert_int_equal(ids[7], 111);
@@ -343,12 +339,9 @@ static void as_much_comes_as_the_rate_says(void **) {
   pbf::desc desc = test_desc();
   desc.capacity = 1000;
   auto fluid = given(pbf::solver::create(desc, params));
-  std::array<pbf::emitter, 1> taps = {pbf::emitter(PBF_EMITTER_DISC)};
-  std::array<pbf::volume, 1> drains = {pbf::volume(PBF_VOLUME_BOX)};
-  taps[0].position[0] = taps[0].position[2] = .5, taps[0].position[1] = .9;
-  taps[0].radius = .15;
+  std::array<pbf::emitter, 1> taps = {pbf::emitter::disc(.5, .9, .5, .15)};
+  std::array<pbf::volume, 1> drains = {pbf::volume::box(.5, .1, .5, .5, .1, .5)};
   taps[0].rate = .0371;
-  drains[0].half_extents[1] = .2;
   done(fluid.set_emitters(taps));
   done(fluid.set_drains(drains));
   done(fluid.step(256));
@@ -357,7 +350,10 @@ static void as_much_comes_as_the_rate_says(void **) {
   assert_true(after.drained > 0 && after.emitters == 1 && after.drains == 1);
   assert_int_equal(after.emitted - after.drained, given(fluid.count()));
   assert_near(given(fluid.get_emitter(0)).radius, .15, 0);
-  assert_near(given(fluid.get_drain(0)).half_extents[1], .2, 0);
+  assert_near(given(fluid.get_drain(0)).half_extents[1], .1, 0);
+  taps[0] = pbf::emitter::rectangle(.5, .7, .5, .1, .125);
+  done(fluid.set_emitters(taps));
+  assert_near(given(fluid.get_emitter(0)).half_height, .125, 0);
   taps[0].rate = 100;
   assert_refused(fluid.set_emitters(taps), PBF_ERROR_INVALID_ARGUMENT, "emitters[0].rate is 100");
 }

@@ -245,6 +245,10 @@ test("memory grows, and arrays read afterwards are of the new memory", async () 
     others[k].addParticles(block([50, 50, 40], 0.1));
   }
   assert.equal(solver.positions[0], first);
+  const large = await Solver.create({ capacity: 200000, params: { ...tank, domainMax: [20, 20, 20] } });
+  large.addParticles(others[0].positions); // for which memory grows, and the view ends
+  assert.equal(large.positions[2], others[0].positions[2]);
+  others.push(large);
   others.forEach((other) => other.destroy());
   solver.step();
   assert.equal(solver.count, 216);

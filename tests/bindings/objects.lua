@@ -178,6 +178,35 @@ return function(solver, near, refused)
     refused(wrong, "phases[0].rest_density is -1", fluid.set_phases, fluid, { { rest_density = -1 }, {} })
   end
 
+  function tests.fields_are_read_as_renderers_want_them()
+    local fluid = solver { precision = pbf.FLOAT64, params = { gravity = { 0, 0, 0 } } }
+    fluid:add({ { 0.25, 0.5, 0.5 }, { 0.75, 0.5, 0.5 } }, { { 3, 0, -4 }, { 0, 0, 0 } })
+    fluid:keep_previous(true)
+    fluid:step()
+    local rows, count = fluid:read("position", { components = 4, w = pbf.W_SPEED, element = "float" })
+    assert(count == 2 and ffi.sizeof(rows) == 8 * 4)
+    near(rows[0], 0.25 + 3 * fluid:params().time_step, 1e-6)
+    assert(rows[3] == 5 and rows[4] == 0.75 and rows[7] == 0)
+    local before = fluid:read("position", { behind = 1, first = 1 })
+    assert(before[0] == 0.75 and fluid:read("id")[1] == 1)
+    refused(wrong, "colour", fluid.read, fluid, "colour")
+    refused(wrong, "components is 9", fluid.read, fluid, "position", { components = 9 })
+    refused(wrong, "no option stride", fluid.read, fluid, "position", { stride = 8 })
+    refused(wrong, "", fluid.read, fluid, "position", { count = 3 })
+  end
+
+  -- Inside a fluid at rest particles are balls; alone they are half as large.
+  function tests.anisotropies_are_of_the_neighbours()
+    local fluid = block()
+    local x, stretches, count = fluid:anisotropies { first = 555, count = 1 }
+    assert(count == 1)
+    near(x[0], 0.275, 1e-6)
+    for k = 0, 8 do near(stretches[k], k % 4 == 0 and 1 or 0, 0.02) end
+    fluid:set_positions { 0.9, 0.9, 0.9 }
+    near(select(2, fluid:anisotropies())[4], 0.5, 1e-6)
+    refused(wrong, "no options.radios", fluid.anisotropies, fluid, { radios = 1 })
+  end
+
   local function batch(options)
     options.backend, options.threads, options.capacity = os.getenv("PBF_TEST_BACKEND") or "auto", 2, options.capacity or 10
     return pbf.batch(options)

@@ -270,6 +270,22 @@ namespace Pbf
             return limit;
         }
 
+        /// <summary>Of the library at run time.</summary>
+        public static Version LibraryVersion
+        {
+            get
+            {
+                int number = (int)Native.pbf_version();
+                return new Version(number / 1000000, number / 1000 % 1000, number % 1000);
+            }
+        }
+
+        /// <summary>Loads a plugin from an absolute path, for the life of the process: the code in it is run.</summary>
+        public static void LoadBackend(string path)
+        {
+            PbfException.Check(Text.With("path", path, at => Native.pbf_load_backend(at)));
+        }
+
         /// <summary>Every backend found, judged for a solver like desc, and every file that failed to load.</summary>
         public static BackendInfo[] Backends(Desc desc = null)
         {

@@ -1,4 +1,5 @@
 // A tap pours water over a stone; after three seconds: how much has come and gone, how high it stands, what it weighs.
+/* code: pour */
 using System;
 using System.Globalization;
 using Pbf;
@@ -7,7 +8,6 @@ internal static class Pour
 {
     private static void Main()
     {
-        /* code: pour */
         var parameters = Params.Default;
         parameters.Loads = 1; // what the water does to solids
         var tips = new[] { .2, 0, 0, -.2, 0, 0, 0, .2, 0, 0, -.2, 0, 0, 0, .2, 0, 0, -.2 };
@@ -31,6 +31,6 @@ internal static class Pour
                 "{0} came, {1} went, {2:0.00} m high, {3:0} N on the floor, density {4:0.0}",
                 inOut.Emitted, inOut.Drained, level, weight, density[0]));
         }
-        /* end */
     }
 }
+/* end */

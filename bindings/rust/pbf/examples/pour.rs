@@ -1,8 +1,8 @@
 //! A tap pours water over a stone; after three seconds: how much has come and gone, how high it stands, what it weighs.
+/* code: pour */
 use pbf::{Collider, Desc, Emitter, Params, Samples, Shape, Solver, Volume};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /* code: pour */
     let mut params = Params::default();
     params.loads = 1; // what the water does to solids
     let desc = Desc {
@@ -38,6 +38,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{came} came, {went} went, {level:.2} m high, {weight:.0} N on the floor, density {:.1}",
         density[0]
     );
-    /* end */
     Ok(())
 }
+/* end */

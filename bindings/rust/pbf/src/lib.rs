@@ -24,6 +24,7 @@ mod params;
 mod phases;
 mod query;
 mod raw;
+mod reading;
 mod report;
 mod shape;
 mod snapshot;
@@ -45,6 +46,7 @@ pub use pbf_sys::pbf_stats as Stats;
 pub use pbf_sys::pbf_volume_flow as Flow;
 pub use phases::Phase;
 pub use query::{SampleGrid, Samples, Volume};
+pub use reading::{Anisotropy, Rows};
 pub use report::{
     backends, load_backend, version, BackendInfo, Info, Plan, PlanArray, PlanStage, StageTime,
 };

@@ -1,8 +1,8 @@
 //! Shapes, queries, emitters, phases, loads and batches, against what geometry and mechanics say they
 //! must be; the backend is that of PBF_TEST_BACKEND, or "auto".
 use pbf::{
-    Batch, Collider, Desc, Emitter, Error, Field, Params, Phase, SampleGrid, Samples, Shape,
-    Solver, Status, Volume,
+    Anisotropy, Batch, Collider, Desc, Emitter, Error, Field, Params, Phase, Rows, SampleGrid,
+    Samples, Shape, Solver, Status, Volume,
 };
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
@@ -101,7 +101,7 @@ fn shapes_live_while_something_has_them() {
     let references = |shape: &Shape| shape.info().unwrap().references;
     let solid = Collider::solid(&shape, [0.7, 0.9, 0.7]);
     assert_eq!(references(&shape), 2);
-    fluid.set_colliders(&[solid.clone()]).unwrap();
+    fluid.set_colliders(std::slice::from_ref(&solid)).unwrap();
     assert_eq!(references(&shape), 3);
     drop((shape, solid)); // the solver's alone
     fluid.step(1).unwrap();
@@ -144,7 +144,11 @@ fn what_is_no_shape_is_refused() {
     assert_refused(brick().distance(&[0.; 2]), wrong, "2 numbers");
     let mut fluid = Solver::<f32>::new(&desc(2, 1), &Params::default()).unwrap();
     let solid = Collider::solid(&brick(), [0.5; 3]);
-    assert_refused(fluid.set_colliders(&[solid.clone()]), wrong, "3D");
+    assert_refused(
+        fluid.set_colliders(std::slice::from_ref(&solid)),
+        wrong,
+        "3D",
+    );
     let mut forged = Collider::sphere([0.5; 3], 0.1);
     forged.shape = solid.shape;
     forged.geometry = 8 as *mut _;
@@ -438,4 +442,103 @@ fn the_process_may_end_with_a_batch() {
     let mut batch = Batch::<f32>::new(&desc(3, 1), &Params::default(), 2).unwrap();
     batch.world(0).unwrap().step(1).unwrap();
     std::mem::forget(batch);
+}
+
+#[test]
+fn fields_are_read_as_renderers_want_them() {
+    let mut params = Params::default();
+    params.gravity = [0.; 3];
+    let mut fluid = Solver::<f64>::new(&desc(3, 10), &params).unwrap();
+    fluid
+        .add_particles(
+            &[0.25, 0.5, 0.5, 0.75, 0.5, 0.5],
+            Some(&[3., 0., -4., 0., 0., 0.]),
+        )
+        .unwrap();
+    fluid.keep_previous(true).unwrap();
+    fluid.step(1).unwrap();
+    let speeds = Rows {
+        components: 4,
+        stride: 5,
+        w: pbf::sys::PBF_W_SPEED,
+        ..Rows::default()
+    };
+    let mut rows = [9f32; 10];
+    fluid.read(Field::Position, &speeds, &mut rows).unwrap();
+    near(0.25 + 3. * params.time_step, rows[0].into(), 1e-6);
+    assert_eq!((rows[3], rows[4], rows[5], rows[9]), (5., 9., 0.75, 9.));
+    let before = Rows {
+        behind: 1.,
+        ..Rows::default()
+    };
+    let mut x = [0f64; 6];
+    fluid.read(Field::Position, &before, &mut x).unwrap();
+    assert_eq!(x, [0.25, 0.5, 0.5, 0.75, 0.5, 0.5]);
+    fluid
+        .read(Field::Position, &speeds, &mut rows[..9])
+        .unwrap(); // the last gap may be missing
+    let wrong = Status::InvalidArgument;
+    assert_refused(
+        fluid.read(Field::Position, &speeds, &mut rows[..8]),
+        wrong,
+        "8 numbers",
+    );
+    assert_refused(
+        fluid.read(Field::Position, &before, &mut x[..4]),
+        wrong,
+        "4 numbers",
+    );
+    for (has, stride) in [(1, 5), (5, usize::MAX), (10, 7)] {
+        let odd = Rows { stride, ..speeds };
+        assert_refused(
+            fluid.read(Field::Position, &odd, &mut rows[..has]),
+            wrong,
+            "no rows of 4",
+        );
+    }
+    let narrow = Rows {
+        stride: 2,
+        ..Rows::default()
+    };
+    assert_refused(
+        fluid.read(Field::Position, &narrow, &mut x),
+        wrong,
+        "rows of 3 with 2",
+    );
+    let more = Rows {
+        first: 1,
+        ..Rows::default()
+    };
+    assert_refused(fluid.read(Field::Position, &more, &mut x), wrong, "");
+}
+
+/// Inside a fluid at rest particles are balls; alone they are half as large.
+#[test]
+fn anisotropies_are_of_the_neighbours() {
+    let mut fluid = block();
+    let (mut x, mut stretches) = ([0f32; 3], [0f32; 9]);
+    let inner = Anisotropy {
+        first: 555,
+        ..Anisotropy::default()
+    };
+    fluid
+        .anisotropies(&inner, Some(&mut x), Some(&mut stretches))
+        .unwrap();
+    near(0.275, x[0].into(), 1e-6);
+    for (k, &number) in stretches.iter().enumerate() {
+        near(f64::from(u8::from(k % 4 == 0)), number.into(), 0.02);
+    }
+    fluid.add_particles(&[0.9; 3], None).unwrap_err(); // full
+    fluid.set_positions(0, &[0.9; 3]).unwrap();
+    let lone = Anisotropy::default();
+    fluid
+        .anisotropies(&lone, None, Some(&mut stretches))
+        .unwrap();
+    near(0.5, stretches[4].into(), 1e-6);
+    let refused = fluid.anisotropies(&lone, Some(&mut [0.; 6]), Some(&mut stretches));
+    assert_refused(
+        refused,
+        Status::InvalidArgument,
+        "positions has 2 rows, stretches 1",
+    );
 }
