@@ -211,7 +211,7 @@ static pbf::shape brick() {
 
 static void shapes_are_as_far_as_their_faces(void **) {
   const pbf::shape solid = brick();
-  double normal[3];
+  double normal[3] = {0, 0, 0};
   assert_near(given(solid.info()).volume, .2 * .1 * .3 * 8, 1e-3);
   assert_near(given(solid.distance({.24, 0, 0}, &normal)), .04, 1e-3);
   assert_near(normal[0], 1, 1e-3);
