@@ -12,6 +12,7 @@ shift 2
 rows=$*
 prefix=$folder/prefix
 front='1\.0 s: front at 1\.9' # what every splash prints last
+poured=', 0\.2[3-6] m high, 2[01][0-9][0-9] N on the floor, density 1\.0$' # and what every pour
 unset PBF_BACKEND_PATH PBF_LIB_DIR LD_LIBRARY_PATH PKG_CONFIG_PATH RUST_BACKTRACE 2>/dev/null || true
 
 skip() { echo "skipped: $*"; exit 77; }
@@ -40,9 +41,11 @@ by_pkg_config() {
   PKG_CONFIG_PATH=$(dirname "$(find "$1" -name pbf.pc)") || return 1
   export PKG_CONFIG_PATH
   # shellcheck disable=SC2046 # words on purpose
-  c++ -std=c++17 "$source/examples/splash.cpp" -o "$2/splash" $(pkg-config --cflags --libs pbf) \
-    -Wl,-rpath,"$(pkg-config --variable=libdir pbf)" &&
-    "$2/splash" | tee "$2/printed" && grep -q "$front" "$2/printed"
+  for program in splash pour; do
+    c++ -std=c++17 "$source/examples/$program.cpp" -o "$2/$program" $(pkg-config --cflags --libs pbf) \
+      -Wl,-rpath,"$(pkg-config --variable=libdir pbf)" || return 1
+  done
+  "$2/splash" | tee "$2/printed" && grep -q "$front" "$2/printed" && "$2/pour" | tee "$2/printed" && grep -q "$poured" "$2/printed"
 }
 
 cpp() { by_cmake "$prefix" "$folder/cpp" && by_pkg_config "$prefix" "$folder/cpp_pkg_config"; }
@@ -62,10 +65,11 @@ rust() {
         mkdir -p "published/$crate/$(dirname "$file")" && cp "crates/$crate/$file" "published/$crate/$file"
       done
   done
-  mkdir -p program/src && cp crates/pbf/examples/splash.rs program/src/main.rs
+  mkdir -p program/src/bin && cp crates/pbf/examples/splash.rs crates/pbf/examples/pour.rs program/src/bin
   printf '[package]\nname = "program"\nversion = "0.0.0"\nedition = "2021"\n[dependencies]\npbf = { path = "../published/pbf" }\n[workspace]\n' >program/Cargo.toml
   cargo build --offline --manifest-path program/Cargo.toml || return 1
-  LD_LIBRARY_PATH=$libdir target/debug/program | tee printed && grep -q "$front" printed
+  export LD_LIBRARY_PATH="$libdir"
+  target/debug/splash | tee printed && grep -q "$front" printed && target/debug/pour | tee printed && grep -q "$poured" printed
 }
 
 # A NuGet package, which is a zip file, and a program beside what is in it.
@@ -77,17 +81,24 @@ csharp() {
   mcs -langversion:7.2 -warnaserror -noconfig -target:library -out:Pbf.dll "$source"/bindings/csharp/Pbf/*.cs &&
     python3 -B "$source/bindings/csharp/pack.py" Pbf.dll "$prefix" "$folder" || return 1
   mkdir used && cd used && python3 -m zipfile -e ../../Pbf.*.nupkg . || return 1
-  mcs -r:lib/netstandard2.0/Pbf.dll -out:Splash.exe "$source/bindings/csharp/samples/Splash.cs" &&
-    cp lib/netstandard2.0/Pbf.dll . || return 1
-  LD_LIBRARY_PATH=$PWD/runtimes/linux-x64/native mono Splash.exe | tee printed && grep -q "$front" printed
+  for program in Splash Pour; do
+    mcs -r:lib/netstandard2.0/Pbf.dll -out:$program.exe "$source/bindings/csharp/samples/$program.cs" || return 1
+  done
+  cp lib/netstandard2.0/Pbf.dll . || return 1
+  export LD_LIBRARY_PATH="$PWD/runtimes/linux-x64/native"
+  mono Splash.exe | tee printed && grep -q "$front" printed && mono Pour.exe | tee printed && grep -q "$poured" printed
 }
 
 # The same program and assembly, by .NET itself.
 dotnet() {
   env dotnet --info >/dev/null 2>&1 || skip "no dotnet (pip install dotnetcore2)"
-  cd "$folder/csharp/used" && cp Splash.exe Splash.dll || return 1
-  printf '{"runtimeOptions": {"rollForward": "LatestMajor", "framework": {"name": "Microsoft.NETCore.App", "version": "3.0.0"}, "configProperties": {"System.Globalization.Invariant": true}}}\n' >Splash.runtimeconfig.json
-  LD_LIBRARY_PATH=$PWD/runtimes/linux-x64/native command dotnet Splash.dll | tee printed && grep -q "$front" printed
+  cd "$folder/csharp/used" || return 1
+  export LD_LIBRARY_PATH="$PWD/runtimes/linux-x64/native"
+  for program in Splash Pour; do
+    cp $program.exe $program.dll || return 1
+    printf '{"runtimeOptions": {"rollForward": "LatestMajor", "framework": {"name": "Microsoft.NETCore.App", "version": "3.0.0"}, "configProperties": {"System.Globalization.Invariant": true}}}\n' >$program.runtimeconfig.json
+  done
+  command dotnet Splash.dll | tee printed && grep -q "$front" printed && command dotnet Pour.dll | tee printed && grep -q "$poured" printed
 }
 
 lua() {
@@ -99,8 +110,10 @@ lua() {
     mkdir -p "$folder/lua/share/lua/5.1"
     cp -R "$source/bindings/lua/pbf.lua" "$source/bindings/lua/pbf" "$folder/lua/share/lua/5.1"
   fi
-  LUA_PATH="$folder/lua/share/lua/5.1/?.lua" LD_LIBRARY_PATH=$(dirname "$(find "$prefix" -name libpbf.so)") \
-    luajit "$source/bindings/lua/examples/splash.lua" | tee "$folder/lua/printed" && grep -q "$front" "$folder/lua/printed"
+  LUA_PATH="$folder/lua/share/lua/5.1/?.lua" LD_LIBRARY_PATH=$(dirname "$(find "$prefix" -name libpbf.so)")
+  export LUA_PATH LD_LIBRARY_PATH
+  luajit "$source/bindings/lua/examples/splash.lua" | tee "$folder/lua/printed" && grep -q "$front" "$folder/lua/printed" &&
+    luajit "$source/bindings/lua/examples/pour.lua" | tee "$folder/lua/printed" && grep -q "$poured" "$folder/lua/printed"
 }
 
 # The backends are linked in, and nothing is loaded.

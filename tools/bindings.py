@@ -11,6 +11,7 @@
     bindings/lua/pbf/cdef.lua
     bindings/js/abi.g.mjs, abi.g.d.mts, layout.g.c, exports.g.json
     examples/ctypes_demo.py       its structs
+    docs/bindings.md              the table of what the objects of each language have
 """
 import argparse
 import difflib
@@ -19,11 +20,12 @@ import pathlib
 import re
 import sys
 
-from abi import csharp, ctypes_mirror, describe, js, lua, rust
+from abi import coverage, csharp, ctypes_mirror, describe, js, lua, rust
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ABI = "bindings/abi.json"
 HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h", "query.h", "emit.h", "phases.h", "shapes.h", "all.h")]
+TABLE = r"(<!-- table: functions -->\n)(?:.*\n)*?(<!-- end -->\n)"
 STRUCTS = r"(# structs: written by tools/bindings.py\n)(?:.*\n)*?(# end of structs\n)"
 
 
@@ -32,11 +34,11 @@ def read(path):
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
-def demo(description):
-    text = read("examples/ctypes_demo.py")
-    changed, count = re.subn(STRUCTS, lambda match: f"{match[1]}{ctypes_mirror.text(description)}{match[2]}", text)
+def with_part(path, place, part):
+    """A file with what is written into it between two lines."""
+    changed, count = re.subn(place, lambda match: f"{match[1]}{part}{match[2]}", read(path))
     if count != 1:
-        raise ValueError(f"examples/ctypes_demo.py has {count} places for structs, not one")
+        raise ValueError(f"{path} has {count} places for what is written there, not one")
     return changed
 
 
@@ -48,7 +50,8 @@ def outputs(description):
         "bindings/csharp/Pbf/Native.g.cs": csharp.text(description),
         "bindings/lua/pbf/cdef.lua": lua.text(description),
         **js.files(description),
-        "examples/ctypes_demo.py": demo(description),
+        "examples/ctypes_demo.py": with_part("examples/ctypes_demo.py", STRUCTS, ctypes_mirror.text(description)),
+        "docs/bindings.md": with_part("docs/bindings.md", TABLE, coverage.text(ROOT, HEADERS[:-1], description["functions"])),
     }
 
 

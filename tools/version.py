@@ -23,7 +23,7 @@ PLACES = {
 }
 
 # Those with that of the shared library.
-SONAMES = {"bindings/lua/pbf.lua": r'("libpbf\.so\.)([\d.]*)(")', "docs/start.md": r"(`[^`]*libpbf\.so\.)([\d.]*)(`)"}
+SONAMES = {"bindings/lua/pbf/core.lua": r'("libpbf\.so\.)([\d.]*)(")', "docs/start.md": r"(`[^`]*libpbf\.so\.)([\d.]*)(`)"}
 
 
 def soversion(wanted):

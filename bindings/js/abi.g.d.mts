@@ -1,4 +1,6 @@
-// Written by tools/bindings.py from bindings/abi.json; do not edit. Fields are those of pbf.h, which says what each is.
+// Written by tools/bindings.py from bindings/abi.json; do not edit. Fields are those of the C headers, which say what each is.
+import type { Shape } from "./pbf.mjs";
+
 export interface Params {
   kernel: number;
   smoothingRadius: number;
@@ -49,6 +51,7 @@ export interface Params {
 }
 
 export interface Collider {
+  shape: "plane" | "sphere" | "capsule" | "box" | Shape;
   inverted: number;
   path: number;
   position: number[];
@@ -63,13 +66,11 @@ export interface Collider {
   radiusRate: number;
   halfLengthRate: number;
   duration: number;
-  geometry: number;
   scale: number;
   scaleRate: number;
   friction: number;
   staticFriction: number;
   noSlip: number;
-  shape: "plane" | "sphere" | "capsule" | "box";
 }
 
 export interface ColliderLoad {
@@ -152,6 +153,69 @@ export interface StageTime {
 export interface Timings {
   stageCount: number;
   stages: StageTime[];
+}
+
+export interface Volume {
+  shape: "box" | "sphere" | "capsule";
+  position: number[];
+  orientation: number[];
+  halfExtents: number[];
+  axis: number[];
+  radius: number;
+  halfLength: number;
+}
+
+export interface Flow {
+  volume: number;
+  fraction: number;
+  centre: number[];
+  velocity: number[];
+}
+
+export interface Emitter {
+  shape: "rectangle" | "disc";
+  recycle: number;
+  seed: number;
+  position: number[];
+  velocity: number[];
+  across: number[];
+  halfWidth: number;
+  halfHeight: number;
+  radius: number;
+  rate: number;
+  jitter: number;
+  lifetime: number;
+  phase: number;
+}
+
+export interface InOut {
+  emitters: number;
+  drains: number;
+  emitted: number;
+  refused: number;
+  recycled: number;
+  drained: number;
+  expired: number;
+}
+
+export interface Phase {
+  user: number;
+  restDensity: number;
+  viscosity: number;
+}
+
+export interface ShapeInfo {
+  dimension: number;
+  nodes: number[];
+  references: number;
+  origin: number[];
+  cell: number;
+  lower: number[];
+  upper: number[];
+  volume: number;
+  area: number;
+  bytes: number;
+  hash: number;
 }
 
 export declare const constants: {

@@ -1,7 +1,11 @@
-import type { Collider, ColliderLoad, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
+import type {
+  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, ShapeInfo, Stats, Timings, Volume,
+} from "./abi.g.mjs";
 
 export { constants } from "./abi.g.mjs";
-export type { Collider, ColliderLoad, Info, Params, Plan, Stats, Timings } from "./abi.g.mjs";
+export type {
+  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, ShapeInfo, Stats, Timings, Volume,
+} from "./abi.g.mjs";
 
 declare global {
   interface SymbolConstructor {
@@ -14,7 +18,11 @@ type Numbers = ArrayLike<number>;
 type Settable<Struct> = { [Field in keyof Struct]?: Struct[Field] extends number[] ? Iterable<number> | Numbers : Struct[Field] };
 
 export type ParamChanges = Settable<Params>;
-export type ColliderFields = Pick<Collider, "shape"> & Settable<Omit<Collider, "shape">>;
+type Shaped<Struct extends { shape: unknown }> = Pick<Struct, "shape"> & Settable<Omit<Struct, "shape">>;
+export type ColliderFields = Shaped<Collider>;
+export type VolumeFields = Shaped<Volume>;
+export type EmitterFields = Shaped<Emitter>;
+export type PhaseFields = Settable<Phase>;
 
 export interface Options {
   /** 2 or 3, the default. */
@@ -60,6 +68,30 @@ export declare function load(
 /** "0.2.0". After load(). */
 export declare function version(): string;
 
+/** A solid that colliders have: { shape: rock, position: […] }. It lives while this object or a solver has it. After load(). */
+export declare class Shape {
+  private constructor();
+  /** Signed distances, negative inside, at origin + cell (i, j, k), the first index the fastest. */
+  static fromGrid(grid: { nodes: Numbers; origin: Numbers; cell: number; values: Numbers }): Shape;
+  /** What a closed surface of triangles encloses, in 2D a closed line of segments; with a thickness a shell. */
+  static fromMesh(mesh: { dimension: 2 | 3; vertices: Numbers; faces: Numbers; cell: number; thickness?: number }): Shape;
+  /** A terrain down to `base`; count has the numbers of heights along x and, in 3D, z. */
+  static fromHeights(heights: { count: Numbers; heights: Numbers; spacing: number; base: number; cell: number }): Shape;
+  /** Their convex hull. */
+  static fromPoints(hull: { dimension: 2 | 3; points: Numbers; cell: number }): Shape;
+  /** Gives its reference back now; solvers that have the shape keep it. */
+  destroy(): void;
+  [Symbol.dispose](): void;
+  readonly dimension: number;
+  readonly info: ShapeInfo;
+  /** Of a point in the shape's own space, and the direction in which it grows. */
+  distance(point: Numbers): { distance: number; normal: number[] };
+}
+
+/** What is asked for at points: of the field "wet" 1 or 0. */
+export type SampledField = "densities" | "velocities" | "pressures" | "wet";
+export type Sampled<Field extends SampledField> = { [Name in Field]: Name extends "wet" ? Uint8Array : Float64Array };
+
 /** A fluid. Arrays that it gives are views of the module's memory: slice() keeps them. */
 export declare class Solver {
   /** Loads the module where that has not been done, and makes a solver. */
@@ -103,6 +135,38 @@ export declare class Solver {
   /** The same of the domain's walls, by constants.WALL_X_MIN and so on. */
   wallLoads(): ColliderLoad[];
 
+  /** The ids of the particles there, ascending. */
+  findIn(volume: VolumeFields): Uint32Array;
+  /** How much of each volume is below the surface, and how that flows. */
+  measure(volumes: VolumeFields[]): Flow[];
+  /** At points, dimension numbers each; densities are over that at rest. */
+  sample<Field extends SampledField = "densities" | "velocities">(points: Numbers, fields?: Iterable<Field>): Sampled<Field>;
+  /** The same at the points origin + (i, j, k) step; the last index is the fastest. */
+  sampleOnGrid<Field extends SampledField = "densities" | "velocities">(
+    grid: { counts: Numbers; origin: Numbers; step: Numbers }, fields?: Iterable<Field>): Sampled<Field>;
+  /** Where rays meet the surface, Infinity where they do not within `length`. */
+  castRays(origins: Numbers, directions: Numbers, length?: number): { distances: Float64Array; normals: Float64Array };
+  /** How high the water stands at points, against gravity; NaN where there is none. */
+  levels(points: Numbers): Float64Array;
+  /** Gives back the memory that queries keep. */
+  endQueries(): void;
+
+  /** Replaces all emitters; emitter i goes on where the one before it was. */
+  setEmitters(emitters: EmitterFields[]): void;
+  readonly emitters: Emitter[];
+  /** What is in one of these volumes when a step begins is removed. */
+  setDrains(drains: VolumeFields[]): void;
+  readonly drains: Volume[];
+  /** What came and went, in particles. */
+  readonly inOut: InOut;
+
+  /** Replaces all phases; with none all particles are alike again. */
+  setPhases(phases: PhaseFields[]): void;
+  readonly phases: Phase[];
+  /** Which phase particles are of, from the row `first` on. */
+  setParticlePhases(phases: Numbers, first?: number): void;
+  readonly particlePhases: Uint32Array;
+
   readonly stats: Stats;
   readonly info: Info;
   readonly plan: Plan;
@@ -114,4 +178,43 @@ export declare class Solver {
   load(state: Uint8Array): void;
   /** 16 hexadecimal digits, the same on every machine. */
   readonly hash: string;
+}
+
+type Mask = ArrayLike<boolean | number>;
+
+/**
+ * Many worlds of one kind. Arrays are world after world; a mask is a truth value a world, and undefined all of them. Where a
+ * world fails the others go on, and the call throws what the first one met.
+ */
+export declare class Batch {
+  /** Loads the module where that has not been done. */
+  static create(options: Options & { worlds: number }): Promise<Batch>;
+  /** After load(). */
+  constructor(options: Options & { worlds: number });
+  destroy(): void;
+  [Symbol.dispose](): void;
+  readonly destroyed: boolean;
+  /** How many worlds there are. */
+  readonly length: number;
+  readonly info: { worlds: number; threads: number; deviceType: number };
+  /** World 0 and so on, between calls of the batch. */
+  world(world: number): Solver;
+  /** Of each world what it met in the last call that went through worlds, or null. */
+  readonly failures: (PbfError | null)[];
+
+  step(steps?: number, mask?: Mask): void;
+  /** What reset goes back to: a state of save, or the present one of each. */
+  setStart(state?: Uint8Array | null, mask?: Mask): void;
+  reset(mask?: Mask): void;
+  /** Three numbers a world. */
+  setGravity(gravity: Numbers, mask?: Mask): void;
+  /** The same ones for all. */
+  setColliders(colliders: ColliderFields[], mask?: Mask): void;
+  /** All that each world has, three numbers each, and four of an orientation; without these they keep theirs. */
+  moveColliders(positions: Numbers, duration: number, orientations?: Numbers | null, mask?: Mask): void;
+  /** So many to each world; without velocities they are at rest. */
+  addParticles(counts: Numbers, positions: Numbers, velocities?: Numbers): void;
+  readonly counts: Uint32Array;
+  /** An array of shape (worlds, rows, components); rows that a world lacks are 0. */
+  read(field: "position" | "velocity" | "density" | "pressure" | "id", mask?: Mask): Reals | Uint32Array;
 }

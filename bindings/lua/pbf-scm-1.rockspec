@@ -9,5 +9,9 @@ description = {
 dependencies = { "lua == 5.1" }
 build = {
   type = "builtin",
-  modules = { pbf = "pbf.lua", ["pbf.cdef"] = "pbf/cdef.lua" },
+  modules = {
+    pbf = "pbf.lua", ["pbf.cdef"] = "pbf/cdef.lua", ["pbf.core"] = "pbf/core.lua", ["pbf.shapes"] = "pbf/shapes.lua",
+    ["pbf.queries"] = "pbf/queries.lua", ["pbf.emission"] = "pbf/emission.lua", ["pbf.phases"] = "pbf/phases.lua",
+    ["pbf.reading"] = "pbf/reading.lua", ["pbf.batch"] = "pbf/batch.lua",
+  },
 }

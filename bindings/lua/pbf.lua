@@ -7,96 +7,22 @@
 --   fluid:step(10)
 --   local x, count = fluid:positions()   -- float *, x[3 * i + c], or double *
 --
+-- Beside solvers there are pbf.shape_from_points and its like, and pbf.batch.
+--
 -- A call that fails is a Lua error: a table with status, name and message, the library's sentence. A
 -- solver is destroyed when it is collected, or by close().
 --
 -- The library is found as the system's loader finds libpbf, or is the file PBF_LIBRARY.
 local ffi = require("ffi")
-require("pbf.cdef")
+local core = require("pbf.core")
+local C, call, new, need, unsigned = core.C, core.call, core.new, core.need, core.unsigned
+local invalid, assign, run, rows_of, number_of = core.invalid, core.assign, core.run, core.rows_of, core.number_of
 
-local function load_library()
-  local named = os.getenv("PBF_LIBRARY")
-  if named then return ffi.load(named) end
-  local found, library = pcall(ffi.load, "pbf")
-  return found and library or ffi.load("libpbf.so.0.2") -- without its development files
-end
-local C = load_library()
+local shapes = require("pbf.shapes")
 
-local pbf = {}
+local pbf = { Error = core.Error }
 -- pbf.COLLIDER_SPHERE is PBF_COLLIDER_SPHERE.
 setmetatable(pbf, { __index = function(_, name) return C["PBF_" .. name] end })
-
-local Error = {}
-Error.__index = Error
-Error.__tostring = function(self) return self.message end
-pbf.Error = Error
-
-local function fail(status, message)
-  error(setmetatable({ status = status, name = ffi.string(C.pbf_status_string(status)), message = message }, Error), 0)
-end
-
-local function invalid(...) fail(C.PBF_ERROR_INVALID_ARGUMENT, string.format(...)) end
-
--- Not compiled: what it calls may call the log, and a compiled trace can't be called back into.
-local function call(name, ...)
-  local status = C[name](...)
-  if status ~= 0 then fail(status, ffi.string(C.pbf_last_error())) end
-end
-jit.off(call)
-
--- A new struct, with its size.
-local function new(struct) return ffi.new(struct, { struct_size = ffi.sizeof(struct) }) end
-
-local function shown(value)
-  return type(value) == "string" and string.format("%q", value) or tostring(value)
-end
-
-local function need(kind, what, value, wanted)
-  if type(value) ~= kind then invalid("%s is %s; it must be %s", what, shown(value), wanted) end
-  return value
-end
-
--- LuaJIT makes some integer of any number: 2^32 - 1 of -1.
-local function unsigned(what, value)
-  local number = type(value) == "cdata" and tonumber(value) or value
-  if type(number) ~= "number" or number % 1 ~= 0 or number < 0 or number > 4294967295 then
-    invalid("%s is %s; it must be an integer, 0 … 4294967295", what, shown(value))
-  end
-  return number
-end
-
--- Puts a value where C has a field or an element. What does not come back as it was given does not fit there.
-local function put(what, place, name, value)
-  local done = pcall(function() place[name] = value end)
-  if not done then invalid("%s is %s, which is no value for it", what, shown(value)) end
-  local kept = place[name]
-  if type(value) == "number" and type(kept) == "number" and kept ~= value and (kept == kept or value == value) then
-    invalid("%s is %s; it must be an integer that its field can hold", what, shown(value))
-  end
-end
-
--- How many elements a field has that is an array, from the name of its type; else nil.
-local function array_length(field)
-  return type(field) == "cdata" and tonumber(tostring(ffi.typeof(field)):match("%[(%d+)%]")) or nil
-end
-
--- Fields of a struct from a table; `what` is what the library calls the struct.
-local function assign(what, struct, fields)
-  if fields == nil then return struct end
-  for name, value in pairs(need("table", what, fields, "a table")) do
-    local field = what .. "." .. tostring(name)
-    if type(name) ~= "string" or not ffi.offsetof(struct, name) then invalid("there is no %s", field) end
-    local length = array_length(struct[name])
-    if length and type(value) ~= "cdata" then
-      need("table", field, value, string.format("a table of at most %d numbers", length))
-      if #value > length then invalid("%s has %d numbers, and at most %d", field, #value, length) end
-      for i = 1, #value do put(string.format("%s[%d]", field, i), struct[name], i - 1, value[i]) end
-    else
-      put(field, struct, name, value)
-    end
-  end
-  return struct
-end
 
 local function params_from(fields)
   if type(fields) == "cdata" then return fields end
@@ -112,6 +38,9 @@ function pbf.version()
   local version = C.pbf_version()
   return string.format("%d.%d.%d", version / 1000000, version / 1000 % 1000, version % 1000)
 end
+
+-- Loads a plugin from an absolute path, for the life of the process: the code in it is run.
+function pbf.load_backend(path) call("pbf_load_backend", need("string", "path", path, "an absolute path")) end
 
 -- Every backend found: tables of name, available, score, device_name, reason.
 function pbf.backends()
@@ -133,16 +62,6 @@ end
 local Solver = {}
 Solver.__index = Solver
 
--- Calls with the solver; an error of the log goes on when the call has returned.
-local function run(self, name, ...)
-  if not self.handle then invalid("the solver is closed") end
-  local done, why = pcall(call, name, self.handle, ...)
-  local thrown = self.thrown.error
-  self.thrown.error = nil
-  if not done then error(why, 0) end
-  if thrown ~= nil then error(thrown, 0) end
-end
-
 -- Keeps errors out of the library, which they must not cross.
 local function guarded(log, thrown)
   return ffi.cast("pbf_log_fn", function(_, level, message)
@@ -151,22 +70,35 @@ local function guarded(log, thrown)
   end)
 end
 
+-- A description from options, with what it names, and parameters; `others` are options that are not of pbf_desc.
+local function described(options, others)
+  local desc, kept, taken = new("pbf_desc"), {}, {}
+  call("pbf_desc_init", desc, ffi.sizeof(desc))
+  for name, value in pairs(need("table", "the description", options or {}, "a table")) do
+    if others[name] then taken[name] = value
+    else kept[name] = value end -- strings live on until the library has copied them
+  end
+  assign("desc", desc, kept)
+  return desc, taken, kept
+end
+
+local function solver_of(handle, desc, rest)
+  rest.handle, rest.what, rest.dimension = handle, "solver", desc.dimension
+  rest.element = desc.precision == C.PBF_FLOAT64 and "double" or "float"
+  return setmetatable(rest, Solver)
+end
+
 -- options: dimension, precision (pbf.FLOAT32, pbf.FLOAT64), capacity, strict, backend, device, threads, isa;
 -- params: a table of what differs from the defaults; log: function(level, sentence).
 function pbf.solver(options)
-  local desc, made, kept, thrown = new("pbf_desc"), ffi.new("pbf_solver *[1]"), {}, {}
-  call("pbf_desc_init", desc, ffi.sizeof(desc))
-  local params, log
-  for name, value in pairs(need("table", "the description", options or {}, "a table")) do
-    if name == "params" then params = value
-    elseif name == "log" then log = need("function", "log", value, "a function of level and sentence")
-    else kept[name] = value end -- strings live on until the library has copied them, in pbf_create
-  end
-  assign("desc", desc, kept)
-  params = params_from(params)
+  local desc, taken, kept = described(options, { params = true, log = true })
+  local made, thrown = ffi.new("pbf_solver *[1]"), {}
+  local log = taken.log and need("function", "log", taken.log, "a function of level and sentence")
+  local params = params_from(taken.params)
   local callback = log and guarded(log, thrown)
   desc.log = callback
   local done, why = pcall(call, "pbf_create", desc, params, made)
+  core.alive(kept)
   if not done then
     if callback then callback:free() end
     error(why, 0)
@@ -175,48 +107,23 @@ function pbf.solver(options)
     C.pbf_destroy(solver)
     if callback then callback:free() end
   end
-  return setmetatable({
-    handle = ffi.gc(made[0], destroy), destroy = destroy, thrown = thrown, has_log = log ~= nil, dimension = desc.dimension,
-    element = desc.precision == C.PBF_FLOAT64 and "double" or "float",
-  }, Solver)
+  return solver_of(ffi.gc(made[0], destroy), desc, { destroy = destroy, thrown = thrown, has_log = log ~= nil })
 end
 
--- Destroys it now. Nothing else can be called then; a second time does nothing.
+-- Destroys it now. Nothing else can be called then; a second time does nothing. A world of a batch stays.
 function Solver:close()
   local handle = self.handle
   if not handle then return end
   self.handle = nil
-  self.destroy(ffi.gc(handle, nil))
+  if self.batch then
+    C.pbf_cancel(handle) -- steps that have begun end
+    C.pbf_end_step(handle)
+  else
+    self.destroy(ffi.gc(handle, nil))
+  end
 end
 
 -- ---- Arrays ----
-
-local function flat(values)
-  if type(values[1]) ~= "table" then return values end
-  local numbers = {}
-  for _, row in ipairs(values) do
-    for _, number in ipairs(row) do numbers[#numbers + 1] = number end
-  end
-  return numbers
-end
-
--- A C array and how many rows it has, of a table of numbers, of tables of numbers, or of an array of C with
--- its number of rows.
-local function rows_of(what, element, components, values, count)
-  if type(values) == "cdata" then
-    if not count then invalid("%s is an array of C: how many rows has it?", what) end
-    return ffi.cast(string.format("const %s *", element), values), unsigned("count", count)
-  end
-  local numbers = flat(need("table", what, values, "a table, or an array of C"))
-  for i, number in ipairs(numbers) do
-    if element == "uint32_t" then unsigned(string.format("%s[%d]", what, i), number)
-    else need("number", string.format("a number of %s", what), number, "a number") end
-  end
-  if #numbers % components ~= 0 then
-    invalid("%s has %d numbers, no multiple of %d", what, #numbers, components)
-  end
-  return ffi.new(element .. "[?]", #numbers, numbers), #numbers / components
-end
 
 -- Gives the id of the first one. Without velocities they are at rest.
 function Solver:add(positions, velocities, count)
@@ -258,30 +165,30 @@ function Solver:find_in_box(lower, upper)
   return ids, count[0]
 end
 
-function Solver:count()
-  local count = ffi.new("uint32_t[1]")
-  run(self, "pbf_get_count", count)
-  return count[0]
-end
+function Solver:count() return number_of(self, "uint32_t", "pbf_get_count") end
 
-for _, name in ipairs { "positions", "velocities", "densities", "pressures", "ids" } do
-  local vector = name == "positions" or name == "velocities"
-  -- Gives an array of C, and how many particles are in it.
-  Solver[name] = function(self)
+-- Gives an array of C, and how many particles are in it.
+local function reader(name, vector, element)
+  return function(self)
     local count = self:count()
-    local element = name == "ids" and "uint32_t" or self.element
-    local array = ffi.new(element .. "[?]", count * (vector and self.dimension or 1))
-    run(self, "pbf_get_" .. name, 0, count, array)
+    local array = ffi.new((element or self.element) .. "[?]", count * (vector and self.dimension or 1))
+    run(self, name, 0, count, array)
     return array, count
   end
-  if vector then
-    -- Those of row `first` (0: the first one) and so on.
-    Solver["set_" .. name] = function(self, values, first, count)
-      local array, rows = rows_of(name, self.element, self.dimension, values, count)
-      run(self, "pbf_set_" .. name, unsigned("first", first or 0), rows, array)
-    end
+end
+Solver.positions, Solver.velocities = reader("pbf_get_positions", true), reader("pbf_get_velocities", true)
+Solver.densities, Solver.pressures = reader("pbf_get_densities"), reader("pbf_get_pressures")
+Solver.ids = reader("pbf_get_ids", false, "uint32_t")
+
+-- Those of row `first` (0: the first one) and so on.
+local function writer(name, what)
+  return function(self, values, first, count)
+    local array, rows = rows_of(what, self.element, self.dimension, values, count)
+    run(self, name, unsigned("first", first or 0), rows, array)
+    core.alive(values)
   end
 end
+Solver.set_positions, Solver.set_velocities = writer("pbf_set_positions", "positions"), writer("pbf_set_velocities", "velocities")
 
 -- Beside gravity, of row `first` and so on, in each step until they are set anew; nil takes all away.
 function Solver:set_accelerations(values, first, count)
@@ -327,36 +234,30 @@ function Solver:set_params(fields)
   run(self, "pbf_set_params", params)
 end
 
-local colliders = { plane = "PLANE", sphere = "SPHERE", capsule = "CAPSULE", box = "BOX" }
-
-local function colliders_of(list)
-  need("table", "colliders", list, "a list of tables")
-  local array = ffi.new("pbf_collider[?]", math.max(#list, 1))
-  for i, fields in ipairs(list) do
-    local copy, what = {}, string.format("colliders[%d]", i)
-    need("table", what, fields, "a table")
-    for name, value in pairs(fields) do copy[name] = value end
-    local shape = copy.shape
-    if not colliders[shape] then
-      invalid("colliders[%d].shape is %s; known are: plane, sphere, capsule, box", i, tostring(shape))
-    end
-    copy.shape = nil
-    call("pbf_collider_init", array[i - 1], ffi.sizeof("pbf_collider"), C["PBF_COLLIDER_" .. colliders[shape]])
-    assign(what, array[i - 1], copy)
-  end
-  return array, #list
-end
-
--- A list of tables: shape = "sphere", position = {…}, radius = … and so on, as pbf_collider has them.
+-- A list of tables: shape = "sphere", position = {…}, radius = … and so on, as pbf_collider has them; or shape is
+-- one that pbf.shape_from_… has made.
 function Solver:set_colliders(list)
-  local array, count = colliders_of(list)
+  local array, count = shapes.colliders_of(list)
   run(self, "pbf_set_colliders", count, array)
+  core.alive(list)
 end
 
 function Solver:move_colliders(list, duration)
-  local array, count = colliders_of(list)
+  local array, count = shapes.colliders_of(list)
   run(self, "pbf_move_colliders", count, array,
     need("number", "duration", duration, "a number"))
+  core.alive(list)
+end
+
+-- A list of tables, as set_colliders takes it.
+function Solver:colliders()
+  local list = {}
+  for index = 0, number_of(self, "uint32_t", "pbf_get_collider_count") - 1 do
+    local collider = new("pbf_collider")
+    run(self, "pbf_get_collider", index, collider)
+    list[#list + 1] = shapes.collider_from(collider, self.dimension)
+  end
+  return list
 end
 
 -- Gives an array of C of pbf_collider_load, from 0 on, and how many are in it.
@@ -369,30 +270,26 @@ end
 
 -- What the fluid does to each collider, and begins their sums anew; wants params.loads.
 function Solver:collider_loads()
-  local count = ffi.new("uint32_t[1]")
-  run(self, "pbf_get_collider_count", count)
-  return loads_of(self, "pbf_get_collider_loads", count[0])
+  return loads_of(self, "pbf_get_collider_loads", number_of(self, "uint32_t", "pbf_get_collider_count"))
 end
 
 -- The same of the domain's walls, by pbf.WALL_X_MIN and so on.
 function Solver:wall_loads() return loads_of(self, "pbf_get_wall_loads", 2 * self.dimension) end
 
-for method, struct in pairs { params = "pbf_params", stats = "pbf_stats", info = "pbf_info", plan = "pbf_plan",
-                              timings = "pbf_timings" } do
-  Solver[method] = function(self)
+local function report(name, struct)
+  return function(self)
     local filled = new(struct)
-    run(self, "pbf_get_" .. method, filled)
+    run(self, name, filled)
     return filled
   end
 end
+Solver.params, Solver.stats = report("pbf_get_params", "pbf_params"), report("pbf_get_stats", "pbf_stats")
+Solver.info, Solver.plan = report("pbf_get_info", "pbf_info"), report("pbf_get_plan", "pbf_plan")
+Solver.timings = report("pbf_get_timings", "pbf_timings")
 
 function Solver:set_timing(enabled) run(self, "pbf_set_timing", enabled and 1 or 0) end
 
-function Solver:step_limit()
-  local limit = ffi.new("double[1]")
-  run(self, "pbf_get_step_limit", limit)
-  return limit[0]
-end
+function Solver:step_limit() return number_of(self, "double", "pbf_get_step_limit") end
 
 -- ---- State ----
 
@@ -410,11 +307,7 @@ function Solver:load(state)
   run(self, "pbf_load", state, #state)
 end
 
-function Solver:hash()
-  local hash = ffi.new("uint64_t[1]")
-  run(self, "pbf_hash", hash)
-  return hash[0]
-end
+function Solver:hash() return number_of(self, "uint64_t", "pbf_hash") end
 
 function Solver:set_snapshots(snapshots) run(self, "pbf_set_snapshots", unsigned("snapshots", snapshots)) end
 
@@ -424,5 +317,15 @@ function Solver:snapshot()
   run(self, "pbf_acquire_snapshot", snapshot)
   return ffi.gc(snapshot, function(held) C.pbf_release_snapshot(held) end)
 end
+
+-- ---- The other parts ----
+
+for name, method in pairs(require("pbf.queries").methods) do Solver[name] = method end
+for name, method in pairs(require("pbf.emission")) do Solver[name] = method end
+for name, method in pairs(require("pbf.reading")) do Solver[name] = method end
+for name, method in pairs(require("pbf.phases")) do Solver[name] = method end
+pbf.shape_from_grid, pbf.shape_from_mesh = shapes.from_grid, shapes.from_mesh
+pbf.shape_from_heights, pbf.shape_from_points = shapes.from_heights, shapes.from_points
+pbf.batch = require("pbf.batch")(described, params_from, solver_of)
 
 return pbf

@@ -2,10 +2,13 @@
 """examples/web/build.py PACKAGE PAGE: one HTML file with the page, its scripts and the module of PACKAGE (the folder
 js/ of a build) in it. It can be served as it is, or opened from a disk."""
 import base64
+import json
 import pathlib
+import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+IMPORTED = re.compile(r'from "\./(.*)"')
 PAGE_SCRIPT = '<script type="module" src="./dam_break.mjs"></script>'
 
 
@@ -17,23 +20,32 @@ def as_url(script):
     return "data:text/javascript;base64," + base64.b64encode(script.encode()).decode()
 
 
-def with_import(script, name, url):
-    if f'"{name}"' not in script:
-        raise SystemExit(f"no import of {name}")
-    return script.replace(f'"{name}"', f'"{url}"')
+def add(path, modules):
+    """Adds a script, and those that it imports, to the import map; each is there once. Gives the script."""
+    return IMPORTED.sub(lambda found: f'from "{named(path.parent / found[1], modules)}"', text(path))
+
+
+def named(path, modules):
+    """The name of a file in the import map: data: addresses have no files beside them."""
+    name = "pbf" if path.stem == "pbf" else f"page/{path.stem}"
+    if name not in modules:
+        modules[name] = None  # the example at its head imports itself
+        modules[name] = as_url(add(path, modules))
+    return name
 
 
 def page(package):
-    library = with_import(text(package / "pbf.mjs"), "./abi.g.mjs", as_url(text(package / "abi.g.mjs")))
-    script = with_import(text(HERE / "dam_break.mjs"), "./picture.mjs", as_url(text(HERE / "picture.mjs")))
-    script = with_import(script, "pbf", as_url(library))
+    modules = {}
+    named(package / "pbf.mjs", modules)
+    script = add(HERE / "dam_break.mjs", modules)
     module = base64.b64encode((package / "pbf.wasm").read_bytes()).decode()
     bytes_of_module = (f'const text = atob("{module}");\n'
                        "globalThis.pbfModule = Uint8Array.from(text, (one) => one.charCodeAt(0));")
     html = text(HERE / "index.html")
     if html.count(PAGE_SCRIPT) != 1:
         raise SystemExit("index.html has not the one script")
-    return html.replace(PAGE_SCRIPT, f"<script>\n{bytes_of_module}\n</script>\n<script type=\"module\">\n{script}</script>")
+    return html.replace(PAGE_SCRIPT, f"<script type=\"importmap\">\n{json.dumps({'imports': modules})}\n</script>\n"
+                        f"<script>\n{bytes_of_module}\n</script>\n<script type=\"module\">\n{script}</script>")
 
 
 def main():

@@ -11,8 +11,8 @@
  * gives the value or throws pbf::exception, which has both; nothing else here throws, but for what
  * std::vector and std::function throw when memory is short.
  *
- * A solver, as in C, belongs to one thread at a time. It, views, snapshots and cancellers may go in
- * any order: what views and cancellers need stays until the last of them is gone. A call on a
+ * A solver, as in C, belongs to one thread at a time. It, views, snapshots, cancellers, a batch and
+ * its worlds may go in any order: what they need stays until the last of them is gone. A call on a
  * solver that has been moved from is refused like a null pointer in C.
  *
  * No exception crosses the library: what the log throws is kept (take_log_exception), and the
@@ -36,10 +36,7 @@
 #include <utility>
 #include <vector>
 
-#include <pbf/emit.h>
-#include <pbf/pbf.h>
-#include <pbf/query.h>
-#include <pbf/shapes.h>
+#include <pbf/all.h>
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 #define PBF_HAS_EXCEPTIONS 1
@@ -210,7 +207,20 @@ T sized() noexcept {
   return made;
 }
 
+inline std::uint32_t clamped(std::size_t size) noexcept {
+  return size > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(size);
+}
+
+inline error wrong_size(const char *name, std::size_t has, const char *wanted) noexcept {
+  char sentence[160];
+  std::snprintf(sentence, sizeof sentence, "%s has %zu elements; %s", name, has, wanted);
+  return error(PBF_ERROR_INVALID_ARGUMENT, sentence);
+}
+
 }  // namespace detail
+
+/* Of the library at run time, as MAJOR * 1000000 + MINOR * 1000 + PATCH. */
+inline std::uint32_t version() noexcept { return pbf_version(); }
 
 /* ---- What a solver is made of -------------------------------------------------------------- */
 
@@ -263,6 +273,22 @@ struct volume : pbf_volume {
     pbf_volume_init(this, sizeof(pbf_volume), of_shape);
   }
   volume(const pbf_volume &from) noexcept : pbf_volume(from) {}
+
+  static volume box(double x, double y, double z, double half_x, double half_y,
+                    double half_z) noexcept {
+    volume made(PBF_VOLUME_BOX);
+    made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
+    return made.place(x, y, z);
+  }
+  static volume sphere(double x, double y, double z, double r) noexcept {
+    volume made(PBF_VOLUME_SPHERE);
+    made.radius = r;
+    return made.place(x, y, z);
+  }
+  volume &place(double x, double y, double z) noexcept {
+    position[0] = x, position[1] = y, position[2] = z;
+    return *this;
+  }
 };
 
 /* pbf_emitter at the origin, sizes 1: a PBF_EMITTER_…. */
@@ -271,24 +297,111 @@ struct emitter : pbf_emitter {
     pbf_emitter_init(this, sizeof(pbf_emitter), of_shape);
   }
   emitter(const pbf_emitter &from) noexcept : pbf_emitter(from) {}
+
+  /* Both across a stream that goes downwards at 1, until `velocity` is set. */
+  static emitter disc(double x, double y, double z, double r) noexcept {
+    emitter made(PBF_EMITTER_DISC);
+    made.radius = r;
+    return made.place(x, y, z);
+  }
+  static emitter rectangle(double x, double y, double z, double half_width,
+                           double half_height) noexcept {
+    emitter made(PBF_EMITTER_RECTANGLE);
+    made.half_width = half_width, made.half_height = half_height;
+    return made.place(x, y, z);
+  }
+  emitter &place(double x, double y, double z) noexcept {
+    position[0] = x, position[1] = y, position[2] = z;
+    return *this;
+  }
 };
 
-/* A shape, by a reference of its own: what has been copied from it is the same one. */
+/* pbf_phase of this rest density, and viscosity 1. */
+struct phase : pbf_phase {
+  explicit phase(double density) noexcept : pbf_phase(detail::sized<pbf_phase>()) {
+    pbf_phase_init(this, sizeof(pbf_phase));
+    rest_density = density;
+  }
+  phase(const pbf_phase &from) noexcept : pbf_phase(from) {}
+};
+
+/* Where answers at points go: a number a point, of velocities `dimension`; empty: not asked for. */
+struct samples {
+  span<double> densities;
+  span<double> velocities;
+  span<double> pressures;
+  span<std::uint8_t> wet;
+};
+
+/* A shape, by a reference of its own: what has been copied from it is the same one. Each array has
+ * as many dimensions as `dimension`, or another array of the same call, says. */
 class shape {
  public:
-  static result<shape> from(const pbf_grid_desc &desc) noexcept {
+  /* As many dimensions as there are numbers of nodes. */
+  static result<shape> from_grid(span<const std::uint32_t> nodes, span<const double> origin,
+                                 double cell, span<const float> values) noexcept {
+    pbf_grid_desc desc = detail::sized<pbf_grid_desc>();
+    if (nodes.size() != 2 && nodes.size() != 3)
+      return detail::wrong_size("nodes", nodes.size(), "there must be 2 or 3");
+    if (origin.size() != nodes.size())
+      return detail::wrong_size("origin", origin.size(), "it must have as many as nodes");
+    double product = 1;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      desc.nodes[k] = nodes[k], desc.origin[k] = origin[k];
+      product *= nodes[k];
+    }
+    if (product != static_cast<double>(values.size()))
+      return detail::wrong_size("values", values.size(), "it must have one for each node");
+    desc.dimension = static_cast<std::uint32_t>(nodes.size());
+    desc.cell = cell;
+    desc.values = values.data();
     return made(pbf_shape_from_grid, desc);
   }
-  static result<shape> from(const pbf_mesh_desc &desc) noexcept {
+  static result<shape> from_mesh(std::uint32_t dimension, span<const double> vertices,
+                                 span<const std::uint32_t> faces, double cell,
+                                 double thickness = 0) noexcept {
+    pbf_mesh_desc desc = detail::sized<pbf_mesh_desc>();
+    if (!rows(vertices.size(), dimension, &desc.vertex_count))
+      return detail::wrong_size("vertices", vertices.size(), "it must have dimension a vertex");
+    if (!rows(faces.size(), dimension, &desc.face_count))
+      return detail::wrong_size("faces", faces.size(), "it must have dimension a face");
+    desc.dimension = dimension;
+    desc.vertices = vertices.data();
+    desc.faces = faces.data();
+    desc.cell = cell;
+    desc.thickness = thickness;
     return made(pbf_shape_from_mesh, desc);
   }
-  static result<shape> from(const pbf_heights_desc &desc) noexcept {
+  /* `count` has the numbers along x and, in 3D, z. */
+  static result<shape> from_heights(span<const std::uint32_t> count, span<const double> heights,
+                                    double spacing, double base, double cell) noexcept {
+    pbf_heights_desc desc = detail::sized<pbf_heights_desc>();
+    if (count.size() != 1 && count.size() != 2)
+      return detail::wrong_size("count", count.size(), "there must be 1 or, in 3D, 2");
+    double product = 1;
+    for (std::size_t k = 0; k < count.size(); ++k) product *= desc.count[k] = count[k];
+    if (product != static_cast<double>(heights.size()))
+      return detail::wrong_size("heights", heights.size(), "it must have as many as count says");
+    desc.dimension = static_cast<std::uint32_t>(count.size()) + 1;
+    desc.heights = heights.data();
+    desc.spacing = spacing;
+    desc.base = base;
+    desc.cell = cell;
     return made(pbf_shape_from_heights, desc);
   }
-  static result<shape> from(const pbf_hull_desc &desc) noexcept {
+  static result<shape> from_points(std::uint32_t dimension, span<const double> points,
+                                   double cell) noexcept {
+    pbf_hull_desc desc = detail::sized<pbf_hull_desc>();
+    if (!rows(points.size(), dimension, &desc.point_count))
+      return detail::wrong_size("points", points.size(), "it must have dimension a point");
+    desc.dimension = dimension;
+    desc.points = points.data();
+    desc.cell = cell;
     return made(pbf_shape_from_points, desc);
   }
-  shape(const shape &other) noexcept : handle_(other.handle_) { pbf_hold_shape(handle_); }
+  shape(const shape &other) noexcept : handle_(other.handle_) {
+    if (handle_) pbf_hold_shape(handle_);
+  }
   shape(shape &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
   shape &operator=(shape other) noexcept {
     std::swap(handle_, other.handle_);
@@ -302,9 +415,22 @@ class shape {
     const pbf_status status = pbf_get_shape_info(handle_, &got);
     return detail::checked(status, got);
   }
+  /* Of a point in the shape's own space; `normal`, where it is given, gets the direction in which
+   * it grows. In 2D the third number is not looked at. */
+  result<double> distance(const double (&point)[3], double (*normal)[3] = nullptr) const noexcept {
+    double found = 0, towards[3] = {0, 0, 0};
+    const pbf_status status = pbf_get_shape_distance(handle_, point, &found, towards);
+    if (status == PBF_OK && normal) std::memcpy(*normal, towards, sizeof towards);
+    return detail::checked(status, found);
+  }
 
  private:
   explicit shape(pbf_shape *handle) noexcept : handle_(handle) {}
+  static bool rows(std::size_t numbers, std::uint32_t dimension, std::uint32_t *count) noexcept {
+    if (dimension != 2 && dimension != 3) return true; /* the library refuses it */
+    *count = static_cast<std::uint32_t>(numbers / dimension);
+    return numbers % dimension == 0 && numbers / dimension <= UINT32_MAX;
+  }
   template <class Desc>
   static result<shape> made(pbf_status (*make)(const Desc *, pbf_shape **),
                             const Desc &desc) noexcept {
@@ -334,12 +460,14 @@ struct collider : pbf_collider {
     made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
     return made;
   }
-  /* As large as the shape is; the shape stays while a solver has such a collider. */
+  /* As large as the shape is, which has to live until a solver has the collider; from then on that
+   * keeps it. */
   static collider solid(const pbf::shape &of, double x, double y, double z) noexcept {
     collider made(PBF_COLLIDER_SHAPE);
     made.geometry = of.handle();
     return made.place(x, y, z);
   }
+  static collider solid(pbf::shape &&of, double x, double y, double z) = delete;
   /* Through a point, fluid on the side of the normal. */
   static collider plane(double x, double y, double z, double normal_x, double normal_y,
                         double normal_z) noexcept {
@@ -394,8 +522,80 @@ inline void finish(void *user, void *handle) noexcept {
   static_cast<task_system *>(user)->finish(handle);
 }
 
+/* A pbf_desc as the library takes it, for the time of a call. */
+struct c_desc : pbf_desc {
+  c_desc(const pbf::desc &wanted, log_target &target)
+      : pbf_desc(wanted), memory(sized<pbf_allocator>()) {
+    struct_size = sizeof(pbf_desc);
+    if (wanted.memory) {
+      memory.user = wanted.memory;
+      memory.allocate = detail::allocate;
+      memory.release = detail::release;
+      allocator = &memory;
+    }
+    if (wanted.tasks) {
+      enqueue_task = detail::enqueue;
+      finish_task = detail::finish;
+      task_user = wanted.tasks;
+    }
+    if (wanted.log_to) {
+      target.call = wanted.log_to;
+      log = log_target::write;
+      log_user = &target;
+    }
+  }
+  c_desc(const c_desc &) = delete;
+  c_desc &operator=(const c_desc &) = delete;
+
+ private:
+  pbf_allocator memory;
+};
+
+/* Shared: `owners`, and `handle`, of C, which its destructor destroys. */
+template <class Shared>
+class owner_of {
+ public:
+  owner_of() noexcept = default;
+  explicit owner_of(Shared *made) noexcept : shared_(made) {}
+  owner_of(const owner_of &other) noexcept : shared_(other.shared_) {
+    if (shared_) shared_->owners.fetch_add(1, std::memory_order_relaxed);
+  }
+  owner_of(owner_of &&other) noexcept : shared_(std::exchange(other.shared_, nullptr)) {}
+  owner_of &operator=(owner_of other) noexcept {
+    std::swap(shared_, other.shared_);
+    return *this;
+  }
+  ~owner_of() {
+    if (shared_ && shared_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete shared_;
+  }
+
+  Shared *operator->() const noexcept { return shared_; }
+  explicit operator bool() const noexcept { return shared_ != nullptr; }
+  auto handle() const noexcept { return shared_ ? shared_->handle : nullptr; }
+  bool alone() const noexcept { return shared_->owners.load(std::memory_order_acquire) == 1; }
+
+ private:
+  Shared *shared_ = nullptr;
+};
+
+/* The batch of C, for all that need it. */
+struct shared_batch {
+  std::atomic<unsigned> owners{1};
+  pbf_batch *handle = nullptr;
+  std::uint32_t worlds = 0;
+  std::uint32_t dimension = 0;
+  std::uint32_t precision = 0;
+  log_target log;
+
+  shared_batch() = default;
+  shared_batch(const shared_batch &) = delete;
+  shared_batch &operator=(const shared_batch &) = delete;
+  ~shared_batch() { pbf_batch_destroy(handle); }
+};
+
 /* The solver of C, for all that need it. */
 struct shared_solver {
+  owner_of<shared_batch> batch; /* that it is a world of, and ends with */
   std::atomic<unsigned> owners{1};
   pbf_solver *handle = nullptr;
   std::uint32_t dimension = 0;
@@ -405,33 +605,15 @@ struct shared_solver {
   shared_solver() = default;
   shared_solver(const shared_solver &) = delete;
   shared_solver &operator=(const shared_solver &) = delete;
-  ~shared_solver() { pbf_destroy(handle); }
+  ~shared_solver() { pbf_destroy(handle); } /* of a world nothing */
 };
 
-class owner {
- public:
-  owner() noexcept = default;
-  explicit owner(shared_solver *made) noexcept : shared_(made) {}
-  owner(const owner &other) noexcept : shared_(other.shared_) {
-    if (shared_) shared_->owners.fetch_add(1, std::memory_order_relaxed);
-  }
-  owner(owner &&other) noexcept : shared_(std::exchange(other.shared_, nullptr)) {}
-  owner &operator=(owner other) noexcept {
-    std::swap(shared_, other.shared_);
-    return *this;
-  }
-  ~owner() {
-    if (shared_ && shared_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete shared_;
-  }
+using owner = owner_of<shared_solver>;
 
-  shared_solver *operator->() const noexcept { return shared_; }
-  explicit operator bool() const noexcept { return shared_ != nullptr; }
-  pbf_solver *handle() const noexcept { return shared_ ? shared_->handle : nullptr; }
-  bool alone() const noexcept { return shared_->owners.load(std::memory_order_acquire) == 1; }
-
- private:
-  shared_solver *shared_ = nullptr;
-};
+inline std::exception_ptr taken(log_target &log) noexcept {
+  const std::lock_guard<std::mutex> hold(log.lock);
+  return std::exchange(log.thrown, nullptr);
+}
 
 }  // namespace detail
 
@@ -544,7 +726,8 @@ class solver {
     return *this;
   }
   ~solver() {
-    if (owner_ && !owner_.alone()) {  // steps that have begun end with the solver
+    // Steps that have begun end with the solver, which a world of a batch outlives.
+    if (owner_ && (!owner_.alone() || owner_->batch)) {
       pbf_cancel(handle());
       pbf_end_step(handle());
     }
@@ -558,8 +741,7 @@ class solver {
   /* The first exception that the log threw since this was last asked; null: none. */
   std::exception_ptr take_log_exception() noexcept {
     if (!owner_) return nullptr;
-    const std::lock_guard<std::mutex> hold(owner_->log.lock);
-    return std::exchange(owner_->log.thrown, nullptr);
+    return detail::taken(owner_->batch ? owner_->batch->log : owner_->log);
   }
 
   result<void> step(std::uint32_t steps = 1) noexcept {
@@ -689,7 +871,7 @@ class solver {
   result<std::uint32_t> find_in(const volume &where, span<std::uint32_t> ids) noexcept {
     std::uint32_t count = 0;
     const pbf_status status =
-        pbf_find_in_volume(handle(), &where, clamped(ids.size()), ids.data(), &count);
+        pbf_find_in_volume(handle(), &where, detail::clamped(ids.size()), ids.data(), &count);
     return detail::checked(status, count);
   }
   result<pbf_volume_flow> measure(const volume &where) noexcept {
@@ -697,15 +879,31 @@ class solver {
     const pbf_status status = pbf_measure_volumes(handle(), 1, &where, &flow);
     return detail::checked(status, flow);
   }
-  /* struct_size is set here. */
-  result<void> sample(pbf_samples wanted) noexcept {
-    wanted.struct_size = sizeof wanted;
-    return detail::checked(pbf_sample(handle(), &wanted));
+  /* As many as there are volumes. */
+  result<void> measure(span<const volume> volumes, span<pbf_volume_flow> flows) noexcept {
+    if (flows.size() != volumes.size())
+      return detail::wrong_size("flows", flows.size(), "it must have as many as volumes");
+    for (pbf_volume_flow &flow : flows) flow = detail::sized<pbf_volume_flow>();
+    return detail::checked(pbf_measure_volumes(handle(), detail::clamped(volumes.size()),
+                                               volumes.data(), flows.data()));
   }
-  result<void> sample_on_grid(pbf_sample_grid grid, pbf_samples wanted) noexcept {
+  result<void> sample(span<const double> points, const samples &into) noexcept {
+    if (!owner_) return moved_from();
+    if (points.size() % dimension() != 0) return odd_size("points", points.size(), dimension());
+    auto wanted = sampled(static_cast<double>(points.size() / dimension()), into);
+    if (!wanted) return wanted.failure();
+    wanted->points = points.data();
+    return detail::checked(pbf_sample(handle(), &*wanted));
+  }
+  /* struct_size is set here. */
+  result<void> sample_on_grid(pbf_sample_grid grid, const samples &into) noexcept {
+    if (!owner_) return moved_from();
     grid.struct_size = sizeof grid;
-    wanted.struct_size = sizeof wanted;
-    return detail::checked(pbf_sample_on_grid(handle(), &grid, &wanted));
+    double count = 1;
+    for (std::uint32_t k = 0; k < dimension(); ++k) count *= grid.counts[k];
+    const auto wanted = sampled(count, into);
+    if (!wanted) return wanted.failure();
+    return detail::checked(pbf_sample_on_grid(handle(), &grid, &*wanted));
   }
   /* As many rays as `distances` has numbers. `normals` may be empty. */
   result<void> cast_rays(span<const double> origins, span<const double> directions, double length,
@@ -714,23 +912,54 @@ class solver {
     if (origins.size() != numbers || directions.size() != numbers ||
         (!normals.empty() && normals.size() != numbers))
       return odd_arrays();
-    return detail::checked(pbf_cast_rays(handle(), clamped(distances.size()), origins.data(),
-                                         directions.data(), length, distances.data(),
-                                         normals.data()));
+    return detail::checked(pbf_cast_rays(handle(), detail::clamped(distances.size()),
+                                         origins.data(), directions.data(), length,
+                                         distances.data(), normals.data()));
   }
   result<void> get_levels(span<const double> points, span<double> levels) noexcept {
     if (points.size() != levels.size() * dimension()) return odd_arrays();
     return detail::checked(
-        pbf_get_levels(handle(), clamped(levels.size()), points.data(), levels.data()));
+        pbf_get_levels(handle(), detail::clamped(levels.size()), points.data(), levels.data()));
   }
   /* What comes and goes in steps, see emit.h. */
   result<void> set_emitters(span<const emitter> emitters) noexcept {
-    return detail::checked(pbf_set_emitters(handle(), clamped(emitters.size()), emitters.data()));
+    return detail::checked(
+        pbf_set_emitters(handle(), detail::clamped(emitters.size()), emitters.data()));
   }
   result<void> set_drains(span<const volume> drains) noexcept {
-    return detail::checked(pbf_set_drains(handle(), clamped(drains.size()), drains.data()));
+    return detail::checked(pbf_set_drains(handle(), detail::clamped(drains.size()), drains.data()));
   }
+  result<emitter> get_emitter(std::uint32_t index) noexcept {
+    return numbered<emitter>(pbf_get_emitter, index);
+  }
+  result<volume> get_drain(std::uint32_t index) noexcept {
+    return numbered<volume>(pbf_get_drain, index);
+  }
+  /* It has the numbers of emitters and drains, too. */
   result<pbf_in_out> in_out() noexcept { return filled(pbf_get_in_out); }
+
+  /* Several fluids, see phases.h. */
+  result<void> set_phases(span<const phase> phases) noexcept {
+    return detail::checked(pbf_set_phases(handle(), detail::clamped(phases.size()), phases.data()));
+  }
+  result<std::uint32_t> phase_count() noexcept {
+    return number<std::uint32_t>(pbf_get_phase_count);
+  }
+  result<phase> get_phase(std::uint32_t index) noexcept {
+    return numbered<phase>(pbf_get_phase, index);
+  }
+  result<void> set_particle_phases(span<const std::uint32_t> phases,
+                                   std::uint32_t first = 0) noexcept {
+    if (phases.size() > UINT32_MAX) return too_many();
+    return detail::checked(pbf_set_particle_phases(
+        handle(), first, static_cast<std::uint32_t>(phases.size()), phases.data()));
+  }
+  result<void> get_particle_phases(span<std::uint32_t> out, std::uint32_t first = 0) noexcept {
+    if (out.size() > UINT32_MAX) return too_many();
+    return detail::checked(pbf_get_particle_phases(
+        handle(), first, static_cast<std::uint32_t>(out.size()), out.data()));
+  }
+
   result<void> end_queries() noexcept { return detail::checked(pbf_end_queries(handle())); }
   result<void> keep_previous(bool enabled) noexcept {
     return detail::checked(pbf_keep_previous(handle(), enabled));
@@ -738,28 +967,28 @@ class solver {
 
   result<void> set_colliders(span<const collider> colliders) noexcept {
     return detail::checked(
-        pbf_set_colliders(handle(), clamped(colliders.size()), colliders.data()));
+        pbf_set_colliders(handle(), detail::clamped(colliders.size()), colliders.data()));
   }
   result<void> move_colliders(span<const collider> targets, double duration) noexcept {
     return detail::checked(
-        pbf_move_colliders(handle(), clamped(targets.size()), targets.data(), duration));
+        pbf_move_colliders(handle(), detail::clamped(targets.size()), targets.data(), duration));
   }
   result<std::uint32_t> collider_count() noexcept {
     return number<std::uint32_t>(pbf_get_collider_count);
   }
   result<collider> get_collider(std::uint32_t index) noexcept {
-    pbf_collider got = detail::sized<pbf_collider>();
-    const pbf_status status = pbf_get_collider(handle(), index, &got);
-    return detail::checked(status, collider(got));
+    return numbered<collider>(pbf_get_collider, index);
   }
   /* As many as there are colliders, or walls: 2 * dimension. */
   result<void> get_collider_loads(span<pbf_collider_load> loads) noexcept {
     for (pbf_collider_load &load : loads) load = detail::sized<pbf_collider_load>();
-    return detail::checked(pbf_get_collider_loads(handle(), clamped(loads.size()), loads.data()));
+    return detail::checked(
+        pbf_get_collider_loads(handle(), detail::clamped(loads.size()), loads.data()));
   }
   result<void> get_wall_loads(span<pbf_collider_load> loads) noexcept {
     for (pbf_collider_load &load : loads) load = detail::sized<pbf_collider_load>();
-    return detail::checked(pbf_get_wall_loads(handle(), clamped(loads.size()), loads.data()));
+    return detail::checked(
+        pbf_get_wall_loads(handle(), detail::clamped(loads.size()), loads.data()));
   }
 
   result<view> map(std::uint32_t field) noexcept {
@@ -804,14 +1033,49 @@ class solver {
   }
 
  private:
+  friend class batch;
   explicit solver(detail::owner owner) noexcept : owner_(std::move(owner)) {}
 
-  static std::uint32_t clamped(std::size_t size) noexcept {
-    return size > UINT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(size);
-  }
   static error odd_arrays() noexcept {
     return error(PBF_ERROR_INVALID_ARGUMENT,
                  "arrays of points have not as many as that of answers");
+  }
+  static error moved_from() noexcept {
+    return error(PBF_ERROR_INVALID_ARGUMENT, "the solver has been moved from");
+  }
+  result<pbf_samples> sampled(double points, const samples &into) const noexcept {
+    pbf_samples raw = detail::sized<pbf_samples>();
+    if (points > UINT32_MAX) return too_many();
+    const auto fits = [points](std::size_t size, double each) {
+      return size == 0 || static_cast<double>(size) == points * each;
+    };
+    if (!fits(into.densities.size(), 1))
+      return detail::wrong_size("densities", into.densities.size(), "it must have one a point");
+    if (!fits(into.velocities.size(), dimension()))
+      return detail::wrong_size("velocities", into.velocities.size(),
+                                "it must have dimension a point");
+    if (!fits(into.pressures.size(), 1))
+      return detail::wrong_size("pressures", into.pressures.size(), "it must have one a point");
+    if (!fits(into.wet.size(), 1))
+      return detail::wrong_size("wet", into.wet.size(), "it must have one a point");
+    raw.count = static_cast<std::uint32_t>(points);
+    raw.densities = place(into.densities);
+    raw.velocities = place(into.velocities);
+    raw.pressures = place(into.pressures);
+    raw.wet = place(into.wet);
+    return raw;
+  }
+  template <class T>
+  static T *place(span<T> array) noexcept {
+    return array.empty() ? nullptr : array.data();
+  }
+
+  template <class Given, class C>
+  result<Given> numbered(pbf_status (*get)(pbf_solver *, std::uint32_t, C *),
+                         std::uint32_t index) noexcept {
+    C got = detail::sized<C>();
+    const pbf_status status = get(handle(), index, &got);
+    return detail::checked(status, Given(got));
   }
   static error too_many() noexcept {
     return error(PBF_ERROR_INVALID_ARGUMENT, "an array has more elements than 32 bits count");
@@ -888,36 +1152,203 @@ class solver {
 inline result<solver> solver::create(const desc &wanted, const params &start) {
   detail::owner owner(new (std::nothrow) detail::shared_solver);
   if (!owner) return error(PBF_ERROR_OUT_OF_MEMORY, "no memory for a solver's owner");
-  pbf_desc c = wanted;
-  c.struct_size = sizeof c;
+  const detail::c_desc desc(wanted, owner->log);
   pbf_params first = start;
   first.struct_size = sizeof first;
-  pbf_allocator memory = detail::sized<pbf_allocator>();
-  if (wanted.memory) {
-    memory.user = wanted.memory;
-    memory.allocate = detail::allocate;
-    memory.release = detail::release;
-    c.allocator = &memory;
-  }
-  if (wanted.tasks) {
-    c.enqueue_task = detail::enqueue;
-    c.finish_task = detail::finish;
-    c.task_user = wanted.tasks;
-  }
-  if (wanted.log_to) {
-    owner->log.call = wanted.log_to;
-    c.log = detail::log_target::write;
-    c.log_user = &owner->log;
-  }
-  owner->dimension = c.dimension;
-  owner->precision = c.precision;
-  const pbf_status status = pbf_create(&c, &first, &owner->handle);
+  owner->dimension = desc.dimension;
+  owner->precision = desc.precision;
+  const pbf_status status = pbf_create(&desc, &first, &owner->handle);
   if (status != PBF_OK) {
     owner->handle = nullptr;
     return error(status);
   }
   return solver(std::move(owner));
 }
+
+/* ---- Many worlds --------------------------------------------------------------------------- */
+
+/* See batch.h. A mask has a byte a world, those that are not 0 are meant; an empty one: all. The
+ * log is called from all of a batch's threads at once. */
+class batch {
+ public:
+  using mask = span<const std::uint8_t>;
+
+  static result<batch> create(const desc &wanted, const params &start, std::uint32_t worlds) {
+    detail::owner_of<detail::shared_batch> owner(new (std::nothrow) detail::shared_batch);
+    if (!owner) return error(PBF_ERROR_OUT_OF_MEMORY, "no memory for a batch's owner");
+    const detail::c_desc desc(wanted, owner->log);
+    pbf_params first = start;
+    first.struct_size = sizeof first;
+    owner->dimension = desc.dimension;
+    owner->precision = desc.precision;
+    owner->worlds = worlds;
+    const pbf_status status = pbf_batch_create(&desc, &first, worlds, &owner->handle);
+    if (status != PBF_OK) {
+      owner->handle = nullptr;
+      return error(status);
+    }
+    return batch(std::move(owner));
+  }
+
+  batch(batch &&) noexcept = default;
+  batch &operator=(batch &&) noexcept = default;
+
+  /* For calls of batch.h that are not here. Not to be destroyed. */
+  pbf_batch *handle() const noexcept { return owner_.handle(); }
+  std::uint32_t size() const noexcept { return owner_ ? owner_->worlds : 0; }
+  std::exception_ptr take_log_exception() noexcept {
+    return owner_ ? detail::taken(owner_->log) : nullptr;
+  }
+  result<pbf_batch_info> info() noexcept {
+    pbf_batch_info got = detail::sized<pbf_batch_info>();
+    const pbf_status status = pbf_batch_get_info(handle(), &got);
+    return detail::checked(status, got);
+  }
+  /* A world as a solver, between calls of the batch, which stays for it. */
+  result<solver> world(std::uint32_t index) noexcept {
+    detail::owner owner(new (std::nothrow) detail::shared_solver);
+    if (!owner) return error(PBF_ERROR_OUT_OF_MEMORY, "no memory for a world's owner");
+    const pbf_status status = pbf_batch_get_world(handle(), index, &owner->handle);
+    if (status != PBF_OK) return error(status);
+    owner->batch = owner_;
+    owner->dimension = owner_->dimension;
+    owner->precision = owner_->precision;
+    return solver(std::move(owner));
+  }
+  /* What became of each world in the last call that went through worlds. */
+  result<std::vector<result<void>>> results() {
+    std::vector<pbf_status> statuses(size());
+    pbf_status status = pbf_batch_get_statuses(handle(), statuses.data());
+    if (status != PBF_OK) return error(status);
+    std::vector<result<void>> found(size());
+    for (std::uint32_t k = 0; k < size(); ++k) {
+      const char *sentence = "";
+      if (statuses[k] == PBF_OK) continue;
+      status = pbf_batch_get_sentence(handle(), k, &sentence);
+      if (status != PBF_OK) return error(status);
+      found[k] = error(statuses[k], sentence);
+    }
+    return found;
+  }
+
+  result<void> step(std::uint32_t steps = 1, mask worlds = {}) noexcept {
+    return masked(worlds, [&](auto *bytes) { return pbf_batch_step(handle(), bytes, steps); });
+  }
+  /* What reset goes back to: a state of solver::save, or, without one, each one's present state. */
+  result<void> set_start(span<const unsigned char> state = {}, mask worlds = {}) noexcept {
+    return masked(worlds, [&](auto *bytes) {
+      return pbf_batch_set_start(handle(), bytes, state.empty() ? nullptr : state.data(),
+                                 state.size());
+    });
+  }
+  result<void> reset(mask worlds = {}) noexcept {
+    return masked(worlds, [&](auto *bytes) { return pbf_batch_reset(handle(), bytes); });
+  }
+  /* Three numbers a world. */
+  result<void> set_gravity(span<const double> gravity, mask worlds = {}) noexcept {
+    if (gravity.size() != std::size_t{3} * size())
+      return detail::wrong_size("gravity", gravity.size(), "it must have three a world");
+    return masked(worlds, [&](auto *bytes) {
+      return pbf_batch_set_gravity(handle(), bytes, gravity.data());
+    });
+  }
+  /* The same ones for all. */
+  result<void> set_colliders(span<const collider> colliders, mask worlds = {}) noexcept {
+    return masked(worlds, [&](auto *bytes) {
+      return pbf_batch_set_colliders(handle(), bytes, detail::clamped(colliders.size()),
+                                     colliders.data());
+    });
+  }
+  /* All that each world has, three numbers each, and four of an orientation; without these they
+   * keep theirs. */
+  result<void> move_colliders(span<const double> positions, double duration,
+                              span<const double> orientations = {}, mask worlds = {}) noexcept {
+    const std::size_t count = size() ? positions.size() / 3 / size() : 0;
+    if (positions.size() != 3 * count * size())
+      return detail::wrong_size("positions", positions.size(), "it must have as many a world");
+    if (!orientations.empty() && orientations.size() != 4 * count * size())
+      return detail::wrong_size("orientations", orientations.size(),
+                                "it must have four a collider");
+    return masked(worlds, [&](auto *bytes) {
+      return pbf_batch_move_colliders(handle(), bytes, detail::clamped(count), positions.data(),
+                                      orientations.empty() ? nullptr : orientations.data(),
+                                      duration);
+    });
+  }
+  /* So many to each world; without velocities they are at rest. */
+  result<void> add_particles(span<const std::uint32_t> counts, span<const float> positions,
+                             span<const float> velocities = {}) noexcept {
+    return add(counts, positions, velocities);
+  }
+  result<void> add_particles(span<const std::uint32_t> counts, span<const double> positions,
+                             span<const double> velocities = {}) noexcept {
+    return add(counts, positions, velocities);
+  }
+  /* Particles of each world. */
+  result<void> get_counts(span<std::uint32_t> counts) noexcept {
+    if (counts.size() != size())
+      return detail::wrong_size("counts", counts.size(), "it must have one a world");
+    return detail::checked(pbf_batch_get_counts(handle(), counts.data()));
+  }
+  /* A PBF_FIELD_… of each world, in as many rows as `out` has room for; what a world lacks is 0. */
+  result<void> read(std::uint32_t field, span<float> out, mask worlds = {}) noexcept {
+    return read_as(PBF_TYPE_FLOAT32, field, out, worlds);
+  }
+  result<void> read(std::uint32_t field, span<double> out, mask worlds = {}) noexcept {
+    return read_as(PBF_TYPE_FLOAT64, field, out, worlds);
+  }
+  result<void> read(std::uint32_t field, span<std::uint32_t> out, mask worlds = {}) noexcept {
+    return read_as(PBF_TYPE_UINT32, field, out, worlds);
+  }
+  /* Ends when its deleter is called, also after the batch. */
+  result<DLManagedTensor *> export_dlpack(std::uint32_t field, std::uint32_t rows = 0) noexcept {
+    DLManagedTensor *tensor = nullptr;
+    const pbf_status status = pbf_batch_export_dlpack(handle(), field, rows, &tensor);
+    return detail::checked(status, tensor);
+  }
+
+ private:
+  explicit batch(detail::owner_of<detail::shared_batch> owner) noexcept
+      : owner_(std::move(owner)) {}
+
+  template <class Call>
+  result<void> masked(mask worlds, Call call) noexcept {
+    if (!worlds.empty() && worlds.size() != size())
+      return detail::wrong_size("the mask", worlds.size(), "it must have one a world");
+    return detail::checked(call(worlds.empty() ? nullptr : worlds.data()));
+  }
+  template <class T>
+  result<void> add(span<const std::uint32_t> counts, span<const T> positions,
+                   span<const T> velocities) noexcept {
+    if (counts.size() != size())
+      return detail::wrong_size("counts", counts.size(), "it must have one a world");
+    if (owner_ && owner_->precision != sizeof(T))
+      return error(PBF_ERROR_INVALID_ARGUMENT, "the arrays are not of the batch's precision");
+    std::size_t numbers = 0;
+    for (const std::uint32_t count : counts) numbers += std::size_t{count} * owner_->dimension;
+    if (positions.size() != numbers)
+      return detail::wrong_size("positions", positions.size(), "counts says another number");
+    if (!velocities.empty() && velocities.size() != numbers)
+      return detail::wrong_size("velocities", velocities.size(), "counts says another number");
+    return detail::checked(
+        pbf_batch_add_particles(handle(), counts.data(), positions.data(), velocities.data()));
+  }
+  template <class T>
+  result<void> read_as(std::uint32_t type, std::uint32_t field, span<T> out, mask worlds) noexcept {
+    const bool vector = field == PBF_FIELD_POSITION || field == PBF_FIELD_VELOCITY;
+    const std::size_t width = std::size_t{size()} * (vector && owner_ ? owner_->dimension : 1);
+    if (width && out.size() % width != 0)
+      return detail::wrong_size("the array", out.size(), "it must have as many a world");
+    pbf_read_desc wanted = detail::sized<pbf_read_desc>();
+    wanted.field = field;
+    wanted.element_type = type;
+    wanted.count = detail::clamped(width ? out.size() / width : 0);
+    wanted.data = out.data();
+    return masked(worlds, [&](auto *bytes) { return pbf_batch_read(handle(), bytes, &wanted, 0); });
+  }
+
+  detail::owner_of<detail::shared_batch> owner_;
+};
 
 /* ---- Backends ------------------------------------------------------------------------------ */
 

@@ -113,7 +113,8 @@ typedef struct pbf_shape_info {
 PBF_API pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
 
 /* The distance of a point (in 2D two numbers) in the shape's own space, as colliders see it, and,
- * unless it is null, the direction in which it grows. */
+ * unless it is null, the direction in which it grows. Beyond the grid, which ends some two
+ * cells from a solid that is not made of one, it is what nothing of the solid is nearer than. */
 PBF_API pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance,
                                           double *normal);
 

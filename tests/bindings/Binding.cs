@@ -5,7 +5,7 @@ using System.Runtime.InteropServices;
 using System.Threading;
 using Pbf;
 
-internal static class Binding
+internal static partial class Binding
 {
     private static Desc TestDesc()
     {
@@ -333,9 +333,12 @@ internal static class Binding
             Equal(true, fluid.GetStepLimit() > 0);
         }
         Equal(true, Solver.Backends(TestDesc()).Any(backend => backend.Available == 1));
+        Equal((int)Constants.VersionMinor, Solver.LibraryVersion.Minor);
+        Refused(Status.InvalidArgument, "absolute", () => Solver.LoadBackend("water.so"));
+        Refused(Status.InvalidArgument, "null", () => Solver.LoadBackend(null));
     }
 
-    private static Solver last;
+    private static Solver last, lastWorld;
 
     private static int Main()
     {
@@ -344,7 +347,11 @@ internal static class Binding
         {
             StructsLieAsInC, AParticleFalls, LoadsAreTheMomentumThatIsGone, AccelerationsHoldUp,
             ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers, SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
-            ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold
+            ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold,
+            ShapesAreAsFarAsTheirFaces, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
+            QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
+            FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
+            WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall
         })
         {
             try
@@ -360,6 +367,8 @@ internal static class Binding
         }
         last = Filled(); // alive, and stepping, when the process ends
         last.BeginStep(uint.MaxValue);
+        lastWorld = new Batch(2, TestDesc())[1];
+        lastWorld.BeginStep(uint.MaxValue);
         return failed == 0 ? 0 : 1;
     }
 }

@@ -8,7 +8,8 @@ namespace UnityEngine
     public class Component : Object { public Transform transform; }
     public class Behaviour : Component { public bool enabled; }
     public class MonoBehaviour : Behaviour { }
-    public class Mesh : Object { }
+    public class Mesh : Object { public Vector3[] vertices; public int[] triangles; }
+    public class MeshFilter : Component { public Mesh sharedMesh; }
     public class Material : Object { }
     public class Collider : Component { }
     public class Transform : Component
@@ -16,6 +17,7 @@ namespace UnityEngine
         public Vector3 position;
         public Matrix4x4 localToWorldMatrix;
         public Vector3 InverseTransformPoint(Vector3 point) { return point; }
+        public Vector3 TransformPoint(Vector3 point) { return point; }
     }
     public struct Vector3
     {
@@ -63,6 +65,7 @@ namespace Godot
     public class MultiMesh : GodotObject
     {
         public int InstanceCount { get; set; }
+        public int VisibleInstanceCount { get; set; }
         public void SetInstanceTransform(int instance, Transform3D transform) { }
     }
     public struct Vector3

@@ -16,7 +16,7 @@ local function filled()
   return fluid
 end
 
-local function near(a, b, bound) assert(math.abs(a - b) < bound, a .. " is not " .. b) end
+local function near(a, b, bound) assert(math.abs(a - b) <= bound, a .. " is not " .. b) end
 
 local function refused(name, words, call, ...)
   local done, why = pcall(call, ...)
@@ -206,8 +206,11 @@ end
 function tests.backends_are_told()
   local available = false
   for _, found in ipairs(pbf.backends()) do available = available or found.available end
+  refused("PBF_ERROR_INVALID_ARGUMENT", "absolute", pbf.load_backend, "water.so")
   assert(available and pbf.version():match("^%d+%.%d+%.%d+$"))
 end
+
+for name, test in pairs(require("objects")(solver, near, refused)) do tests[name] = test end
 
 local failed = 0
 for name, test in pairs(tests) do
@@ -220,4 +223,6 @@ end
 -- One that is alive, and steps, when the process ends.
 last = filled()
 last:begin_step(1000000000)
+lastWorld = pbf.batch({ worlds = 1, capacity = 1, backend = backend }):world(0)
+lastWorld:begin_step(1000000000)
 if failed > 0 then error(failed .. " tests failed", 0) end

@@ -181,42 +181,302 @@ static void arrays_of_another_kind_are_refused(void **) {
   assert_int_equal(given(fluid.count()), 2);
 }
 
-static void queries_answer(void **) {
-  auto fluid = filled();
-  std::array<double, 3> point = {.55, .5, .5}, down = {0, -1, 0}, normal;
-  std::array<double, 1> density, distance, level;
-  std::array<std::uint32_t, 4> ids;
-  pbf_samples wanted = {};
-  wanted.count = 1;
-  wanted.points = point.data();
-  wanted.densities = density.data();
-  done(fluid.sample(wanted));
-  assert_true(density[0] > 0.1 && density[0] < 0.5);
-  pbf::volume ball(PBF_VOLUME_SPHERE);
-  ball.position[0] = .5, ball.position[1] = .5, ball.position[2] = .5;
-  ball.radius = .05;
-  assert_int_equal(given(fluid.find_in(ball, ids)), 1);
-  assert_int_equal(ids[0], 0);
-  assert_true(given(fluid.measure(ball)).volume > 5e-4);
-  done(fluid.cast_rays(point, down, 1, distance, normal));
-  done(fluid.get_levels(point, level));
-  assert_true(distance[0] > 1 && level[0] != level[0]);
-  assert_int_equal(fluid.cast_rays(point, down, 1, normal).status(), PBF_ERROR_INVALID_ARGUMENT);
+static void assert_near(double got, double wanted, double bound) {
+  if (!(std::abs(got - wanted) <= bound)) fail_msg("%.9g is not %.9g", got, wanted);
+}
+
+static const double d = 0.05; /* the spacing by default */
+
+/* 10 by 10 by 10 particles, at rest, in a corner of the tank. */
+static pbf::solver block() {
+  pbf::desc desc = test_desc();
+  desc.capacity = 1000;
+  auto fluid = given(pbf::solver::create(desc));
+  std::vector<float> x;
+  for (int i = 0; i < 1000; ++i)
+    for (const int n : {i % 10, i / 10 % 10, i / 100})
+      x.push_back(static_cast<float>((n + .5) * d));
+  given(fluid.add_particles(x));
+  return fluid;
+}
+
+/* Half extents 0.2, 0.1 and 0.3, by its corners. */
+static pbf::shape brick() {
+  std::vector<double> corners;
+  for (const double x : {-.2, .2})
+    for (const double y : {-.1, .1})
+      for (const double z : {-.3, .3}) corners.insert(corners.end(), {x, y, z});
+  return given(pbf::shape::from_points(3, corners, .025));
+}
+
+static void shapes_are_as_far_as_their_faces(void **) {
+  const pbf::shape solid = brick();
+  double normal[3] = {0, 0, 0};
+  assert_near(given(solid.info()).volume, .2 * .1 * .3 * 8, 1e-3);
+  assert_near(given(solid.distance({.24, 0, 0}, &normal)), .04, 1e-3);
+  assert_near(normal[0], 1, 1e-3);
+  assert_near(given(solid.distance({0, .06, 0})), -.04, 1e-3);
+  const std::array<double, 8> square = {0, 0, 1, 0, 1, 1, 0, 1};
+  const std::array<std::uint32_t, 8> sides = {0, 1, 1, 2, 2, 3, 3, 0};
+  const pbf::shape mesh = given(pbf::shape::from_mesh(2, square, sides, .05));
+  assert_near(given(mesh.info()).volume, 1, 5e-3);
+  assert_near(given(mesh.distance({1.08, .5, 0})), .08, 1e-3);
+  const pbf::shape shell =
+      given(pbf::shape::from_mesh(2, {square.data(), 4}, {sides.data(), 2}, .05, .2));
+  assert_near(given(shell.distance({.5, .18, 0})), .08, 1e-3);
+  const std::array<std::uint32_t, 1> three = {3};
+  const std::array<double, 3> heights = {.5, .5, .5};
+  const pbf::shape hill = given(pbf::shape::from_heights(three, heights, .5, -.5, .05));
+  assert_near(given(hill.distance({.5, .58, 0})), .08, 1e-3);
+  std::vector<float> values; /* a disc of radius 0.3 */
+  for (int i = 0; i < 441; ++i)
+    values.push_back(static_cast<float>(.05 * std::hypot(i % 21 - 10, i / 21 - 10) - .3));
+  const std::array<std::uint32_t, 2> nodes = {21, 21};
+  const std::array<double, 2> origin = {-.5, -.5};
+  const pbf::shape disc = given(pbf::shape::from_grid(nodes, origin, .05, values));
+  assert_near(given(disc.distance({.4, 0, 0})), .1, 2e-3);
+}
+
+static void shapes_live_while_something_has_them(void **) {
+  std::optional<pbf::shape> shape = brick();
+  const pbf::shape copy = *shape;
+  assert_int_equal(given(copy.info()).references, 2);
+  {
+    auto fluid = block();
+    std::array<pbf::collider, 1> solid = {pbf::collider::solid(*shape, .7, .9, .7)};
+    done(fluid.set_colliders(solid));
+    shape.reset();
+    assert_int_equal(given(copy.info()).references, 2);
+    done(fluid.step());
+    assert_true(given(fluid.get_collider(0)).geometry == copy.handle());
+  }
+  assert_int_equal(given(copy.info()).references, 1);
+}
+
+static void what_is_no_shape_is_refused(void **) {
+  const pbf_status wrong = PBF_ERROR_INVALID_ARGUMENT;
+  const std::vector<double> points(9);
+  const std::vector<float> values(8);
+  const std::array<std::uint32_t, 2> nodes = {3, 3};
+  const std::array<std::uint32_t, 4> faces = {0, 1, 1, 7};
+  const std::array<double, 6> vertices = {0, 0, 1, 0, 1, 1};
+  assert_refused(pbf::shape::from_points(3, points, .1), wrong, "point_count is 3");
+  assert_refused(pbf::shape::from_points(2, points, .1), wrong, "points has 9");
+  assert_refused(pbf::shape::from_points(4, points, .1), wrong, "dimension is 4");
+  assert_refused(pbf::shape::from_grid(nodes, {points.data(), 2}, .1, values), wrong,
+                 "values has 8");
+  assert_refused(pbf::shape::from_grid(nodes, points, .1, values), wrong, "origin has 9");
+  assert_refused(pbf::shape::from_heights(nodes, {points.data(), 8}, 1, -1, .1), wrong,
+                 "heights has 8");
+  assert_refused(pbf::shape::from_mesh(2, vertices, faces, .1), wrong, "faces[1][1] is 7");
+}
+
+static void queries_know_water_at_rest(void **) {
+  auto fluid = block();
+  const std::array<double, 6> points = {.25, .25, .25, .9, .9, .9}, down = {0, -1, 0, 0, -1, 0};
+  std::array<double, 2> rho, p, distances, levels;
+  std::array<double, 6> v, normals;
+  std::array<std::uint8_t, 2> wet;
+  std::array<double, 3> along;
+  done(fluid.sample(points, {rho, v, p, wet}));
+  assert_near(rho[0], 1, .01);
+  assert_true(rho[1] == 0 && v[5] == 0 && wet[0] == 1 && wet[1] == 0);
+  const pbf_sample_grid grid = {0, {1, 1, 3}, {.25, .25, .25}, {0, 0, .3}};
+  pbf::samples densities;
+  densities.densities = along;
+  done(fluid.sample_on_grid(grid, densities));
+  assert_near(along[0], 1, .01);
+  assert_true(along[1] < .5 && along[2] == 0); /* above the surface */
+  done(fluid.get_levels(points, levels));
+  assert_near(levels[0], .5, .01);
+  assert_true(levels[1] != levels[1]);
+  const std::array<double, 6> above = {.25, .9, .25, .9, .9, .9};
+  done(fluid.cast_rays(above, down, INFINITY, distances, normals));
+  assert_near(distances[0], .4, .01);
+  assert_near(normals[1], 1, .01);
+  assert_true(std::isinf(distances[1]));
+  const pbf::volume corner = pbf::volume::box(d, d, d, d, d, d);
+  pbf::volume half = pbf::volume::box(.25, .5, .25, .1, .1, .1);
+  const pbf::volume dry = pbf::volume::sphere(.8, .8, .8, .1);
+  std::array<std::uint32_t, 9> ids;
+  assert_int_equal(given(fluid.find_in(corner, ids)), 8);
+  assert_int_equal(ids[7], 111);
+  const std::array<pbf::volume, 2> volumes = {half, dry};
+  std::array<pbf_volume_flow, 2> flows;
+  done(fluid.measure(volumes, flows));
+  assert_near(flows[0].volume, .008, 1e-12);
+  assert_near(flows[0].fraction, .5, .05);
+  assert_true(flows[1].fraction == 0);
+  half.position[1] = .25;
+  assert_near(given(fluid.measure(half)).fraction, 1, 1e-9);
   done(fluid.end_queries());
 }
 
-static void particles_come_and_go(void **) {
-  auto fluid = filled();
-  std::vector<pbf::emitter> taps(1, pbf::emitter(PBF_EMITTER_DISC));
-  std::vector<pbf::volume> drains(1, pbf::volume(PBF_VOLUME_BOX));
-  taps[0].position[0] = taps[0].position[1] = taps[0].position[2] = .5;
-  taps[0].radius = .1;
-  drains[0].half_extents[1] = .1;
+static void queries_want_arrays_that_fit(void **) {
+  auto fluid = block();
+  const pbf_status wrong = PBF_ERROR_INVALID_ARGUMENT;
+  std::array<double, 6> six = {};
+  std::array<double, 3> three = {};
+  std::array<double, 1> one = {};
+  std::array<std::uint8_t, 1> byte = {};
+  assert_refused(fluid.sample(six, {one, {}, {}, {}}), wrong, "densities has 1");
+  assert_refused(fluid.sample(six, {{}, three, {}, {}}), wrong, "velocities has 3");
+  assert_refused(fluid.sample(six, {{}, {}, one, {}}), wrong, "pressures has 1");
+  assert_refused(fluid.sample(six, {{}, {}, {}, byte}), wrong, "wet has 1");
+  assert_refused(fluid.sample(one, {}), wrong, "1 numbers");
+  const pbf_sample_grid grid = {0, {1u << 31, 1u << 31, 4}, {0, 0, 0}, {1, 1, 1}};
+  assert_refused(fluid.sample_on_grid(grid, {one, {}, {}, {}}), wrong, "32 bits");
+  assert_refused(fluid.cast_rays(three, one, 1, one), wrong, "arrays of points");
+  assert_refused(fluid.measure({}, pbf::span<pbf_volume_flow>(nullptr, 1)), wrong, "flows has 1");
+  pbf::solver taken = std::move(fluid);
+  assert_refused(fluid.sample(three, {}), wrong, "moved from");  // NOLINT
+}
+
+static void as_much_comes_as_the_rate_says(void **) {
+  pbf::params params;
+  params.time_step = 1. / 128;
+  params.gravity[1] = 0;
+  pbf::desc desc = test_desc();
+  desc.capacity = 1000;
+  auto fluid = given(pbf::solver::create(desc, params));
+  std::array<pbf::emitter, 1> taps = {pbf::emitter::disc(.5, .9, .5, .15)};
+  std::array<pbf::volume, 1> drains = {pbf::volume::box(.5, .1, .5, .5, .1, .5)};
+  taps[0].rate = .0371;
   done(fluid.set_emitters(taps));
   done(fluid.set_drains(drains));
-  done(fluid.step(12));
-  assert_int_equal(given(fluid.in_out()).emitters, 1);
-  assert_true(given(fluid.in_out()).emitted > 10);
+  done(fluid.step(256));
+  const pbf_in_out after = given(fluid.in_out());
+  assert_near(static_cast<double>(after.emitted), .0371 * 2 / (d * d * d), 1);
+  assert_true(after.drained > 0 && after.emitters == 1 && after.drains == 1);
+  assert_int_equal(after.emitted - after.drained, given(fluid.count()));
+  assert_near(given(fluid.get_emitter(0)).radius, .15, 0);
+  assert_near(given(fluid.get_drain(0)).half_extents[1], .1, 0);
+  taps[0] = pbf::emitter::rectangle(.5, .7, .5, .1, .125);
+  done(fluid.set_emitters(taps));
+  assert_near(given(fluid.get_emitter(0)).half_height, .125, 0);
+  taps[0].rate = 100;
+  assert_refused(fluid.set_emitters(taps), PBF_ERROR_INVALID_ARGUMENT, "emitters[0].rate is 100");
+}
+
+/* Oil that begins below water: it rises, and the floor has the weight of both. */
+static void oil_floats_and_the_floor_bears_both(void **) {
+  pbf::params params;
+  params.domain_max[0] = .5;
+  params.loads = 1;
+  pbf::desc desc = test_desc();
+  desc.dimension = 2;
+  desc.precision = PBF_FLOAT64;
+  desc.capacity = 200;
+  auto fluid = given(pbf::solver::create(desc, params));
+  std::vector<double> x;
+  for (int i = 0; i < 200; ++i) x.insert(x.end(), {d * (i % 10 + .5), d * (i / 10 + .5)});
+  given(fluid.add_particles(x));
+  std::vector<pbf::phase> phases = {pbf::phase(1), pbf::phase(.5)};
+  done(fluid.set_phases(phases));
+  done(fluid.set_particle_phases(std::vector<std::uint32_t>(100, 1)));
+  assert_int_equal(given(fluid.phase_count()), 2);
+  assert_near(given(fluid.get_phase(1)).rest_density, .5, 0);
+  std::array<pbf_collider_load, 4> walls;
+  done(fluid.step(static_cast<std::uint32_t>(10 / params.time_step)));
+  done(fluid.get_wall_loads(walls));
+  done(fluid.step(static_cast<std::uint32_t>(1 / params.time_step)));
+  done(fluid.get_wall_loads(walls));
+  done(fluid.get_positions(x));
+  std::vector<std::uint32_t> of(200);
+  done(fluid.get_particle_phases(of));
+  double height[2] = {0, 0};
+  for (std::size_t i = 0; i < 200; ++i) height[of[i]] += x[2 * i + 1] / 100;
+  assert_true(height[1] > height[0] + .3);
+  const pbf_collider_load &floor = walls[PBF_WALL_Y_MIN];
+  const double weight = d * d * (100 + .5 * 100) * params.gravity[1];
+  assert_near(floor.impulse_sum[1] / floor.time_sum / weight, 1, .02);
+  const std::array<std::uint32_t, 1> third = {2};
+  const pbf_status wrong = PBF_ERROR_INVALID_ARGUMENT;
+  assert_refused(fluid.set_particle_phases(third), wrong, "phases[0] is 2");
+  phases[0].rest_density = -1;
+  assert_refused(fluid.set_phases(phases), wrong, "phases[0].rest_density is -1");
+}
+
+static void worlds_fall_as_they_would_alone(void **) {
+  pbf::params params;
+  auto batch = given(pbf::batch::create(test_desc(), params, 3));
+  assert_int_equal(given(batch.info()).worlds, 3);
+  const std::array<std::uint32_t, 3> counts = {1, 0, 2};
+  const std::vector<float> x(9, .5f);
+  done(batch.add_particles(counts, x, std::vector<float>(9)));
+  done(batch.set_start());
+  const std::array<double, 9> gravity = {0, -1, 0, 0, -2, 0, 3, 0, 0};
+  const std::array<std::uint8_t, 3> outer = {1, 0, 1}, first = {1, 0, 0};
+  done(batch.set_gravity(gravity));
+  done(batch.step(12, outer));
+  std::vector<double> v(18, 9);
+  done(batch.read(PBF_FIELD_VELOCITY, v));
+  const double t = 12 * params.time_step;
+  assert_near(v[1], -t, 1e-6);
+  for (std::size_t i = 3; i < 12; ++i) assert_true(v[i] == 0); /* rows that worlds have not */
+  assert_near(v[12], 3 * t, 1e-6);
+  std::array<std::uint32_t, 3> found;
+  done(batch.get_counts(found));
+  assert_true(found == counts);
+
+  auto alone = given(pbf::solver::create(test_desc(), params));
+  given(alone.add_particles(pbf::span<const float>(x.data(), 3)));
+  params.gravity[1] = -1;
+  done(alone.set_params(params));
+  done(alone.step(12));
+  auto world = given(batch.world(0));
+  assert_true(given(world.hash()) == given(alone.hash()));
+  done(batch.reset(first));
+  assert_true(given(world.positions<float>())[1] == .5f);
+  assert_near(given(world.get_params()).gravity[1], -9.81, 1e-12);
+  const std::array<pbf::collider, 1> ball = {pbf::collider::sphere(.2, .2, .2, .1)};
+  const std::array<double, 9> targets = {.2, .3, .2, .2, .3, .2, .2, .3, .2};
+  done(batch.set_colliders(ball));
+  done(batch.move_colliders(targets, .1));
+  done(batch.step(12));
+  assert_near(given(given(batch.world(1)).get_collider(0)).position[1], .3, 1e-9);
+}
+
+static void a_world_that_fails_says_so(void **) {
+  const pbf_status wrong = PBF_ERROR_INVALID_ARGUMENT;
+  auto batch = given(pbf::batch::create(test_desc(), pbf::params(), 2));
+  const std::array<std::uint32_t, 2> counts = {0, 1}, both = {1, 1};
+  const std::vector<float> x(3, .5f);
+  done(batch.add_particles(counts, x));
+  {
+    auto world = given(batch.world(1));
+    const auto view = given(world.map(PBF_FIELD_POSITION));
+    assert_refused(batch.step(), PBF_ERROR_STATE, "world 1: ");
+    const auto results = given(batch.results());
+    assert_true(results[0].ok());
+    assert_refused(results[1], PBF_ERROR_STATE, "map");
+  }
+  const std::array<std::uint8_t, 1> mask = {1};
+  std::vector<float> five(5);
+  assert_refused(batch.step(1, mask), wrong, "the mask has 1");
+  assert_refused(batch.add_particles(both, x), wrong, "positions has 3");
+  assert_refused(batch.add_particles(both, std::vector<double>(6)), wrong, "precision");
+  assert_refused(batch.set_gravity(std::vector<double>(3)), wrong, "gravity has 3");
+  assert_refused(batch.read(PBF_FIELD_POSITION, five), wrong, "the array has 5");
+  assert_refused(batch.world(2), PBF_ERROR_NOT_FOUND, "world is 2");
+  assert_refused(pbf::batch::create(test_desc(), pbf::params(), 0), wrong, "worlds is 0");
+  pbf::batch taken = std::move(batch);
+  assert_refused(batch.step(), wrong, "batch is null");  // NOLINT
+  done(taken.step());
+}
+
+static void worlds_and_batches_go_in_any_order(void **) {
+  std::optional<pbf::solver> kept;
+  {
+    auto batch = given(pbf::batch::create(test_desc(), pbf::params(), 2));
+    const std::array<std::uint32_t, 2> counts = {1, 1};
+    done(batch.add_particles(counts, std::vector<float>(6, .5f)));
+    done(given(batch.world(0)).begin_step(1000000000)); /* which end with this */
+    done(batch.step());
+    kept = given(batch.world(1));
+  }
+  done(kept->step());
+  assert_int_equal(given(kept->info()).step, 2);
 }
 
 static void struct_sizes_are_set(void **) {
@@ -354,6 +614,19 @@ static void log_exceptions_stay_out_of_the_library(void **) {
   done(fluid.step()); /* the solver goes on, as one does not that an exception has left */
 }
 
+static void log_exceptions_of_batches_do(void **) {
+  pbf::params params;
+  params.time_step = .5; /* which the log is told of */
+  pbf::desc desc = test_desc();
+  desc.log_to = [](int, const char *sentence) { throw std::string(sentence); };
+  auto batch = given(pbf::batch::create(desc, params, 2));
+  const std::array<std::uint32_t, 2> counts = {1, 1};
+  done(batch.add_particles(counts, std::vector<float>(6, .5f)));
+  done(batch.step());
+  assert_true(batch.take_log_exception() != nullptr);
+  assert_false(given(batch.world(0)).take_log_exception() != nullptr);
+}
+
 static void values_throw(void **) {
   auto fluid = pbf::solver::create(test_desc()).value();
   fluid.step().value();
@@ -381,8 +654,16 @@ int main() {
     cmocka_unit_test_teardown(accelerations_hold_up, nothing_live),
     cmocka_unit_test_teardown(errors_keep_their_sentences, nothing_live),
     cmocka_unit_test_teardown(arrays_of_another_kind_are_refused, nothing_live),
-    cmocka_unit_test_teardown(queries_answer, nothing_live),
-    cmocka_unit_test_teardown(particles_come_and_go, nothing_live),
+    cmocka_unit_test_teardown(shapes_are_as_far_as_their_faces, nothing_live),
+    cmocka_unit_test_teardown(shapes_live_while_something_has_them, nothing_live),
+    cmocka_unit_test_teardown(what_is_no_shape_is_refused, nothing_live),
+    cmocka_unit_test_teardown(queries_know_water_at_rest, nothing_live),
+    cmocka_unit_test_teardown(queries_want_arrays_that_fit, nothing_live),
+    cmocka_unit_test_teardown(as_much_comes_as_the_rate_says, nothing_live),
+    cmocka_unit_test_teardown(oil_floats_and_the_floor_bears_both, nothing_live),
+    cmocka_unit_test_teardown(worlds_fall_as_they_would_alone, nothing_live),
+    cmocka_unit_test_teardown(a_world_that_fails_says_so, nothing_live),
+    cmocka_unit_test_teardown(worlds_and_batches_go_in_any_order, nothing_live),
     cmocka_unit_test_teardown(struct_sizes_are_set, nothing_live),
     cmocka_unit_test_teardown(moved_from_is_refused, nothing_live),
     cmocka_unit_test_teardown(views_block_steps_and_outlive_solvers, nothing_live),
@@ -393,6 +674,7 @@ int main() {
     cmocka_unit_test_teardown(logs_are_heard, nothing_live),
 #if PBF_HAS_EXCEPTIONS
     cmocka_unit_test_teardown(log_exceptions_stay_out_of_the_library, nothing_live),
+    cmocka_unit_test_teardown(log_exceptions_of_batches_do, nothing_live),
     cmocka_unit_test_teardown(values_throw, nothing_live),
 #endif
   };

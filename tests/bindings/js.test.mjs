@@ -8,7 +8,7 @@ import { pathToFileURL } from "node:url";
 import { Worker } from "node:worker_threads";
 
 const folder = resolve(process.env.PBF_JS ?? "build/wasm/js");
-const { Solver, PbfError, constants, load, version } = await import(pathToFileURL(`${folder}/pbf.mjs`));
+const { Batch, PbfError, Shape, Solver, constants, load, version } = await import(pathToFileURL(`${folder}/pbf.mjs`));
 
 test("nothing is made before the module is loaded", async () => {
   assert.throws(() => new Solver(), { message: "the module is not loaded; await load() first, or Solver.create()" });
@@ -245,6 +245,10 @@ test("memory grows, and arrays read afterwards are of the new memory", async () 
     others[k].addParticles(block([50, 50, 40], 0.1));
   }
   assert.equal(solver.positions[0], first);
+  const large = await Solver.create({ capacity: 200000, params: { ...tank, domainMax: [20, 20, 20] } });
+  large.addParticles(others[0].positions); // for which memory grows, and the view ends
+  assert.equal(large.positions[2], others[0].positions[2]);
+  others.push(large);
   others.forEach((other) => other.destroy());
   solver.step();
   assert.equal(solver.count, 216);
@@ -277,9 +281,11 @@ test("both instruction sets that there are have the same bits", async () => {
   assert.equal(hashes.size, 1);
 });
 
-test("the program of all languages prints what it prints in C", () => {
+test("the programs of all languages print what they print in the others", () => {
   const printed = execFileSync(process.execPath, [`${folder}/splash.mjs`], { encoding: "utf8" });
   assert.match(printed, /\n1\.0 s: front at 1\.99 m\n$/);
+  const poured = execFileSync(process.execPath, [`${folder}/pour.mjs`], { encoding: "utf8" });
+  assert.match(poured, /^1919 came, 72 went, 0\.2[3-6] m high, 2[01]\d\d N on the floor, density 1\.0\n$/);
 });
 
 test("a worker has a module of its own, and the same bits", async () => {
@@ -299,4 +305,259 @@ test("a worker has a module of its own, and the same bits", async () => {
   assert.equal(hash, solver.hash);
   assert.deepEqual(positions, solver.positions.slice());
   solver.destroy();
+});
+
+// ---- Shapes, queries, emitters, phases, loads and batches, against what geometry and mechanics say they must be
+
+const D = 0.05; // the spacing by default
+
+const near = (got, wanted, bound) => assert.ok(Math.abs(got - wanted) <= bound, `${got} is not ${wanted}`);
+const refused = (call, message, code = "PBF_ERROR_INVALID_ARGUMENT") =>
+  assert.throws(call, (error) => {
+    assert.ok(error instanceof PbfError, String(error));
+    assert.equal(error.code, code);
+    assert.match(error.message, message);
+    return true;
+  });
+
+/** A lattice of 10 by 10 by 10 particles, at rest, in a corner of the tank. */
+async function lattice() {
+  const solver = await Solver.create({ capacity: 1000 });
+  solver.addParticles(block([10, 10, 10], D));
+  return solver;
+}
+
+/** Half extents 0.2, 0.1 and 0.3, by its corners. */
+function brick() {
+  const signs = [-1, 1], points = signs.flatMap((x) => signs.flatMap((y) => signs.flatMap((z) => [0.2 * x, 0.1 * y, 0.3 * z])));
+  return Shape.fromPoints({ dimension: 3, points, cell: 0.025 });
+}
+
+test("shapes are as far as their faces", async () => {
+  await load();
+  const shape = brick();
+  near(shape.info.volume, 0.2 * 0.1 * 0.3 * 8, 1e-3);
+  const { distance, normal } = shape.distance([0.24, 0, 0]);
+  near(distance, 0.04, 1e-3);
+  near(normal[0], 1, 1e-3);
+  near(shape.distance([0, 0.06, 0]).distance, -0.04, 1e-3);
+  const vertices = [0, 0, 1, 0, 1, 1, 0, 1];
+  const mesh = Shape.fromMesh({ dimension: 2, vertices, faces: [0, 1, 1, 2, 2, 3, 3, 0], cell: 0.05 });
+  near(mesh.info.volume, 1, 5e-3);
+  near(mesh.distance([1.08, 0.5]).distance, 0.08, 1e-3);
+  const shell = Shape.fromMesh({ dimension: 2, vertices: [0, 0, 1, 0], faces: [0, 1], cell: 0.05, thickness: 0.2 });
+  near(shell.distance([0.5, 0.18]).distance, 0.08, 1e-3);
+  const hill = Shape.fromHeights({ count: [3], heights: [0.5, 0.5, 0.5], spacing: 0.5, base: -0.5, cell: 0.05 });
+  near(hill.distance([0.5, 0.58]).distance, 0.08, 1e-3);
+  const values = Float32Array.from({ length: 441 }, (_, i) => 0.05 * Math.hypot((i % 21) - 10, Math.floor(i / 21) - 10) - 0.3);
+  const disc = Shape.fromGrid({ nodes: [21, 21], origin: [-0.5, -0.5], cell: 0.05, values });
+  near(disc.distance([0.4, 0]).distance, 0.1, 2e-3);
+  for (const one of [shape, mesh, shell, hill, disc]) one.destroy();
+});
+
+test("shapes live while something has them", async () => {
+  const solver = await lattice(), shape = brick();
+  solver.setColliders([{ shape, position: [0.7, 0.9, 0.7] }, { shape: "plane", axis: [0, 1, 0] }]);
+  assert.equal(shape.info.references, 2);
+  shape.destroy();
+  shape.destroy();
+  refused(() => shape.info, /^the shape is destroyed$/);
+  refused(() => solver.setColliders([{ shape, position: [0, 0, 0] }]), /^the shape is destroyed$/);
+  solver.step();
+  const back = solver.colliders;
+  near(back[0].position[1], 0.9, 1e-12);
+  assert.equal(back[1].shape, "plane");
+  solver.setColliders(back);
+  solver.destroy();
+  assert.equal(back[0].shape.info.references, 1);
+  back[0].shape.destroy();
+});
+
+test("what is no shape is refused", async () => {
+  await load();
+  refused(() => new Shape(), /fromPoints/);
+  refused(() => Shape.fromPoints({ dimension: 3, points: [0, 0, 0, 1, 0, 0, 0, 1, 0], cell: 0.1 }), /point_count is 3/);
+  refused(() => Shape.fromPoints({ dimension: 3, points: new Float64Array(8), cell: 0.1 }), /^hull\.points has 8 numbers/);
+  refused(() => Shape.fromPoints({ dimension: 4, points: [], cell: 0.1 }), /^hull\.dimension is 4/);
+  refused(() => Shape.fromPoints({ dimension: 3, cell: 0.1 }), /^hull\.points is undefined/);
+  refused(() => Shape.fromPoints({ dimension: 3, points: [], sell: 0.1 }), /^hull has no sell; it has dimension, points, cell$/);
+  refused(() => Shape.fromGrid({ nodes: [3, 3], origin: [0, 0], cell: 0.1, values: new Float32Array(8) }), /^grid\.values has 8 numbers, of 9/);
+  refused(() => Shape.fromHeights({ count: [2, 2], heights: [1, 1, 1], spacing: 1, base: -1, cell: 0.1 }), /^heights\.heights has 3/);
+  refused(() => Shape.fromMesh({ dimension: 2, vertices: [0, 0, 1, 0, 1, 1], faces: [0, 1, 1, 7], cell: 0.1 }), /faces\[1\]\[1\] is 7/);
+  refused(() => Shape.fromMesh({ dimension: 2, vertices: [0, 0, 1, 0], faces: [0, -1], cell: 0.1 }), /^mesh\.faces\[1\] is -1/);
+  const shape = brick();
+  refused(() => shape.distance([1, 2]), /^point has 2 numbers/);
+  const flat = await Solver.create({ dimension: 2, capacity: 1 });
+  refused(() => flat.setColliders([{ shape }]), /3D/);
+  shape.destroy();
+  flat.destroy();
+});
+
+test("queries know water at rest", async () => {
+  const solver = await lattice();
+  const at = solver.sample([0.25, 0.25, 0.25, 0.9, 0.9, 0.9], ["wet", "densities", "velocities", "pressures"]);
+  near(at.densities[0], 1, 0.01);
+  assert.deepEqual([at.densities[1], at.velocities.length, at.pressures.length, ...at.wet], [0, 6, 2, 1, 0]);
+  const along = solver.sampleOnGrid({ counts: [1, 1, 3], origin: [0.25, 0.25, 0.25], step: [0, 0, 0.3] });
+  near(along.densities[0], 1, 0.01);
+  assert.ok(along.densities[1] < 0.5 && along.densities[2] === 0); // above the surface
+  const levels = solver.levels([0.25, 0, 0.25, 0.9, 0, 0.9]);
+  near(levels[0], 0.5, 0.01);
+  assert.ok(Number.isNaN(levels[1]));
+  const { distances, normals } = solver.castRays([0.25, 0.9, 0.25, 0.9, 0.9, 0.9], [0, -1, 0, 0, -1, 0]);
+  near(distances[0], 0.4, 0.01);
+  near(normals[1], 1, 0.01);
+  assert.equal(distances[1], Infinity);
+  // The z of block is the fastest.
+  const corner = { shape: "box", position: [D, D, D], halfExtents: [D, D, D] };
+  assert.deepEqual(Array.from(solver.findIn(corner)), [0, 1, 10, 11, 100, 101, 110, 111]);
+  const [half, dry, pill] = solver.measure([
+    { shape: "box", position: [0.25, 0.5, 0.25], halfExtents: [0.1, 0.1, 0.1] },
+    { shape: "sphere", position: [0.8, 0.8, 0.8], radius: 0.1 },
+    { shape: "capsule", position: [0.25, 0.25, 0.25], axis: [1, 0, 0], halfLength: 0.1, radius: 0.05 },
+  ]);
+  near(half.volume, 0.008, 1e-12);
+  near(half.fraction, 0.5, 0.05);
+  assert.equal(dry.fraction, 0);
+  near(pill.fraction, 1, 1e-9);
+  solver.endQueries();
+  solver.destroy();
+});
+
+test("queries want arrays that fit", async () => {
+  const solver = await lattice();
+  refused(() => solver.sample([1, 2, 3, 4]), /^points has 4 numbers, no multiple of 3$/);
+  refused(() => solver.sample([1, 2, 3], ["colours"]), /^fields has colours; /);
+  refused(() => solver.sampleOnGrid({ counts: [2 ** 15, 2 ** 15, 1] }), /not to be had/, "PBF_ERROR_OUT_OF_MEMORY");
+  refused(() => solver.sampleOnGrid({ counts: [2 ** 31, 2 ** 31, 4] }, ["wet"]), /not to be had/, "PBF_ERROR_OUT_OF_MEMORY");
+  refused(() => solver.castRays([1, 2, 3], []), /^directions has 0 rows, origins 1$/);
+  refused(() => solver.measure([{ shape: "cone" }]), /^volumes\[0\]\.shape is cone; it must be one of box, sphere, capsule$/);
+  refused(() => solver.measure(3), /^volumes is 3; it must be an array of objects$/);
+  refused(() => solver.levels("water"), /no multiple/);
+  solver.destroy();
+});
+
+test("as much comes as the rate says", async () => {
+  const solver = await Solver.create({ capacity: 1000, params: { timeStep: 1 / 128, gravity: [0, 0, 0] } });
+  const tap = { shape: "disc", position: [0.5, 0.9, 0.5], velocity: [0, -1, 0], radius: 0.15, rate: 0.0371 };
+  solver.setEmitters([tap]);
+  solver.setDrains([{ shape: "box", position: [0.5, 0.1, 0.5], halfExtents: [0.5, 0.1, 0.5] }]);
+  solver.step(256);
+  const after = solver.inOut;
+  near(after.emitted, (0.0371 * 2) / D ** 3, 1);
+  assert.ok(after.drained > 0);
+  assert.equal(after.emitted - after.drained, solver.count);
+  solver.setEmitters(solver.emitters);
+  solver.setDrains(solver.drains);
+  assert.equal(solver.emitters[0].radius, 0.15);
+  assert.equal(solver.drains[0].halfExtents[1], 0.1);
+  refused(() => solver.setEmitters([{ ...tap, rate: 100 }]), /^emitters\[0\]\.rate is 100/);
+  refused(() => solver.setEmitters([{ shape: "cone" }]), /one of rectangle, disc$/);
+  solver.destroy();
+});
+
+// Oil that begins below water: it rises, and the floor has the weight of both.
+test("oil floats, and the floor bears both", async () => {
+  const solver = await Solver.create({ dimension: 2, capacity: 200, params: { domainMax: [0.5, 1], loads: 1 } });
+  solver.addParticles(Array.from({ length: 200 }, (_, i) => [D * ((i % 10) + 0.5), D * (Math.floor(i / 10) + 0.5)]).flat());
+  solver.setPhases([{}, { restDensity: 0.5 }]);
+  solver.setParticlePhases(new Array(100).fill(1));
+  assert.equal(solver.phases[1].restDensity, 0.5);
+  const { timeStep, gravity } = solver.params;
+  solver.step(Math.floor(10 / timeStep));
+  solver.wallLoads();
+  solver.step(Math.floor(1 / timeStep));
+  const x = solver.positions.slice(), sums = [0, 0];
+  solver.particlePhases.forEach((phase, i) => (sums[phase] += x[2 * i + 1] / 100));
+  assert.ok(sums[1] > sums[0] + 0.3, String(sums));
+  const floor = solver.wallLoads()[constants.WALL_Y_MIN];
+  near(floor.impulseSum[1] / floor.timeSum / (D * D * (100 + 0.5 * 100) * gravity[1]), 1, 0.02);
+  refused(() => solver.setParticlePhases([2]), /^phases\[0\] is 2/);
+  refused(() => solver.setParticlePhases([-1]), /^phases\[0\] is -1/);
+  refused(() => solver.setPhases([{ restDensity: -1 }, {}]), /^phases\[0\]\.rest_density is -1/);
+  solver.destroy();
+});
+
+test("worlds fall as they would alone", async () => {
+  const batch = await Batch.create({ worlds: 3, capacity: 10 }), alone = await Solver.create({ capacity: 10 });
+  assert.deepEqual([batch.length, batch.info.worlds], [3, 3]);
+  batch.addParticles([1, 0, 2], new Array(9).fill(0.5), new Array(9).fill(0));
+  assert.deepEqual(Array.from(batch.counts), [1, 0, 2]);
+  batch.setStart();
+  batch.setGravity([0, -1, 0, 0, -2, 0, 3, 0, 0]);
+  batch.step(12, [true, false, true]);
+  const v = batch.read("velocity"), t = 12 * alone.params.timeStep;
+  assert.equal(v.length, 3 * 2 * 3);
+  near(v[1], -t, 1e-6);
+  assert.deepEqual(Array.from(v.slice(3, 12)), new Array(9).fill(0)); // rows that worlds have not
+  near(v[12], 3 * t, 1e-6);
+  assert.deepEqual(Array.from(batch.read("id", [false, false, true])), [0, 0, 0, 0, 0, 1]);
+
+  alone.addParticles([0.5, 0.5, 0.5]);
+  alone.setParams({ gravity: [0, -1, 0] });
+  alone.step(12);
+  const world = batch.world(0);
+  assert.equal(world.hash, alone.hash);
+  batch.reset([true, false, false]);
+  assert.deepEqual(Array.from(world.positions), [0.5, 0.5, 0.5]);
+  near(world.params.gravity[1], -9.81, 1e-12);
+  batch.setColliders([{ shape: "sphere", position: [0.2, 0.2, 0.2], radius: 0.1 }]);
+  batch.moveColliders([0.2, 0.3, 0.2, 0.2, 0.3, 0.2, 0.2, 0.3, 0.2], 0.1);
+  batch.step(12);
+  near(batch.world(1).colliders[0].position[1], 0.3, 1e-9);
+  batch.destroy();
+  refused(() => world.step(), /^the solver is destroyed$/);
+  refused(() => batch.step(), /^the batch is destroyed$/);
+  world.destroy();
+  alone.destroy();
+});
+
+test("a world that fails says so", async () => {
+  const batch = await Batch.create({ worlds: 2, capacity: 2 });
+  batch.addParticles([0, 1], [0.5, 0.5, 0.5]);
+  batch.world(1).map("position", () => {
+    refused(() => batch.step(), /^world 1: /, "PBF_ERROR_STATE");
+    const [first, second] = batch.failures;
+    assert.equal(first, null);
+    assert.match(second.message, /map/);
+  });
+  refused(() => batch.step(1, [true]), /^mask has 1/);
+  refused(() => batch.addParticles([1, 1], [0.5, 0.5, 0.5]), /^there are 1 positions/);
+  refused(() => batch.setGravity([0, 0, 0]), /^gravity has 1/);
+  refused(() => batch.moveColliders([0, 0, 0, 0, 0, 0], 1, [0, 0, 0, 1]), /^orientations has 1/);
+  refused(() => batch.read("colour"), /^field is colour/);
+  refused(() => batch.world(2), /^world is 2/, "PBF_ERROR_NOT_FOUND");
+  assert.throws(() => new Batch({ capacity: 2 }), { message: /^options\.worlds is undefined/ });
+  batch.destroy();
+  const logged = await Batch.create({ worlds: 2, capacity: 1, params: { timeStep: 0.5 }, log: () => { throw new RangeError("of the log"); } });
+  logged.addParticles([1, 1], new Array(6).fill(0.5));
+  assert.throws(() => logged.step(), { name: "RangeError", message: "of the log" });
+  logged.step();
+  logged.destroy();
+});
+
+test("memory of shapes, worlds and answers is given back", async () => {
+  const once = async () => {
+    const solver = await lattice(), batch = await Batch.create({ worlds: 4, capacity: 1000 });
+    const shape = brick();
+    solver.setColliders([{ shape, position: [0.7, 0.9, 0.7] }]);
+    solver.sample(new Float64Array(3000));
+    batch.addParticles([1, 1, 1, 1], new Array(12).fill(0.5));
+    batch.read("position");
+    const world = batch.world(2);
+    world.positions;
+    batch.destroy();
+    world.destroy();
+    solver.destroy();
+    shape.destroy();
+  };
+  const bytes = async () => {
+    const solver = await lattice(), { byteLength } = solver.positions.buffer;
+    solver.destroy();
+    return byteLength;
+  };
+  for (let k = 0; k < 3; ++k) await once();
+  const before = await bytes();
+  for (let k = 0; k < 200; ++k) await once();
+  assert.equal(await bytes(), before);
 });

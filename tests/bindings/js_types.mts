@@ -1,5 +1,5 @@
 // Compiled, not run: what pbf.d.ts lets programs write, and what it refuses.
-import { PbfError, Solver, constants, load, version, type ColliderFields } from "pbf";
+import { Batch, PbfError, Shape, Solver, constants, load, version, type ColliderFields } from "pbf";
 
 export async function used(): Promise<number> {
   await load(new Uint8Array(8));
@@ -31,6 +31,34 @@ export async function used(): Promise<number> {
   return first + speed + pushed + fluid.positions.length + stage.length + version().length + fluid.stats.centerOfMass[0]! + fluid.colliders.length;
 }
 
+export async function asked(): Promise<number> {
+  const fluid = await Solver.create({ dimension: 2 });
+  const rock = Shape.fromPoints({ dimension: 2, points: [0, 0, 1, 0, 0, 1], cell: 0.1 });
+  fluid.setColliders([{ shape: rock, position: [0.5, 0.5], scale: 0.1 }, { shape: "plane" }]);
+  const [first] = fluid.colliders;
+  const { wet, densities }: { wet: Uint8Array; densities: Float64Array } = fluid.sample([0.5, 0.5], ["wet", "densities"]);
+  const { velocities } = fluid.sampleOnGrid({ counts: [2, 2], origin: [0, 0], step: [1, 1] });
+  const level: number = fluid.levels([0.5, 0.5])[0]! + fluid.castRays([0, 1], [0, -1]).distances[0]!;
+  const filled: number = fluid.measure([{ shape: "sphere", radius: 0.1 }])[0]!.fraction + fluid.findIn({ shape: "box" }).length;
+  fluid.setEmitters([{ shape: "disc", velocity: [0, -1], rate: 0.1 }]);
+  fluid.setDrains(fluid.drains);
+  fluid.setPhases([{}, { restDensity: 0.9 }]);
+  fluid.setParticlePhases(new Uint32Array(1));
+  const batch = new Batch({ worlds: 2, capacity: 10 });
+  batch.addParticles([1, 1], new Float32Array(6));
+  batch.step(3, [true, false]);
+  batch.reset();
+  const failure: string | undefined = batch.failures[0]?.message;
+  return first!.position[0]! + wet[0]! + densities[0]! + velocities[0]! + level + filled + fluid.inOut.emitted + (failure?.length ?? 0)
+    + batch.world(1).count + batch.read("position")[0]! + rock.distance([0, 0]).distance + rock.info.volume;
+}
+
+// @ts-expect-error a field that was not asked for
+export const unasked = (fluid: Solver) => fluid.sample([0, 0], ["wet"]).densities;
+// @ts-expect-error no such opening
+export const slot = (fluid: Solver) => fluid.setEmitters([{ shape: "slot" }]);
+// @ts-expect-error only its functions make one
+export const empty = () => new Shape();
 // @ts-expect-error a parameter that there is not
 void Solver.create({ params: { gravitation: [0, 0] } });
 // @ts-expect-error no such shape

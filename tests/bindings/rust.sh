@@ -10,3 +10,5 @@ cp -R "$source/bindings/rust/." "$folder/crates" # cargo writes its lock file be
 cargo test --offline --quiet --manifest-path "$folder/crates/Cargo.toml"
 cargo run --offline --quiet --manifest-path "$folder/crates/Cargo.toml" --example splash | tee "$folder/printed"
 grep -q '1\.0 s: front at 1\.9' "$folder/printed"
+cargo run --offline --quiet --manifest-path "$folder/crates/Cargo.toml" --example pour | tee "$folder/printed"
+grep -q ', 0\.2[3-6] m high, 2[01][0-9][0-9] N on the floor, density 1\.0$' "$folder/printed"

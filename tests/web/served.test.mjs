@@ -60,7 +60,7 @@ test("a page and a worker in it have the bits of node", async () => {
 });
 
 test("what is not there is said", async () => {
-  const said = await browser.value(`import("./pbf.mjs?again").then(({ load }) => load("nothing.wasm")).catch((error) => error.message)`);
+  const said = await browser.value(`import("./module.mjs?again").then(({ load }) => load("nothing.wasm")).catch((error) => error.message)`);
   assert.match(said, /\/nothing\.wasm can't be read: 404 Not Found$/);
   assert.deepEqual(browser.errors, []);
 });

@@ -3,14 +3,18 @@ from .words import COMMENT, camel, is_status, is_text
 
 SCALARS = {"void": "void", "uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
            "uint64_t": "ulong", "float": "float", "double": "double", "pbf_status": "Status"}
-VECTORS = {3: "Vector3d", 4: "Vector4d", 6: "Walls"}  # arrays of double
-OWNED = {"pbf_desc": "NativeDesc", "pbf_allocator": "NativeAllocator", "pbf_read_desc": "NativeReadDesc",
-         "pbf_anisotropy_desc": "NativeAnisotropyDesc", "pbf_samples": "NativeSamples",
-         "pbf_grid_desc": "NativeGridDesc",
-         "pbf_view": "NativeView", "pbf_snapshot": "NativeSnapshot"}  # with pointers: a class wraps them
-AFTER_DISPOSE = {"pbf_destroy", "pbf_unmap"}  # a disposed SafeHandle takes part in no other call
+VECTORS = {("double", 3): "Vector3d", ("double", 4): "Vector4d", ("double", 6): "Walls",
+           ("uint32_t", 2): "Vector2u", ("uint32_t", 3): "Vector3u"}
+OWNED = {name: f"Native{camel(name)}" for name in (
+    "pbf_desc", "pbf_allocator", "pbf_read_desc", "pbf_anisotropy_desc", "pbf_samples", "pbf_sample_grid",
+    "pbf_grid_desc", "pbf_mesh_desc", "pbf_heights_desc", "pbf_hull_desc", "pbf_collider",
+    "pbf_view", "pbf_snapshot")}  # with pointers: a class or a method wraps them
+OBJECTS = {"pbf_collider": {"geometry": "Pbf.Shape"}}  # seen with these classes for pointers
+HANDLES = {"pbf_solver": "SolverHandle", "pbf_batch": "BatchHandle", "pbf_shape": "ShapeHandle"}
+# A SafeHandle that is disposed of, or not made yet, takes part in no other call.
+RAW = {"pbf_destroy", "pbf_unmap", "pbf_batch_destroy", "pbf_hold_shape", "pbf_release_shape"}
 KEYWORDS = {"params": "parameters"}
-ARRAYS = {"ids", "counts", "distances", "normal", "normals", "levels", "loads"}  # written to
+ARRAYS = {"ids", "counts", "distances", "normal", "normals", "levels", "loads", "flows", "phases"}  # written to
 
 
 def struct_name(name):
@@ -22,8 +26,8 @@ def field_of(field):
     kind, name = field["type"], camel(field["name"])
     if "array" in kind:
         of, count = kind["array"], kind["count"]
-        if of == {"scalar": "double"}:
-            return f"public {VECTORS[count]} {name};"
+        if (of.get("scalar"), count) in VECTORS:
+            return f"public {VECTORS[of['scalar'], count]} {name};"
         if of == {"scalar": "char"}:
             return (f"[MarshalAs(UnmanagedType.ByValTStr, SizeConst = {count})]\n"
                     f"        public string {name};")
@@ -42,14 +46,29 @@ def struct(name, value):
             f"    {access} partial struct {struct_name(name)}\n    {{\n{fields}\n    }}")
 
 
+def with_objects(name, objects, value):
+    """The struct that programs see, which keeps alive what its pointers point to."""
+    fields = [(camel(field["name"]), objects.get(field["name"])) for field in value["fields"]]
+    declared = "\n".join(f"        public {objects[field['name']]} {camel(field['name'])};" if field["name"] in objects
+                         else "        " + field_of(field) for field in value["fields"])
+    out = ",\n".join(f"                {field} = {kind}.AddressOf({field})" if kind else f"                {field} = {field}"
+                     for field, kind in fields)
+    back = "\n".join(f"            {field} = {kind}.At(from.{field});" if kind else f"            {field} = from.{field};"
+                     for field, kind in fields)
+    return (f"    public partial struct {camel(name)}\n    {{\n{declared}\n\n"
+            f"        internal {camel(name)}({struct_name(name)} from)\n        {{\n{back}\n        }}\n\n"
+            f"        internal {struct_name(name)} ForC()\n        {{\n"
+            f"            return new {struct_name(name)}\n            {{\n{out}\n            }};\n        }}\n    }}")
+
+
 def parameter_of(function, parameter):
     kind, name = parameter["type"], KEYWORDS.get(parameter["name"], parameter["name"])
     if "scalar" in kind:
         return f"{SCALARS[kind['scalar']]} {name}"
     if "pointer" in kind:
         target = kind["pointer"]
-        if target == {"opaque": "pbf_solver"} and function not in AFTER_DISPOSE:
-            return f"SolverHandle {name}"  # which can't be destroyed while a call is inside
+        if target.get("opaque") in HANDLES and function not in RAW:
+            return f"{HANDLES[target['opaque']]} {name}"  # which can't be destroyed while a call is inside
         if "pointer" in target:
             return f"out IntPtr {name}"
         if "struct" in target and not kind["const"] and name not in ARRAYS:
@@ -114,7 +133,9 @@ def text(description):
               "#endif\n" + functions + "\n    }")
     parts = [status(description), constants(description),
              *(callback(*item) for item in description["callbacks"].items()),
-             *(struct(*item) for item in description["structs"].items()), native, layout(description)]
+             *(struct(*item) for item in description["structs"].items()),
+             *(with_objects(name, objects, description["structs"][name]) for name, objects in OBJECTS.items()),
+             native, layout(description)]
     return (f"// {COMMENT}\n#pragma warning disable 1591\nusing System;\n"
             "using System.Collections.Generic;\nusing System.Runtime.InteropServices;\n\n"
             "namespace Pbf\n{\n" + "\n\n".join(parts) + "\n}\n")

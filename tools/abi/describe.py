@@ -79,8 +79,8 @@ class Names:
             return {"array": self.type_of(array[1]), "count": int(array[2])}
         if spelled.endswith("*"):
             target = spelled[:-1].strip()
-            constant = target.startswith("const ")
-            return {"pointer": self.type_of(target.removeprefix("const ")), "const": constant}
+            constant = target.startswith("const ") and not target.endswith("*")  # else it is further in
+            return {"pointer": self.type_of(target.removeprefix("const ") if constant else target), "const": constant}
         name = spelled.removeprefix("struct ")
         for kind, known in (("scalar", SCALARS), ("struct", self.structs), ("opaque", self.opaque),
                             ("callback", self.callbacks)):

@@ -12,16 +12,22 @@ from .words import COMMENT
 SCALARS = {"char": ("text", 1), "uint8_t": ("u8", 1), "int32_t": ("i32", 4), "uint32_t": ("u32", 4),
            "int64_t": ("i64", 8), "uint64_t": ("u64", 8), "double": ("f64", 8)}
 # In JavaScript: memory of others' and threads have no place there.
-LEFT_OUT = ("pbf_export_dlpack", "pbf_load_backend", "pbf_read", "pbf_get_anisotropies", "pbf_begin_step",
+LEFT_OUT = ("pbf_export_dlpack", "pbf_batch_export_dlpack", "pbf_load_backend", "pbf_read", "pbf_get_anisotropies", "pbf_begin_step",
             "pbf_end_step", "pbf_cancel", "pbf_set_snapshots", "pbf_acquire_snapshot", "pbf_release_snapshot",
             "pbf_get_backend_count", "pbf_get_backend_info", "pbf_keep_previous")
 # Structs that programs see, by the names that they have there.
 SEEN = {"pbf_params": "Params", "pbf_collider": "Collider", "pbf_collider_load": "ColliderLoad",
         "pbf_stats": "Stats", "pbf_info": "Info",
         "pbf_plan_stage": "PlanStage", "pbf_plan_array": "PlanArray", "pbf_plan": "Plan",
-        "pbf_stage_time": "StageTime", "pbf_timings": "Timings"}
-USED = ["pbf_desc", *SEEN, "pbf_view"]
+        "pbf_stage_time": "StageTime", "pbf_timings": "Timings",
+        "pbf_volume": "Volume", "pbf_volume_flow": "Flow", "pbf_emitter": "Emitter", "pbf_in_out": "InOut",
+        "pbf_phase": "Phase", "pbf_shape_info": "ShapeInfo"}
+USED = ["pbf_desc", *SEEN, "pbf_view", "pbf_read_desc", "pbf_samples", "pbf_sample_grid", "pbf_grid_desc",
+        "pbf_mesh_desc", "pbf_heights_desc", "pbf_hull_desc", "pbf_batch_info"]
 NOT_SEEN = ("struct_size", "reserved")
+# Fields that are something else there than a number.
+TYPES = {("pbf_collider", "shape"): '"plane" | "sphere" | "capsule" | "box" | Shape', ("pbf_collider", "geometry"): None,
+         ("pbf_volume", "shape"): '"box" | "sphere" | "capsule"', ("pbf_emitter", "shape"): '"rectangle" | "disc"'}
 
 
 def camel(name):
@@ -30,7 +36,7 @@ def camel(name):
 
 
 def is_exported(name):
-    return name not in LEFT_OUT and not name.startswith("pbf_batch_")
+    return name not in LEFT_OUT
 
 
 def layout(kind, structs):
@@ -89,20 +95,20 @@ def type_of(what, count):
 
 
 def declarations(description):
-    lines = [f"// {COMMENT} Fields are those of pbf.h, which says what each is."]
+    lines = [f"// {COMMENT} Fields are those of the C headers, which say what each is.",
+             'import type { Shape } from "./pbf.mjs";', ""]
     for name, value in SEEN.items():
         fields = [field for field in structs_of(description)[name]["fields"] if field[0] not in NOT_SEEN]
         lines += [f"export interface {value} {{",
-                  *(f"  {camel(field)}: {type_of(what, count)};" for field, what, _, count in fields
-                    if (name, field) != ("pbf_collider", "shape")),
-                  *(['  shape: "plane" | "sphere" | "capsule" | "box";'] if name == "pbf_collider" else []), "}", ""]
+                  *(f"  {camel(field)}: {TYPES.get((name, field), type_of(what, count))};" for field, what, _, count in fields
+                    if TYPES.get((name, field), "") is not None), "}", ""]
     lines += ["export declare const constants: {"]
     lines += [f"  readonly {name}: {value};" for name, value in numbers_of(description).items()]
     return "\n".join(lines + ["};"]) + "\n"
 
 
 def asserts(description):
-    lines = [f"/* {COMMENT} */", "#include <pbf/pbf.h>", "#include <stddef.h>", ""]
+    lines = [f"/* {COMMENT} */", "#include <pbf/all.h>", "#include <stddef.h>", ""]
     for name, struct in structs_of(description).items():
         lines.append(f"_Static_assert(sizeof({name}) == {struct['size']}, \"as abi.g.mjs has it\");")
         lines += [f"_Static_assert(offsetof({name}, {field}) == {offset}, \"as abi.g.mjs has it\");"

@@ -41,6 +41,28 @@ namespace Pbf
             return raw;
         }
 
+        internal delegate Status Maker(IntPtr desc, IntPtr parameters, out IntPtr made);
+
+        /// <summary>A solver or a batch, which calls the log target.</summary>
+        internal IntPtr Create(Params? parameters, GCHandle target, Maker make)
+        {
+            var first = parameters ?? Params.Default;
+            first.StructSize = Params.Size;
+            return With(raw =>
+            {
+                if (target.IsAllocated)
+                {
+                    raw.Log = Marshal.GetFunctionPointerForDelegate(LogTarget.Write);
+                    raw.LogUser = GCHandle.ToIntPtr(target);
+                }
+                using (var pins = new Pins())
+                {
+                    PbfException.Check(make(pins.Of(raw), pins.Of(first), out IntPtr made));
+                    return made;
+                }
+            });
+        }
+
         internal T With<T>(Func<NativeDesc, T> call)
         {
             var raw = Defaults();
@@ -81,8 +103,17 @@ namespace Pbf
         /// <summary>At rest at the origin, sizes 1; the shape is one of Constants.Collider…</summary>
         public static Collider Of(uint shape)
         {
-            var made = new Collider();
-            PbfException.Check(Native.pbf_collider_init(ref made, Bytes, shape));
+            var made = new NativeCollider();
+            PbfException.Check(Native.pbf_collider_init(ref made, Arrays.SizeOf<NativeCollider>(), shape));
+            return new Collider(made);
+        }
+
+        /// <summary>As large as the shape is, whose own 0 is at the position; Scale makes it larger.</summary>
+        public static Collider Solid(Shape shape, Vector3d position)
+        {
+            var made = Of(Constants.ColliderShape);
+            made.Geometry = Arrays.Given(shape, "shape");
+            made.Position = position;
             return made;
         }
 
@@ -121,7 +152,5 @@ namespace Pbf
             made.Axis = normal;
             return made;
         }
-
-        internal static uint Bytes { get { return (uint)Marshal.SizeOf(typeof(Collider)); } }
     }
 }

@@ -235,7 +235,7 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct Collider
+    internal partial struct NativeCollider
     {
         public uint StructSize;
         public uint Shape;
@@ -475,11 +475,10 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct SampleGrid
+    internal partial struct NativeSampleGrid
     {
         public uint StructSize;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
-        public uint[] Counts;
+        public Vector3u Counts;
         public Vector3d Origin;
         public Vector3d Step;
     }
@@ -532,8 +531,7 @@ namespace Pbf
     {
         public uint StructSize;
         public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
-        public uint[] Nodes;
+        public Vector3u Nodes;
         public uint Reserved;
         public Vector3d Origin;
         public double Cell;
@@ -541,7 +539,7 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct MeshDesc
+    internal partial struct NativeMeshDesc
     {
         public uint StructSize;
         public uint Dimension;
@@ -554,12 +552,11 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct HeightsDesc
+    internal partial struct NativeHeightsDesc
     {
         public uint StructSize;
         public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)]
-        public uint[] Count;
+        public Vector2u Count;
         public IntPtr Heights;
         public double Spacing;
         public double Base;
@@ -567,7 +564,7 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct HullDesc
+    internal partial struct NativeHullDesc
     {
         public uint StructSize;
         public uint Dimension;
@@ -582,8 +579,7 @@ namespace Pbf
     {
         public uint StructSize;
         public uint Dimension;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)]
-        public uint[] Nodes;
+        public Vector3u Nodes;
         public uint References;
         public Vector3d Origin;
         public double Cell;
@@ -593,6 +589,87 @@ namespace Pbf
         public double Area;
         public ulong Bytes;
         public ulong Hash;
+    }
+
+    public partial struct Collider
+    {
+        public uint StructSize;
+        public uint Shape;
+        public uint Inverted;
+        public uint Path;
+        public Vector3d Position;
+        public Vector4d Orientation;
+        public Vector3d Velocity;
+        public Vector3d AngularVelocity;
+        public Vector3d Axis;
+        public Vector3d HalfExtents;
+        public double Radius;
+        public double HalfLength;
+        public Vector3d HalfExtentsRate;
+        public double RadiusRate;
+        public double HalfLengthRate;
+        public double Duration;
+        public Pbf.Shape Geometry;
+        public double Scale;
+        public double ScaleRate;
+        public double Friction;
+        public double StaticFriction;
+        public double NoSlip;
+
+        internal Collider(NativeCollider from)
+        {
+            StructSize = from.StructSize;
+            Shape = from.Shape;
+            Inverted = from.Inverted;
+            Path = from.Path;
+            Position = from.Position;
+            Orientation = from.Orientation;
+            Velocity = from.Velocity;
+            AngularVelocity = from.AngularVelocity;
+            Axis = from.Axis;
+            HalfExtents = from.HalfExtents;
+            Radius = from.Radius;
+            HalfLength = from.HalfLength;
+            HalfExtentsRate = from.HalfExtentsRate;
+            RadiusRate = from.RadiusRate;
+            HalfLengthRate = from.HalfLengthRate;
+            Duration = from.Duration;
+            Geometry = Pbf.Shape.At(from.Geometry);
+            Scale = from.Scale;
+            ScaleRate = from.ScaleRate;
+            Friction = from.Friction;
+            StaticFriction = from.StaticFriction;
+            NoSlip = from.NoSlip;
+        }
+
+        internal NativeCollider ForC()
+        {
+            return new NativeCollider
+            {
+                StructSize = StructSize,
+                Shape = Shape,
+                Inverted = Inverted,
+                Path = Path,
+                Position = Position,
+                Orientation = Orientation,
+                Velocity = Velocity,
+                AngularVelocity = AngularVelocity,
+                Axis = Axis,
+                HalfExtents = HalfExtents,
+                Radius = Radius,
+                HalfLength = HalfLength,
+                HalfExtentsRate = HalfExtentsRate,
+                RadiusRate = RadiusRate,
+                HalfLengthRate = HalfLengthRate,
+                Duration = Duration,
+                Geometry = Pbf.Shape.AddressOf(Geometry),
+                Scale = Scale,
+                ScaleRate = ScaleRate,
+                Friction = Friction,
+                StaticFriction = StaticFriction,
+                NoSlip = NoSlip
+            };
+        }
     }
 
     internal static class Native
@@ -663,7 +740,7 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_collider_init(ref Collider collider, uint struct_size, uint shape);
+        internal static extern Status pbf_collider_init(ref NativeCollider collider, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -671,7 +748,7 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_collider_count(SolverHandle solver, ref uint count);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref Collider collider);
+        internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref NativeCollider collider);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_collider_loads(SolverHandle solver, uint count, IntPtr loads);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -717,39 +794,39 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern void pbf_batch_destroy(IntPtr batch);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_get_info(IntPtr batch, ref BatchInfo info);
+        internal static extern Status pbf_batch_get_info(BatchHandle batch, ref BatchInfo info);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_get_world(IntPtr batch, uint world, out IntPtr solver);
+        internal static extern Status pbf_batch_get_world(BatchHandle batch, uint world, out IntPtr solver);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_get_statuses(IntPtr batch, IntPtr statuses);
+        internal static extern Status pbf_batch_get_statuses(BatchHandle batch, IntPtr statuses);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_get_sentence(IntPtr batch, uint world, out IntPtr sentence);
+        internal static extern Status pbf_batch_get_sentence(BatchHandle batch, uint world, out IntPtr sentence);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_step(IntPtr batch, IntPtr mask, uint steps);
+        internal static extern Status pbf_batch_step(BatchHandle batch, IntPtr mask, uint steps);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_set_start(IntPtr batch, IntPtr mask, IntPtr state, ulong size);
+        internal static extern Status pbf_batch_set_start(BatchHandle batch, IntPtr mask, IntPtr state, ulong size);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_reset(IntPtr batch, IntPtr mask);
+        internal static extern Status pbf_batch_reset(BatchHandle batch, IntPtr mask);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_set_gravity(IntPtr batch, IntPtr mask, IntPtr gravity);
+        internal static extern Status pbf_batch_set_gravity(BatchHandle batch, IntPtr mask, IntPtr gravity);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_set_colliders(IntPtr batch, IntPtr mask, uint count, IntPtr colliders);
+        internal static extern Status pbf_batch_set_colliders(BatchHandle batch, IntPtr mask, uint count, IntPtr colliders);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_move_colliders(IntPtr batch, IntPtr mask, uint count, IntPtr positions, IntPtr orientations, double duration);
+        internal static extern Status pbf_batch_move_colliders(BatchHandle batch, IntPtr mask, uint count, IntPtr positions, IntPtr orientations, double duration);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_add_particles(IntPtr batch, IntPtr counts, IntPtr positions, IntPtr velocities);
+        internal static extern Status pbf_batch_add_particles(BatchHandle batch, IntPtr counts, IntPtr positions, IntPtr velocities);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_get_counts(IntPtr batch, IntPtr counts);
+        internal static extern Status pbf_batch_get_counts(BatchHandle batch, IntPtr counts);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_read(IntPtr batch, IntPtr mask, IntPtr read, ulong world_stride);
+        internal static extern Status pbf_batch_read(BatchHandle batch, IntPtr mask, IntPtr read, ulong world_stride);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_batch_export_dlpack(IntPtr batch, uint field, uint rows, out IntPtr tensor);
+        internal static extern Status pbf_batch_export_dlpack(BatchHandle batch, uint field, uint rows, out IntPtr tensor);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_volume_init(ref Volume volume, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_find_in_volume(SolverHandle solver, IntPtr volume, uint capacity, IntPtr ids, ref uint count);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_measure_volumes(SolverHandle solver, uint count, IntPtr volumes, ref VolumeFlow flows);
+        internal static extern Status pbf_measure_volumes(SolverHandle solver, uint count, IntPtr volumes, IntPtr flows);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_sample(SolverHandle solver, IntPtr samples);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -783,7 +860,7 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_set_particle_phases(SolverHandle solver, uint first, uint count, IntPtr phases);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_particle_phases(SolverHandle solver, uint first, uint count, ref uint phases);
+        internal static extern Status pbf_get_particle_phases(SolverHandle solver, uint first, uint count, IntPtr phases);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_shape_from_grid(IntPtr grid, out IntPtr shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -797,9 +874,9 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern void pbf_release_shape(IntPtr shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_shape_info(IntPtr shape, ref ShapeInfo info);
+        internal static extern Status pbf_get_shape_info(ShapeHandle shape, ref ShapeInfo info);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_shape_distance(IntPtr shape, IntPtr point, ref double distance, IntPtr normal);
+        internal static extern Status pbf_get_shape_distance(ShapeHandle shape, IntPtr point, ref double distance, IntPtr normal);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>
@@ -812,7 +889,7 @@ namespace Pbf
             { typeof(Params), new[] { "584", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580" } },
             { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
             { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
-            { typeof(Collider), new[] { "280", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272" } },
+            { typeof(NativeCollider), new[] { "280", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272" } },
             { typeof(ColliderLoad), new[] { "128", "StructSize=0", "Contacts=4", "Impulse=8", "AngularImpulse=32", "ImpulseSum=56", "AngularImpulseSum=80", "TimeSum=104", "Penetration=112", "WettedArea=120" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
             { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },
@@ -828,14 +905,14 @@ namespace Pbf
             { typeof(Volume), new[] { "128", "StructSize=0", "Shape=4", "Position=8", "Orientation=32", "HalfExtents=64", "Axis=88", "Radius=112", "HalfLength=120" } },
             { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },
-            { typeof(SampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
+            { typeof(NativeSampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
             { typeof(Emitter), new[] { "144", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128", "Phase=136", "Reserved=140" } },
             { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } },
             { typeof(Phase), new[] { "24", "StructSize=0", "User=4", "RestDensity=8", "Viscosity=16" } },
             { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },
-            { typeof(MeshDesc), new[] { "48", "StructSize=0", "Dimension=4", "VertexCount=8", "FaceCount=12", "Vertices=16", "Faces=24", "Cell=32", "Thickness=40" } },
-            { typeof(HeightsDesc), new[] { "48", "StructSize=0", "Dimension=4", "Count=8", "Heights=16", "Spacing=24", "Base=32", "Cell=40" } },
-            { typeof(HullDesc), new[] { "32", "StructSize=0", "Dimension=4", "PointCount=8", "Reserved=12", "Points=16", "Cell=24" } },
+            { typeof(NativeMeshDesc), new[] { "48", "StructSize=0", "Dimension=4", "VertexCount=8", "FaceCount=12", "Vertices=16", "Faces=24", "Cell=32", "Thickness=40" } },
+            { typeof(NativeHeightsDesc), new[] { "48", "StructSize=0", "Dimension=4", "Count=8", "Heights=16", "Spacing=24", "Base=32", "Cell=40" } },
+            { typeof(NativeHullDesc), new[] { "32", "StructSize=0", "Dimension=4", "PointCount=8", "Reserved=12", "Points=16", "Cell=24" } },
             { typeof(ShapeInfo), new[] { "136", "StructSize=0", "Dimension=4", "Nodes=8", "References=20", "Origin=24", "Cell=48", "Lower=56", "Upper=80", "Volume=104", "Area=112", "Bytes=120", "Hash=128" } }
         };
     }

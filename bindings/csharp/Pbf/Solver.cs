@@ -1,6 +1,4 @@
 using System;
-using System.Runtime.ExceptionServices;
-using System.Runtime.InteropServices;
 
 namespace Pbf
 {
@@ -9,9 +7,9 @@ namespace Pbf
     /// or double[] by Desc.Precision. A call that fails throws a PbfException and leaves the solver as it was.
     /// One thread at a time uses it; Cancel and TakeSnapshot are for any thread, at any time.
     /// </summary>
-    public sealed class Solver : IDisposable
+    public sealed partial class Solver : IDisposable
     {
-        private readonly SolverHandle handle = new SolverHandle();
+        private readonly SolverHandle handle;
         private readonly LogTarget log;
         private readonly uint dimension;
         private readonly uint precision;
@@ -19,17 +17,13 @@ namespace Pbf
         public Solver(Desc desc = null, Params? parameters = null)
         {
             desc = desc ?? new Desc();
+            handle = new SolverHandle();
             dimension = desc.Dimension;
             precision = desc.Precision;
-            var target = default(GCHandle);
-            if (desc.Log != null)
-            {
-                log = new LogTarget(desc.Log);
-                target = GCHandle.Alloc(log);
-            }
+            log = LogTarget.Make(desc.Log, out var target);
             try
             {
-                handle.Own(Create(desc, parameters ?? Params.Default, target), target);
+                handle.Own(desc.Create(parameters, target, Native.pbf_create), target);
             }
             catch
             {
@@ -37,10 +31,28 @@ namespace Pbf
                 if (target.IsAllocated) target.Free();
                 throw;
             }
-            ThrowOn();
+            LogTarget.ThrowOn(log);
         }
 
-        public void Dispose() { handle.Dispose(); }
+        /// <summary>A world of a batch.</summary>
+        internal Solver(IntPtr world, BatchHandle batch, LogTarget log, uint dimension, uint precision)
+        {
+            handle = new SolverHandle(world, batch);
+            this.log = log;
+            this.dimension = dimension;
+            this.precision = precision;
+        }
+
+        /// <summary>Of a world of a batch: steps that have begun end, and the world stays.</summary>
+        public void Dispose()
+        {
+            if (handle.IsWorld && !handle.IsClosed)
+            {
+                Native.pbf_cancel(handle);
+                Native.pbf_end_step(handle);
+            }
+            handle.Dispose();
+        }
 
         // ---- Steps
 
@@ -69,19 +81,23 @@ namespace Pbf
             set
             {
                 value.StructSize = Params.Size;
-                With(value, at => Native.pbf_set_params(handle, at));
+                using (var pins = new Pins()) Check(Native.pbf_set_params(handle, pins.Of(value)));
             }
         }
 
         public void SetColliders(params Collider[] colliders)
         {
-            WithColliders(colliders, at => Native.pbf_set_colliders(handle, (uint)colliders.Length, at));
+            var raw = Arrays.Colliders(colliders, "colliders");
+            using (var pins = new Pins()) Check(Native.pbf_set_colliders(handle, (uint)raw.Length, pins.Of(raw)));
+            GC.KeepAlive(colliders); // and so their shapes
         }
 
         /// <summary>To these poses and sizes, in this time from now.</summary>
         public void MoveColliders(Collider[] targets, double duration)
         {
-            WithColliders(targets, at => Native.pbf_move_colliders(handle, (uint)targets.Length, at, duration));
+            var raw = Arrays.Colliders(targets, "targets");
+            using (var pins = new Pins()) Check(Native.pbf_move_colliders(handle, (uint)raw.Length, pins.Of(raw), duration));
+            GC.KeepAlive(targets);
         }
 
         public Collider[] GetColliders()
@@ -91,8 +107,9 @@ namespace Pbf
             var colliders = new Collider[count];
             for (uint i = 0; i < count; ++i)
             {
-                colliders[i].StructSize = Collider.Bytes;
-                Check(Native.pbf_get_collider(handle, i, ref colliders[i]));
+                var raw = new NativeCollider { StructSize = Arrays.SizeOf<NativeCollider>() };
+                Check(Native.pbf_get_collider(handle, i, ref raw));
+                colliders[i] = new Collider(raw);
             }
             return colliders;
         }
@@ -126,15 +143,16 @@ namespace Pbf
 
         public void RemoveParticles(uint[] ids)
         {
-            Pinned(Given(ids, "ids"), at => Check(Native.pbf_remove_particles(handle, (uint)ids.Length, at)));
+            Arrays.Given(ids, "ids");
+            using (var pins = new Pins()) Check(Native.pbf_remove_particles(handle, (uint)ids.Length, pins.Of(ids)));
         }
 
         /// <summary>Gives how many they were.</summary>
         public uint RemoveInBox(Vector3d lower, Vector3d upper)
         {
             uint count = 0;
-            Pinned(Corner(lower), low => Pinned(Corner(upper),
-                high => Check(Native.pbf_remove_in_box(handle, low, high, ref count))));
+            using (var pins = new Pins())
+                Check(Native.pbf_remove_in_box(handle, pins.Of(lower), pins.Of(upper), ref count));
             return count;
         }
 
@@ -142,8 +160,8 @@ namespace Pbf
         {
             var ids = new uint[Count];
             uint count = 0;
-            Pinned(Corner(lower), low => Pinned(Corner(upper), high => Pinned(ids,
-                at => Check(Native.pbf_find_in_box(handle, low, high, (uint)ids.Length, at, ref count)))));
+            using (var pins = new Pins())
+                Check(Native.pbf_find_in_box(handle, pins.Of(lower), pins.Of(upper), (uint)ids.Length, pins.Of(ids), ref count));
             Array.Resize(ref ids, (int)count);
             return ids;
         }
@@ -172,7 +190,7 @@ namespace Pbf
         public uint[] GetIds()
         {
             var ids = new uint[Count];
-            Pinned(ids, at => Check(Native.pbf_get_ids(handle, 0, (uint)ids.Length, at)));
+            using (var pins = new Pins()) Check(Native.pbf_get_ids(handle, 0, (uint)ids.Length, pins.Of(ids)));
             return ids;
         }
 
@@ -191,13 +209,14 @@ namespace Pbf
             ulong size = 0;
             Check(Native.pbf_save(handle, IntPtr.Zero, ref size));
             var state = new byte[size];
-            Pinned(state, at => Check(Native.pbf_save(handle, at, ref size)));
+            using (var pins = new Pins()) Check(Native.pbf_save(handle, pins.Of(state), ref size));
             return state;
         }
 
         public void Load(byte[] state)
         {
-            Pinned(Given(state, "state"), at => Check(Native.pbf_load(handle, at, (ulong)state.Length)));
+            Arrays.Given(state, "state");
+            using (var pins = new Pins()) Check(Native.pbf_load(handle, pins.Of(state), (ulong)state.Length));
         }
 
         public ulong Hash()
@@ -209,14 +228,14 @@ namespace Pbf
 
         public Stats GetStats()
         {
-            var got = new Stats { StructSize = SizeOf<Stats>() };
+            var got = new Stats { StructSize = Arrays.SizeOf<Stats>() };
             Check(Native.pbf_get_stats(handle, ref got));
             return got;
         }
 
         public Info GetInfo()
         {
-            var got = new Info { StructSize = SizeOf<Info>() };
+            var got = new Info { StructSize = Arrays.SizeOf<Info>() };
             Check(Native.pbf_get_info(handle, ref got));
             return got;
         }
@@ -226,7 +245,7 @@ namespace Pbf
         {
             var got = new Plan
             {
-                StructSize = SizeOf<Plan>(),
+                StructSize = Arrays.SizeOf<Plan>(),
                 Stages = new PlanStage[Constants.MaxStages],
                 Arrays = new PlanArray[Constants.MaxArrays]
             };
@@ -238,7 +257,7 @@ namespace Pbf
 
         public Timings GetTimings()
         {
-            var got = new Timings { StructSize = SizeOf<Timings>(), Stages = new StageTime[Constants.MaxStages] };
+            var got = new Timings { StructSize = Arrays.SizeOf<Timings>(), Stages = new StageTime[Constants.MaxStages] };
             Check(Native.pbf_get_timings(handle, ref got));
             return got;
         }
@@ -251,6 +270,22 @@ namespace Pbf
             return limit;
         }
 
+        /// <summary>Of the library at run time.</summary>
+        public static Version LibraryVersion
+        {
+            get
+            {
+                int number = (int)Native.pbf_version();
+                return new Version(number / 1000000, number / 1000 % 1000, number % 1000);
+            }
+        }
+
+        /// <summary>Loads a plugin from an absolute path, for the life of the process: the code in it is run.</summary>
+        public static void LoadBackend(string path)
+        {
+            PbfException.Check(Text.With("path", path, at => Native.pbf_load_backend(at)));
+        }
+
         /// <summary>Every backend found, judged for a solver like desc, and every file that failed to load.</summary>
         public static BackendInfo[] Backends(Desc desc = null)
         {
@@ -259,14 +294,15 @@ namespace Pbf
                 uint count = 0;
                 PbfException.Check(Native.pbf_get_backend_count(ref count));
                 var found = new BackendInfo[count];
-                Pinned(raw, at =>
+                using (var pins = new Pins())
                 {
+                    var wanted = pins.Of(raw);
                     for (uint i = 0; i < count; ++i)
                     {
-                        found[i].StructSize = SizeOf<BackendInfo>();
-                        PbfException.Check(Native.pbf_get_backend_info(at, i, ref found[i]));
+                        found[i].StructSize = Arrays.SizeOf<BackendInfo>();
+                        PbfException.Check(Native.pbf_get_backend_info(wanted, i, ref found[i]));
                     }
-                });
+                }
                 return found;
             });
         }
@@ -276,65 +312,10 @@ namespace Pbf
         private delegate Status LoadsCall(SolverHandle solver, uint count, IntPtr loads);
         private delegate Status RowsCall(SolverHandle solver, uint first, uint count, IntPtr rows);
 
-        private static IntPtr Create(Desc desc, Params parameters, GCHandle target)
-        {
-            parameters.StructSize = Params.Size;
-            return desc.With(raw =>
-            {
-                if (target.IsAllocated)
-                {
-                    raw.Log = Marshal.GetFunctionPointerForDelegate(LogTarget.Write);
-                    raw.LogUser = GCHandle.ToIntPtr(target);
-                }
-                var made = IntPtr.Zero;
-                Pinned(raw, at => Pinned(parameters,
-                    first => PbfException.Check(Native.pbf_create(at, first, out made))));
-                return made;
-            });
-        }
-
-        private static uint SizeOf<T>() { return (uint)Marshal.SizeOf(typeof(T)); }
-
-        private static double[] Corner(Vector3d corner) { return new[] { corner.X, corner.Y, corner.Z }; }
-
-        /// <summary>Calls with the address of an array, or of a copy of a struct.</summary>
-        private static void Pinned(object what, Action<IntPtr> call)
-        {
-            if (what == null)
-            {
-                call(IntPtr.Zero);
-                return;
-            }
-            var pin = GCHandle.Alloc(what, GCHandleType.Pinned);
-            try { call(pin.AddrOfPinnedObject()); }
-            finally { pin.Free(); }
-        }
-
-        private static T Given<T>(T array, string name) where T : class
-        {
-            return array ?? throw PbfException.Invalid($"{name} is null");
-        }
-
-        private void With(object what, Func<IntPtr, Status> call)
-        {
-            Pinned(what, at => Check(call(at)));
-        }
-
-        private void WithColliders(Collider[] colliders, Func<IntPtr, Status> call)
-        {
-            var sized = (Collider[])Given(colliders, "colliders").Clone();
-            for (int i = 0; i < sized.Length; ++i) sized[i].StructSize = Collider.Bytes;
-            With(sized, call);
-        }
-
         private uint ParticlesOf(Array array, uint components)
         {
-            Given(array, "the array");
-            if ((array is float[]) != (precision == Constants.Float32))
-                throw PbfException.Invalid("the array is not of the solver's precision, Desc.Precision");
-            if (array.Length % components != 0)
-                throw PbfException.Invalid($"an array has {array.Length} numbers, no multiple of {components}");
-            return (uint)(array.Length / components);
+            Arrays.OfPrecision(Arrays.Given(array, "the array"), precision);
+            return Arrays.Rows("the array", array, components);
         }
 
         private uint Add(Array positions, Array velocities)
@@ -342,35 +323,29 @@ namespace Pbf
             uint count = ParticlesOf(positions, dimension), first = 0;
             if (velocities != null && velocities.Length != positions.Length)
                 throw PbfException.Invalid($"velocities has {velocities.Length} numbers, positions {positions.Length}");
-            Pinned(positions, x => Pinned(velocities,
-                v => Check(Native.pbf_add_particles(handle, count, x, v, ref first))));
+            using (var pins = new Pins())
+                Check(Native.pbf_add_particles(handle, count, pins.Of(positions), pins.Of(velocities), ref first));
             return first;
         }
 
         private ColliderLoad[] Loads(uint count, LoadsCall call)
         {
             var loads = new ColliderLoad[count];
-            for (uint i = 0; i < count; ++i) loads[i].StructSize = SizeOf<ColliderLoad>();
-            Pinned(loads, at => Check(call(handle, count, at)));
+            for (uint i = 0; i < count; ++i) loads[i].StructSize = Arrays.SizeOf<ColliderLoad>();
+            using (var pins = new Pins()) Check(call(handle, count, pins.Of(loads)));
             return loads;
         }
 
         private void Rows(RowsCall call, Array array, uint first, uint components)
         {
             uint count = ParticlesOf(array, components);
-            Pinned(array, at => Check(call(handle, first, count, at)));
+            using (var pins = new Pins()) Check(call(handle, first, count, pins.Of(array)));
         }
 
         private void Check(Status status)
         {
-            if (status != Status.Busy) ThrowOn(); // steps that have begun tell at their end
+            if (status != Status.Busy) LogTarget.ThrowOn(log); // steps that have begun tell at their end
             PbfException.Check(status);
-        }
-
-        private void ThrowOn()
-        {
-            var thrown = log?.Take();
-            if (thrown != null) ExceptionDispatchInfo.Capture(thrown).Throw();
         }
     }
 }

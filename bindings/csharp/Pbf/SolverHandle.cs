@@ -1,4 +1,5 @@
 using System;
+using System.Runtime.ExceptionServices;
 using System.Runtime.InteropServices;
 
 namespace Pbf
@@ -8,9 +9,20 @@ namespace Pbf
     /// </summary>
     internal sealed class SolverHandle : SafeHandle
     {
-        private GCHandle log; // of a LogTarget, which the library's calls name
+        private GCHandle log;      // of a LogTarget, which the library's calls name
+        private BatchHandle batch; // that it is a world of, and ends with
 
         internal SolverHandle() : base(IntPtr.Zero, true) { }
+
+        internal SolverHandle(IntPtr world, BatchHandle batch) : base(IntPtr.Zero, true)
+        {
+            bool held = false;
+            batch.DangerousAddRef(ref held);
+            this.batch = batch;
+            SetHandle(world);
+        }
+
+        internal bool IsWorld { get { return batch != null; } }
 
         public override bool IsInvalid { get { return handle == IntPtr.Zero; } }
 
@@ -22,8 +34,9 @@ namespace Pbf
 
         protected override bool ReleaseHandle()
         {
-            Native.pbf_destroy(handle);
+            Native.pbf_destroy(handle); // of a world nothing
             if (log.IsAllocated) log.Free();
+            if (batch != null) batch.DangerousRelease();
             return true;
         }
     }
@@ -44,9 +57,25 @@ namespace Pbf
         private readonly object gate = new object();
         private Exception thrown;
 
-        internal LogTarget(Action<uint, string> call) { this.call = call; }
+        private LogTarget(Action<uint, string> call) { this.call = call; }
 
-        internal Exception Take()
+        /// <summary>Null without a log; what the library's calls name is to be freed.</summary>
+        internal static LogTarget Make(Action<uint, string> call, out GCHandle named)
+        {
+            named = default(GCHandle);
+            if (call == null) return null;
+            var made = new LogTarget(call);
+            named = GCHandle.Alloc(made);
+            return made;
+        }
+
+        internal static void ThrowOn(LogTarget log)
+        {
+            var thrown = log?.Take();
+            if (thrown != null) ExceptionDispatchInfo.Capture(thrown).Throw();
+        }
+
+        private Exception Take()
         {
             lock (gate)
             {

@@ -2,11 +2,13 @@
 // libpbf.so with the backends (libpbf_*.so) beside the exported program, or set LD_LIBRARY_PATH for the editor.
 using Godot;
 using Pbf;
+using Math = System.Math;
 
 public partial class Fluid : Node3D
 {
     [Export] public Godot.Vector3 Tank = new Godot.Vector3(4, 2, 2);
     [Export] public float Spacing = 0.1f;
+    [Export] public int Capacity = 20000; // a tap fills the tank up to so many particles
 
     private Solver fluid;
     private MultiMesh drops;
@@ -31,8 +33,10 @@ public partial class Fluid : Node3D
         }
         try
         {
-            fluid = new Solver(new Desc { Capacity = (uint)(nx * ny * nz) }, parameters);
+            fluid = new Solver(new Desc { Capacity = (uint)Math.Max(Capacity, nx * ny * nz) }, parameters);
             fluid.AddParticles(positions);
+            var tap = new Vector3d(Tank.X * 0.75, Tank.Y - 2 * Spacing, Tank.Z / 2);
+            fluid.SetEmitters(Emitter.Disc(tap, new Vector3d(0, -2, 0), 2 * Spacing));
         }
         catch (PbfException exception)
         {
@@ -40,19 +44,22 @@ public partial class Fluid : Node3D
             return;
         }
         drops = GetNode<MultiMeshInstance3D>("Drops").Multimesh;
-        drops.InstanceCount = nx * ny * nz;
+        drops.InstanceCount = Math.Max(Capacity, nx * ny * nz);
     }
 
     public override void _PhysicsProcess(double delta)
     {
         if (drops == null) return;
-        debt = System.Math.Min(debt + delta, 0.1); // what can't be kept up with is dropped
+        debt = Math.Min(debt + delta, 0.1); // what can't be kept up with is dropped
         uint steps = (uint)(debt / timeStep);
         if (steps == 0) return;
         debt -= steps * timeStep;
         fluid.Step(steps);
+        int count = (int)fluid.Count;
+        if (positions.Length != 3 * count) positions = new float[3 * count];
         fluid.GetPositions(positions);
-        for (int i = 0; i < drops.InstanceCount; ++i)
+        drops.VisibleInstanceCount = count;
+        for (int i = 0; i < count; ++i)
         {
             var at = new Godot.Vector3(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
             drops.SetInstanceTransform(i, new Transform3D(Basis.Identity, at));

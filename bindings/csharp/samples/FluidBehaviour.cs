@@ -14,6 +14,7 @@ public sealed class FluidBehaviour : MonoBehaviour
     public float spacing = 0.1f;
     public Transform ball; // pushed through the water where it is moved
     public float ballRadius = 0.4f;
+    public MeshFilter rock; // a closed mesh, readable, which stands in the water
 
     private const float LongestDebt = 0.1f; // seconds: what can't be kept up with is dropped
     private const int Batch = 1023;         // instances of one draw
@@ -22,6 +23,7 @@ public sealed class FluidBehaviour : MonoBehaviour
     private Params parameters;
     private float debt;
     private float[] positions = new float[0];
+    private Shape rockShape;
     private readonly List<Matrix4x4> matrices = new List<Matrix4x4>(Batch);
 
     private void OnEnable()
@@ -56,13 +58,40 @@ public sealed class FluidBehaviour : MonoBehaviour
         fluid = new Solver(desc, parameters);
         fluid.AddParticles(start);
         positions = start;
-        if (ball != null) fluid.SetColliders(BallCollider());
+        if (rock != null) rockShape = ShapeOf(rock);
+        fluid.SetColliders(Colliders());
+    }
+
+    // In the space of this component, as all of the fluid is.
+    private Shape ShapeOf(MeshFilter filter)
+    {
+        Vector3[] vertices = filter.sharedMesh.vertices;
+        var places = new double[3 * vertices.Length];
+        for (int i = 0; i < vertices.Length; ++i)
+        {
+            Vector3 at = transform.InverseTransformPoint(filter.transform.TransformPoint(vertices[i]));
+            places[3 * i] = at.x;
+            places[3 * i + 1] = at.y;
+            places[3 * i + 2] = at.z;
+        }
+        return Shape.FromMesh(3, places, Array.ConvertAll(filter.sharedMesh.triangles, index => (uint)index), spacing / 2);
+    }
+
+    // The same ones, in the same order, each time.
+    private Pbf.Collider[] Colliders()
+    {
+        var colliders = new List<Pbf.Collider>();
+        if (rockShape != null) colliders.Add(Pbf.Collider.Solid(rockShape, new Vector3d(0, 0, 0)));
+        if (ball != null) colliders.Add(BallCollider());
+        return colliders.ToArray();
     }
 
     private void OnDisable()
     {
         if (fluid != null) fluid.Dispose();
+        if (rockShape != null) rockShape.Dispose();
         fluid = null;
+        rockShape = null;
     }
 
     private void Update()
@@ -73,7 +102,7 @@ public sealed class FluidBehaviour : MonoBehaviour
         if (steps > 0)
         {
             debt -= steps * (float)parameters.TimeStep;
-            if (ball != null) fluid.MoveColliders(new[] { BallCollider() }, steps * parameters.TimeStep);
+            if (ball != null) fluid.MoveColliders(Colliders(), steps * parameters.TimeStep);
             fluid.Step((uint)steps);
             fluid.GetPositions(positions);
         }

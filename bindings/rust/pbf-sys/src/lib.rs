@@ -861,7 +861,7 @@ extern "C" {
     pub fn pbf_batch_get_sentence(
         batch: *mut pbf_batch,
         world: u32,
-        sentence: *const *mut c_char,
+        sentence: *mut *const c_char,
     ) -> pbf_status;
     pub fn pbf_batch_step(
         batch: *mut pbf_batch,

@@ -1,12 +1,15 @@
 use crate::error::checked;
+use crate::raw::{empty, fields_of_c};
+use crate::shape::Shape;
 use pbf_sys as sys;
-use std::mem::{size_of, zeroed};
-use std::ops::{Deref, DerefMut};
 
 /// A collider, by the names of `pbf_collider`.
-#[derive(Clone, Copy)]
-#[repr(transparent)]
-pub struct Collider(sys::pbf_collider);
+#[derive(Clone)]
+pub struct Collider {
+    raw: sys::pbf_collider,
+    shape: Option<Shape>, // which lives while this does
+}
+fields_of_c!(Collider, pbf_collider);
 
 // SAFETY: whether `geometry` is a shape the library asks its own list, before it looks at one, and
 // shapes never change.
@@ -16,13 +19,11 @@ unsafe impl Sync for Collider {}
 impl Collider {
     /// At rest at the origin, sizes 1. `shape` is one of `PBF_COLLIDER_…`, those that there are.
     fn new(shape: u32, position: [f64; 3]) -> Self {
-        let mut raw: sys::pbf_collider = unsafe { zeroed() };
-        let status = unsafe {
-            sys::pbf_collider_init(&mut raw, size_of::<sys::pbf_collider>() as u32, shape)
-        };
+        let mut raw = empty!(pbf_collider);
+        let status = unsafe { sys::pbf_collider_init(&mut raw, raw.struct_size, shape) };
         checked(status).expect("libpbf is of the version of this crate");
         raw.position = position;
-        Collider(raw)
+        Collider { raw, shape: None }
     }
 
     pub fn sphere(center: [f64; 3], radius: f64) -> Self {
@@ -53,33 +54,27 @@ impl Collider {
         made
     }
 
+    /// As large as the shape is, whose own 0 is at `position`; `scale` makes it larger.
+    pub fn solid(shape: &Shape, position: [f64; 3]) -> Self {
+        let mut made = Self::new(sys::PBF_COLLIDER_SHAPE, position);
+        made.geometry = shape.as_raw();
+        made.shape = Some(shape.clone());
+        made
+    }
+
+    /// The shape of one that has one.
+    pub fn shape(&self) -> Option<&Shape> {
+        self.shape.as_ref()
+    }
+
     /// A container: the fluid stays inside.
     pub fn inverted(mut self) -> Self {
-        self.0.inverted = 1;
+        self.raw.inverted = 1;
         self
     }
 
-    pub(crate) fn from_raw(raw: sys::pbf_collider) -> Self {
-        Collider(raw)
-    }
-
-    pub(crate) fn sized(&self) -> sys::pbf_collider {
-        sys::pbf_collider {
-            struct_size: size_of::<sys::pbf_collider>() as u32,
-            ..self.0
-        }
-    }
-}
-
-impl Deref for Collider {
-    type Target = sys::pbf_collider;
-    fn deref(&self) -> &sys::pbf_collider {
-        &self.0
-    }
-}
-
-impl DerefMut for Collider {
-    fn deref_mut(&mut self) -> &mut sys::pbf_collider {
-        &mut self.0
+    /// `shape` is what `raw` has for its geometry.
+    pub(crate) fn from_raw(raw: sys::pbf_collider, shape: Option<Shape>) -> Self {
+        Collider { raw, shape }
     }
 }

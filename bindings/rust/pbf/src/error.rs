@@ -57,11 +57,12 @@ impl Error {
         self.status
     }
 
+    pub(crate) fn new(status: Status, message: String) -> Self {
+        Error { status, message }
+    }
+
     pub(crate) fn invalid(message: String) -> Self {
-        Error {
-            status: Status::InvalidArgument,
-            message,
-        }
+        Error::new(Status::InvalidArgument, message)
     }
 }
 

@@ -1,3 +1,4 @@
+use crate::error::Result;
 use pbf_sys as sys;
 use std::any::Any;
 use std::ffi::CStr;
@@ -20,8 +21,8 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    pub(crate) fn new(call: LogFn) -> Box<Self> {
-        Box::new(Target {
+    pub(crate) fn new(call: LogFn) -> Arc<Self> {
+        Arc::new(Target {
             call,
             panic: Mutex::new(None),
         })
@@ -39,8 +40,26 @@ impl Target {
     }
 }
 
+/// Has the library call it.
+pub(crate) fn set(desc: &mut sys::pbf_desc, target: &Option<Arc<Target>>) {
+    if let Some(target) = target {
+        desc.log = Some(write);
+        desc.log_user = Arc::as_ptr(target) as *mut c_void;
+    }
+}
+
+/// Of what the log was told of while it was made: a panic goes on where it failed.
+pub(crate) fn unless_it_panicked(made: Result<()>, target: &Option<Arc<Target>>) -> Result<()> {
+    if made.is_err() {
+        if let Some(payload) = target.as_ref().and_then(|target| target.take_panic()) {
+            std::panic::resume_unwind(payload);
+        }
+    }
+    made
+}
+
 /// `user` is a Target that outlives the solver.
-pub(crate) unsafe extern "C" fn write(user: *mut c_void, level: i32, message: *const c_char) {
+unsafe extern "C" fn write(user: *mut c_void, level: i32, message: *const c_char) {
     let target = &*(user as *const Target);
     let wrote = catch_unwind(AssertUnwindSafe(|| {
         let level = if level as u32 == sys::PBF_LOG_INFO {

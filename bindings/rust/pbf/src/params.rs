@@ -1,48 +1,29 @@
 use crate::error::{checked, Error, Result};
 use crate::log::{Level, LogFn};
+use crate::raw::{empty, fields_of_c};
 use pbf_sys as sys;
 use std::ffi::CString;
-use std::mem::{size_of, zeroed};
-use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 /// The parameters, by the names of `pbf_params`; the defaults are those of `pbf_params_init`.
 #[derive(Clone, Copy)]
-pub struct Params(sys::pbf_params);
+pub struct Params {
+    raw: sys::pbf_params,
+}
+fields_of_c!(Params, pbf_params);
 
 impl Default for Params {
     fn default() -> Self {
-        let mut raw: sys::pbf_params = unsafe { zeroed() };
-        let status = unsafe { sys::pbf_params_init(&mut raw, size_of::<sys::pbf_params>() as u32) };
+        let mut raw = empty!(pbf_params);
+        let status = unsafe { sys::pbf_params_init(&mut raw, raw.struct_size) };
         checked(status).expect("libpbf is of the version of this crate");
-        Params(raw)
+        Params { raw }
     }
 }
 
 impl Params {
     pub(crate) fn from_raw(raw: sys::pbf_params) -> Self {
-        Params(raw)
-    }
-
-    /// With the size that it has, whatever it says.
-    pub(crate) fn sized(&self) -> sys::pbf_params {
-        sys::pbf_params {
-            struct_size: size_of::<sys::pbf_params>() as u32,
-            ..self.0
-        }
-    }
-}
-
-impl Deref for Params {
-    type Target = sys::pbf_params;
-    fn deref(&self) -> &sys::pbf_params {
-        &self.0
-    }
-}
-
-impl DerefMut for Params {
-    fn deref_mut(&mut self) -> &mut sys::pbf_params {
-        &mut self.0
+        Params { raw }
     }
 }
 
@@ -63,8 +44,8 @@ pub struct Desc {
 
 impl Default for Desc {
     fn default() -> Self {
-        let mut raw: sys::pbf_desc = unsafe { zeroed() };
-        let status = unsafe { sys::pbf_desc_init(&mut raw, size_of::<sys::pbf_desc>() as u32) };
+        let mut raw = empty!(pbf_desc);
+        let status = unsafe { sys::pbf_desc_init(&mut raw, raw.struct_size) };
         checked(status).expect("libpbf is of the version of this crate");
         Desc {
             dimension: raw.dimension,
@@ -101,8 +82,8 @@ impl Desc {
             .as_deref()
             .map(|name| text("isa", name))
             .transpose()?;
-        let mut raw: sys::pbf_desc = unsafe { zeroed() };
-        checked(unsafe { sys::pbf_desc_init(&mut raw, size_of::<sys::pbf_desc>() as u32) })?;
+        let mut raw = empty!(pbf_desc);
+        checked(unsafe { sys::pbf_desc_init(&mut raw, raw.struct_size) })?;
         raw.dimension = self.dimension;
         raw.precision = precision;
         raw.capacity = self.capacity;

@@ -3,14 +3,15 @@ use crate::error::{checked, Error, Result};
 use crate::handle::Handle;
 use crate::log::{self, Target};
 use crate::params::{Desc, Params};
+use crate::raw::empty;
 use crate::report::{text, Info, Plan, StageTime};
+use crate::shape::Shape;
 use crate::snapshot::{Reader, Snapshot};
 use crate::view::{Field, View};
 use crate::{Load, Stats};
 use pbf_sys as sys;
 use std::cell::Cell;
 use std::marker::PhantomData;
-use std::mem::{size_of, zeroed};
 use std::os::raw::c_void;
 use std::ptr::{null, null_mut, NonNull};
 use std::sync::Arc;
@@ -51,18 +52,10 @@ impl<T: Real> Solver<T> {
         let target = desc.log.clone().map(Target::new);
         let mut made = null_mut();
         let created = desc.with_raw(T::PRECISION, |mut raw| {
-            if let Some(target) = &target {
-                raw.log = Some(log::write);
-                raw.log_user = &**target as *const Target as *mut c_void;
-            }
+            log::set(&mut raw, &target);
             checked(unsafe { sys::pbf_create(&raw, &params.sized(), &mut made) })
         });
-        if let Err(error) = created {
-            if let Some(payload) = target.and_then(|target| target.take_panic()) {
-                std::panic::resume_unwind(payload);
-            }
-            return Err(error);
-        }
+        log::unless_it_panicked(created, &target)?;
         let raw = NonNull::new(made).expect("a solver, as pbf_create says");
         let solver = Solver {
             handle: Arc::new(Handle::new(raw, target)),
@@ -71,6 +64,15 @@ impl<T: Real> Solver<T> {
         };
         solver.handle.checked(sys::PBF_OK)?; // a panic of the log goes on
         Ok(solver)
+    }
+
+    /// A world of a batch, with which it ends.
+    pub(crate) fn of_world(handle: Handle, dimension: u32) -> Self {
+        Solver {
+            handle: Arc::new(handle),
+            dimension,
+            _one_thread_at_a_time: PhantomData,
+        }
     }
 
     /// For calls of [`crate::sys`] that are not here. It is not to be destroyed.
@@ -87,8 +89,7 @@ impl<T: Real> Solver<T> {
     }
 
     pub fn step(&mut self, steps: u32) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_step(self.as_raw(), steps) })
+        self.checked(unsafe { sys::pbf_step(self.as_raw(), steps) })
     }
 
     /// Runs them in a thread of the solver's, until [`Solver::end_step`]; other calls are refused
@@ -98,25 +99,21 @@ impl<T: Real> Solver<T> {
     }
 
     pub fn end_step(&mut self) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_end_step(self.as_raw()) })
+        self.checked(unsafe { sys::pbf_end_step(self.as_raw()) })
     }
 
     pub fn synchronize(&mut self) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_synchronize(self.as_raw()) })
+        self.checked(unsafe { sys::pbf_synchronize(self.as_raw()) })
     }
 
     pub fn set_params(&mut self, params: &Params) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_set_params(self.as_raw(), &params.sized()) })
+        self.checked(unsafe { sys::pbf_set_params(self.as_raw(), &params.sized()) })
     }
 
     pub fn params(&self) -> Result<Params> {
         let sized = Params::default();
         let mut raw = sized.sized();
-        self.handle
-            .checked(unsafe { sys::pbf_get_params(self.as_raw(), &mut raw) })?;
+        self.checked(unsafe { sys::pbf_get_params(self.as_raw(), &mut raw) })?;
         Ok(Params::from_raw(raw))
     }
 
@@ -134,7 +131,7 @@ impl<T: Real> Solver<T> {
         }
         let velocities = velocities.map_or(null(), |from| from.as_ptr());
         let mut first = 0;
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_add_particles(
                 self.as_raw(),
                 count,
@@ -148,14 +145,13 @@ impl<T: Real> Solver<T> {
 
     pub fn remove_particles(&mut self, ids: &[u32]) -> Result<()> {
         let count = self.particles_of(ids.len(), 1)?;
-        self.handle
-            .checked(unsafe { sys::pbf_remove_particles(self.as_raw(), count, ids.as_ptr()) })
+        self.checked(unsafe { sys::pbf_remove_particles(self.as_raw(), count, ids.as_ptr()) })
     }
 
     /// Gives how many they were.
     pub fn remove_in_box(&mut self, lower: [f64; 3], upper: [f64; 3]) -> Result<u32> {
         let mut count = 0;
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_remove_in_box(self.as_raw(), lower.as_ptr(), upper.as_ptr(), &mut count)
         })?;
         Ok(count)
@@ -165,7 +161,7 @@ impl<T: Real> Solver<T> {
     pub fn find_in_box(&self, lower: [f64; 3], upper: [f64; 3]) -> Result<Vec<u32>> {
         let mut ids = vec![0; self.count()?];
         let (mut found, room) = (0, self.particles_of(ids.len(), 1)?);
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_find_in_box(
                 self.as_raw(),
                 lower.as_ptr(),
@@ -202,8 +198,7 @@ impl<T: Real> Solver<T> {
     pub fn ids(&self) -> Result<Vec<u32>> {
         let mut ids = vec![0; self.count()?];
         let count = self.particles_of(ids.len(), 1)?;
-        self.handle
-            .checked(unsafe { sys::pbf_get_ids(self.as_raw(), 0, count, ids.as_mut_ptr()) })?;
+        self.checked(unsafe { sys::pbf_get_ids(self.as_raw(), 0, count, ids.as_mut_ptr()) })?;
         Ok(ids)
     }
 
@@ -231,20 +226,18 @@ impl<T: Real> Solver<T> {
 
     /// Takes all of them away, and their memory.
     pub fn clear_accelerations(&mut self) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_set_accelerations(self.as_raw(), 0, 0, null()) })
+        self.checked(unsafe { sys::pbf_set_accelerations(self.as_raw(), 0, 0, null()) })
     }
 
     pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<()> {
         let (raw, count) = self.raw_colliders(colliders)?;
-        self.handle
-            .checked(unsafe { sys::pbf_set_colliders(self.as_raw(), count, raw.as_ptr()) })
+        self.checked(unsafe { sys::pbf_set_colliders(self.as_raw(), count, raw.as_ptr()) })
     }
 
     /// To these poses and sizes, in this time from now.
     pub fn move_colliders(&mut self, targets: &[Collider], duration: f64) -> Result<()> {
         let (raw, count) = self.raw_colliders(targets)?;
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_move_colliders(self.as_raw(), count, raw.as_ptr(), duration)
         })
     }
@@ -252,11 +245,10 @@ impl<T: Real> Solver<T> {
     pub fn colliders(&self) -> Result<Vec<Collider>> {
         (0..self.number(sys::pbf_get_collider_count, 0)?)
             .map(|index| {
-                let mut raw: sys::pbf_collider = unsafe { zeroed() };
-                raw.struct_size = size_of::<sys::pbf_collider>() as u32;
-                self.handle
-                    .checked(unsafe { sys::pbf_get_collider(self.as_raw(), index, &mut raw) })?;
-                Ok(Collider::from_raw(raw))
+                let mut raw = empty!(pbf_collider);
+                self.checked(unsafe { sys::pbf_get_collider(self.as_raw(), index, &mut raw) })?;
+                let shape = NonNull::new(raw.geometry).map(|raw| Shape::held(raw, self.dimension));
+                Ok(Collider::from_raw(raw, shape))
             })
             .collect()
     }
@@ -273,17 +265,14 @@ impl<T: Real> Solver<T> {
     }
 
     pub fn map(&mut self, field: Field) -> Result<View<'_, T>> {
-        let mut raw: sys::pbf_view = unsafe { zeroed() };
-        raw.struct_size = size_of::<sys::pbf_view>() as u32;
-        self.handle
-            .checked(unsafe { sys::pbf_map(self.as_raw(), field.code(), &mut raw) })?;
+        let mut raw = empty!(pbf_view);
+        self.checked(unsafe { sys::pbf_map(self.as_raw(), field.code(), &mut raw) })?;
         Ok(View::new(&self.handle, raw))
     }
 
     /// Keeps room for so many snapshots; from then on each step ends with one. 0: none.
     pub fn set_snapshots(&mut self, snapshots: u32) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_set_snapshots(self.as_raw(), snapshots) })
+        self.checked(unsafe { sys::pbf_set_snapshots(self.as_raw(), snapshots) })
     }
 
     pub fn snapshot(&self) -> Result<Snapshot<T>> {
@@ -291,31 +280,26 @@ impl<T: Real> Solver<T> {
     }
 
     pub fn stats(&self) -> Result<Stats> {
-        let mut stats: Stats = unsafe { zeroed() };
-        stats.struct_size = size_of::<Stats>() as u32;
+        let stats = empty!(pbf_stats);
         self.number(sys::pbf_get_stats, stats)
     }
 
     pub fn info(&self) -> Result<Info> {
-        let mut raw: sys::pbf_info = unsafe { zeroed() };
-        raw.struct_size = size_of::<sys::pbf_info>() as u32;
+        let raw = empty!(pbf_info);
         Ok(Info::from_raw(&self.number(sys::pbf_get_info, raw)?))
     }
 
     pub fn plan(&self) -> Result<Plan> {
-        let mut raw: sys::pbf_plan = unsafe { zeroed() };
-        raw.struct_size = size_of::<sys::pbf_plan>() as u32;
+        let raw = empty!(pbf_plan);
         Ok(Plan::from_raw(&self.number(sys::pbf_get_plan, raw)?))
     }
 
     pub fn set_timing(&mut self, enabled: bool) -> Result<()> {
-        self.handle
-            .checked(unsafe { sys::pbf_set_timing(self.as_raw(), enabled.into()) })
+        self.checked(unsafe { sys::pbf_set_timing(self.as_raw(), enabled.into()) })
     }
 
     pub fn timings(&self) -> Result<Vec<StageTime>> {
-        let mut raw: sys::pbf_timings = unsafe { zeroed() };
-        raw.struct_size = size_of::<sys::pbf_timings>() as u32;
+        let raw = empty!(pbf_timings);
         let raw = self.number(sys::pbf_get_timings, raw)?;
         let stage = |one: &sys::pbf_stage_time| StageTime {
             name: text(&one.name),
@@ -340,10 +324,9 @@ impl<T: Real> Solver<T> {
 
     pub fn save(&self) -> Result<Vec<u8>> {
         let mut size = 0;
-        self.handle
-            .checked(unsafe { sys::pbf_save(self.as_raw(), null_mut(), &mut size) })?;
+        self.checked(unsafe { sys::pbf_save(self.as_raw(), null_mut(), &mut size) })?;
         let mut state = vec![0; size as usize];
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_save(self.as_raw(), state.as_mut_ptr().cast(), &mut size)
         })?;
         state.truncate(size as usize);
@@ -351,12 +334,16 @@ impl<T: Real> Solver<T> {
     }
 
     pub fn load(&mut self, state: &[u8]) -> Result<()> {
-        self.handle.checked(unsafe {
+        self.checked(unsafe {
             sys::pbf_load(self.as_raw(), state.as_ptr().cast(), state.len() as u64)
         })
     }
 
-    fn particles_of(&self, numbers: usize, components: u32) -> Result<u32> {
+    pub(crate) fn checked(&self, status: sys::pbf_status) -> Result<()> {
+        self.handle.checked(status)
+    }
+
+    pub(crate) fn particles_of(&self, numbers: usize, components: u32) -> Result<u32> {
         if numbers % components as usize != 0 {
             return Err(Error::invalid(format!(
                 "an array has {numbers} numbers, no multiple of {components}"
@@ -370,30 +357,25 @@ impl<T: Real> Solver<T> {
     }
 
     fn loads(&mut self, get: Loads, count: u32) -> Result<Vec<Load>> {
-        let mut empty: Load = unsafe { zeroed() };
-        empty.struct_size = size_of::<Load>() as u32;
+        let empty = empty!(pbf_collider_load);
         let mut loads = vec![empty; count as usize];
-        self.handle
-            .checked(unsafe { get(self.as_raw(), count, loads.as_mut_ptr()) })?;
+        self.checked(unsafe { get(self.as_raw(), count, loads.as_mut_ptr()) })?;
         Ok(loads)
     }
 
-    fn number<R>(&self, get: Get<R>, mut into: R) -> Result<R> {
-        self.handle
-            .checked(unsafe { get(self.as_raw(), &mut into) })?;
+    pub(crate) fn number<R>(&self, get: Get<R>, mut into: R) -> Result<R> {
+        self.checked(unsafe { get(self.as_raw(), &mut into) })?;
         Ok(into)
     }
 
     fn rows(&self, get: Rows, first: u32, into: &mut [T], components: u32) -> Result<()> {
         let count = self.particles_of(into.len(), components)?;
-        self.handle
-            .checked(unsafe { get(self.as_raw(), first, count, into.as_mut_ptr().cast()) })
+        self.checked(unsafe { get(self.as_raw(), first, count, into.as_mut_ptr().cast()) })
     }
 
     fn set_rows(&mut self, set: SetRows, first: u32, from: &[T]) -> Result<()> {
         let count = self.particles_of(from.len(), self.dimension)?;
-        self.handle
-            .checked(unsafe { set(self.as_raw(), first, count, from.as_ptr().cast()) })
+        self.checked(unsafe { set(self.as_raw(), first, count, from.as_ptr().cast()) })
     }
 
     fn all(&self, get: Rows, components: u32) -> Result<Vec<T>> {
@@ -411,9 +393,9 @@ impl<T: Real> Solver<T> {
 }
 
 impl<T: Real> Drop for Solver<T> {
-    /// Steps that have begun end here, though a Reader may still hold what is left.
+    /// Steps that have begun end here, though a Reader, or a batch, may still hold what is left.
     fn drop(&mut self) {
-        if Arc::strong_count(&self.handle) > 1 {
+        if Arc::strong_count(&self.handle) > 1 || self.handle.is_world() {
             unsafe {
                 sys::pbf_cancel(self.as_raw());
                 sys::pbf_end_step(self.as_raw());

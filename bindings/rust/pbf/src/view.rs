@@ -3,12 +3,13 @@ use pbf_sys as sys;
 use std::marker::PhantomData;
 use std::mem::size_of;
 
-/// A field that can be mapped.
+/// A field; all but the density can be mapped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     Position,
     Velocity,
     Pressure,
+    Density,
 }
 
 impl Field {
@@ -17,6 +18,7 @@ impl Field {
             Field::Position => sys::PBF_FIELD_POSITION,
             Field::Velocity => sys::PBF_FIELD_VELOCITY,
             Field::Pressure => sys::PBF_FIELD_PRESSURE,
+            Field::Density => sys::PBF_FIELD_DENSITY,
         }
     }
 }

@@ -220,7 +220,10 @@ fn readers_cancel_and_outlive() {
     fluid.begin_step(u32::MAX).unwrap();
     let raw = fluid.as_raw();
     drop(fluid); // cancelled and waited for, though the reader still has the solver
-    assert_eq!(unsafe { pbf::sys::pbf_get_count(raw, &mut 0) }, pbf::sys::PBF_OK);
+    assert_eq!(
+        unsafe { pbf::sys::pbf_get_count(raw, &mut 0) },
+        pbf::sys::PBF_OK
+    );
     reader.cancel().unwrap();
     assert_refused(reader.snapshot(), Status::State, "snapshot");
 }
