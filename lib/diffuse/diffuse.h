@@ -51,6 +51,7 @@ pbf_diffuse_particle *pbf_diffuse_push(pbf_diffuse *d);
 /* One without particles, of a checked desc. */
 pbf_status pbf_diffuse_allocate(const pbf_solver *solver, const pbf_diffuse_desc *desc,
                                 pbf_diffuse **made);
+uint64_t pbf_diffuse_bytes(const pbf_diffuse *diffuse);
 void pbf_diffuse_free(const pbf_solver *solver, pbf_diffuse *diffuse);
 
 /* Fails with a sentence unless they can be made by this. */

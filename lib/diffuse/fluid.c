@@ -54,12 +54,24 @@ static PBF_ALWAYS_INLINE void for_near(pbf_fluid *fluid, const double *point, ad
   }
 }
 
-static void read_vector(const pbf_query_index *index, const void *array, uint32_t particle,
-                        double v[3]) {
-  const uint32_t n = index->dimension;
+static PBF_ALWAYS_INLINE void read_as(const void *array, uint32_t particle, uint32_t n,
+                                      uint32_t precision, double v[3]) {
   for (uint32_t k = 0; k < n; ++k)
-    v[k] = pbf_query_number(array, (uint64_t)particle * n + k, index->precision);
+    v[k] = pbf_query_number(array, (uint64_t)particle * n + k, precision);
 }
+
+/* Calls add_as(…, dimension, precision) with these as constants, which loops go by. */
+#define FOR_KIND(index, add_as, ...)                                  \
+  do {                                                                \
+    if ((index)->dimension == 3 && (index)->precision == PBF_FLOAT32) \
+      add_as(__VA_ARGS__, 3, PBF_FLOAT32);                            \
+    else if ((index)->dimension == 3)                                 \
+      add_as(__VA_ARGS__, 3, PBF_FLOAT64);                            \
+    else if ((index)->precision == PBF_FLOAT32)                       \
+      add_as(__VA_ARGS__, 2, PBF_FLOAT32);                            \
+    else                                                              \
+      add_as(__VA_ARGS__, 2, PBF_FLOAT64);                            \
+  } while (0)
 
 /* ---- At a point ------------------------------------------------------------------------------ */
 
@@ -68,15 +80,20 @@ typedef struct flow_sums {
   pbf_fit fit;
 } flow_sums;
 
+static PBF_ALWAYS_INLINE void add_flow_as(flow_sums *s, const pbf_query_index *index,
+                                          const pbf_near *near, uint32_t n, uint32_t precision) {
+  double values[PBF_FIT_VALUES] = {0};
+  for (uint32_t j = 0; j < near->count; ++j) {
+    read_as(index->velocities, near->particles[j], n, precision, values);
+    pbf_fit_add(&s->fit, 1 - sqrt(near->squares[j]), near->ways[j], values, n);
+  }
+}
+
 static void add_flow(void *sums, const pbf_fluid *fluid, const pbf_near *near) {
   const pbf_query_index *index = fluid->place.index;
-  double values[PBF_FIT_VALUES] = {0};
   flow_sums *s = sums;
   s->count += near->count;
-  for (uint32_t j = 0; j < near->count; ++j) {
-    read_vector(index, index->velocities, near->particles[j], values);
-    pbf_fit_add(&s->fit, 1 - sqrt(near->squares[j]), near->ways[j], values, index->dimension);
-  }
+  FOR_KIND(index, add_flow_as, s, index, near);
 }
 
 pbf_fluid_flow pbf_fluid_flow_at(pbf_fluid *fluid, const double *point) {
@@ -108,15 +125,13 @@ typedef struct around {
 } around;
 
 /* Of what is in the same place no direction is known. */
-static void add_around(void *sums, const pbf_fluid *fluid, const pbf_near *near) {
-  const pbf_query_index *index = fluid->place.index;
-  const uint32_t n = index->dimension;
-  around *a = sums;
+static PBF_ALWAYS_INLINE void add_around_as(around *a, const pbf_query_index *index,
+                                            const pbf_near *near, uint32_t n, uint32_t precision) {
   for (uint32_t j = 0; j < near->count; ++j) {
     const double q = sqrt(near->squares[j]), w = 1 - q;
     double other[3], speed2 = 0, along = 0;
     if (near->particles[j] == a->own) continue;
-    read_vector(index, index->velocities, near->particles[j], other);
+    read_as(index->velocities, near->particles[j], n, precision, other);
     for (uint32_t k = 0; k < n; ++k) {
       const double v = a->velocity[k] - other[k];
       speed2 += v * v;
@@ -126,6 +141,11 @@ static void add_around(void *sums, const pbf_fluid *fluid, const pbf_near *near)
     a->weight += w;
     if (q > 0) a->closing += w * (sqrt(speed2) - along / q);
   }
+}
+
+static void add_around(void *sums, const pbf_fluid *fluid, const pbf_near *near) {
+  const pbf_query_index *index = fluid->place.index;
+  FOR_KIND(index, add_around_as, sums, index, near);
 }
 
 pbf_fluid_sums pbf_fluid_sums_around(pbf_fluid *fluid, uint32_t own) {
@@ -147,8 +167,8 @@ void pbf_fluid_particle(const pbf_fluid *fluid, uint32_t own, double position[3]
                         double velocity[3]) {
   const pbf_query_index *index = fluid->place.index;
   position[2] = velocity[2] = 0;
-  read_vector(index, index->points, own, position);
-  read_vector(index, index->velocities, own, velocity);
+  read_as(index->points, own, index->dimension, index->precision, position);
+  read_as(index->velocities, own, index->dimension, index->precision, velocity);
 }
 
 typedef struct visitor {

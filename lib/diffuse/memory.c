@@ -25,6 +25,11 @@ pbf_status pbf_diffuse_allocate(const pbf_solver *solver, const pbf_diffuse_desc
   return PBF_OK;
 }
 
+uint64_t pbf_diffuse_bytes(const pbf_diffuse *diffuse) {
+  return sizeof *diffuse + (uint64_t)diffuse->normal_capacity * sizeof *diffuse->normals +
+         (uint64_t)diffuse->desc.capacity * sizeof *diffuse->particles;
+}
+
 void pbf_diffuse_free(const pbf_solver *solver, pbf_diffuse *diffuse) {
   const pbf_allocator *allocator = &solver->allocator;
   if (!diffuse) return;
