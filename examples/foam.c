@@ -16,17 +16,6 @@ typedef struct point {
   uint32_t kind;
 } point;
 
-static void fill(pbf_solver *fluid) {
-  enum { WIDE = 20, HIGH = 30, DEEP = 25 };
-  static float x[WIDE * HIGH * DEEP][3];
-  for (int i = 0; i < WIDE * HIGH * DEEP; ++i) {
-    x[i][0] = (float)(spacing * (i % WIDE + 0.5));
-    x[i][1] = (float)(spacing * (i / WIDE % HIGH + 0.5));
-    x[i][2] = (float)(spacing * (i / WIDE / HIGH + 0.5));
-  }
-  check(pbf_add_particles(fluid, WIDE * HIGH * DEEP, x, NULL, NULL));
-}
-
 /* code: set */
 static void ask_for_foam(pbf_solver *fluid) {
   pbf_diffuse_desc desc;
@@ -64,18 +53,6 @@ static void write_points(const char *path, uint32_t count, const point *points) 
   fclose(file);
 }
 
-static void write_state(const char *path, pbf_solver *fluid) {
-  uint64_t size = 0;
-  check(pbf_save(fluid, NULL, &size));
-  void *state = malloc((size_t)size);
-  FILE *file = fopen(path, "wb");
-  if (!state || !file) exit(1);
-  check(pbf_save(fluid, state, &size));
-  fwrite(state, 1, (size_t)size, file);
-  fclose(file);
-  free(state);
-}
-
 int main(int argc, char **argv) {
   static point points[30000];
   pbf_desc desc;
@@ -90,7 +67,7 @@ int main(int argc, char **argv) {
   params.domain_max[1] = 2;
   params.domain_max[2] = 1;
   check(pbf_create(&desc, &params, &fluid));
-  fill(fluid);
+  add_block(fluid, spacing, (double[3]){0, 0, 0}, 20, 30, 25);
   ask_for_foam(fluid);
   for (int quarter = 1; quarter <= 6; ++quarter) {
     pbf_diffuse_info info = {.struct_size = sizeof info};
@@ -100,7 +77,7 @@ int main(int argc, char **argv) {
            info.bubbles);
   }
   if (argc > 1) write_points(argv[1], read_foam(fluid, points), points);
-  if (argc > 2) write_state(argv[2], fluid);
+  if (argc > 2) save(fluid, argv[2]);
   pbf_destroy(fluid);
   return 0;
 }
