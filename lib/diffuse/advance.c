@@ -130,11 +130,13 @@ static void move_all(const motion *m) {
 
 /* ---- After steps ----------------------------------------------------------------------------- */
 
-/* Whether any particle of the fluid is fast enough to make some, which costs less to know than what
- * is around it. */
+/* Whether any particle of the fluid may be fast enough to make some. A backend that does not tell
+ * at once is looked at. */
 static pbf_status find_whether_fast(pbf_solver *solver, int *is_fast) {
   double speed = 0;
-  pbf_status status = solver->count > 0 ? pbf_max_speed(solver, &speed) : PBF_OK;
+  *is_fast = solver->count > 0;
+  if (solver->count == 0 || !solver->api.max_speed) return PBF_OK;
+  pbf_status status = pbf_max_speed(solver, &speed);
   *is_fast = 0.5 * speed * speed * (1 + 1e-5) > solver->diffuse->desc.energy_min;
   return status;
 }
