@@ -24,9 +24,8 @@ static pbf_status reserve_normals(const pbf_solver *solver, pbf_diffuse *d) {
   return PBF_OK;
 }
 
-pbf_status pbf_diffuse_prepare(pbf_solver *solver, uint32_t *steps) {
+static pbf_status prepare(pbf_solver *solver, uint32_t *steps) {
   pbf_diffuse *d = solver->diffuse;
-  if (!d) return PBF_OK;
   const uint32_t due = d->desc.interval - (uint32_t)(solver->step % d->desc.interval);
   if (*steps > due) *steps = due;
   pbf_status status = reserve_normals(solver, d);
@@ -158,11 +157,11 @@ static void advance_by(pbf_solver *solver, const pbf_query_index *index, double 
   pbf_diffuse_push_out(solver, time);
 }
 
-pbf_status pbf_diffuse_advance(pbf_solver *solver) {
+static pbf_status advance(pbf_solver *solver) {
   pbf_diffuse *d = solver->diffuse;
   const pbf_query_index *index;
   int is_fast = 0;
-  if (!d || solver->step % d->desc.interval != 0) return PBF_OK;
+  if (solver->step % d->desc.interval != 0) return PBF_OK;
   const double time = pbf_solver_time(solver), elapsed = time - d->head.time;
   if (!(elapsed > 0)) return PBF_OK;
   pbf_status status = find_whether_fast(solver, &is_fast);
@@ -174,3 +173,5 @@ pbf_status pbf_diffuse_advance(pbf_solver *solver) {
   if (status == PBF_OK) advance_by(solver, index, elapsed);
   return status;
 }
+
+const pbf_diffuse_work pbf_diffuse_in_steps = {prepare, advance};

@@ -43,6 +43,7 @@ static pbf_status set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *theirs
                         "part of the fluid");
     if (status == PBF_OK) status = pbf_diffuse_allocate(solver, &desc, &made);
     if (status != PBF_OK) return status;
+    made->work = &pbf_diffuse_in_steps;
     made->head.time = pbf_solver_time(solver);
     if (solver->diffuse) take_over(made, solver->diffuse);
   }

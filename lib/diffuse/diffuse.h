@@ -30,7 +30,15 @@ typedef struct pbf_fluid_normal {
   uint32_t is_known; /* 1; its direction may be 0: it is at no surface */
 } pbf_fluid_normal;
 
+/* Their part in a step. */
+typedef struct pbf_diffuse_work {
+  /* Before steps: how many of them can be made until particles move next, and room for that. */
+  pbf_status (*prepare)(pbf_solver *solver, uint32_t *steps);
+  pbf_status (*advance)(pbf_solver *solver); /* after them */
+} pbf_diffuse_work;
+
 typedef struct pbf_diffuse {
+  const pbf_diffuse_work *work; /* so that programs that link libpbf and have none leave it out */
   pbf_diffuse_desc desc;
   pbf_diffuse_head head;
   uint32_t first; /* the oldest particle's place: those after it follow, round the end */
@@ -48,7 +56,7 @@ static inline pbf_diffuse_particle *pbf_diffuse_at(const pbf_diffuse *d, uint32_
 /* Room for a new, youngest one, with its id; the oldest makes way where there is none. */
 pbf_diffuse_particle *pbf_diffuse_push(pbf_diffuse *d);
 
-/* One without particles, of a checked desc. */
+/* One without particles, of a checked desc; its work is to be set. */
 pbf_status pbf_diffuse_allocate(const pbf_solver *solver, const pbf_diffuse_desc *desc,
                                 pbf_diffuse **made);
 uint64_t pbf_diffuse_bytes(const pbf_diffuse *diffuse);
@@ -57,11 +65,7 @@ void pbf_diffuse_free(const pbf_solver *solver, pbf_diffuse *diffuse);
 /* Fails with a sentence unless they can be made by this. */
 pbf_status pbf_diffuse_check(const pbf_diffuse_desc *desc, pbf_check_kind kind);
 
-/* Before steps: how many of them can be made until particles move next, and room for that. */
-pbf_status pbf_diffuse_prepare(pbf_solver *solver, uint32_t *steps);
-
-/* After them. */
-pbf_status pbf_diffuse_advance(pbf_solver *solver);
+extern const pbf_diffuse_work pbf_diffuse_in_steps;
 
 /* In a saved state: 0 bytes where there are none. */
 uint64_t pbf_diffuse_saved_size(const pbf_solver *solver);

@@ -39,8 +39,7 @@ pbf_fluid pbf_fluid_of(const pbf_solver *solver, const pbf_query_index *index) {
 
 typedef void (*add_fn)(void *sums, const pbf_fluid *fluid, const pbf_near *near);
 
-static PBF_ALWAYS_INLINE void for_near(pbf_fluid *fluid, const double *point, add_fn add,
-                                       void *sums) {
+static void for_near(pbf_fluid *fluid, const double *point, add_fn add, void *sums) {
   const pbf_query_index *index = fluid->place.index;
   double images[PBF_QUERY_IMAGES][3];
   pbf_near near;

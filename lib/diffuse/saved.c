@@ -105,6 +105,7 @@ pbf_status pbf_diffuse_restore(const pbf_solver *solver, const void *buffer, uin
     status = reject("has diffuse particles, which are not to be had on ranks");
   if (status == PBF_OK) status = pbf_diffuse_allocate(solver, &desc, &d);
   if (status != PBF_OK) return status;
+  d->work = &pbf_diffuse_in_steps;
   d->head = stored.head;
   status = read_particles(&stored, at + stored.desc_size, d);
   if (status == PBF_OK)

@@ -1049,6 +1049,7 @@ static void forged_states_are_refused(void **state) {
   uint64_t size, without;
   assert_ok(pbf_step(s, 40));
   assert_ok(pbf_step(other, 40));
+  for (int i = 0; i < 20; ++i) add_one(s, 3, PBF_FLOAT32, start, throw, 1);
   free(test_save(other, &without));
   unsigned char *saved = test_save(s, &size);
   const uint64_t begin = without - 8; /* where there is a checksum without them */
