@@ -650,6 +650,10 @@ static void check_budget(uint32_t dimension, uint32_t precision) {
   assert_int_equal(read_all(s, all, 10), 10);
   assert_int_equal(all[9].id, youngest);
   assert_int_equal(info_of(s).recycled, before.recycled + before.count - 10);
+  const uint64_t fourth = all[3].id; /* three more take the place of those before it */
+  for (int i = 0; i < 3; ++i) add_one(s, dimension, precision, start, throw, 1);
+  assert_int_equal(read_all(s, all, 10), 10);
+  assert_int_equal(all[0].id, fourth);
   assert_ok(pbf_set_diffuse(s, NULL));
   assert_int_equal(info_of(s).capacity, 0);
   pbf_destroy(s);
