@@ -39,6 +39,9 @@ const pbf_struct_kind pbf_kind_sample_grid = KIND(pbf_sample_grid, step);
 const pbf_struct_kind pbf_kind_emitter = KIND(pbf_emitter, lifetime);
 const pbf_struct_kind pbf_kind_in_out = KIND(pbf_in_out, expired);
 const pbf_struct_kind pbf_kind_phase = KIND(pbf_phase, viscosity);
+const pbf_struct_kind pbf_kind_diffuse_desc = KIND(pbf_diffuse_desc, scatter);
+const pbf_struct_kind pbf_kind_diffuse_info = KIND(pbf_diffuse_info, recycled);
+const pbf_struct_kind pbf_kind_diffuse_read = KIND(pbf_diffuse_read, ids);
 
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
   if (size >= kind->first_size && size <= MAX_SIZE) return PBF_OK;

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include <pbf/batch.h>
+#include <pbf/diffuse.h>
 #include <pbf/emit.h>
 #include <pbf/phases.h>
 #include <pbf/shapes.h>
@@ -43,6 +44,9 @@ extern const pbf_struct_kind pbf_kind_sample_grid;
 extern const pbf_struct_kind pbf_kind_emitter;
 extern const pbf_struct_kind pbf_kind_in_out;
 extern const pbf_struct_kind pbf_kind_phase;
+extern const pbf_struct_kind pbf_kind_diffuse_desc;
+extern const pbf_struct_kind pbf_kind_diffuse_info;
+extern const pbf_struct_kind pbf_kind_diffuse_read;
 
 /* Fails unless `size` is one that a caller of this kind can have. */
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);

@@ -24,7 +24,7 @@ from abi import coverage, csharp, ctypes_mirror, describe, js, lua, rust
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ABI = "bindings/abi.json"
-HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h", "query.h", "emit.h", "phases.h", "shapes.h", "all.h")]
+HEADERS = [ROOT / "include/pbf" / name for name in ("pbf.h", "batch.h", "query.h", "emit.h", "phases.h", "diffuse.h", "shapes.h", "all.h")]
 TABLE = r"(<!-- table: functions -->\n)(?:.*\n)*?(<!-- end -->\n)"
 STRUCTS = r"(# structs: written by tools/bindings.py\n)(?:.*\n)*?(# end of structs\n)"
 

@@ -110,6 +110,17 @@ class Painter {
     }
   }
 
+  // White, and small beside the fluid's particles, whose balls do not hide what is in them; in 2D
+  // they lie on top.
+  void draw_diffuse(Canvas &canvas, const Frame &frame) const {
+    const double around = view_.particle_radius * scale_ * subpixels;
+    const double radius = std::max(0.22 * around, 1.0);
+    for (const Vector &x : frame.diffuse) {
+      const Vector at = pixel(x);
+      canvas.ball(at[0], at[1], flat_ ? 1e300 : at[2] + around, radius, {255, 255, 255}, flat_);
+    }
+  }
+
   void draw_particles(Canvas &canvas, const Frame &frame) const {
     const double depth = std::max(extent_.high[2] - extent_.low[2], 1e-300);
     const double radius = std::max(view_.particle_radius * scale_ * subpixels, 1.0);
@@ -143,7 +154,7 @@ class Painter {
 
 Frame particles_of(const std::vector<double> &positions, const std::vector<double> &velocities,
                    unsigned dimension) {
-  Frame frame{dimension, {}, {}, {}};
+  Frame frame{dimension, {}, {}, {}, {}};
   for (size_t i = 0; i + dimension <= positions.size(); i += dimension) {
     Vector position{};
     double square = 0;
@@ -171,6 +182,7 @@ std::string draw_png(const Frame &frame, const View &view) {
   painter.draw_box(canvas);
   painter.draw_colliders(canvas, frame, true);
   painter.draw_particles(canvas, frame);
+  painter.draw_diffuse(canvas, frame);
   painter.draw_colliders(canvas, frame, false);
   const std::vector<unsigned char> pixels = canvas.pixels();
   return encode_png(view.width, painter.height(), pixels.data());

@@ -15,6 +15,7 @@ struct Frame {
   std::vector<Vector> positions;
   std::vector<double> speeds;
   std::vector<pbf_collider> colliders;  // in their poses
+  std::vector<Vector> diffuse{};        // spray, foam and bubbles
 };
 
 // From rows of `dimension` numbers.

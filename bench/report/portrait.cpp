@@ -1,5 +1,7 @@
 #include "report/portrait.h"
 
+#include <pbf/diffuse.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -25,6 +27,21 @@ std::vector<double> numbers(pbf_solver *solver, uint32_t field, uint32_t count,
   read.element_type = PBF_TYPE_FLOAT64;
   read.data = all.data();
   if (count > 0) check(pbf_read(solver, &read));
+  return all;
+}
+
+std::vector<Vector> diffuse_of(pbf_solver *solver) {
+  pbf_diffuse_info info = {};
+  info.struct_size = sizeof info;
+  check(pbf_get_diffuse_info(solver, &info));
+  std::vector<Vector> all(info.count);
+  pbf_diffuse_read read = {};
+  read.struct_size = sizeof read;
+  read.count = info.count;
+  read.element_type = PBF_TYPE_FLOAT64;
+  read.components = 3;
+  read.positions = all.data();
+  if (info.count > 0) check(pbf_read_diffuse(solver, &read));
   return all;
 }
 
@@ -78,6 +95,7 @@ std::string draw_solver(pbf_solver *solver, const Portrait &portrait) {
       particles_of(numbers(solver, PBF_FIELD_POSITION, count, info.dimension),
                    numbers(solver, PBF_FIELD_VELOCITY, count, info.dimension), info.dimension);
   frame.colliders = colliders_of(solver);
+  frame.diffuse = diffuse_of(solver);
   View view;
   view.width = portrait.width;
   view.particle_radius = 0.5 * (params.spacing > 0 ? params.spacing : params.smoothing_radius / 2);

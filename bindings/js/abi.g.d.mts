@@ -233,6 +233,7 @@ export declare const constants: {
   readonly MAX_EMITTERS: 64;
   readonly MAX_DRAINS: 64;
   readonly MAX_PHASES: 8;
+  readonly MAX_DIFFUSE: 4194303;
   readonly OK: 0;
   readonly ERROR_INVALID_ARGUMENT: -1;
   readonly ERROR_STRUCT_SIZE: -2;
@@ -298,6 +299,9 @@ export declare const constants: {
   readonly LIMIT_WALLS: 4;
   readonly LIMIT_COLLIDERS: 5;
   readonly LIMIT_TENSION: 6;
+  readonly DIFFUSE_SPRAY: 0;
+  readonly DIFFUSE_FOAM: 1;
+  readonly DIFFUSE_BUBBLE: 2;
   readonly VOLUME_BOX: 0;
   readonly VOLUME_SPHERE: 1;
   readonly VOLUME_CAPSULE: 2;

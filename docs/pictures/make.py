@@ -4,7 +4,7 @@
     make.py BIN [NAME…]    BIN: the folder of a build's programs, build/release/bin
 
 Without names all: `parameters` (three values of each parameter, beside each other), `tutorial` (a picture for each stage) `moving` (the
-README's) and `view` (pbf-view's, where the build has it). Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
+README's), `foam` and `view` (pbf-view's, where the build has it). Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
 """
 import json
 import pathlib
@@ -132,6 +132,14 @@ def moving(programs):
     write(frames[38], "tutorial_5_frames.webp")
 
 
+def foam(programs):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        run(programs / "foam", folder / "foam.ply", folder / "foam.state")
+        run(programs / "pbf-bench", "picture", "--width", 620, "--folder", folder, folder / "foam.state")
+        write(Image.open(folder / "foam.png").convert("RGB"), "foam.webp")
+
+
 def view(programs):
     with tempfile.TemporaryDirectory() as name:
         path = pathlib.Path(name) / "view.png"
@@ -146,7 +154,7 @@ def write(picture, name):
 
 def main(programs, *names):
     programs = pathlib.Path(programs).resolve()
-    every = {"parameters": parameters, "tutorial": tutorial, "moving": moving, "view": view}
+    every = {"parameters": parameters, "tutorial": tutorial, "moving": moving, "foam": foam, "view": view}
     for name in names or every:
         if name in every:
             every[name](programs)

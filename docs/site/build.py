@@ -27,7 +27,7 @@ PICTURES = {".svg", ".png", ".webp", ".gif"}
 LANGUAGES = {".c": "c", ".h": "c", ".cpp": "cpp", ".cu": "cpp", ".def": "c", ".py": "python", ".json": "json",
              ".sh": "sh", ".cmake": "cmake", ".rs": "rust", ".cs": "csharp", ".lua": "lua", ".hpp": "cpp"}
 HEADERS = ["include/pbf/pbf.h", "include/pbf/batch.h", "include/pbf/query.h", "include/pbf/emit.h",
-           "include/pbf/phases.h", "include/pbf/shapes.h"]
+           "include/pbf/phases.h", "include/pbf/diffuse.h", "include/pbf/shapes.h"]
 ELSEWHERE = ["python.md", "bindings.md"]  # pages that the menu has where they are there
 
 

@@ -3,6 +3,7 @@
 #define PBF_ALL_H
 
 #include <pbf/batch.h>
+#include <pbf/diffuse.h>
 #include <pbf/emit.h>
 #include <pbf/pbf.h>
 #include <pbf/phases.h>

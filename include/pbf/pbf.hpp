@@ -960,6 +960,44 @@ class solver {
         handle(), first, static_cast<std::uint32_t>(out.size()), out.data()));
   }
 
+  /* Spray, foam and bubbles, see diffuse.h. */
+  result<pbf_diffuse_desc> default_diffuse() noexcept {
+    pbf_diffuse_desc wanted = detail::sized<pbf_diffuse_desc>();
+    const pbf_status status = pbf_diffuse_init(handle(), &wanted, sizeof wanted);
+    return detail::checked(status, wanted);
+  }
+  /* struct_size is set here. */
+  result<void> set_diffuse(pbf_diffuse_desc wanted) noexcept {
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_set_diffuse(handle(), &wanted));
+  }
+  result<void> end_diffuse() noexcept {
+    return detail::checked(pbf_set_diffuse(handle(), nullptr));
+  }
+  result<pbf_diffuse_desc> get_diffuse() noexcept {
+    return filled<pbf_diffuse_desc>(pbf_get_diffuse);
+  }
+  result<pbf_diffuse_info> diffuse_info() noexcept {
+    return filled<pbf_diffuse_info>(pbf_get_diffuse_info);
+  }
+  /* struct_size is set here. */
+  result<void> read_diffuse(pbf_diffuse_read wanted) noexcept {
+    wanted.struct_size = sizeof wanted;
+    return detail::checked(pbf_read_diffuse(handle(), &wanted));
+  }
+  /* As many as `lives` has numbers. `velocities` may be empty. */
+  result<void> add_diffuse(span<const float> positions, span<const float> velocities,
+                           span<const float> lives) noexcept {
+    return add_diffuse_of(positions, velocities, lives);
+  }
+  result<void> add_diffuse(span<const double> positions, span<const double> velocities,
+                           span<const double> lives) noexcept {
+    return add_diffuse_of(positions, velocities, lives);
+  }
+  result<void> shift_diffuse(span<const double> way) noexcept {
+    if (way.size() != dimension()) return odd_arrays();
+    return detail::checked(pbf_shift_diffuse(handle(), way.data()));
+  }
   result<void> end_queries() noexcept { return detail::checked(pbf_end_queries(handle())); }
   result<void> keep_previous(bool enabled) noexcept {
     return detail::checked(pbf_keep_previous(handle(), enabled));
@@ -1127,6 +1165,18 @@ class solver {
     const pbf_status status =
         pbf_add_particles(handle(), *counted, positions.data(), velocities.data(), &first);
     return detail::checked(status, first);
+  }
+  template <class T>
+  result<void> add_diffuse_of(span<const T> positions, span<const T> velocities,
+                              span<const T> lives) noexcept {
+    auto counted = particles_of("lives", lives, 1);
+    if (!counted) return counted.failure();
+    const std::size_t numbers = lives.size() * dimension();
+    if (positions.size() != numbers || (!velocities.empty() && velocities.size() != numbers))
+      return odd_arrays();
+    return detail::checked(pbf_add_diffuse(handle(), *counted, positions.data(),
+                                           velocities.empty() ? nullptr : velocities.data(),
+                                           lives.data()));
   }
   template <class Call, class T>
   result<void> rows(Call call, const char *name, span<T> array, std::uint32_t first,

@@ -52,7 +52,7 @@ static void lay_out(pbf_query_index *index, char *at) {
 }
 
 /* For as many particles as there are, and some more. */
-static pbf_status reserve(pbf_solver *solver) {
+pbf_status pbf_query_index_reserve(pbf_solver *solver) {
   void *memory;
   const uint32_t count = solver->count, more = count / 4 + 64;
   const uint32_t capacity = more < solver->capacity - count ? count + more : solver->capacity;
@@ -266,7 +266,7 @@ static void describe(pbf_query_index *index, const pbf_solver *solver) {
 
 static pbf_status build(pbf_solver *solver) {
   pbf_numbers x;
-  pbf_status status = reserve(solver);
+  pbf_status status = pbf_query_index_reserve(solver);
   if (status != PBF_OK) return status;
   pbf_query_index *index = solver->query;
   index->is_built = index->has_velocities = index->has_pressures = 0;
@@ -361,6 +361,41 @@ void pbf_query_go(pbf_query_place *place, const double *point) {
   memcpy(place->cell, cell, sizeof cell);
   place->is_set = 1;
   find_runs(place);
+}
+
+static void find_lines(pbf_query_place *place) {
+  const pbf_query_index *index = place->index;
+  const uint32_t *from = place->cell, *to = place->last;
+  place->count = 0;
+  for (uint32_t z = from[2]; z <= to[2]; ++z) {
+    for (uint32_t y = from[1]; y <= to[1]; ++y) {
+      pbf_query_run *run = &place->runs[place->count];
+      run->begin = find_key(index, key_of(index, from[0], y, z));
+      run->end = find_key(index, key_of(index, to[0], y, z) + 1);
+      place->count += run->begin < run->end;
+    }
+  }
+}
+
+void pbf_query_go_within(pbf_query_place *place, const double *point, double reach) {
+  const pbf_query_index *index = place->index;
+  uint32_t from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const double lower = point[k] - reach, upper = point[k] + reach;
+    if (index->count == 0 || !(upper >= index->lower[k]) || !(lower <= index->upper[k])) {
+      place->count = place->is_set = 0;
+      return;
+    }
+    from[k] = inner_cell(index, k, fmax(cell_of(index, k, lower), PBF_QUERY_REACH));
+    to[k] = inner_cell(index, k, cell_of(index, k, upper));
+  }
+  if (place->is_set && memcmp(from, place->cell, sizeof from) == 0 &&
+      memcmp(to, place->last, sizeof to) == 0)
+    return;
+  memcpy(place->cell, from, sizeof from);
+  memcpy(place->last, to, sizeof to);
+  place->is_set = 1;
+  find_lines(place);
 }
 
 uint32_t pbf_query_images(const pbf_query_index *index, const double *point,

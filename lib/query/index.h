@@ -51,6 +51,9 @@ enum { PBF_QUERY_VELOCITIES = 1, PBF_QUERY_PRESSURES = 2 };
 
 /* The index of the present particles, with these fields. */
 pbf_status pbf_query_index_get(pbf_solver *solver, uint32_t fields, const pbf_query_index **index);
+/* Its memory for as many particles as there are: no index of them needs more. */
+pbf_status pbf_query_index_reserve(pbf_solver *solver);
+
 void pbf_query_index_free(pbf_solver *solver);
 
 /* Of its order. */
@@ -66,12 +69,17 @@ typedef struct pbf_query_run {
 typedef struct pbf_query_place {
   const pbf_query_index *index;
   uint32_t cell[3];
+  uint32_t last[3];       /* of pbf_query_go_within: cells from `cell` to this one */
   uint32_t is_set, count; /* of runs */
   pbf_query_run runs[PBF_QUERY_RUNS];
 } pbf_query_place;
 
 /* Goes to the cell of a point; count is 0 where nothing is near. */
 void pbf_query_go(pbf_query_place *place, const double *point);
+
+/* The same with the cells that what is within `reach`, at most the radius, of the point lies in. A
+ * place is used by one of the two alone. */
+void pbf_query_go_within(pbf_query_place *place, const double *point, double reach);
 
 /* Where a point, and images of it beyond periodic faces, can be near particles: `images` gets them,
  * the first the one inside the domain. Returns how many. */

@@ -1,4 +1,6 @@
 /* The distance that colliders see, for a caller. */
+#include "distance.h"
+
 #include <math.h>
 
 #include "common/fp_environment.h"
@@ -38,7 +40,7 @@ static double interpolate(const pbf_shape *s, const double place[3], double slop
 
 /* Outside of the grid: the solid ends within, so that nothing of it is nearer than the hypotenuse
  * of the way to the grid and the distance there. */
-static double distance_at(const pbf_shape *s, const double *point, double normal[3]) {
+double pbf_shape_distance_at(const pbf_shape *s, const double *point, double normal[3]) {
   double place[3] = {0, 0, 0}, beyond[3] = {0, 0, 0}, beyond2 = 0;
   for (uint32_t k = 0; k < s->dimension; ++k) {
     const double at = (point[k] - s->origin[k]) / s->cell;
@@ -62,7 +64,7 @@ static pbf_status get_distance(const pbf_shape *s, const double *point, double *
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                       "point[%u] is not between -1e150 and 1e150, as it must be", k);
     }
-  *distance = distance_at(s, point, slope);
+  *distance = pbf_shape_distance_at(s, point, slope);
   for (uint32_t k = 0; k < s->dimension; ++k) length2 += slope[k] * slope[k];
   for (uint32_t k = 0; k < s->dimension && normal; ++k)
     normal[k] = length2 > 0 ? slope[k] / sqrt(length2) : k == 0;

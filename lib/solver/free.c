@@ -3,6 +3,7 @@
 #include "worker.h"
 #include "callbacks.h"
 #include "colliders.h"
+#include "diffuse/diffuse.h"
 #include "ids.h"
 #include "memory.h"
 #include "previous.h"
@@ -24,6 +25,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_snapshots_free(solver, solver->snapshots);
   pbf_query_index_free(solver);
   pbf_emission_free(solver, solver->emission);
+  pbf_diffuse_free(solver, solver->diffuse);
   if (solver->colliders) pbf_colliders_let_go(solver->collider_count, solver->colliders);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver, solver->collider_count));

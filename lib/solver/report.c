@@ -6,6 +6,7 @@
 #include "backend_call.h"
 #include "worker.h"
 #include "colliders.h"
+#include "diffuse/diffuse.h"
 #include "error.h"
 #include "handles.h"
 #include "ids.h"
@@ -123,6 +124,10 @@ static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
     add_array(plan, "snapshots (host)",
               (double)pbf_snapshots_bytes(solver, solver->snapshots) / solver->capacity,
               pbf_snapshots_bytes(solver, solver->snapshots));
+  if (solver->diffuse)
+    add_array(plan, "diffuse particles (host)",
+              (double)pbf_diffuse_bytes(solver->diffuse) / solver->capacity,
+              pbf_diffuse_bytes(solver->diffuse));
 }
 
 static void end_plan_texts(pbf_plan *plan) {

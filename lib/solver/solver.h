@@ -121,6 +121,8 @@ struct pbf_solver {
 
   struct pbf_emission *emission; /* lib/emission/emission.h; null: nothing comes or goes */
 
+  struct pbf_diffuse *diffuse; /* lib/diffuse/diffuse.h; null: no spray, foam and bubbles */
+
   struct pbf_query_index *query; /* lib/query/index.h; null: nothing was asked yet */
 
   void *previous;          /* positions by row before the last step; null: they are not kept */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "backend_call.h"
+#include "diffuse/diffuse.h"
 #include "emission/emission.h"
 #include "error.h"
 #include "handles.h"
@@ -167,6 +168,7 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   uint32_t done = 0;
   pbf_status status = pbf_emission_work(solver);
   if (pbf_emission_is_active(solver) || pbf_has_accelerations(solver)) steps = 1;
+  if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, &steps);
   if (status == PBF_OK) status = pbf_plan_step(solver);
   if (status != PBF_OK) return status;
   if (solver->count > 0) {
@@ -180,7 +182,8 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   solver->steps_since += done;
   solver->generation += done > 0;
   *advanced = done;
-  return status;
+  if (status != PBF_OK || !solver->diffuse) return status;
+  return solver->diffuse->work->advance(solver);
 }
 
 /* All of them, or those before a cancellation. */

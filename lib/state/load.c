@@ -137,6 +137,9 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   pbf_emission_free(solver, solver->emission);
   solver->emission = in->emission;
   in->emission = NULL;
+  pbf_diffuse_free(solver, solver->diffuse);
+  solver->diffuse = in->diffuse;
+  in->diffuse = NULL;
   pbf_phases_free(solver, solver->phases);
   solver->phases = in->phases;
   in->phases = NULL;

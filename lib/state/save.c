@@ -1,6 +1,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "diffuse/diffuse.h"
 #include "emission/saved.h"
 #include "error.h"
 #include "fnv.h"
@@ -29,6 +30,7 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .planned = solver->planned,
       .emission = (uint32_t)pbf_emission_saved_size(solver),
       .phases = pbf_phases_saved_size(solver),
+      .diffuse = pbf_diffuse_saved_size(solver),
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
@@ -105,6 +107,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
     put(buffer, layout.ids, solver->ids, (uint64_t)solver->count * sizeof *solver->ids);
   if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);
   if (header->phases > 0) pbf_phases_save(solver, (unsigned char *)buffer + layout.phases);
+  if (header->diffuse > 0) pbf_diffuse_save(solver, (unsigned char *)buffer + layout.diffuse);
   pbf_status status = write_particles(solver, header, &layout, buffer);
   uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
   put(buffer, layout.checksum, &checksum, sizeof checksum);

@@ -52,7 +52,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
       header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
       header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY || header->phases > size ||
-      pbf_snapshot_layout_of(header).size != size)
+      header->diffuse > size || pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
   if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
@@ -231,6 +231,9 @@ static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
     status = pbf_phases_read(solver, in->buffer + in->layout.phases, in->header.phases,
                              in->header.count, &in->phases);
   if (status == PBF_OK) status = check_phases(solver, in);
+  if (status == PBF_OK)
+    status = pbf_diffuse_restore(solver, in->buffer + in->layout.diffuse, in->header.diffuse,
+                                 &in->diffuse);
   return reject_by_check(status);
 }
 
@@ -256,4 +259,5 @@ void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   pbf_kept_free(solver, &in->kept);
   pbf_emission_free(solver, in->emission);
   pbf_phases_free(solver, in->phases);
+  pbf_diffuse_free(solver, in->diffuse);
 }

@@ -2,6 +2,7 @@
 #ifndef PBF_LIB_STATE_SAVED_STATE_H
 #define PBF_LIB_STATE_SAVED_STATE_H
 
+#include "diffuse/diffuse.h"
 #include "emission/emission.h"
 #include "particles/phases.h"
 #include "snapshot.h"
@@ -20,6 +21,7 @@ typedef struct pbf_saved_state {
   pbf_kept_fields kept;
   pbf_emission *emission; /* or null */
   pbf_phases *phases;     /* or null */
+  pbf_diffuse *diffuse;   /* or null */
 } pbf_saved_state;
 
 /* Fails with PBF_ERROR_DATA for what pbf_save did not write, and unless the solver can hold it. */

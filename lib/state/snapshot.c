@@ -30,7 +30,8 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
   }
   layout.emission = next;
   layout.phases = next + padded(header->emission);
-  layout.checksum = layout.phases + padded(header->phases);
+  layout.diffuse = layout.phases + padded(header->phases);
+  layout.checksum = layout.diffuse + padded(header->diffuse);
   layout.size = layout.checksum + 8;
   return layout;
 }

@@ -2,7 +2,8 @@
  *   header | parameters | colliders | which of those behind the first 64 have been placed, and
  *   which have been shifted alike | ids, unless they are 0 … count - 1 | positions | velocities |
  *   what the backend keeps of each particle in some scenes (kept.h) | emitters, drains, lifetimes,
- *   if any | phases, if any | FNV-1a over all before it
+ *   if any | phases, if any | spray,
+ *   foam and bubbles, if any | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_STATE_SNAPSHOT_H
@@ -40,14 +41,15 @@ typedef struct pbf_snapshot_header {
   double collider_time;
   pbf_overlap_state overlap;
   pbf_placement placement;
-  uint64_t phases; /* bytes of them, or 0 */
-  uint64_t size;   /* of everything */
+  uint64_t phases;  /* bytes of them, or 0 */
+  uint64_t diffuse; /* bytes of spray, foam and bubbles, or 0 */
+  uint64_t size;    /* of everything */
 } pbf_snapshot_header;
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
   uint64_t params, colliders, marks, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission,
-      phases, checksum, size;
+      phases, diffuse, checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);

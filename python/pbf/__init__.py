@@ -15,6 +15,7 @@ from ._library import ffi, lib, version
 from ._reading import Anisotropies
 from .batch import Batch, BatchTensor
 from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Solid, Sphere
+from .diffuse import Diffuse, DiffuseInfo, DiffuseParticles
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
 from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
@@ -35,8 +36,8 @@ __version__ = version()
 __all__ = [
     "AlembicPoints", "Anisotropies", "BackendInfo", "BallVolume", "Batch", "BatchTensor", "Box",
     "BoxVolume", "BusyError", "CancelledError", "CapacityError", "Capsule", "CapsuleVolume",
-    "Collide", "Collider", "DataError", "DeviceError", "DiscEmitter", "Dump", "DumpFrame",
-    "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
+    "Collide", "Collider", "DataError", "DeviceError", "Diffuse", "DiffuseInfo",
+    "DiffuseParticles", "DiscEmitter", "Dump", "DumpFrame", "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
     "Kernel", "Limit", "Load", "Method", "MissingExtraError", "MotionPath", "Movie",
     "NotFoundError", "OutOfMemoryError", "Params", "Phase", "Plan", "PlanArray", "PlanStage", "Plane",
     "PluginError", "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",

@@ -20,6 +20,7 @@ from ._steps import Steps
 from .colliders import Collider, collider_of, struct_array
 from .emission import Emission
 from .params import Params
+from .diffuse import DiffuseOf
 from .phases import Phases
 from .queries import Queries
 from .reports import Load, Plan, StageTime, Stats
@@ -34,7 +35,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 DEFAULT_CAPACITY = 100_000
 
 
-class Solver(Steps, Particles, Queries, Emission, Phases, State):
+class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
     """A fluid of particles.
 
     >>> fluid = pbf.Solver(pbf.fill_box((0, 0, 0), (0.5, 1, 1), 0.05), domain_max=(2, 1, 1))

@@ -39,7 +39,7 @@ def main(root):
     header_filter = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(header_filter)
     names, wrong = [], []
-    for header in ("pbf.h", "batch.h", "query.h", "emit.h", "phases.h", "shapes.h"):
+    for header in ("pbf.h", "batch.h", "query.h", "emit.h", "phases.h", "diffuse.h", "shapes.h"):
         found, faults = check(header_filter, (root / "include/pbf" / header).read_text(encoding="utf-8"))
         names += found
         wrong += [f"{header}: {fault}" for fault in faults]

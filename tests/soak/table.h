@@ -91,6 +91,14 @@ void call_set_drains(actor *a);
 void call_get_drain(actor *a);
 void call_get_in_out(actor *a);
 
+void call_diffuse_init(actor *a);
+void call_set_diffuse(actor *a);
+void call_get_diffuse(actor *a);
+void call_get_diffuse_info(actor *a);
+void call_read_diffuse(actor *a);
+void call_add_diffuse(actor *a);
+void call_shift_diffuse(actor *a);
+
 void call_map(actor *a);
 void call_unmap(actor *a);
 void call_export_dlpack(actor *a);

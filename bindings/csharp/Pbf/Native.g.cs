@@ -41,6 +41,7 @@ namespace Pbf
         public const uint MaxEmitters = 64;
         public const uint MaxDrains = 64;
         public const uint MaxPhases = 8;
+        public const uint MaxDiffuse = 4194303;
         public const uint Float32 = 4;
         public const uint Float64 = 8;
         public const uint LogInfo = 1;
@@ -92,6 +93,9 @@ namespace Pbf
         public const uint LimitWalls = 4;
         public const uint LimitColliders = 5;
         public const uint LimitTension = 6;
+        public const uint DiffuseSpray = 0;
+        public const uint DiffuseFoam = 1;
+        public const uint DiffuseBubble = 2;
         public const uint VolumeBox = 0;
         public const uint VolumeSphere = 1;
         public const uint VolumeCapsule = 2;
@@ -436,6 +440,64 @@ namespace Pbf
         public uint Worlds;
         public uint Threads;
         public uint DeviceType;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct DiffuseDesc
+    {
+        public uint StructSize;
+        public uint Capacity;
+        public uint Seed;
+        public uint Interval;
+        public uint FoamNeighbors;
+        public uint BubbleNeighbors;
+        public double TrappedAirMin;
+        public double TrappedAirMax;
+        public double WaveCrestMin;
+        public double WaveCrestMax;
+        public double EnergyMin;
+        public double EnergyMax;
+        public double TrappedAirRate;
+        public double WaveCrestRate;
+        public double LifetimeMin;
+        public double LifetimeMax;
+        public double Buoyancy;
+        public double BubbleDrag;
+        public double SprayDrag;
+        public double Scatter;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct DiffuseInfo
+    {
+        public uint StructSize;
+        public uint Capacity;
+        public uint Count;
+        public uint Spray;
+        public uint Foam;
+        public uint Bubbles;
+        public double Time;
+        public ulong Generated;
+        public ulong Expired;
+        public ulong Recycled;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct DiffuseRead
+    {
+        public uint StructSize;
+        public uint First;
+        public uint Count;
+        public uint ElementType;
+        public uint Components;
+        public uint Reserved;
+        public ulong Stride;
+        public IntPtr Positions;
+        public IntPtr Velocities;
+        public IntPtr Ages;
+        public IntPtr Lives;
+        public IntPtr Kinds;
+        public IntPtr Ids;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -822,6 +884,20 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_batch_export_dlpack(BatchHandle batch, uint field, uint rows, out IntPtr tensor);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_diffuse_init(SolverHandle solver, ref DiffuseDesc desc, uint struct_size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_diffuse(SolverHandle solver, IntPtr desc);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_diffuse(SolverHandle solver, ref DiffuseDesc desc);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_diffuse_info(SolverHandle solver, ref DiffuseInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_read_diffuse(SolverHandle solver, IntPtr read);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_add_diffuse(SolverHandle solver, uint count, IntPtr positions, IntPtr velocities, IntPtr lives);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_shift_diffuse(SolverHandle solver, IntPtr way);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_volume_init(ref Volume volume, uint struct_size, uint shape);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_find_in_volume(SolverHandle solver, IntPtr volume, uint capacity, IntPtr ids, ref uint count);
@@ -902,6 +978,9 @@ namespace Pbf
             { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
             { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } },
             { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } },
+            { typeof(DiffuseDesc), new[] { "136", "StructSize=0", "Capacity=4", "Seed=8", "Interval=12", "FoamNeighbors=16", "BubbleNeighbors=20", "TrappedAirMin=24", "TrappedAirMax=32", "WaveCrestMin=40", "WaveCrestMax=48", "EnergyMin=56", "EnergyMax=64", "TrappedAirRate=72", "WaveCrestRate=80", "LifetimeMin=88", "LifetimeMax=96", "Buoyancy=104", "BubbleDrag=112", "SprayDrag=120", "Scatter=128" } },
+            { typeof(DiffuseInfo), new[] { "56", "StructSize=0", "Capacity=4", "Count=8", "Spray=12", "Foam=16", "Bubbles=20", "Time=24", "Generated=32", "Expired=40", "Recycled=48" } },
+            { typeof(DiffuseRead), new[] { "80", "StructSize=0", "First=4", "Count=8", "ElementType=12", "Components=16", "Reserved=20", "Stride=24", "Positions=32", "Velocities=40", "Ages=48", "Lives=56", "Kinds=64", "Ids=72" } },
             { typeof(Volume), new[] { "128", "StructSize=0", "Shape=4", "Position=8", "Orientation=32", "HalfExtents=64", "Axis=88", "Radius=112", "HalfLength=120" } },
             { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },

@@ -100,6 +100,11 @@ enum {
   PBF_LIMIT_TENSION = 6,
 };
 enum {
+  PBF_DIFFUSE_SPRAY = 0,
+  PBF_DIFFUSE_FOAM = 1,
+  PBF_DIFFUSE_BUBBLE = 2,
+};
+enum {
   PBF_VOLUME_BOX = 0,
   PBF_VOLUME_SPHERE = 1,
   PBF_VOLUME_CAPSULE = 2,
@@ -123,6 +128,7 @@ enum {
   PBF_MAX_EMITTERS = 64,
   PBF_MAX_DRAINS = 64,
   PBF_MAX_PHASES = 8,
+  PBF_MAX_DIFFUSE = 4194303,
 };
 struct DLManagedTensor;
 typedef struct pbf_batch pbf_batch;
@@ -384,6 +390,55 @@ typedef struct pbf_batch_info {
   uint32_t threads;
   uint32_t device_type;
 } pbf_batch_info;
+typedef struct pbf_diffuse_desc {
+  uint32_t struct_size;
+  uint32_t capacity;
+  uint32_t seed;
+  uint32_t interval;
+  uint32_t foam_neighbors;
+  uint32_t bubble_neighbors;
+  double trapped_air_min;
+  double trapped_air_max;
+  double wave_crest_min;
+  double wave_crest_max;
+  double energy_min;
+  double energy_max;
+  double trapped_air_rate;
+  double wave_crest_rate;
+  double lifetime_min;
+  double lifetime_max;
+  double buoyancy;
+  double bubble_drag;
+  double spray_drag;
+  double scatter;
+} pbf_diffuse_desc;
+typedef struct pbf_diffuse_info {
+  uint32_t struct_size;
+  uint32_t capacity;
+  uint32_t count;
+  uint32_t spray;
+  uint32_t foam;
+  uint32_t bubbles;
+  double time;
+  uint64_t generated;
+  uint64_t expired;
+  uint64_t recycled;
+} pbf_diffuse_info;
+typedef struct pbf_diffuse_read {
+  uint32_t struct_size;
+  uint32_t first;
+  uint32_t count;
+  uint32_t element_type;
+  uint32_t components;
+  uint32_t reserved;
+  uint64_t stride;
+  void *positions;
+  void *velocities;
+  void *ages;
+  void *lives;
+  uint32_t *kinds;
+  uint64_t *ids;
+} pbf_diffuse_read;
 typedef struct pbf_volume {
   uint32_t struct_size;
   uint32_t shape;
@@ -572,6 +627,13 @@ pbf_status pbf_batch_add_particles(pbf_batch *batch, const uint32_t *counts, con
 pbf_status pbf_batch_get_counts(pbf_batch *batch, uint32_t *counts);
 pbf_status pbf_batch_read(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *read, uint64_t world_stride);
 pbf_status pbf_batch_export_dlpack(pbf_batch *batch, uint32_t field, uint32_t rows, struct DLManagedTensor * *tensor);
+pbf_status pbf_diffuse_init(pbf_solver *solver, pbf_diffuse_desc *desc, uint32_t struct_size);
+pbf_status pbf_set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *desc);
+pbf_status pbf_get_diffuse(pbf_solver *solver, pbf_diffuse_desc *desc);
+pbf_status pbf_get_diffuse_info(pbf_solver *solver, pbf_diffuse_info *info);
+pbf_status pbf_read_diffuse(pbf_solver *solver, const pbf_diffuse_read *read);
+pbf_status pbf_add_diffuse(pbf_solver *solver, uint32_t count, const void *positions, const void *velocities, const void *lives);
+pbf_status pbf_shift_diffuse(pbf_solver *solver, const double *way);
 pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape);
 pbf_status pbf_find_in_volume(pbf_solver *solver, const pbf_volume *volume, uint32_t capacity, uint32_t *ids, uint32_t *count);
 pbf_status pbf_measure_volumes(pbf_solver *solver, uint32_t count, const pbf_volume *volumes, pbf_volume_flow *flows);
@@ -621,6 +683,9 @@ return {
   pbf_info = {size = 784, struct_size = 0, dimension = 4, precision = 8, capacity = 12, threads = 16, device = 20, device_type = 24, fell_back = 28, step = 32, time = 40, backend = 48, device_name = 80, build_id = 176, path = 272, fallback_reason = 528},
   pbf_backend_info = {size = 752, struct_size = 0, available = 4, score = 8, device_type = 12, name = 16, device_name = 48, build_id = 144, path = 240, reason = 496},
   pbf_batch_info = {size = 16, struct_size = 0, worlds = 4, threads = 8, device_type = 12},
+  pbf_diffuse_desc = {size = 136, struct_size = 0, capacity = 4, seed = 8, interval = 12, foam_neighbors = 16, bubble_neighbors = 20, trapped_air_min = 24, trapped_air_max = 32, wave_crest_min = 40, wave_crest_max = 48, energy_min = 56, energy_max = 64, trapped_air_rate = 72, wave_crest_rate = 80, lifetime_min = 88, lifetime_max = 96, buoyancy = 104, bubble_drag = 112, spray_drag = 120, scatter = 128},
+  pbf_diffuse_info = {size = 56, struct_size = 0, capacity = 4, count = 8, spray = 12, foam = 16, bubbles = 20, time = 24, generated = 32, expired = 40, recycled = 48},
+  pbf_diffuse_read = {size = 80, struct_size = 0, first = 4, count = 8, element_type = 12, components = 16, reserved = 20, stride = 24, positions = 32, velocities = 40, ages = 48, lives = 56, kinds = 64, ids = 72},
   pbf_volume = {size = 128, struct_size = 0, shape = 4, position = 8, orientation = 32, half_extents = 64, axis = 88, radius = 112, half_length = 120},
   pbf_volume_flow = {size = 72, struct_size = 0, reserved = 4, volume = 8, fraction = 16, centre = 24, velocity = 48},
   pbf_samples = {size = 48, struct_size = 0, count = 4, points = 8, densities = 16, velocities = 24, pressures = 32, wet = 40},

@@ -20,6 +20,7 @@ pub const PBF_MAX_WORLDS: u32 = 65536;
 pub const PBF_MAX_EMITTERS: u32 = 64;
 pub const PBF_MAX_DRAINS: u32 = 64;
 pub const PBF_MAX_PHASES: u32 = 8;
+pub const PBF_MAX_DIFFUSE: u32 = 4194303;
 pub const PBF_OK: pbf_status = 0;
 pub const PBF_ERROR_INVALID_ARGUMENT: pbf_status = -1;
 pub const PBF_ERROR_STRUCT_SIZE: pbf_status = -2;
@@ -85,6 +86,9 @@ pub const PBF_LIMIT_PARTICLES: u32 = 3;
 pub const PBF_LIMIT_WALLS: u32 = 4;
 pub const PBF_LIMIT_COLLIDERS: u32 = 5;
 pub const PBF_LIMIT_TENSION: u32 = 6;
+pub const PBF_DIFFUSE_SPRAY: u32 = 0;
+pub const PBF_DIFFUSE_FOAM: u32 = 1;
+pub const PBF_DIFFUSE_BUBBLE: u32 = 2;
 pub const PBF_VOLUME_BOX: u32 = 0;
 pub const PBF_VOLUME_SPHERE: u32 = 1;
 pub const PBF_VOLUME_CAPSULE: u32 = 2;
@@ -435,6 +439,64 @@ pub struct pbf_batch_info {
     pub worlds: u32,
     pub threads: u32,
     pub device_type: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_diffuse_desc {
+    pub struct_size: u32,
+    pub capacity: u32,
+    pub seed: u32,
+    pub interval: u32,
+    pub foam_neighbors: u32,
+    pub bubble_neighbors: u32,
+    pub trapped_air_min: f64,
+    pub trapped_air_max: f64,
+    pub wave_crest_min: f64,
+    pub wave_crest_max: f64,
+    pub energy_min: f64,
+    pub energy_max: f64,
+    pub trapped_air_rate: f64,
+    pub wave_crest_rate: f64,
+    pub lifetime_min: f64,
+    pub lifetime_max: f64,
+    pub buoyancy: f64,
+    pub bubble_drag: f64,
+    pub spray_drag: f64,
+    pub scatter: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_diffuse_info {
+    pub struct_size: u32,
+    pub capacity: u32,
+    pub count: u32,
+    pub spray: u32,
+    pub foam: u32,
+    pub bubbles: u32,
+    pub time: f64,
+    pub generated: u64,
+    pub expired: u64,
+    pub recycled: u64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_diffuse_read {
+    pub struct_size: u32,
+    pub first: u32,
+    pub count: u32,
+    pub element_type: u32,
+    pub components: u32,
+    pub reserved: u32,
+    pub stride: u64,
+    pub positions: *mut c_void,
+    pub velocities: *mut c_void,
+    pub ages: *mut c_void,
+    pub lives: *mut c_void,
+    pub kinds: *mut u32,
+    pub ids: *mut u64,
 }
 
 #[repr(C)]
@@ -919,6 +981,38 @@ extern "C" {
         rows: u32,
         tensor: *mut *mut DLManagedTensor,
     ) -> pbf_status;
+    pub fn pbf_diffuse_init(
+        solver: *mut pbf_solver,
+        desc: *mut pbf_diffuse_desc,
+        struct_size: u32,
+    ) -> pbf_status;
+    pub fn pbf_set_diffuse(
+        solver: *mut pbf_solver,
+        desc: *const pbf_diffuse_desc,
+    ) -> pbf_status;
+    pub fn pbf_get_diffuse(
+        solver: *mut pbf_solver,
+        desc: *mut pbf_diffuse_desc,
+    ) -> pbf_status;
+    pub fn pbf_get_diffuse_info(
+        solver: *mut pbf_solver,
+        info: *mut pbf_diffuse_info,
+    ) -> pbf_status;
+    pub fn pbf_read_diffuse(
+        solver: *mut pbf_solver,
+        read: *const pbf_diffuse_read,
+    ) -> pbf_status;
+    pub fn pbf_add_diffuse(
+        solver: *mut pbf_solver,
+        count: u32,
+        positions: *const c_void,
+        velocities: *const c_void,
+        lives: *const c_void,
+    ) -> pbf_status;
+    pub fn pbf_shift_diffuse(
+        solver: *mut pbf_solver,
+        way: *const f64,
+    ) -> pbf_status;
     pub fn pbf_volume_init(
         volume: *mut pbf_volume,
         struct_size: u32,
@@ -1372,6 +1466,64 @@ mod layout {
         assert_eq!(offset!(pbf_batch_info, worlds), 4);
         assert_eq!(offset!(pbf_batch_info, threads), 8);
         assert_eq!(offset!(pbf_batch_info, device_type), 12);
+    }
+
+    #[test]
+    fn pbf_diffuse_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_diffuse_desc>(), 136);
+        assert_eq!(offset!(pbf_diffuse_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_diffuse_desc, capacity), 4);
+        assert_eq!(offset!(pbf_diffuse_desc, seed), 8);
+        assert_eq!(offset!(pbf_diffuse_desc, interval), 12);
+        assert_eq!(offset!(pbf_diffuse_desc, foam_neighbors), 16);
+        assert_eq!(offset!(pbf_diffuse_desc, bubble_neighbors), 20);
+        assert_eq!(offset!(pbf_diffuse_desc, trapped_air_min), 24);
+        assert_eq!(offset!(pbf_diffuse_desc, trapped_air_max), 32);
+        assert_eq!(offset!(pbf_diffuse_desc, wave_crest_min), 40);
+        assert_eq!(offset!(pbf_diffuse_desc, wave_crest_max), 48);
+        assert_eq!(offset!(pbf_diffuse_desc, energy_min), 56);
+        assert_eq!(offset!(pbf_diffuse_desc, energy_max), 64);
+        assert_eq!(offset!(pbf_diffuse_desc, trapped_air_rate), 72);
+        assert_eq!(offset!(pbf_diffuse_desc, wave_crest_rate), 80);
+        assert_eq!(offset!(pbf_diffuse_desc, lifetime_min), 88);
+        assert_eq!(offset!(pbf_diffuse_desc, lifetime_max), 96);
+        assert_eq!(offset!(pbf_diffuse_desc, buoyancy), 104);
+        assert_eq!(offset!(pbf_diffuse_desc, bubble_drag), 112);
+        assert_eq!(offset!(pbf_diffuse_desc, spray_drag), 120);
+        assert_eq!(offset!(pbf_diffuse_desc, scatter), 128);
+    }
+
+    #[test]
+    fn pbf_diffuse_info_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_diffuse_info>(), 56);
+        assert_eq!(offset!(pbf_diffuse_info, struct_size), 0);
+        assert_eq!(offset!(pbf_diffuse_info, capacity), 4);
+        assert_eq!(offset!(pbf_diffuse_info, count), 8);
+        assert_eq!(offset!(pbf_diffuse_info, spray), 12);
+        assert_eq!(offset!(pbf_diffuse_info, foam), 16);
+        assert_eq!(offset!(pbf_diffuse_info, bubbles), 20);
+        assert_eq!(offset!(pbf_diffuse_info, time), 24);
+        assert_eq!(offset!(pbf_diffuse_info, generated), 32);
+        assert_eq!(offset!(pbf_diffuse_info, expired), 40);
+        assert_eq!(offset!(pbf_diffuse_info, recycled), 48);
+    }
+
+    #[test]
+    fn pbf_diffuse_read_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_diffuse_read>(), 80);
+        assert_eq!(offset!(pbf_diffuse_read, struct_size), 0);
+        assert_eq!(offset!(pbf_diffuse_read, first), 4);
+        assert_eq!(offset!(pbf_diffuse_read, count), 8);
+        assert_eq!(offset!(pbf_diffuse_read, element_type), 12);
+        assert_eq!(offset!(pbf_diffuse_read, components), 16);
+        assert_eq!(offset!(pbf_diffuse_read, reserved), 20);
+        assert_eq!(offset!(pbf_diffuse_read, stride), 24);
+        assert_eq!(offset!(pbf_diffuse_read, positions), 32);
+        assert_eq!(offset!(pbf_diffuse_read, velocities), 40);
+        assert_eq!(offset!(pbf_diffuse_read, ages), 48);
+        assert_eq!(offset!(pbf_diffuse_read, lives), 56);
+        assert_eq!(offset!(pbf_diffuse_read, kinds), 64);
+        assert_eq!(offset!(pbf_diffuse_read, ids), 72);
     }
 
     #[test]
