@@ -5,6 +5,7 @@
 #include "cpu/broad_phase.h"
 #include "cpu/loads.h"
 #include "cpu/pressure_grid.h"
+#include "physics/adhesion.h"
 #include "physics/friction.h"
 
 namespace {
@@ -163,8 +164,8 @@ static void friction_task(void *context, uint32_t task) {
               [&](const pbf_load_plane &plane, const load_share &share) {
                 if (finds_loads(s))
                   add_part(loads.of(plane.solid),
-                           friction_load(&scales.loads, w->obstacles, p.x, plane,
-                                         with_mass(share, mobility)),
+                           load_part_beside(&scales.loads, w->obstacles, p.x, plane,
+                                            with_mass(share, mobility)),
                            false);
               });
         field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
@@ -179,6 +180,34 @@ static void friction_task(void *context, uint32_t task) {
   loads.end();
   copy_sleeping(w, all, &w->b.x, &to);
   fill_packed(s, packed_positions(s), &to, NULL, all);
+}
+
+/* At the end of the step, of fluid with a surface tension. */
+static void adhesion_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const solver *s = w->s;
+  const pbf_adhesion_scales scales =
+      pbf_adhesion_scales_of(&w->constants, &w->forces, &s->params, s->table.list);
+  const pbf_real *missing = missing_neighbors_of(s);
+  const range all = task_sorted(w, task);
+  recent_loads loads;
+  loads.begin(s->load_tally);
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
+      for (uint32_t i = some.first; i < some.last && near.any; ++i) {
+        const pbf_vec x = field_at(&w->b.x, i);
+        const pbf_vec change = adhesion_change(
+            &w->constants, scales, w->obstacles, near, x, missing[i],
+            [&](const pbf_load_plane &plane, const load_share &share) {
+              if (finds_loads(s))
+                add_part(loads.of(plane.solid),
+                         load_part_beside(&scales.loads, w->obstacles, x, plane, share), false);
+            });
+        field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, change));
+      }
+    });
+  loads.end();
 }
 
 static void loads_task(void *context, uint32_t task) {

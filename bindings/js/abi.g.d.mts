@@ -46,6 +46,7 @@ export interface Params {
   wallNoSlip: number;
   surfaceTension: number;
   periodic: number;
+  wallAdhesion: number;
 }
 
 export interface Collider {
@@ -69,6 +70,7 @@ export interface Collider {
   friction: number;
   staticFriction: number;
   noSlip: number;
+  adhesion: number;
   shape: "plane" | "sphere" | "capsule" | "box";
 }
 
