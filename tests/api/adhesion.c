@@ -136,6 +136,48 @@ static void its_pull_has_an_energy(void **state) {
   test_for_each_kind(check_work);
 }
 
+/* Between two planes, of which one or both pull: each has its own part in its load, whatever the
+ * particle has of the sum. */
+static void check_share(uint32_t dimension, uint32_t precision, double other) {
+  pbf_params params = params_of(dimension);
+  params.loads = 1;
+  params.viscosity = 0;
+  const pbf_desc desc = test_desc(dimension, precision, 1);
+  pbf_solver *s = test_create(&desc, &params);
+  pbf_collider planes[2] = {load_collider(PBF_COLLIDER_PLANE, 2, 2 - 0.8 * spacing, 2),
+                            load_collider(PBF_COLLIDER_PLANE, 2, 2 + 0.8 * spacing, 2)};
+  pbf_collider_load loads[2];
+  char values[3 * sizeof(double)];
+  planes[0].adhesion = 0.5;
+  planes[1].adhesion = other;
+  planes[1].axis[1] = -1;
+  assert_ok(pbf_set_colliders(s, 2, planes));
+  for (uint32_t k = 0; k < dimension; ++k) test_put(values, k, precision, 2);
+  assert_ok(pbf_add_particles(s, 1, values, NULL, NULL));
+  assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_velocities(s, 0, 1, values));
+  const double all = -pow(spacing, dimension) * test_value(values, 1, precision);
+  for (int k = 0; k < 2; ++k) loads[k].struct_size = sizeof loads[k];
+  assert_ok(pbf_get_collider_loads(s, 2, loads));
+  const double lower = loads[0].impulse[1], upper = loads[1].impulse[1];
+  const double near = 1e-3 * lower;
+  if (!(lower > 0) || !(fabs(lower + upper - all) < near) ||
+      !(fabs(upper + (other > 0 ? lower : 0)) < near))
+    fail_msg("%uD, %g: they get %g and %g, and the particle %g", dimension, other, lower, upper,
+             all);
+  pbf_destroy(s);
+}
+
+static void check_shares(uint32_t dimension, uint32_t precision) {
+  check_share(dimension, precision, 0);
+  check_share(dimension, precision, 0.5);
+}
+
+static void what_pulls_has_the_load(void **state) {
+  (void)state;
+  test_for_each_kind(check_shares);
+}
+
 /* ---- Drops ---------------------------------------------------------------------------------- */
 
 /* Particles of a lattice within r of a point, of those on one side of a plane through the origin,
@@ -527,6 +569,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_particle_is_pulled),
       cmocka_unit_test(its_pull_has_an_energy),
+      cmocka_unit_test(what_pulls_has_the_load),
       cmocka_unit_test(drops_have_the_contact_angle),
       cmocka_unit_test(small_drops_hang),
       cmocka_unit_test(drops_run_down_planes),
