@@ -42,7 +42,7 @@ class Params(c.Structure):
         ("loads", c.c_uint32), ("shear_stress_correction", c.c_double),
         ("wall_friction", c.c_double), ("wall_static_friction", c.c_double),
         ("wall_no_slip", c.c_double), ("surface_tension", c.c_double), ("periodic", c.c_uint32),
-        ("reserved", c.c_uint32),
+        ("reserved", c.c_uint32), ("wall_adhesion", c.c_double),
     ]
 
 

@@ -38,6 +38,7 @@ static const pbf_real_rule reals[] = {
     REAL(friction, 1, PBF_AT_LEAST_ZERO),
     REAL(static_friction, 1, PBF_AT_LEAST_ZERO),
     REAL(no_slip, 1, PBF_FRACTION),
+    REAL(adhesion, 1, PBF_FRACTION),
 };
 
 /* 2D turns about z alone: the four and the third component are not what 2D leaves out. */

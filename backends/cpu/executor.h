@@ -175,7 +175,11 @@ struct executor {
   void curl() { over_pairs(curl_task, PBF_STAGE_CURL); }
   void confine() { over_pairs(confine_task, PBF_STAGE_CONFINE); }
   void missing_neighbors() { over_pairs(missing_task); }
-  void surface_tension() { over_pairs(surface_tension_task, PBF_STAGE_SURFACE_TENSION); }
+  void surface_tension() {
+    over_pairs(surface_tension_task);
+    if (w->s->schedule.adhesion) over_pairs(adhesion_task);
+    stage_end(w, PBF_STAGE_SURFACE_TENSION);
+  }
   void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }
   bool update_sleep() { return ::update_sleep(w); }
   void end() {

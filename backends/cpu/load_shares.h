@@ -5,6 +5,7 @@
 #include "cpu/broad_phase.h"
 #include "cpu/loads.h"
 #include "cpu/pressure_grid.h"
+#include "physics/adhesion.h"
 #include "physics/friction.h"
 
 namespace {
@@ -42,12 +43,48 @@ struct near_surfaces {
   }
 
   /* Of a field planes may be nearer than the surface is. */
+  /* As another type, for what looks at all of them. */
+  struct all {
+    const near_surfaces &near;
+
+    template <class Visit>
+    void each(const pbf_obstacles &o, Visit visit) const {
+      near.each(o, visit);
+    }
+  };
+
   static bool may_be_near(const group_bounds *bounds, const pbf_surface *s, pbf_real reach) {
     if (pbf_surface_is_field(s))
       return !pbf_surface_is_beyond(s, bounds->center, bounds->radius + reach);
     return bounds_are_within(bounds, s, reach);
   }
 };
+
+/* Of these, found in one place for all that asks: in line in each it would be a large part of the
+ * program. */
+struct found_planes {
+  int count;
+  pbf_load_plane of[PBF_LOAD_PLANES];
+};
+
+static __attribute__((noinline)) void find_load_planes(const pbf_constants *c,
+                                                       const pbf_obstacles &o,
+                                                       const near_surfaces &near, pbf_vec x,
+                                                       pbf_real reach, found_planes *found) {
+  const near_surfaces::all those = {near};
+  found->count = 0;
+  each_load_plane(c, o, those, x, reach, [&](const pbf_load_plane &p) {
+    if (found->count < PBF_LOAD_PLANES) found->of[found->count++] = p;
+  });
+}
+
+template <class Visit>
+PBF_FN void each_load_plane(const pbf_constants *c, const pbf_obstacles &o,
+                            const near_surfaces &near, pbf_vec x, pbf_real reach, Visit visit) {
+  found_planes found;
+  find_load_planes(c, o, near, x, reach, &found);
+  for (int k = 0; k < found.count; ++k) visit(found.of[k]);
+}
 
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {
@@ -163,8 +200,8 @@ static void friction_task(void *context, uint32_t task) {
               [&](const pbf_load_plane &plane, const load_share &share) {
                 if (finds_loads(s))
                   add_part(loads.of(plane.solid),
-                           friction_load(&scales.loads, w->obstacles, p.x, plane,
-                                         with_mass(share, mobility)),
+                           load_part_beside(&scales.loads, w->obstacles, p.x, plane,
+                                            with_mass(share, mobility)),
                            false);
               });
         field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
@@ -179,6 +216,34 @@ static void friction_task(void *context, uint32_t task) {
   loads.end();
   copy_sleeping(w, all, &w->b.x, &to);
   fill_packed(s, packed_positions(s), &to, NULL, all);
+}
+
+/* At the end of the step, of fluid with a surface tension. */
+static void adhesion_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const solver *s = w->s;
+  const pbf_adhesion_scales scales =
+      pbf_adhesion_scales_of(&w->constants, &w->forces, &s->params, s->table.list);
+  const pbf_real *missing = missing_neighbors_of(s);
+  const range all = task_sorted(w, task);
+  recent_loads loads;
+  loads.begin(s->load_tally);
+  for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
+       r = awake_particles(w, r.last, all.last))
+    each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
+      for (uint32_t i = some.first; i < some.last && near.any; ++i) {
+        const pbf_vec x = field_at(&w->b.x, i);
+        const pbf_vec change = adhesion_change(
+            &w->constants, scales, w->obstacles, near, x, missing[i],
+            [&](const pbf_load_plane &plane, const load_share &share) {
+              if (finds_loads(s))
+                add_part(loads.of(plane.solid),
+                         load_part_beside(&scales.loads, w->obstacles, x, plane, share), false);
+            });
+        field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, change));
+      }
+    });
+  loads.end();
 }
 
 static void loads_task(void *context, uint32_t task) {

@@ -103,7 +103,7 @@ static void no_slip_loads_task(void *context, uint32_t task) {
           &w->constants, near, no_slip, x, v,
           [&](const pbf_load_plane &plane, const load_share &share) {
             const load_share part = s->mobility ? with_mass(share, s->mobility[i]) : share;
-            add_part(loads.of(plane.solid), friction_load(&scales, w->obstacles, x, plane, part),
+            add_part(loads.of(plane.solid), load_part_beside(&scales, w->obstacles, x, plane, part),
                      false);
           },
           w->b.sorted_phase ? w->constants.phases.viscosity[w->b.sorted_phase[i]] : 1);

@@ -490,7 +490,16 @@ struct executor {
                s->schedule.wall_density, s->activity, missing());
       });
       launch(surface_tension_kernel, n, missing(), s->activity, s->velocities);
+      if (s->schedule.adhesion) adhere();
     });
+  }
+
+  void adhere() {
+    const few_adhesion_scales scales = few_adhesion_scales_of(
+        pbf_adhesion_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
+        s->collider_count);
+    launch(adhesion_kernel, n, extras.obstacles, scales, missing(), s->activity, s->velocities,
+           s->load_tally);
   }
 
   void drag() {

@@ -6,6 +6,7 @@
 
 #include "cuda/launches.h"
 #include "cuda/pressures.h"
+#include "physics/adhesion.h"
 #include "physics/no_slip_loads.h"
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
@@ -164,9 +165,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       &n.constants, scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
-          add_shared_part(&tally->sums[plane.solid],
-                          friction_load(&scales.loads, o, p.x, plane, with_mass(share, mobility)),
-                          false);
+          add_shared_part(
+              &tally->sums[plane.solid],
+              load_part_beside(&scales.loads, o, p.x, plane, with_mass(share, mobility)), false);
       });
   const pbf_vec moved = pbf_add_scaled(p.x, (pbf_real)scales.loads.time_step, change);
   const pbf_vec x = pbf_resolve_collisions(o, 0, p.x, moved);
@@ -176,6 +177,40 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   store(n.particles.points, i, own);
   velocities[i] = after;
   push[i] = pbf_add_scaled(push[i], 1, pbf_sub(after, v));
+}
+
+/* As pbf_adhesion_scales, for kernels. */
+struct few_adhesion_scales {
+  pbf_load_scales loads;
+  pbf_real pull, of[PBF_FEW_SOLIDS];
+};
+
+static inline few_adhesion_scales few_adhesion_scales_of(const pbf_adhesion_scales &scales,
+                                                         uint32_t colliders) {
+  few_adhesion_scales s = {};
+  s.loads = scales.loads;
+  s.pull = scales.pull;
+  for (uint32_t k = 0; k < PBF_WALLS + colliders; ++k) s.of[k] = scales.of[(int)k];
+  return s;
+}
+
+/* Changes velocities. The tally is null where loads are not wanted. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    adhesion_kernel(neighborhood n, step_obstacles o, few_adhesion_scales scales,
+                    const pbf_real *missing, const pbf_real *activity, pbf_vec *velocities,
+                    pbf_few_load_tally *tally) {
+  const uint32_t i = thread_index();
+  if (i >= n.particles.count) return;
+  if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  const pbf_vec change = adhesion_change(
+      &n.constants, scales, o, all_surfaces{}, x, missing[i],
+      [&](const pbf_load_plane &plane, const load_share &share) {
+        if (tally)
+          add_shared_part(&tally->sums[plane.solid],
+                          load_part_beside(&scales.loads, o, x, plane, share), false);
+      });
+  velocities[i] = pbf_add_scaled(velocities[i], 1, change);
 }
 
 /* What solids take by viscosity, of what it leaves of the prediction's velocities. */
@@ -192,7 +227,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       &n.constants, o, no_slip, x, v,
       [&](const pbf_load_plane &plane, const load_share &share) {
         add_shared_part(&tally->sums[plane.solid],
-                        friction_load(&scales, o, x, plane, with_mass(share, mobility)), false);
+                        load_part_beside(&scales, o, x, plane, with_mass(share, mobility)), false);
       },
       n.particles.phase ? n.constants.phases.viscosity[n.particles.phase[i]] : (pbf_real)1);
 }

@@ -108,6 +108,7 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
     /* Crowding, and where particles go. */
     if (k == PBF_STAGE_VISCOSITY && s->schedule.accelerated)
       stage->launches_per_step += 2 + (finds_loads(s) && s->schedule.no_slip);
+    if (k == PBF_STAGE_SURFACE_TENSION) stage->launches_per_step += s->schedule.adhesion;
     /* One launch does all the steps of a call, up to SMALL_STEPS. */
     if (small_serves(s)) stage->launches_per_step = k == PBF_STAGE_PREDICT ? 1 : 0;
   }

@@ -105,16 +105,6 @@ PBF_FN pbf_vec friction_change(const pbf_constants *c, const Scales &s, const Ob
   return change;
 }
 
-/* It as a part of the plane's load: what is wet is counted elsewhere. */
-template <class Obstacles>
-PBF_FN load_part friction_load(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
-                               const pbf_load_plane &p, const load_share &share) {
-  load_part part = load_part_of(s, o, x, p, share);
-  for (int k = PBF_LOAD_WET; k < PBF_LOAD_ALONG; ++k) part.of[k] = pbf_wide_of(0);
-  part.depth = 0;
-  return part;
-}
-
 }  // namespace
 
 #endif

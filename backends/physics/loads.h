@@ -430,6 +430,16 @@ PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_
   return part;
 }
 
+/* Of a force beside pushes: what is wet is counted with these. */
+template <class Obstacles>
+PBF_FN load_part load_part_beside(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
+                                  const pbf_load_plane &p, const load_share &share) {
+  load_part part = load_part_of(s, o, x, p, share);
+  for (int k = PBF_LOAD_WET; k < PBF_LOAD_ALONG; ++k) part.of[k] = pbf_wide_of(0);
+  part.depth = 0;
+  return part;
+}
+
 PBF_FN void add_part(pbf_load_sums *to, const load_part &part, bool counts) {
   for (int k = 0; k < PBF_LOAD_SUMS; ++k) pbf_wide_add(&to->of[k], part.of[k]);
   to->contacts += counts;

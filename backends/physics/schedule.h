@@ -26,6 +26,7 @@ typedef struct pbf_schedule {
   int wall_density;       /* walls and colliders contribute density */
   int corrects_shear;     /* shear_stress.h, now, … */
   int may_correct_shear;  /* … or with more particles */
+  int adhesion;           /* of fluid with a tension to walls or colliders: adhesion.h */
   int no_slip;            /* fluid sticks to walls or colliders: no_slip.h */
   int checks_convergence; /* the solve ends when its density error is small enough */
   int phases;             /* that differ: phases.h */
@@ -39,6 +40,13 @@ static inline uint32_t pbf_has_friction(const pbf_params *params, uint32_t colli
   for (uint32_t k = 0; k < colliders; ++k)
     has |= list[k].friction > 0 || list[k].static_friction > 0;
   return has && params->time_step > 0;
+}
+
+static inline uint32_t pbf_has_adhesion(const pbf_params *params, uint32_t colliders,
+                                        const pbf_collider *list) {
+  uint32_t has = params->wall_adhesion > 0;
+  for (uint32_t k = 0; k < colliders; ++k) has |= list[k].adhesion > 0;
+  return has && params->surface_tension > 0;
 }
 
 /* Where fluids differ by little, what pressure resists of shear would hold the lighter one under
@@ -67,6 +75,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.no_slip = params->viscosity > 0 && params->wall_no_slip > 0;
   for (uint32_t k = 0; k < colliders; ++k)
     s.no_slip |= params->viscosity > 0 && list[k].no_slip > 0;
+  s.adhesion = pbf_has_adhesion(params, colliders, list) != 0;
   s.checks_convergence = params->tolerance > 0;
   s.collide_after_prediction = (params->collide & PBF_COLLIDE_AFTER_PREDICTION) != 0;
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;

@@ -54,6 +54,13 @@ PBF_FN bool has_only(const pbf_schedule &has, const pbf_stage (&stages)[N]) {
   return true;
 }
 
+template <class Executor>
+static inline void pull_at_surfaces(Executor &e) {
+  e.missing_neighbors();
+  e.exchange(FIELD_MISSING);
+  e.surface_tension();
+}
+
 /* e.exchange(fields) stands between what changes a field of particles and what reads it of their
  * neighbours. Where an executor holds copies of it, packed for its loops, or in ghosts of its own
  * or of other processes, they are refreshed there; where all is read from where it is, it does
@@ -112,6 +119,8 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.friction();
     e.exchange(FIELD_POSITION);
   }
+  const bool tension = runs<PBF_STAGE_SURFACE_TENSION>(has);
+  if (tension && has.adhesion) pull_at_surfaces(e); /* and solids, which loads are to know */
   if (runs<PBF_STAGE_LOADS>(has)) e.loads();
   if (runs<PBF_STAGE_CURL>(has)) {
     e.exchange(FIELD_VELOCITY);
@@ -123,11 +132,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.exchange(FIELD_VELOCITY);
     e.viscosity(0);
   }
-  if (runs<PBF_STAGE_SURFACE_TENSION>(has)) {
-    e.missing_neighbors();
-    e.exchange(FIELD_MISSING);
-    e.surface_tension();
-  }
+  if (tension && !has.adhesion) pull_at_surfaces(e);
   if (runs<PBF_STAGE_DRAG>(has)) e.drag();
   bool all_asleep = false;
   if (runs<PBF_STAGE_SLEEP>(has)) {

@@ -2,6 +2,7 @@
 #ifndef PBF_REFERENCE_LOADS_H
 #define PBF_REFERENCE_LOADS_H
 
+#include "physics/adhesion.h"
 #include "physics/no_slip_loads.h"
 #include "physics/passes/predict.h"
 #include "reference/pressure_grid.h"
@@ -70,8 +71,21 @@ static inline pbf_vec rub(solver *s, const pbf_friction_scales &scales, const pb
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (finds_loads(s))
           add_part(&s->load_tally->sums[plane.solid],
-                   friction_load(&scales.loads, *o, p.x, plane, with_mass(share, mobility)), false);
+                   load_part_beside(&scales.loads, *o, p.x, plane, with_mass(share, mobility)),
+                   false);
       });
+}
+
+/* What solids change the velocity of particle i by, that lacks so much of its neighbours. */
+static inline pbf_vec adhere(solver *s, const pbf_adhesion_scales &scales, const pbf_obstacles *o,
+                             uint32_t i, pbf_real missing) {
+  const pbf_vec x = s->moved[i];
+  return adhesion_change(&s->constants, scales, *o, all_surfaces{}, x, missing,
+                         [&](const pbf_load_plane &plane, const load_share &share) {
+                           if (finds_loads(s))
+                             add_part(&s->load_tally->sums[plane.solid],
+                                      load_part_beside(&scales.loads, *o, x, plane, share), false);
+                         });
 }
 
 /* What solids take by viscosity, once it is known what it changes: of those that sleep nothing. */
@@ -85,7 +99,7 @@ static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const
         &s->constants, *o, no_slip, x, v,
         [&](const pbf_load_plane &plane, const load_share &share) {
           add_part(&s->load_tally->sums[plane.solid],
-                   friction_load(&scales, *o, x, plane, with_mass(share, mobility_of(s, i))),
+                   load_part_beside(&scales, *o, x, plane, with_mass(share, mobility_of(s, i))),
                    false);
         },
         s->phase ? s->constants.phases.viscosity[s->phase[i]] : 1);

@@ -467,6 +467,14 @@ static inline void apply_surface_tension(solver *s) {
       s->v[i] = pass.finish(sums_around(s, pass, s->moved, of, {s->added[i]}, i), s->v[i]);
 }
 
+/* Particles are where they stay. */
+static inline void apply_adhesion(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
+  const pbf_adhesion_scales scales =
+      pbf_adhesion_scales_of(&s->constants, &forces, &s->params, s->table.list);
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i)) s->v[i] = pbf_add_scaled(s->v[i], 1, adhere(s, scales, o, i, s->added[i]));
+}
+
 static inline void apply_drag(solver *s) {
   const drag_pass pass = drag_of(&s->params);
   for (uint32_t i = 0; i < s->count; ++i)
@@ -546,7 +554,10 @@ struct executor {
   void curl() { compute_curl(s); }
   void confine() { confine_vorticity(s); }
   void missing_neighbors() { find_missing_neighbors(s, &obstacles); }
-  void surface_tension() { apply_surface_tension(s); }
+  void surface_tension() {
+    apply_surface_tension(s);
+    if (s->schedule.adhesion) apply_adhesion(s, pbf_forces_of(&s->params, began), &obstacles);
+  }
   void drag() { apply_drag(s); }
   bool update_sleep() {
     ::update_sleep(s);

@@ -241,6 +241,15 @@ static void verify_viscosity(kind *k) {
   verify(k, "viscous-no-slip", &s, 10);
 }
 
+static void verify_adhesion(kind *k) {
+  scene s = accelerated_scene(k->dim, 0);
+  s.params.surface_tension = 0.002;
+  add_turning_floor(&s);
+  s.params.wall_adhesion = 0.4;
+  for (uint32_t c = 0; c < s.collider_count; ++c) s.colliders[c].adhesion = 0.7;
+  verify(k, "adhesion", &s, 10);
+}
+
 /* In a box that is full at first and then too small: its lid comes down. */
 static void verify_overfull(kind *k) {
   static const char *const names[3] = {"overfull", "overfull-short-steps", "overfull-deep"};
@@ -340,6 +349,7 @@ int verify_all(const char *name) {
       verify_kernels(&k);
       verify_obstacles(&k);
       verify_viscosity(&k);
+      verify_adhesion(&k);
       verify_containers(&k);
       verify_overflow(&k);
       verify_iterations(&k);

@@ -48,6 +48,7 @@ export interface Params {
   wallNoSlip: number;
   surfaceTension: number;
   periodic: number;
+  wallAdhesion: number;
 }
 
 export interface Collider {
@@ -71,6 +72,7 @@ export interface Collider {
   friction: number;
   staticFriction: number;
   noSlip: number;
+  adhesion: number;
 }
 
 export interface ColliderLoad {

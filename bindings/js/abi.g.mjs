@@ -115,7 +115,7 @@ export const structs = {
     },
   },
   pbf_params: {
-    size: 584,
+    size: 592,
     fields: {
       structSize: ["u32", 0],
       kernel: ["u32", 4],
@@ -165,10 +165,11 @@ export const structs = {
       surfaceTension: ["f64", 568],
       periodic: ["u32", 576],
       reserved: ["u32", 580],
+      wallAdhesion: ["f64", 584],
     },
   },
   pbf_collider: {
-    size: 280,
+    size: 288,
     fields: {
       structSize: ["u32", 0],
       shape: ["u32", 4],
@@ -192,6 +193,7 @@ export const structs = {
       friction: ["f64", 256],
       staticFriction: ["f64", 264],
       noSlip: ["f64", 272],
+      adhesion: ["f64", 280],
     },
   },
   pbf_collider_load: {

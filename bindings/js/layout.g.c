@@ -20,7 +20,7 @@ _Static_assert(offsetof(pbf_desc, isa) == 52, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, enqueue_task) == 56, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, finish_task) == 60, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, task_user) == 64, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_params) == 584, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_params) == 592, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, kernel) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, smoothing_radius) == 8, "as abi.g.mjs has it");
@@ -69,7 +69,8 @@ _Static_assert(offsetof(pbf_params, wall_no_slip) == 560, "as abi.g.mjs has it")
 _Static_assert(offsetof(pbf_params, surface_tension) == 568, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, periodic) == 576, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, reserved) == 580, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_collider) == 280, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_params, wall_adhesion) == 584, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_collider) == 288, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, shape) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, inverted) == 8, "as abi.g.mjs has it");
@@ -92,6 +93,7 @@ _Static_assert(offsetof(pbf_collider, scale_rate) == 248, "as abi.g.mjs has it")
 _Static_assert(offsetof(pbf_collider, friction) == 256, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, static_friction) == 264, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, no_slip) == 272, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, adhesion) == 280, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_collider_load) == 128, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider_load, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider_load, contacts) == 4, "as abi.g.mjs has it");

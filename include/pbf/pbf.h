@@ -402,16 +402,23 @@ typedef struct pbf_params {
                        not with shear_stress_correction, which is on unless it is set to 0). What is
                        more than a step can take does not act, 0.02 spacing³ / time_step², in 2D
                        0.05: see pbf_get_step_limit. Made for a smoothing_radius of 2 spacings.
-                       Walls and colliders neither pull nor hold: the contact angle is 180 degrees.
+                       Walls and colliders neither pull nor hold, unless wall_adhesion and
+                       pbf_collider.adhesion say so: the contact angle is 180 degrees.
                        Two passes over pairs a step, beside that correction. 0: none */
-  uint32_t periodic; /* PBF_PERIODIC_… bits of axes along which the domain's two faces are one:
-                        what leaves it by the one comes in by the other, and fluid on both sides
-                        are neighbours. There are no walls there, and none may move; the domain
-                        is at least 4 smoothing_radius wide. Positions are those inside the
-                        domain. Colliders, and attraction, act where they lie, not beyond the
-                        faces. Without a pressure grid: pressure_grid is 0, or -1, which then is
-                        none. 0, the default: walls on all sides */
-  uint32_t reserved; /* 0 */
+  uint32_t periodic;    /* PBF_PERIODIC_… bits of axes along which the domain's two faces are one:
+                           what leaves it by the one comes in by the other, and fluid on both sides
+                           are neighbours. There are no walls there, and none may move; the domain
+                           is at least 4 smoothing_radius wide. Positions are those inside the
+                           domain. Colliders, and attraction, act where they lie, not beyond the
+                           faces. Without a pressure grid: pressure_grid is 0, or -1, which then is
+                           none. 0, the default: walls on all sides */
+  uint32_t reserved;    /* 0 */
+  double wall_adhesion; /* 0 … 1: how much fluid with a surface_tension adheres to the domain's
+                           walls, (1 + cos angle) / 2 for the contact angle within the fluid: by
+                           Young's equation (1805) the part of 2 surface_tension that parting wall
+                           and fluid takes an area. 0.25 is 120, 0.5 is 90, 0.75 is 60 degrees; near
+                           1 fluid spreads to a layer. Acts along a wall's normal, in loads; needs
+                           wall_density 1. 0, the default: 180 degrees, nothing adheres */
 } pbf_params;
 
 /* Fills *params with the defaults for a fluid of particle distance 0.05 in a box of side 1. */
@@ -664,6 +671,7 @@ typedef struct pbf_collider {
   double scale_rate; /* 1/time */
   double friction, static_friction, no_slip; /* as pbf_params.wall_friction, _static_friction and
                                                 _no_slip, against the collider's own motion */
+  double adhesion;                           /* as pbf_params.wall_adhesion */
 } pbf_collider;
 
 /* Of a solver; on a GPU 64. What a step takes goes by how many are near the fluid, and memory by
@@ -725,8 +733,8 @@ typedef struct pbf_collider_load {
  * array of `count` structs, each of the size in loads[0].struct_size. Begins the sums of those that
  * it gives anew. A collider keeps its sums where pbf_set_colliders replaces it by one of the same
  * number. Not part of a saved state. The same bits with any number of threads.
- * Fluid asleep presses with the pressure with which it fell asleep. PBF_ERROR_STATE: params.loads
- * is 0. PBF_ERROR_UNSUPPORTED: on ranks, or the backend has none. */
+ * Fluid asleep presses with the pressure with which it fell asleep, and does not adhere.
+ * PBF_ERROR_STATE: params.loads is 0. PBF_ERROR_UNSUPPORTED: on ranks, or the backend has none. */
 PBF_API pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count,
                                           pbf_collider_load *loads);
 

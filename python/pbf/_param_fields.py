@@ -155,6 +155,10 @@ class ParamFields(Holder):
         "The axes along which the domain's two faces are one: what leaves it by the one comes in "
         "by the other. Range: `PBF_PERIODIC_X` + `PBF_PERIODIC_Y` + `PBF_PERIODIC_Z`. Default: "
         "`0`.")
+    wall_adhesion = Number(
+        "How much fluid with a `surface_tension` adheres to the domain's walls: half of 1 + the "
+        "cosine of the contact angle, 0.25 for 120, 0.5 for 90, 0.75 for 60 degrees; 0: 180, "
+        "nothing adheres. Range: 0 … 1. Default: `0`.")
 
 
 class ParamValues(TypedDict, total=False):
@@ -206,3 +210,4 @@ class ParamValues(TypedDict, total=False):
     wall_no_slip: float
     surface_tension: float
     periodic: int
+    wall_adhesion: float

@@ -71,6 +71,8 @@ class Collider:
     """Coulomb's coefficient, against the collider's own motion; see pbf_params.wall_friction."""
     static_friction: float = 0.0
     no_slip: float = 0.0
+    adhesion: float = 0.0
+    """Of fluid with a surface tension, (1 + cos contact angle) / 2; see pbf_params.wall_adhesion."""
     inverted: bool = False
     """A container: the fluid stays inside."""
     path: MotionPath = MotionPath.AUTO

@@ -116,7 +116,7 @@ AT(pbf_shape_info, area, 112);
 AT(pbf_shape_info, bytes, 120);
 AT(pbf_shape_info, hash, 128);
 
-SIZE(pbf_collider, 280);
+SIZE(pbf_collider, 288);
 AT(pbf_collider, struct_size, 0);
 AT(pbf_collider, shape, 4);
 AT(pbf_collider, inverted, 8);
@@ -139,6 +139,7 @@ AT(pbf_collider, scale_rate, 248);
 AT(pbf_collider, friction, 256);
 AT(pbf_collider, static_friction, 264);
 AT(pbf_collider, no_slip, 272);
+AT(pbf_collider, adhesion, 280);
 
 SIZE(pbf_collider_load, 128);
 AT(pbf_collider_load, struct_size, 0);

@@ -79,8 +79,9 @@ struct watcher {
 /* Of all sets of stages, in which those of an iteration run more than once. */
 static void no_stage_reads_what_is_stale(void **state) {
   (void)state;
-  for (uint32_t set = 0; set < 1u << PBF_STAGE_COUNT; ++set) {
+  for (uint32_t set = 0; set < 2u << PBF_STAGE_COUNT; ++set) {
     pbf_schedule has = {};
+    has.adhesion = set >> PBF_STAGE_COUNT != 0;
     has.accelerated = 1;
     watcher seen = {};
     for (int k = 0; k < PBF_STAGE_COUNT; ++k) has.runs[k] = set >> k & 1 ? 2 : 0;

@@ -67,6 +67,7 @@ static void add_colliders(const scene *c, pbf_solver *s) {
   for (int k = 0; k < 3; ++k) list[1].position[k] = 0.3, list[1].half_extents[k] = 0.08;
   list[1].angular_velocity[2] = 3;
   list[1].no_slip = 0.5;
+  list[1].adhesion = 0.7; /* where there is a tension */
   EXPECT_OK(pbf_set_colliders(s, COLLIDERS, list));
 }
 
@@ -238,6 +239,7 @@ static void check_stages(uint32_t dimension, uint32_t precision) {
   c.params.viscosity = 0.002;
   c.params.wall_no_slip = 1;
   c.params.surface_tension = 0.002;
+  c.params.wall_adhesion = 0.4;
   c.params.drag = 0.3;
   c.params.drag_velocity[0] = 1;
   c.params.collide |= PBF_COLLIDE_AFTER_SOLVE;

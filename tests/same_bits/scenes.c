@@ -207,6 +207,13 @@ static void run_others(uint32_t dimension, uint32_t precision, const char *backe
   s.params.sleep_time = 0.05;
   add_moving_box(&s);
   run_scene(&s, backend);
+
+  s = tank("adhesion", dimension, precision);
+  s.params.surface_tension = 0.002;
+  s.params.wall_adhesion = 0.4;
+  add_moving_box(&s);
+  for (int k = 0; k < 2; ++k) s.colliders[k].adhesion = 0.7;
+  run_scene(&s, backend);
 }
 
 /* Both corrections between obstacles that lend density, each one alone, and where particles sleep

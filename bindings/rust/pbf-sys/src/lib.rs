@@ -220,6 +220,7 @@ pub struct pbf_params {
     pub surface_tension: f64,
     pub periodic: u32,
     pub reserved: u32,
+    pub wall_adhesion: f64,
 }
 
 #[repr(C)]
@@ -279,6 +280,7 @@ pub struct pbf_collider {
     pub friction: f64,
     pub static_friction: f64,
     pub no_slip: f64,
+    pub adhesion: f64,
 }
 
 #[repr(C)]
@@ -1198,7 +1200,7 @@ mod layout {
 
     #[test]
     fn pbf_params_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_params>(), 584);
+        assert_eq!(size_of::<pbf_params>(), 592);
         assert_eq!(offset!(pbf_params, struct_size), 0);
         assert_eq!(offset!(pbf_params, kernel), 4);
         assert_eq!(offset!(pbf_params, smoothing_radius), 8);
@@ -1247,6 +1249,7 @@ mod layout {
         assert_eq!(offset!(pbf_params, surface_tension), 568);
         assert_eq!(offset!(pbf_params, periodic), 576);
         assert_eq!(offset!(pbf_params, reserved), 580);
+        assert_eq!(offset!(pbf_params, wall_adhesion), 584);
     }
 
     #[test]
@@ -1283,7 +1286,7 @@ mod layout {
 
     #[test]
     fn pbf_collider_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_collider>(), 280);
+        assert_eq!(size_of::<pbf_collider>(), 288);
         assert_eq!(offset!(pbf_collider, struct_size), 0);
         assert_eq!(offset!(pbf_collider, shape), 4);
         assert_eq!(offset!(pbf_collider, inverted), 8);
@@ -1306,6 +1309,7 @@ mod layout {
         assert_eq!(offset!(pbf_collider, friction), 256);
         assert_eq!(offset!(pbf_collider, static_friction), 264);
         assert_eq!(offset!(pbf_collider, no_slip), 272);
+        assert_eq!(offset!(pbf_collider, adhesion), 280);
     }
 
     #[test]
