@@ -43,48 +43,12 @@ struct near_surfaces {
   }
 
   /* Of a field planes may be nearer than the surface is. */
-  /* As another type, for what looks at all of them. */
-  struct all {
-    const near_surfaces &near;
-
-    template <class Visit>
-    void each(const pbf_obstacles &o, Visit visit) const {
-      near.each(o, visit);
-    }
-  };
-
   static bool may_be_near(const group_bounds *bounds, const pbf_surface *s, pbf_real reach) {
     if (pbf_surface_is_field(s))
       return !pbf_surface_is_beyond(s, bounds->center, bounds->radius + reach);
     return bounds_are_within(bounds, s, reach);
   }
 };
-
-/* Of these, found in one place for all that asks: in line in each it would be a large part of the
- * program. */
-struct found_planes {
-  int count;
-  pbf_load_plane of[PBF_LOAD_PLANES];
-};
-
-static __attribute__((noinline)) void find_load_planes(const pbf_constants *c,
-                                                       const pbf_obstacles &o,
-                                                       const near_surfaces &near, pbf_vec x,
-                                                       pbf_real reach, found_planes *found) {
-  const near_surfaces::all those = {near};
-  found->count = 0;
-  each_load_plane(c, o, those, x, reach, [&](const pbf_load_plane &p) {
-    if (found->count < PBF_LOAD_PLANES) found->of[found->count++] = p;
-  });
-}
-
-template <class Visit>
-PBF_FN void each_load_plane(const pbf_constants *c, const pbf_obstacles &o,
-                            const near_surfaces &near, pbf_vec x, pbf_real reach, Visit visit) {
-  found_planes found;
-  find_load_planes(c, o, near, x, reach, &found);
-  for (int k = 0; k < found.count; ++k) visit(found.of[k]);
-}
 
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {

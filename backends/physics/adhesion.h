@@ -75,15 +75,18 @@ template <class Scales, class Obstacles, class Near, class Take>
 PBF_FN pbf_vec adhesion_change(const pbf_constants *c, const Scales &s, const Obstacles &o,
                                const Near &near, pbf_vec x, pbf_real missing, Take take) {
   pbf_vec change = {{0}};
-  each_load_plane(c, o, near, x, c->h, [&](const pbf_load_plane &p) {
+  pbf_load_plane planes[PBF_LOAD_PLANES];
+  const int count = find_load_planes(c, o, near, x, c->h, planes);
+  for (int i = 0; i < count; ++i) {
+    const pbf_load_plane &p = planes[i];
     const pbf_real adhesion = s.of[p.solid];
-    if (!(adhesion > 0) || p.distance < 0) return;
-    const pbf_real pull = s.pull * pbf_adhesive_pull(c, adhesion, missing, p.distance);
+    if (!(adhesion > 0) || p.distance < 0) continue;
+    const pbf_real pull = s.pull * p.part * pbf_adhesive_pull(c, adhesion, missing, p.distance);
     load_share share = {{0}, {0}};
     for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)(pull * p.normal.c[k]);
     change = pbf_add_scaled(change, -pull, p.normal);
     take(p, share);
-  });
+  }
   return change;
 }
 
