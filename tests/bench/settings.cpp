@@ -29,13 +29,13 @@ std::string refusal(const std::string &setting) {
   }
 }
 
-size_t size_of(ParamType type) {
+size_t size_of(FieldType type) {
   switch (type) {
-    case ParamType::number:
+    case FieldType::number:
       return sizeof(double);
-    case ParamType::vector:
+    case FieldType::vector:
       return 3 * sizeof(double);
-    case ParamType::walls:
+    case FieldType::walls:
       return 6 * sizeof(double);
     default:
       return sizeof(uint32_t);
@@ -45,7 +45,7 @@ size_t size_of(ParamType type) {
 // A field that the library has and the table lacks leaves a hole.
 void the_table_covers_the_whole_struct(void **) {
   std::vector<std::pair<size_t, size_t>> taken = {{0, sizeof(uint32_t)}};  // struct_size
-  for (const ParamField &field : param_fields())
+  for (const Field &field : param_fields())
     taken.push_back({field.offset, size_of(field.type)});
   std::sort(taken.begin(), taken.end());
   size_t end = 0;
@@ -60,7 +60,7 @@ void the_schema_knows_the_same_names(void **) {
   const auto schema = nlohmann::json::parse(read_text(PBF_TEST_SCENES "/scene.schema.json"));
   const auto &known = schema.at("definitions").at("params").at("properties");
   assert_int_equal(known.size(), param_fields().size());
-  for (const ParamField &field : param_fields()) assert_true(known.contains(field.name));
+  for (const Field &field : param_fields()) assert_true(known.contains(field.name));
 }
 
 void a_setting_replaces_the_scenes_value(void **) {
