@@ -256,7 +256,7 @@ from typing import TypedDict, Union
 
 from ._numbers import Vector
 from ._param_kinds import (Collide, CollideField, Holder, Integer, Kernel, KernelField, Method,
-                           MethodField, Number, Reals)
+                           MethodField, Number, Periodic, PeriodicField, Reals)
 
 
 class ParamFields(Holder):
@@ -270,7 +270,7 @@ class ParamValues(TypedDict, total=False):
 '''
 
 # The enumerations have classes of their own.
-PYTHON_CLASSES = {"kernel": "Kernel", "solver": "Method", "collide": "Collide"}
+PYTHON_CLASSES = {"kernel": "Kernel", "solver": "Method", "collide": "Collide", "periodic": "Periodic"}
 
 
 def python_kind(param):
@@ -298,7 +298,7 @@ def python_field(param, header):
 def python_value(param):
     name = param["name"]
     if name in PYTHON_CLASSES:
-        listed = ", Sequence[str]" if name == "collide" else ""
+        listed = ", Sequence[str]" if param["type"].startswith("SOME_OF") else ""
         kind = f'"Union[{PYTHON_CLASSES[name]}, int, str{listed}]"'
     else:
         kind = {"INTEGER": "int", "REAL": "float"}.get(param["macro"], "Vector")
