@@ -5,6 +5,7 @@
 
 #include "bench_test.h"
 #include "core/error.h"
+#include "core/manifest.h"
 #include "core/solver.h"
 #include "scene/objects.h"
 #include "scene/scene.h"
@@ -138,6 +139,17 @@ void a_periodic_channel_flows_as_poiseuille_says(void **) {
   assert_float_equal(mean, 1.0 / 12, 0.05 / 12);
 }
 
+// What judges a dump takes the faces of a periodic axis for open, and knows of several masses.
+void a_dump_says_what_is_no_wall(void **) {
+  pbf_info info = {};
+  const nlohmann::json channel = manifest_of(load("periodic-channel"), info);
+  assert_true(channel.at("walls").at("present") == nlohmann::json({false, false, true, true}));
+  assert_false(channel.contains("phases"));
+  const nlohmann::json oil = manifest_of(load("oil-on-water"), info);
+  assert_false(oil.at("walls").contains("present"));
+  assert_true(oil.at("phases") == nlohmann::json({1.0, 0.7}));
+}
+
 // ---- What scaling does ----
 
 void cells_follow_what_is_finer(void **) {
@@ -258,7 +270,7 @@ void what_can_not_be_is_refused_with_its_place(void **) {
   expect_contains(refusal(R"("steps_": 1)", "[]"), ":3:11: ");
   expect_contains(refusal(R"("capacity": 1)", "[]"), "at least one where there are no emitters");
   expect_contains(refusal(R"("colliders": [])", R"([{"shape": "ball", "center": [0,0,0], "radius": 1, "phase": 1}])"),
-                  ":3:72: /blocks/0/phase: the value is 1; the scene has 0 phases");
+                  ":3:71: /blocks/0/phase: the value is 1; the scene has 0 phases");
 }
 
 void parameters_that_do_not_agree_are_refused_with_their_place(void **) {
@@ -282,6 +294,7 @@ int main() {
       cmocka_unit_test(a_cup_is_filled_from_a_tap),
       cmocka_unit_test(oil_comes_to_lie_above_water),
       cmocka_unit_test(a_periodic_channel_flows_as_poiseuille_says),
+      cmocka_unit_test(a_dump_says_what_is_no_wall),
       cmocka_unit_test(cells_follow_what_is_finer),
       cmocka_unit_test(there_is_room_for_what_comes),
       cmocka_unit_test(what_can_not_be_is_refused_with_its_place),
