@@ -107,9 +107,9 @@ Solver::Solver(const Scene &scene, const SolverOptions &options)
   check_scene_call(scene, "params", pbf_create(&desc, &scene.params, &solver));
   solver_.reset(solver);
   if (!scene.phases.empty())
-    check_scene_call(scene, "phases",
-                     pbf_set_phases(solver, static_cast<uint32_t>(scene.phases.size()),
-                                    scene.phases.data()));
+    check_scene_call(
+        scene, "phases",
+        pbf_set_phases(solver, static_cast<uint32_t>(scene.phases.size()), scene.phases.data()));
   add(scene);
   set_objects(scene);
 }
@@ -136,9 +136,9 @@ void Solver::add(const Scene &scene) {
   const Bytes positions = to_precision(particles.positions, precision_);
   const Bytes velocities = to_precision(particles.velocities, precision_);
   const auto count = static_cast<uint32_t>(particles.count);
-  check_scene_call(scene, "blocks",
-                   pbf_add_particles(solver_.get(), count, positions.data(), velocities.data(),
-                                     nullptr));
+  check_scene_call(
+      scene, "blocks",
+      pbf_add_particles(solver_.get(), count, positions.data(), velocities.data(), nullptr));
   if (!particles.phases.empty())
     check_scene_call(scene, "blocks",
                      pbf_set_particle_phases(solver_.get(), 0, count, particles.phases.data()));

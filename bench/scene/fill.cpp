@@ -170,7 +170,8 @@ double rate_of(const pbf_emitter &emitter, unsigned dimension, double spacing) {
 
 // By all emitters in all steps, and one more each where a step ends.
 double emitted_by(const Scene &scene) {
-  const double time = (static_cast<double>(scene.lead_in_steps) + scene.steps) * scene.params.time_step;
+  const double time =
+      (static_cast<double>(scene.lead_in_steps) + scene.steps) * scene.params.time_step;
   double emitted = 0;
   for (const pbf_emitter &emitter : scene.emitters) {
     const double lasts = emitter.lifetime > 0 ? std::fmin(emitter.lifetime, time) : time;

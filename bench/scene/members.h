@@ -14,7 +14,8 @@ namespace bench {
 // Reads the members of one object that has passed the schema.
 class Members {
  public:
-  Members(const nlohmann::json &object, const nlohmann::json::json_pointer &where, unsigned dimension)
+  Members(const nlohmann::json &object, const nlohmann::json::json_pointer &where,
+          unsigned dimension)
       : object_(object), where_(where), dimension_(dimension) {}
 
   void vector(const char *key, Vector &out) const { list(key, dimension_, out.data()); }

@@ -123,7 +123,8 @@ Mesh read_text_stl(const std::string &path, const std::string &text) {
 // A binary file is as long as its number of triangles says; "solid" may stand in it, too.
 Mesh read_stl(const std::string &path, const std::string &text, unsigned dimension) {
   if (dimension != 3)
-    throw std::runtime_error(path + ": STL files hold triangles; in 2D an OBJ file with lines does");
+    throw std::runtime_error(path +
+                             ": STL files hold triangles; in 2D an OBJ file with lines does");
   uint32_t triangles = 0;
   if (text.size() >= 84) std::memcpy(&triangles, text.data() + 80, sizeof triangles);
   const bool binary = triangles > 0 && text.size() == 84 + uint64_t{50} * triangles;

@@ -12,7 +12,8 @@ using Where = json::json_pointer;
 }  // namespace
 
 // The columns `name` and `type` of objects.def.
-#define FIELD_ENTRY(kind, ...) FieldType::kind, { __VA_ARGS__ }
+#define FIELD_ENTRY(kind, ...) \
+  FieldType::kind, { __VA_ARGS__ }
 #define FIELD_NUMBER FIELD_ENTRY(number, )
 #define FIELD_INTEGER FIELD_ENTRY(integer, )
 #define FIELD_FLAG FIELD_ENTRY(flag, )
@@ -172,13 +173,15 @@ void read_objects(const json &root, const std::string &folder, Scene &scene) {
   if (!root.contains("shapes")) return;
   for (const auto &item : root.at("shapes").items()) {
     const Where where = Where("/shapes") / item.key();
-    scene.shapes.push_back({item.key(), read_shape(item.value(), where, dimension, folder), nullptr});
+    scene.shapes.push_back(
+        {item.key(), read_shape(item.value(), where, dimension, folder), nullptr});
   }
 }
 
 void bake_shapes(Scene &scene) {
   for (size_t i = 0; i < scene.colliders.size(); ++i)
-    if (!scene.colliders[i].geometry.empty()) shape_of_collider(scene, i);  // before what takes long
+    if (!scene.colliders[i].geometry.empty())
+      shape_of_collider(scene, i);  // before what takes long
   for (SceneShape &shape : scene.shapes) {
     try {
       shape.handle = bake_shape(shape.source, scene.dimension);

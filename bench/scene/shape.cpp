@@ -11,10 +11,8 @@ using nlohmann::json;
 using Where = json::json_pointer;
 
 // What the table of objects has of a shape, by its key.
-#define FIELD_NUMBER(name) \
-  { #name, offsetof(ShapeSource, name), FieldType::number, {} },
-#define FIELD_VECTOR(name) \
-  { #name, offsetof(ShapeSource, name), FieldType::vector, {} },
+#define FIELD_NUMBER(name) {#name, offsetof(ShapeSource, name), FieldType::number, {}},
+#define FIELD_VECTOR(name) {#name, offsetof(ShapeSource, name), FieldType::vector, {}},
 #define FIELD_LIST(name)
 #define FIELD_POINTS FIELD_LIST
 #define FIELD_FACES FIELD_LIST
@@ -48,9 +46,9 @@ std::vector<T> rows_of(const json &list, const Where &where, size_t length) {
   numbers.reserve(list.size() * length);
   for (size_t i = 0; i < list.size(); ++i) {
     if (!list[i].is_array() || list[i].size() != length) {
-      const std::string has =
-          list[i].is_array() ? "the list has " + std::to_string(list[i].size()) + " numbers"
-                             : "this is no list";
+      const std::string has = list[i].is_array()
+                                  ? "the list has " + std::to_string(list[i].size()) + " numbers"
+                                  : "this is no list";
       throw ValueError{where / i, has + "; wanted: " + std::to_string(length)};
     }
     for (const json &number : list[i]) numbers.push_back(number.get<T>());
@@ -193,8 +191,8 @@ json shape_json(const ShapeSource &source, unsigned dimension) {
               {"cell", source.cell}};
     case ShapeSource::From::heights:
       return {{"from", "heights"},
-              {"heights", dimension == 3 ? as_rows(source.numbers, source.counts[0])
-                                         : json(source.numbers)},
+              {"heights",
+               dimension == 3 ? as_rows(source.numbers, source.counts[0]) : json(source.numbers)},
               {"spacing", source.spacing},
               {"base", source.base},
               {"cell", source.cell}};

@@ -26,8 +26,8 @@ struct ShapeSource {
   enum class From { mesh, heights, points, grid } from = From::mesh;
   Mesh mesh;
   double thickness = 0;
-  std::vector<double> numbers;           // heights, or the points of a hull
-  std::vector<float> values;             // distances
+  std::vector<double> numbers;              // heights, or the points of a hull
+  std::vector<float> values;                // distances
   std::array<uint32_t, 3> counts{1, 1, 1};  // heights along x and z, nodes along each axis
   std::array<double, 3> origin{};
   double spacing = 0, base = 0;

@@ -238,8 +238,8 @@ static void bad_meshes_are_refused(void **state) {
   mesh_free(&m);
 }
 
-/* The bed of a river that falls by 1 : 20 between its banks: neighbours lie in one plane but for what
- * is rounded, and as heights no terrain crosses itself. */
+/* The bed of a river that falls by 1 : 20 between its banks: neighbours lie in one plane but for
+ * what is rounded, and as heights no terrain crosses itself. */
 static void terrains_of_planes_are_taken(void **state) {
   (void)state;
   double heights[13 * 23];

@@ -143,11 +143,13 @@ void a_recording_has_the_shapes_of_its_scene(void **) {
   // Without the paddle its state can't be, and a collider's number is that of no shape.
   const std::string text = read_text(folder + "/mill.record");
   const size_t other = text.find("\nshape "), paddle = text.find("\nshape ", other + 1);
-  write_text(folder + "/none.record", text.substr(0, paddle) + text.substr(text.find('\n', paddle + 1)));
+  write_text(folder + "/none.record",
+             text.substr(0, paddle) + text.substr(text.find('\n', paddle + 1)));
   const Outcome none = run_program(folder, "replay none.record");
   expect_contains(none.err, "shape");
   assert_true(none.exit_code == 1 || none.exit_code == 2);
-  write_text(folder + "/wrong.record", text.substr(0, other) + "\nshape {\"from\": 3}" + text.substr(paddle));
+  write_text(folder + "/wrong.record",
+             text.substr(0, other) + "\nshape {\"from\": 3}" + text.substr(paddle));
   expect_contains(run_program(folder, "replay wrong.record").err, "wrong.record:4");
 }
 

@@ -174,9 +174,10 @@ void cells_follow_what_is_finer(void **) {
 Scene with_text(const std::string &more, const std::string &blocks, unsigned dimension = 3,
                 const std::string &params = "") {
   const std::string path = PBF_TEST_WORK "/objects.json";
-  write_text(path, R"({"version": 1, "description": "a", "purpose": "b", "steps": 120, "dimension": )" +
-                       std::to_string(dimension) + ",\n\"params\": {" + params +
-                       "},\n\"blocks\": " + blocks + ",\n" + more + "}");
+  write_text(path,
+             R"({"version": 1, "description": "a", "purpose": "b", "steps": 120, "dimension": )" +
+                 std::to_string(dimension) + ",\n\"params\": {" + params +
+                 "},\n\"blocks\": " + blocks + ",\n" + more + "}");
   return load(path);
 }
 
@@ -208,7 +209,8 @@ std::string refusal(const std::string &more, const std::string &blocks = "", uns
   const char *const some[] = {R"([{"shape": "box", "min": [0, 0], "max": [0.2, 0.2]}])",
                               R"([{"shape": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.2]}])"};
   try {
-    const Scene scene = with_text(more, blocks.empty() ? some[dimension - 2] : blocks, dimension, params);
+    const Scene scene =
+        with_text(more, blocks.empty() ? some[dimension - 2] : blocks, dimension, params);
     Solver solver(scene, options());
     return "";
   } catch (const Error &error) {
@@ -237,7 +239,8 @@ const Refused cases[] = {
     {R"("drains": [{"shape": "sphere", "position": [0, 0, 0], "orientation": [0, 0, 0, 2]}])",
      ":4:70: ", "drains[0].orientation"},
     {R"("drains": [{"shape": "sphere"}])", ":4:12: ", "\"position\" is missing"},
-    {R"("colliders": [{"shape": "shape", "position": [0, 0, 0]}])", ":4:15: ", "\"geometry\" is missing"},
+    {R"("colliders": [{"shape": "shape", "position": [0, 0, 0]}])",
+     ":4:15: ", "\"geometry\" is missing"},
     {R"("colliders": [{"shape": "sphere", "geometry": "a", "position": [0, 0, 0]}])",
      ":4:47: ", "\"geometry\" does not belong here"},
     {R"("shapes": {"wheel": {"from": "points", "points": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], "cell": 0.1}}, "colliders": [{"shape": "shape", "geometry": "weel", "position": [0, 0, 0]}])",
@@ -250,7 +253,8 @@ const Refused cases[] = {
      ":4:68: ", "\"faces\" does not belong here"},
     {R"("shapes": {"wheel": {"from": "mesh", "file": "wheel.obj", "cell": 0.1}})",
      ":4:46: ", "wheel.obj can't be read"},
-    {R"("shapes": {"wheel": {"from": "mesh", "cell": 0.1}})", ":4:21: ", "is missing; wanted: what a solid is made from"},
+    {R"("shapes": {"wheel": {"from": "mesh", "cell": 0.1}})",
+     ":4:21: ", "is missing; wanted: what a solid is made from"},
     {R"("shapes": {"bed": {"from": "heights", "heights": [[1, 2], [1, 2, 3]], "spacing": 1, "base": 0, "cell": 0.1}})",
      ":4:59: ", "the list has 3 numbers; wanted: 2"},
     {R"("shapes": {"bed": {"from": "heights", "heights": [[1, 2], [1, 0]], "spacing": 1, "base": 0, "cell": 0.1}})",
@@ -269,7 +273,8 @@ void what_can_not_be_is_refused_with_its_place(void **) {
   }
   expect_contains(refusal(R"("steps_": 1)", "[]"), ":3:11: ");
   expect_contains(refusal(R"("capacity": 1)", "[]"), "at least one where there are no emitters");
-  expect_contains(refusal(R"("colliders": [])", R"([{"shape": "ball", "center": [0,0,0], "radius": 1, "phase": 1}])"),
+  expect_contains(refusal(R"("colliders": [])",
+                          R"([{"shape": "ball", "center": [0,0,0], "radius": 1, "phase": 1}])"),
                   ":3:71: /blocks/0/phase: the value is 1; the scene has 0 phases");
 }
 
@@ -278,10 +283,13 @@ void parameters_that_do_not_agree_are_refused_with_their_place(void **) {
   const std::string grid = refusal(some, "", 3, R"("periodic": ["x"], "pressure_grid": 2)");
   expect_contains(grid, "objects.json:2:");
   expect_contains(grid, "pressure_grid");
-  expect_contains(refusal(R"("phases": [{}, {"rest_density": 0.5}])", "", 3, R"("pressure_grid": 2)"),
-                  "objects.json:4:");
-  expect_contains(refusal(some, "", 3, R"("periodic": ["x"], "smoothing_radius": 0.3)"), "params.periodic");
-  expect_contains(refusal(some, "", 2, R"("periodic": ["w"])"), ":2:25: /params/periodic/0: the value is \"w\"");
+  expect_contains(
+      refusal(R"("phases": [{}, {"rest_density": 0.5}])", "", 3, R"("pressure_grid": 2)"),
+      "objects.json:4:");
+  expect_contains(refusal(some, "", 3, R"("periodic": ["x"], "smoothing_radius": 0.3)"),
+                  "params.periodic");
+  expect_contains(refusal(some, "", 2, R"("periodic": ["w"])"),
+                  ":2:25: /params/periodic/0: the value is \"w\"");
   assert_string_equal(refusal(some, "", 3, R"("periodic": ["x", "z"])").c_str(), "");
 }
 

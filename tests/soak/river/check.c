@@ -35,8 +35,8 @@ static int check_particles(river *r, uint32_t count, const double *x, const doub
     /* In float32 a wall stands at the nearest number. */
     const double off = 1e-6;
     if (!(x[i] >= params.domain_min[k] - off && x[i] <= params.domain_max[k] + off))
-      return FAIL(r, "particle %u is at %g along axis %u, outside of the domain",
-                  i / r->dimension, x[i], k);
+      return FAIL(r, "particle %u is at %g along axis %u, outside of the domain", i / r->dimension,
+                  x[i], k);
     if (!isfinite(v[i])) return FAIL(r, "particle %u has the velocity %g", i / r->dimension, v[i]);
     r->fastest = fmax(r->fastest, fabs(v[i]));
   }
@@ -78,7 +78,8 @@ static int check_solids(river *r, uint32_t count, const double *x) {
   for (uint32_t i = 0; i < count; ++i) {
     double depth[RIVER_COLLIDERS], nearest = INFINITY;
     for (int c = 0; c < RIVER_COLLIDERS; ++c) {
-      const double distance = distance_to(&colliders[c], x + (size_t)i * r->dimension, r->dimension);
+      const double distance =
+          distance_to(&colliders[c], x + (size_t)i * r->dimension, r->dimension);
       depth[c] = -distance / river_spacing;
       if (c != RIVER_BED) nearest = fmin(nearest, distance);
       r->in_solid += depth[c] > 0.1;

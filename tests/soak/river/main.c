@@ -21,8 +21,10 @@ static int read_options(int count, char **words, options *o) {
     const struct {
       const char *name;
       uint64_t *number;
-    } numbers[] = {{"--dimension", &o->dimension}, {"--precision", &o->precision},
-                   {"--steps", &o->steps},         {"--every", &o->every},
+    } numbers[] = {{"--dimension", &o->dimension},
+                   {"--precision", &o->precision},
+                   {"--steps", &o->steps},
+                   {"--every", &o->every},
                    {"--seed", &o->seed}};
     int known = 0;
     if (i + 1 >= count) return 0;
@@ -67,17 +69,17 @@ static void run(river *r, const options *o) {
 int main(int count, char **words) {
   options o;
   if (!read_options(count, words, &o)) {
-    fprintf(stderr, "usage: river [--backend B] [--dimension 2|3] [--precision 32|64] [--steps N] "
-                    "[--every K] [--seed S]\n");
+    fprintf(stderr,
+            "usage: river [--backend B] [--dimension 2|3] [--precision 32|64] [--steps N] "
+            "[--every K] [--seed S]\n");
     return 2;
   }
   if (!serves(&o)) {
     printf("SKIPPED: %s\n", pbf_last_error());
     return 77;
   }
-  river r = {.dimension = (uint32_t)o.dimension,
-             .precision = (uint32_t)o.precision / 8,
-             .seed = o.seed};
+  river r = {
+      .dimension = (uint32_t)o.dimension, .precision = (uint32_t)o.precision / 8, .seed = o.seed};
   uint64_t hash = 0;
   uint32_t held = 0;
   river_begin(&r, o.backend);
@@ -95,6 +97,7 @@ int main(int count, char **words) {
          o.backend, r.dimension, 8 * r.precision, r.seed, r.step, r.change, io.emitted, r.put,
          io.drained, io.expired, io.recycled, r.taken, io.refused, held, r.squeezed, r.in_solid,
          r.deepest, r.fastest, hash);
-  if (r.fault[0]) printf("at step %" PRIu64 ", after change %" PRIu64 ": %s\n", r.step, r.change, r.fault);
+  if (r.fault[0])
+    printf("at step %" PRIu64 ", after change %" PRIu64 ": %s\n", r.step, r.change, r.fault);
   return r.fault[0] ? 1 : 0;
 }

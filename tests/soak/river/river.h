@@ -24,10 +24,10 @@ typedef struct river {
   uint64_t put, taken;   /* particles that calls have added and removed */
   uint64_t step, change; /* that have been made */
   uint64_t seed;
-  double deepest;        /* a centre has been in a solid, in spacings */
+  double deepest;              /* a centre has been in a solid, in spacings */
   uint64_t squeezed, in_solid; /* particles that were so when they were looked at */
   double fastest;
-  char fault[400];       /* empty: none so far */
+  char fault[400]; /* empty: none so far */
 } river;
 
 /* Ends the process with the library's sentence where a call that can't fail does. */
