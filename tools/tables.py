@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes what follows from the tables in backends/physics (*.def) and is no C:
+"""Writes what follows from the tables in backends/physics and bench/scene (*.def) and is no C:
 
     tools/tables.py            writes it
     tools/tables.py --check    fails where a file is not as it would be written
@@ -7,7 +7,9 @@
     docs/parameters.md             the parameter reference, whole
     docs/defaults.md               the parameters' defaults
     docs/building.md               the features that a build may be without
-    bench/scenes/scene.schema.json the properties of a scene's params
+    bench/scenes/scene.schema.json the properties of a scene's params, and its phases, colliders,
+                                   emitters, drains and shapes, by which programs and the Python
+                                   package read scenes
     python/pbf/_param_fields.py    the parameters as attributes of the Python package
 """
 import argparse
@@ -19,14 +21,16 @@ import sys
 import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-TABLES = ROOT / "backends/physics"
 
 INTEGER = "offset name default type min max hint when feature doc".split()
 REAL = ("offset name default range when min_solver low high usual feature projected unit "
         "doc").split()
 REALS = "offset name count default low high projected unit doc".split()
+FIELD = "name type range of presence doc".split()
+OBJECTS = ["phase", "collider", "emitter", "drain", "shape"]
 COLUMNS = {"PBF_PARAM_INTEGER": INTEGER, "PBF_PARAM_REAL": REAL, "PBF_PARAM_REALS": REALS,
-           "PBF_FEATURE": ["name", "refusal"]}
+           "PBF_FEATURE": ["name", "refusal"],
+           **{f"PBF_{name.upper()}_FIELD": FIELD for name in OBJECTS}}
 
 # By lib/check.h's ranges: words, and the schema's (a definition's name, or the whole).
 RANGES = {
@@ -75,7 +79,7 @@ def replaced(pattern, between, text):
 
 def read_table(name):
     """The entries of a table: dicts by column, `macro` being the kind."""
-    text = (TABLES / name).read_text(encoding="utf-8")
+    text = (ROOT / name).read_text(encoding="utf-8")
     entries = []
     for match in re.finditer(r"^(PBF_\w+)\(", text, re.MULTILINE):
         columns, values = COLUMNS[match.group(1)], split_arguments(text[match.end():])
@@ -134,6 +138,105 @@ def schema_of(param):
     return {"$ref": f"#/definitions/{schema}"} if isinstance(schema, str) else schema
 
 
+# What the objects are called, the key that tells their kind, and keys that are no member.
+WORDS = {
+    "phase": "an object of fields of pbf_phase (phases.h): a fluid of its own",
+    "collider": "an object of fields of pbf_collider (pbf.h), those of its shape, and, when it moves in "
+                "stretches, motion",
+    "emitter": "an object of fields of pbf_emitter (emit.h), those of its shape",
+    "drain": "an object of fields of pbf_volume (query.h), those of its shape",
+    "shape": "what a solid is made from (shapes.h): \"mesh\" with vertices and faces, or a file, "
+             "\"heights\", \"points\" of a hull, or a \"grid\" of distances; and cell",
+}
+KIND_KEYS = {"collider": "shape", "emitter": "shape", "drain": "shape", "shape": "from"}
+MORE_KEYS = {"collider": {"motion": {"$ref": "#/definitions/motion"}}}
+# The schema's definition, or the whole, and the words for its values.
+FIELD_TYPES = {
+    "INTEGER": ({"type": "integer", "minimum": 0, "maximum": UINT32_MAX}, "an integer, at least 0"),
+    "FLAG": ({"type": "boolean"}, "true or false"),
+    "VECTOR": ("vector", "a list of one number an axis"),
+    "VECTOR3": ("vector3", "a list of three numbers"),
+    "QUATERNION": ("quaternion", "a unit quaternion x, y, z, w"),
+    "NAME": ({"type": "string", "minLength": 1}, "a name in quotes"),
+    "TEXT": ({"type": "string", "minLength": 1}, "a path in quotes"),
+    "POINTS": ("points", None), "FACES": ("faces", None), "HEIGHTS": ("heights", None),
+    "NUMBERS": ("numbers", None), "COUNTS": ("counts", "a list of one count an axis"),
+}
+NUMBER_WORDS = {"ANY": "a number", "ABOVE_ZERO": "a number above 0",
+                "AT_LEAST_ZERO": "a number, at least 0", "FRACTION": "a number, 0 … 1"}
+
+
+def field_schema(field):
+    if names_of(field):
+        schema, words = {"enum": names_of(field)}, listed(names_of(field), "or")
+    elif field["type"] == "NUMBER":
+        schema, words = RANGES[field["range"]][1], NUMBER_WORDS[field["range"]]
+    else:
+        schema, words = FIELD_TYPES[field["type"]]
+    if isinstance(schema, str):
+        schema = {"$ref": f"#/definitions/{schema}"}
+    return {**schema, "description": f"{words} ({field['doc']})" if words else field["doc"]}
+
+
+def kinds_of(field):
+    """KINDS("sphere", "capsule") → both; None: all."""
+    return re.findall(r'"(\w+)"', field["of"]) or None
+
+
+def allowed(fields, more):
+    return {"properties": {name: True for name in [*(field["name"] for field in fields), *more]},
+            "additionalProperties": False}
+
+
+def kind_schema(kind, key, fields, more):
+    """What one kind of an object has and needs."""
+    own = [field for field in fields if kind in (kinds_of(field) or [kind])]
+    needed = [field["name"] for field in own if kinds_of(field) and field["presence"] == "NEEDED"]
+    either = [field for field in own if field["presence"] == "EITHER"]
+    then = allowed(own, more)
+    if needed:
+        then = {"required": needed, **then}
+    if either:  # the text stands in place of the others
+        text = [field for field in either if field["type"] == "TEXT"]
+        listed_in_scene = [field for field in either if field not in text]
+        then = {"if": {"required": [field["name"] for field in text]},
+                "then": allowed([field for field in own if field not in listed_in_scene], more),
+                "else": {"required": [field["name"] for field in listed_in_scene],
+                         **allowed([field for field in own if field not in text], more)}}
+    return {"if": {"properties": {key: {"const": kind}}, "required": [key]}, "then": then}
+
+
+def in_lines(items, indent):
+    space = " " * indent
+    return ",\n".join(space + item for item in items)
+
+
+def object_schema(name, fields):
+    more, key = MORE_KEYS.get(name, {}), KIND_KEYS.get(name)
+    needed = [field["name"] for field in fields
+              if field["presence"] == "NEEDED" and not kinds_of(field)]
+    head = {"type": "object", "required": needed, "additionalProperties": False,
+            "description": WORDS[name]}
+    members = [f"{json.dumps(k)}: {json.dumps(v, ensure_ascii=False)}" for k, v in head.items()]
+    properties = {**{field["name"]: field_schema(field) for field in fields}, **more}
+    lines = [f"{json.dumps(k)}: {json.dumps(v, ensure_ascii=False)}" for k, v in properties.items()]
+    members.append('"properties": {\n' + in_lines(lines, 8) + "\n      }")
+    if key:
+        kinds = names_of(next(field for field in fields if field["name"] == key))
+        rules = [json.dumps(kind_schema(kind, key, fields, more)) for kind in kinds]
+        members.append('"allOf": [\n' + in_lines(rules, 8) + "\n      ]")
+    return f'    "{name}": {{\n' + in_lines(members, 6) + "\n    },"
+
+
+def objects_text(entries, text):
+    written = "\n".join(
+        object_schema(name, [entry for entry in entries
+                             if entry["macro"] == f"PBF_{name.upper()}_FIELD"])
+        for name in OBJECTS)
+    pattern = r'(    "motion": \{\n(?:.*\n)*?    \},\n)(?:.*\n)*?(    "scaling": \{\n)'
+    return replaced(pattern, written, text)
+
+
 def schema_text(params, text):
     properties = ",\n".join(
         f'        "{param["name"]}": {json.dumps(schema_of(param), ensure_ascii=False)}'
@@ -153,7 +256,7 @@ from typing import TypedDict, Union
 
 from ._numbers import Vector
 from ._param_kinds import (Collide, CollideField, Holder, Integer, Kernel, KernelField, Method,
-                           MethodField, Number, Reals)
+                           MethodField, Number, Periodic, PeriodicField, Reals)
 
 
 class ParamFields(Holder):
@@ -167,7 +270,7 @@ class ParamValues(TypedDict, total=False):
 '''
 
 # The enumerations have classes of their own.
-PYTHON_CLASSES = {"kernel": "Kernel", "solver": "Method", "collide": "Collide"}
+PYTHON_CLASSES = {"kernel": "Kernel", "solver": "Method", "collide": "Collide", "periodic": "Periodic"}
 
 
 def python_kind(param):
@@ -195,7 +298,7 @@ def python_field(param, header):
 def python_value(param):
     name = param["name"]
     if name in PYTHON_CLASSES:
-        listed = ", Sequence[str]" if name == "collide" else ""
+        listed = ", Sequence[str]" if param["type"].startswith("SOME_OF") else ""
         kind = f'"Union[{PYTHON_CLASSES[name]}, int, str{listed}]"'
     else:
         kind = {"INTEGER": "int", "REAL": "float"}.get(param["macro"], "Vector")
@@ -307,13 +410,14 @@ def read(path):
 
 def outputs():
     """Path → what it should hold."""
-    params, features = read_table("params.def"), read_table("features.def")
+    params, features = read_table("backends/physics/params.def"), read_table("backends/physics/features.def")
     return {
         "docs/parameters.md": reference_text(params, read("include/pbf/pbf.h")),
         "docs/defaults.md": defaults_text(params, read("docs/defaults.md")),
         "docs/building.md": building_text(features, read("docs/building.md")),
         "bench/scenes/scene.schema.json":
-            schema_text(params, read("bench/scenes/scene.schema.json")),
+            objects_text(read_table("bench/scene/objects.def"),
+                         schema_text(params, read("bench/scenes/scene.schema.json"))),
         "python/pbf/_param_fields.py": python_text(params, read("include/pbf/pbf.h")),
     }
 

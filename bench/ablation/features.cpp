@@ -104,6 +104,7 @@ Variant minimal(const Scene &scene) {
   std::fill_n(p.wall_velocity, 6, 0.0);
   std::fill_n(p.wall_amplitude, 6, 0.0);
   bare.scene.colliders.clear();
+  bare.scene.phases.clear();
   return bare;
 }
 

@@ -41,6 +41,10 @@ int run_ablation(Options options) {
   for (const std::string &text : options.against)
     options.ablation.against.push_back(build_of(text));
   Scene scene = load_scene(options.scene);
+  if (!scene.emitters.empty() || !scene.drains.empty())
+    throw Error(exit_usage, "--scene: " + scene.name +
+                                " has emitters or drains; what is compared has as many particles "
+                                "in each variant");
   tell_of_misfit(options.scene, scene);
   if (options.scene.steps == 0) scene.steps = std::min<uint32_t>(scene.steps, 50);
   catch_interrupts();

@@ -72,7 +72,7 @@ int record(RecordOptions options) {
   sort_by_step(changes);
   const Scene scene = load_scene(options.scene);
   Solver solver(scene, options.solver);
-  RecordWriter writer(options.to, solver.handle());
+  RecordWriter writer(options.to, solver.handle(), scene.shapes);
   size_t next = 0;
   std::vector<pbf_collider> colliders = colliders_of(solver.handle());
   const uint64_t steps = uint64_t{scene.lead_in_steps} + scene.steps;
@@ -143,7 +143,7 @@ void tell_of_difference(const Recording &recording, const pbf_info &here) {
                 here.device_name);
 }
 
-void change(const Handle &solver, const Recording::Entry &entry) {
+void change(const Handle &solver, const Recording &recording, const Recording::Entry &entry) {
   const size_t size = entry.bytes.size();
   if (entry.kind == Recording::Kind::state) {
     must(pbf_load(solver.get(), entry.bytes.data(), size));
@@ -152,9 +152,8 @@ void change(const Handle &solver, const Recording::Entry &entry) {
     std::memcpy(&params, entry.bytes.data(), std::min(size, sizeof params));
     must(pbf_set_params(solver.get(), &params));
   } else {
-    std::vector<pbf_collider> colliders(size / sizeof(pbf_collider));
+    const std::vector<pbf_collider> colliders = colliders_of_entry(recording, entry);
     const auto count = static_cast<uint32_t>(colliders.size());
-    if (count > 0) std::memcpy(colliders.data(), entry.bytes.data(), count * sizeof colliders[0]);
     must(entry.kind == Recording::Kind::move
              ? pbf_move_colliders(solver.get(), count, colliders.data(), entry.duration)
              : pbf_set_colliders(solver.get(), count, colliders.data()));
@@ -168,7 +167,7 @@ int replay(const ReplayOptions &options) {
   for (const Recording::Entry &entry : recording.entries) {
     if (entry.kind != Recording::Kind::state) run_to(solver, entry.step);
     if (entry.kind != Recording::Kind::hash) {
-      change(solver, entry);
+      change(solver, recording, entry);
       ++changes;
       continue;
     }

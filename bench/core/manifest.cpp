@@ -22,7 +22,20 @@ nlohmann::json walls_of(const pbf_params &params, unsigned dimension) {
   // Walls that contribute density keep particles half a spacing off: they begin where the domain
   // ends.
   if (params.wall_density > 0) walls["offset"] = 0;
+  if (params.periodic == 0) return walls;
+  // Along a periodic axis there are none: what lies behind a face, a judge takes for open.
+  std::vector<bool> present;
+  for (unsigned wall = 0; wall < 2 * dimension; ++wall)
+    present.push_back((params.periodic >> wall / 2 & 1) == 0);
+  walls["present"] = present;
   return walls;
+}
+
+// Rest densities, where there are several fluids.
+nlohmann::json densities_of(const Scene &scene) {
+  nlohmann::json densities = nlohmann::json::array();
+  for (const pbf_phase &phase : scene.phases) densities.push_back(phase.rest_density);
+  return densities;
 }
 
 }  // namespace
@@ -30,7 +43,7 @@ nlohmann::json walls_of(const pbf_params &params, unsigned dimension) {
 nlohmann::json manifest_of(const Scene &scene, const pbf_info &info) {
   const pbf_params &p = scene.params;
   const unsigned dimension = scene.dimension;
-  return {
+  nlohmann::json manifest = {
       {"scene", scene.name},
       {"backend", info.backend},
       {"build_id", info.build_id},
@@ -49,6 +62,8 @@ nlohmann::json manifest_of(const Scene &scene, const pbf_info &info) {
       {"iterations", p.iterations},
       {"walls", walls_of(p, dimension)},
   };
+  if (!scene.phases.empty()) manifest["phases"] = densities_of(scene);
+  return manifest;
 }
 
 void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 
 #include "core/error.h"
 
@@ -21,12 +23,36 @@ ExitCode exit_code_of(pbf_status status) {
   }
 }
 
+// Of "emitters[3].rate is …" in a scene with emitters that is /emitters/3/rate, and so on, as far
+// as the file has it.
+nlohmann::json::json_pointer named_by(const std::string &sentence, const char *key) {
+  nlohmann::json::json_pointer pointer;
+  pointer /= std::string(key);
+  size_t at = sentence.find(key);
+  if (at == std::string::npos) return pointer;
+  at += std::strlen(key);
+  if (sentence[at] == '[') {
+    pointer /= static_cast<size_t>(std::strtoul(sentence.c_str() + at + 1, nullptr, 10));
+    at = std::min(sentence.find(']', at), sentence.size() - 1) + 1;
+  }
+  if (sentence[at] != '.') return pointer;
+  const size_t end = sentence.find_first_of(" [.,:;", at + 1);
+  return pointer / sentence.substr(at + 1, end - at - 1);
+}
+
 }  // namespace
 
 void check_call(pbf_status status) {
   if (status == PBF_OK) return;
   throw Error(exit_code_of(status),
               std::string(pbf_status_string(status)) + ": " + pbf_last_error());
+}
+
+void check_scene_call(const Scene &scene, const char *key, pbf_status status) {
+  if (status == PBF_OK || !scene.document) return check_call(status);
+  const std::string sentence = pbf_last_error();
+  throw Error(exit_code_of(status), scene.document->place(named_by(sentence, key)) + ": " +
+                                        pbf_status_string(status) + ": " + sentence);
 }
 
 pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
@@ -39,7 +65,7 @@ pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
   desc.strict = 1;
   if (scene) {
     desc.dimension = scene->dimension;
-    desc.capacity = static_cast<uint32_t>(std::max<uint64_t>(count_particles(*scene), 1));
+    desc.capacity = capacity_of(*scene);
   }
   return desc;
 }
@@ -72,24 +98,50 @@ Turn turn_at(const std::vector<Stretch> &motion, double time_step, uint64_t step
 
 Solver::Solver(const Scene &scene, const SolverOptions &options)
     : colliders_(scene.colliders),
+      shapes_(scene.shapes),
       dimension_(scene.dimension),
       precision_(options.precision),
       time_step_(scene.params.time_step) {
   const pbf_desc desc = desc_of(options, &scene);
   pbf_solver *solver = nullptr;
-  check_call(pbf_create(&desc, &scene.params, &solver));
+  check_scene_call(scene, "params", pbf_create(&desc, &scene.params, &solver));
   solver_.reset(solver);
-  add(fill_scene(scene));
-  std::vector<pbf_collider> start;
-  for (const Collider &collider : colliders_) start.push_back(collider.start);
-  if (!start.empty()) set_colliders(start);
+  if (!scene.phases.empty())
+    check_scene_call(
+        scene, "phases",
+        pbf_set_phases(solver, static_cast<uint32_t>(scene.phases.size()), scene.phases.data()));
+  add(scene);
+  set_objects(scene);
 }
 
-void Solver::add(const Particles &particles) {
+// What is none is not set: a solver without emitters and drains has no memory for them.
+void Solver::set_objects(const Scene &scene) {
+  std::vector<pbf_collider> start;
+  for (const Collider &collider : colliders_) start.push_back(collider.start);
+  const auto count = [](const auto &list) { return static_cast<uint32_t>(list.size()); };
+  pbf_solver *solver = solver_.get();
+  if (!start.empty())
+    check_scene_call(scene, "colliders", pbf_set_colliders(solver, count(start), start.data()));
+  if (!scene.emitters.empty())
+    check_scene_call(scene, "emitters",
+                     pbf_set_emitters(solver, count(scene.emitters), scene.emitters.data()));
+  if (!scene.drains.empty())
+    check_scene_call(scene, "drains",
+                     pbf_set_drains(solver, count(scene.drains), scene.drains.data()));
+}
+
+void Solver::add(const Scene &scene) {
+  const Particles particles = fill_scene(scene);
+  if (particles.count == 0) return;  // emitters bring them
   const Bytes positions = to_precision(particles.positions, precision_);
   const Bytes velocities = to_precision(particles.velocities, precision_);
-  check_call(pbf_add_particles(solver_.get(), static_cast<uint32_t>(particles.count),
-                               positions.data(), velocities.data(), nullptr));
+  const auto count = static_cast<uint32_t>(particles.count);
+  check_scene_call(
+      scene, "blocks",
+      pbf_add_particles(solver_.get(), count, positions.data(), velocities.data(), nullptr));
+  if (!particles.phases.empty())
+    check_scene_call(scene, "blocks",
+                     pbf_set_particle_phases(solver_.get(), 0, count, particles.phases.data()));
 }
 
 void Solver::set_colliders(const std::vector<pbf_collider> &colliders) {

@@ -23,6 +23,10 @@ struct SolverOptions {
 // Throws Error with the library's sentence.
 void check_call(pbf_status status);
 
+// The same, with the place in the scene's file of what the sentence names: `key` and, if the
+// sentence names one, which of its list.
+void check_scene_call(const Scene &scene, const char *key, pbf_status status);
+
 // Strict, with room for the scene's particles, or without a scene for as many as by default.
 // `options` must outlive it.
 pbf_desc desc_of(const SolverOptions &options, const Scene *scene);
@@ -61,7 +65,8 @@ class Solver {
   using Getter = pbf_status (*)(pbf_solver *, uint32_t, uint32_t, void *);
 
   Bytes read(Getter getter) const;
-  void add(const Particles &particles);
+  void add(const Scene &scene);
+  void set_objects(const Scene &scene);
   void set_colliders(const std::vector<pbf_collider> &colliders);
   uint32_t steps_to_next_turn() const;
   void turn_colliders();
@@ -71,6 +76,7 @@ class Solver {
   };
   std::unique_ptr<pbf_solver, Destroy> solver_;
   std::vector<Collider> colliders_;
+  std::vector<SceneShape> shapes_;  // which loaded states find by their hashes
   unsigned dimension_;
   uint32_t precision_;
   double time_step_;

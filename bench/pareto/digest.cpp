@@ -5,6 +5,15 @@
 #include <sstream>
 
 namespace bench {
+namespace {
+
+uint64_t hash_of(pbf_shape *shape) {
+  pbf_shape_info info = {};
+  info.struct_size = sizeof info;
+  return pbf_get_shape_info(shape, &info) == PBF_OK ? info.hash : 0;
+}
+
+}  // namespace
 
 Digest &Digest::bytes(const void *data, size_t size) {
   const auto *byte = static_cast<const unsigned char *>(data);
@@ -24,15 +33,24 @@ Digest &Digest::add(const pbf_params &params) { return bytes(&params, sizeof par
 
 Digest &Digest::add(const Particles &particles) {
   bytes(particles.positions.data(), particles.positions.size() * sizeof(double));
-  return bytes(particles.velocities.data(), particles.velocities.size() * sizeof(double));
+  bytes(particles.velocities.data(), particles.velocities.size() * sizeof(double));
+  return bytes(particles.phases.data(), particles.phases.size() * sizeof(uint32_t));
 }
 
-Digest &Digest::add(const std::vector<Collider> &colliders) {
-  for (const Collider &collider : colliders) {
-    bytes(&collider.start, sizeof collider.start);
+// Where a shape lies in memory decides nothing; what is in it does.
+Digest &Digest::add_objects(const Scene &scene) {
+  for (const Collider &collider : scene.colliders) {
+    pbf_collider start = collider.start;
+    start.geometry = nullptr;
+    bytes(&start, sizeof start);
+    if (!collider.geometry.empty()) add(hash_of(collider.start.geometry));
     for (const Stretch &stretch : collider.motion) bytes(&stretch, sizeof stretch);
   }
-  return *this;
+  // A scene without these has the digest that it had before there were any.
+  bytes(scene.phases.data(), scene.phases.size() * sizeof(pbf_phase));
+  bytes(scene.emitters.data(), scene.emitters.size() * sizeof(pbf_emitter));
+  bytes(scene.drains.data(), scene.drains.size() * sizeof(pbf_volume));
+  return scene.capacity > 0 ? add(uint64_t{scene.capacity}) : *this;
 }
 
 std::string Digest::text() const {

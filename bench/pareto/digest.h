@@ -16,7 +16,8 @@ class Digest {
   Digest &add(uint64_t number);
   Digest &add(const pbf_params &params);
   Digest &add(const Particles &particles);
-  Digest &add(const std::vector<Collider> &colliders);
+  // Colliders, phases, emitters and drains.
+  Digest &add_objects(const Scene &scene);
 
   std::string text() const;  // 16 hexadecimal digits
 

@@ -106,7 +106,7 @@ class Planner {
   Planner(const Sweep &sweep, const PlanOptions &options)
       : sweep_(sweep), options_(options), cpu_(this_machine().cpu) {
     plan_.scene = base_scene(options);
-    start_ = Digest().add(fill_scene(plan_.scene)).add(plan_.scene.colliders).text();
+    start_ = Digest().add(fill_scene(plan_.scene)).add_objects(plan_.scene).text();
     every_ = std::max(1u, plan_.scene.steps / std::max(1u, options.frames));
   }
 

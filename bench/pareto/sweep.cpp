@@ -24,7 +24,7 @@ const std::set<std::string> physical = {
 
 std::vector<std::string> known_names() {
   std::vector<std::string> names = sweep_names();
-  for (const ParamField &field : param_fields()) names.push_back(field.name);
+  for (const Field &field : param_fields()) names.push_back(field.name);
   return names;
 }
 

@@ -84,6 +84,25 @@ std::string rest_of(std::istringstream &words) {
   return text;
 }
 
+// Nothing else of this machine belongs into a recording.
+bool read_shape_line(const std::string &text, Recording &recording) {
+  const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
+  const unsigned dimension = recording.dimension;
+  if (!object.is_object() || object.contains("file") || (dimension != 2 && dimension != 3))
+    return false;
+  try {
+    const ShapeSource source = read_shape(object, nlohmann::json::json_pointer(), dimension, "");
+    recording.shapes.push_back(bake_shape(source, dimension));
+  } catch (const nlohmann::json::exception &) {
+    return false;
+  } catch (const ValueError &) {
+    return false;
+  } catch (const std::runtime_error &) {
+    return false;
+  }
+  return true;
+}
+
 bool read_line(const std::string &line, bool first, Recording &recording) {
   std::istringstream words(line);
   std::string kind;
@@ -99,6 +118,7 @@ bool read_line(const std::string &line, bool first, Recording &recording) {
     (kind == "build" ? recording.build : recording.device) = rest_of(words);
     return true;
   }
+  if (kind == "shape") return read_shape_line(rest_of(words), recording);
   Recording::Entry entry{};
   if (!kind_of(kind, entry.kind) || !read_entry(words, entry)) return false;
   recording.entries.push_back(entry);
@@ -107,14 +127,21 @@ bool read_line(const std::string &line, bool first, Recording &recording) {
 
 }  // namespace
 
-RecordWriter::RecordWriter(const std::string &path, pbf_solver *solver)
-    : path_(path), file_(std::fopen(path.c_str(), "w")), solver_(solver) {
+RecordWriter::RecordWriter(const std::string &path, pbf_solver *solver,
+                           const std::vector<SceneShape> &shapes)
+    : path_(path), file_(std::fopen(path.c_str(), "w")), solver_(solver), shapes_(shapes) {
   if (!file_) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
   const pbf_info info = info_of(solver);
   std::fprintf(file_, "pbf-record 1 %u %u %u %u %s\nbuild %s\ndevice %s\n", info.dimension,
                info.precision, info.capacity, info.threads, info.backend, info.build_id,
                info.device_name);
+  write_shapes(info.dimension);
   state();
+}
+
+void RecordWriter::write_shapes(unsigned dimension) {
+  for (const SceneShape &shape : shapes_)
+    std::fprintf(file_, "shape %s\n", shape_json(shape.source, dimension).dump().c_str());
 }
 
 RecordWriter::~RecordWriter() {
@@ -131,8 +158,16 @@ void RecordWriter::state() {
 
 void RecordWriter::params(const pbf_params &params) { line("params", &params, sizeof params); }
 
+// An address says nothing to another process: a shape's number stands in its place.
 void RecordWriter::colliders(const std::vector<pbf_collider> &colliders) {
-  line("colliders", colliders.data(), colliders.size() * sizeof(pbf_collider));
+  std::vector<pbf_collider> numbered = colliders;
+  for (pbf_collider &collider : numbered) {
+    uintptr_t number = 0;
+    for (size_t i = 0; i < shapes_.size(); ++i)
+      if (collider.geometry && shapes_[i].handle.get() == collider.geometry) number = i + 1;
+    std::memcpy(&collider.geometry, &number, sizeof collider.geometry);
+  }
+  line("colliders", numbered.data(), numbered.size() * sizeof(pbf_collider));
 }
 
 void RecordWriter::line(const char *kind, const void *bytes, size_t size) {
@@ -152,6 +187,22 @@ void RecordWriter::finish() {
   const bool failed = std::ferror(file_) != 0;
   if (std::fclose(std::exchange(file_, nullptr)) != 0 || failed)
     throw Error(exit_failure, path_ + " can't be written: " + std::strerror(errno));
+}
+
+std::vector<pbf_collider> colliders_of_entry(const Recording &recording,
+                                             const Recording::Entry &entry) {
+  std::vector<pbf_collider> colliders(entry.bytes.size() / sizeof(pbf_collider));
+  if (colliders.empty()) return colliders;
+  std::memcpy(colliders.data(), entry.bytes.data(), colliders.size() * sizeof(pbf_collider));
+  for (pbf_collider &collider : colliders) {
+    uintptr_t number = 0;
+    std::memcpy(&number, &collider.geometry, sizeof number);
+    if (number > recording.shapes.size())
+      throw Error(exit_usage, "a collider of step " + std::to_string(entry.step) +
+                                  " has a shape that the recording has not");
+    collider.geometry = number > 0 ? recording.shapes[number - 1].get() : nullptr;
+  }
+  return colliders;
 }
 
 Recording read_recording(const std::string &path) {

@@ -2,13 +2,15 @@
  *
  *   pbf-record 1 DIMENSION PRECISION CAPACITY THREADS BACKEND     the first
  *   build TEXT, device TEXT
+ *   shape JSON                  what a shape is made from, as in a scene's "shapes", without files;
+ *                               in the geometry of structs its number stands, from 1
  *   state STEP HEX              what pbf_save wrote: at the begin, and after particles changed
  *   params STEP HEX             the pbf_params of a pbf_set_params
  *   colliders STEP HEX          the structs of a pbf_set_colliders; "-" for none
  *   move STEP DURATION HEX      those of a pbf_move_colliders
  *   hash STEP HEX               pbf_hash after that step
  *
- * examples/record.h writes the same from a program of one's own. */
+ * examples/record.h writes the same, without shapes, from a program of one's own. */
 #ifndef PBF_BENCH_RECORDING_H
 #define PBF_BENCH_RECORDING_H
 
@@ -18,11 +20,14 @@
 #include <string>
 #include <vector>
 
+#include "scene/scene.h"
+
 namespace bench {
 
 class RecordWriter {
  public:
-  RecordWriter(const std::string &path, pbf_solver *solver);
+  // `shapes`: those that the solver's colliders have.
+  RecordWriter(const std::string &path, pbf_solver *solver, const std::vector<SceneShape> &shapes);
   ~RecordWriter();
   RecordWriter(const RecordWriter &) = delete;
   RecordWriter &operator=(const RecordWriter &) = delete;
@@ -35,10 +40,12 @@ class RecordWriter {
 
  private:
   void line(const char *kind, const void *bytes, size_t size);
+  void write_shapes(unsigned dimension);
 
   std::string path_;
   FILE *file_;
   pbf_solver *solver_;
+  std::vector<SceneShape> shapes_;
 };
 
 struct Recording {
@@ -52,8 +59,13 @@ struct Recording {
   };
   uint32_t dimension = 3, precision = PBF_FLOAT32, capacity = 1, threads = 0;
   std::string backend, build, device;
+  std::vector<ShapeHandle> shapes;  // which states find by their hashes
   std::vector<Entry> entries;
 };
+
+// Those of an entry, with their shapes. Throws Error where there is none of a struct's number.
+std::vector<pbf_collider> colliders_of_entry(const Recording &recording,
+                                             const Recording::Entry &entry);
 
 // Throws Error that names the line. A last line without an end, as of a program that has been
 // stopped, is left out.

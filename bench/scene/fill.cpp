@@ -148,6 +148,47 @@ uint64_t count_points(const Block &block, const Lattice &lattice) {
   return count;
 }
 
+double spacing_in(const Scene &scene) {
+  const pbf_params &params = scene.params;
+  return params.spacing > 0 ? params.spacing : params.smoothing_radius / 2;
+}
+
+// Of particles in so much volume.
+double particles_in(const Scene &scene, double volume) {
+  return std::ceil(volume / std::pow(spacing_in(scene), scene.dimension));
+}
+
+// No more volume a time unit than its columns carry, of which a side has one at least.
+double rate_of(const pbf_emitter &emitter, unsigned dimension, double spacing) {
+  if (emitter.rate > 0) return emitter.rate;
+  const double *v = emitter.velocity;
+  const bool disc = emitter.shape == PBF_EMITTER_DISC;
+  const double a = 2 * (disc ? emitter.radius : emitter.half_width) + spacing;
+  const double b = 2 * (disc ? emitter.radius : emitter.half_height) + spacing;
+  return dimension == 2 ? a * std::hypot(v[0], v[1]) : a * b * std::hypot(v[0], v[1], v[2]);
+}
+
+// By all emitters in all steps, and one more each where a step ends.
+double emitted_by(const Scene &scene) {
+  const double time =
+      (static_cast<double>(scene.lead_in_steps) + scene.steps) * scene.params.time_step;
+  double emitted = 0;
+  for (const pbf_emitter &emitter : scene.emitters) {
+    const double lasts = emitter.lifetime > 0 ? std::fmin(emitter.lifetime, time) : time;
+    const double rate = rate_of(emitter, scene.dimension, spacing_in(scene));
+    emitted += particles_in(scene, rate * lasts) + 1;
+  }
+  return emitted;
+}
+
+// A domain that is full, with a quarter more for what is squeezed and lies on its walls.
+double held_by(const Scene &scene) {
+  double volume = 1.25;
+  for (unsigned axis = 0; axis < scene.dimension; ++axis)
+    volume *= scene.params.domain_max[axis] - scene.params.domain_min[axis] + spacing_in(scene);
+  return particles_in(scene, volume);
+}
+
 // What regions leave is counted point by point: `looked_at` adds up what that costs.
 uint64_t count_block(const Block &block, unsigned dimension, uint64_t &looked_at) {
   const Lattice lattice = lattice_of(block, dimension);
@@ -176,6 +217,15 @@ uint64_t count_particles(const Scene &scene) {
   return count;
 }
 
+uint32_t capacity_of(const Scene &scene) {
+  if (scene.capacity > 0) return scene.capacity;
+  const double most = PBF_MAX_CAPACITY, placed = static_cast<double>(count_particles(scene));
+  const double emitted = emitted_by(scene), held = held_by(scene);
+  // As many as the domain holds, but never fewer than are placed.
+  const double wanted = std::fmin(placed + emitted, std::fmax(placed, held));
+  return static_cast<uint32_t>(std::fmin(std::fmax(wanted, 1), most));
+}
+
 Particles fill_scene(const Scene &scene) {
   Particles particles;
   for (const Block &block : scene.blocks) {
@@ -185,6 +235,7 @@ Particles fill_scene(const Scene &scene) {
       const Vector v = velocity_at(block, x, middle);
       particles.positions.insert(particles.positions.end(), x.data(), x.data() + scene.dimension);
       particles.velocities.insert(particles.velocities.end(), v.data(), v.data() + scene.dimension);
+      if (!scene.phases.empty()) particles.phases.push_back(block.phase);
       ++particles.count;
     });
   }

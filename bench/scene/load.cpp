@@ -3,6 +3,8 @@
 
 #include "scene/document.h"
 #include "scene/find.h"
+#include "scene/members.h"
+#include "scene/objects.h"
 #include "scene/params.h"
 #include "scene/scene.h"
 #include "scene/schema.h"
@@ -12,44 +14,6 @@ namespace {
 
 using nlohmann::json;
 using Pointer = json::json_pointer;
-
-// Reads the members of one object that has passed the schema.
-class Members {
- public:
-  Members(const json &object, const Pointer &where, unsigned dimension)
-      : object_(object), where_(where), dimension_(dimension) {}
-
-  void vector(const char *key, Vector &out) const { list(key, dimension_, out.data()); }
-  void vector(const char *key, double *out) const { list(key, dimension_, out); }
-  void vector3(const char *key, Vector &out) const { list(key, 3, out.data()); }
-  void vector3(const char *key, double *out) const { list(key, 3, out); }
-
-  template <typename T>
-  void value(const char *key, T &out) const {
-    if (has(key)) out = object_.at(key).get<T>();
-  }
-
-  void counts(const char *key, std::array<uint32_t, 3> &out) const {
-    Vector numbers{1, 1, 1};
-    vector(key, numbers);
-    for (unsigned axis = 0; axis < dimension_; ++axis)
-      out[axis] = static_cast<uint32_t>(numbers[axis]);
-  }
-
-  bool has(const char *key) const { return object_.contains(key); }
-  const json &at(const char *key) const { return object_.at(key); }
-  std::string text(const char *key) const { return object_.at(key).get<std::string>(); }
-  Pointer pointer(const char *key) const { return where_ / std::string(key); }
-
- private:
-  void list(const char *key, unsigned length, double *out) const {
-    if (has(key)) read_vector(object_.at(key), pointer(key), length, out);
-  }
-
-  const json &object_;
-  Pointer where_;
-  unsigned dimension_;
-};
 
 double spacing_of(const pbf_params &params) {
   return params.spacing > 0 ? params.spacing : params.smoothing_radius / 2;
@@ -99,58 +63,12 @@ Block read_block(const Members &in, const pbf_params &params, unsigned dimension
   if (!(block.spacing > 0)) {
     throw ValueError{in.pointer("spacing"), "the spacing is 0, as half of smoothing_radius is"};
   }
+  in.value("phase", block.phase);
   in.vector("velocity", block.velocity);
   in.vector3("angular_velocity", block.angular_velocity);
   read_gradient(in, dimension, block.velocity_gradient);
   block.within = read_regions(in, dimension);
   return block;
-}
-
-uint32_t collider_shape(const std::string &name) {
-  return name == "plane"     ? PBF_COLLIDER_PLANE
-         : name == "sphere"  ? PBF_COLLIDER_SPHERE
-         : name == "capsule" ? PBF_COLLIDER_CAPSULE
-                             : PBF_COLLIDER_BOX;
-}
-
-std::vector<Stretch> read_motion(const Members &in, unsigned dimension) {
-  std::vector<Stretch> motion;
-  if (!in.has("motion")) return motion;
-  for (const json &item : in.at("motion")) {
-    const Members members(item, in.pointer("motion") / motion.size(), dimension);
-    Stretch stretch{};
-    members.value("duration", stretch.duration);
-    members.vector("velocity", stretch.velocity);
-    members.vector3("angular_velocity", stretch.angular_velocity);
-    motion.push_back(stretch);
-  }
-  return motion;
-}
-
-Collider read_collider(const Members &in, unsigned dimension) {
-  Collider collider{};
-  pbf_collider &start = collider.start;
-  pbf_collider_init(&start, sizeof start, collider_shape(in.text("shape")));
-  bool inverted = false;
-  in.value("inverted", inverted);
-  start.inverted = inverted;
-  in.vector("position", start.position);
-  if (in.has("orientation")) {
-    for (unsigned i = 0; i < 4; ++i) start.orientation[i] = in.at("orientation")[i].get<double>();
-  }
-  in.vector("velocity", start.velocity);
-  in.vector3("angular_velocity", start.angular_velocity);
-  in.vector("axis", start.axis);
-  in.vector("half_extents", start.half_extents);
-  if (in.has("half_extents") && dimension == 2) start.half_extents[2] = 1;
-  in.value("radius", start.radius);
-  in.value("half_length", start.half_length);
-  collider.motion = read_motion(in, dimension);
-  if (!collider.motion.empty()) {
-    std::copy_n(collider.motion[0].velocity.data(), 3, start.velocity);
-    std::copy_n(collider.motion[0].angular_velocity.data(), 3, start.angular_velocity);
-  }
-  return collider;
 }
 
 Scaling read_scaling(const Members &in) {
@@ -165,7 +83,7 @@ Scaling read_scaling(const Members &in) {
   return scaling;
 }
 
-Scene build_scene(const json &root) {
+Scene build_scene(const json &root, const std::string &folder) {
   Scene scene;
   scene.dimension = root.at("dimension").get<unsigned>();
   const Members in(root, Pointer(), scene.dimension);
@@ -178,15 +96,10 @@ Scene build_scene(const json &root) {
     scene.blocks.push_back(
         read_block(Members(item, where, scene.dimension), scene.params, scene.dimension));
   }
-  if (in.has("colliders")) {
-    for (const json &item : in.at("colliders")) {
-      const Pointer where = in.pointer("colliders") / scene.colliders.size();
-      scene.colliders.push_back(
-          read_collider(Members(item, where, scene.dimension), scene.dimension));
-    }
-  }
+  read_objects(root, folder, scene);
   in.value("lead_in_steps", scene.lead_in_steps);
   in.value("steps", scene.steps);
+  in.value("capacity", scene.capacity);
   if (in.has("scaling")) {
     scene.scaling = read_scaling(Members(in.at("scaling"), in.pointer("scaling"), scene.dimension));
   }
@@ -211,8 +124,9 @@ Scene load_scene(const SceneOptions &options) {
   }
   if (!options.settings.empty() || !options.overrides.empty()) scene_schema().check(document);
   try {
-    Scene scene = build_scene(document.value);
-    scene.name = std::filesystem::path(path).stem().string();
+    const std::filesystem::path file(path);
+    Scene scene = build_scene(document.value, file.parent_path().string());
+    scene.name = file.stem().string();
     if (options.particles > 0) scale_scene(scene, options.particles);
     if (options.finer != 1) refine_scene(scene, options.finer);
     if (options.steps > 0) {
@@ -222,6 +136,9 @@ Scene load_scene(const SceneOptions &options) {
       }
       scene.steps = static_cast<uint32_t>(options.steps);
     }
+    bake_shapes(scene);
+    check_phases(scene);
+    scene.document = std::make_shared<const Document>(std::move(document));
     return scene;
   } catch (const ValueError &error) {
     throw document.error(error);

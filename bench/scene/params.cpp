@@ -1,7 +1,5 @@
 #include "scene/params.h"
 
-#include <algorithm>
-#include <cstring>
 #include <sstream>
 
 #include "core/near.h"
@@ -11,56 +9,9 @@ namespace {
 
 using nlohmann::json;
 
-uint32_t number_of(const json &name, const ParamField &field) {
-  const auto found = std::find(field.names.begin(), field.names.end(), name);
-  return static_cast<uint32_t>(found - field.names.begin());
-}
-
-uint32_t bits_of(const json &names, const ParamField &field) {
-  uint32_t bits = 0;
-  for (const json &name : names) bits |= 1u << number_of(name, field);
-  return bits;
-}
-
-size_t list_length(ParamType type, unsigned dimension) {
-  return type == ParamType::walls ? 2 * dimension : dimension;
-}
-
-void read_list(const json &list, const json::json_pointer &where, size_t wanted, double *out) {
-  if (list.size() != wanted) {
-    throw ValueError{where, "the list has " + std::to_string(list.size()) +
-                                " numbers; this scene's dimension wants " + std::to_string(wanted)};
-  }
-  for (size_t i = 0; i < wanted; ++i) out[i] = list[i].get<double>();
-}
-
-template <typename T>
-void store(pbf_params &params, const ParamField &field, T value) {
-  std::memcpy(reinterpret_cast<char *>(&params) + field.offset, &value, sizeof value);
-}
-
-void read_param(const ParamField &field, const json &value, const json::json_pointer &where,
-                unsigned dimension, pbf_params &params) {
-  switch (field.type) {
-    case ParamType::number:
-      return store(params, field, value.get<double>());
-    case ParamType::integer:
-      return store(params, field, value.get<uint32_t>());
-    case ParamType::one_of:
-      return store(params, field, number_of(value, field));
-    case ParamType::some_of:
-      return store(params, field, bits_of(value, field));
-    case ParamType::vector:
-    case ParamType::walls: {
-      auto *out = reinterpret_cast<double *>(reinterpret_cast<char *>(&params) + field.offset);
-      return read_list(value, where, list_length(field.type, dimension), out);
-    }
-  }
-}
-
-const ParamField &find_field(const std::string &name, const std::string &setting) {
+const Field &find_field(const std::string &name, const std::string &setting) {
   std::vector<std::string> known;
-  for (const ParamField &field : param_fields()) {
+  for (const Field &field : param_fields()) {
     if (name == field.name) return field;
     known.push_back(field.name);
   }
@@ -69,7 +20,7 @@ const ParamField &find_field(const std::string &name, const std::string &setting
 }
 
 // What a list holds when the scene leaves it out: --set may change one element of it.
-json default_list(const ParamField &field, unsigned dimension) {
+json default_list(const Field &field, unsigned dimension) {
   pbf_params params;
   pbf_params_init(&params, sizeof params);
   const auto *values =
@@ -77,10 +28,10 @@ json default_list(const ParamField &field, unsigned dimension) {
   return std::vector<double>(values, values + list_length(field.type, dimension));
 }
 
-json setting_value(const ParamField &field, const std::string &text) {
+json setting_value(const Field &field, const std::string &text) {
   json parsed = json::parse(text, nullptr, false);
   if (!parsed.is_discarded()) return parsed;
-  if (field.type != ParamType::some_of) return text;
+  if (field.type != FieldType::some_of) return text;
   json names = json::array();
   std::istringstream list(text);
   for (std::string name; std::getline(list, name, ',');) names.push_back(name);
@@ -100,21 +51,21 @@ unsigned index_of(const std::string &text, size_t length, const std::string &set
 
 // The column `type` of params.def.
 #define FIELD_NUMBER \
-  ParamType::integer, {}
+  FieldType::integer, {}
 #define FIELD_ONE_OF(...) \
-  ParamType::one_of, { __VA_ARGS__ }
+  FieldType::one_of, { __VA_ARGS__ }
 #define FIELD_SOME_OF(...) \
-  ParamType::some_of, { __VA_ARGS__ }
+  FieldType::some_of, { __VA_ARGS__ }
 
-const std::vector<ParamField> &param_fields() {
-  static const std::vector<ParamField> fields = {
+const std::vector<Field> &param_fields() {
+  static const std::vector<Field> fields = {
 #define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \
   {#name, offsetof(pbf_params, name), FIELD_##type},
 #define PBF_PARAM_REAL(offset, name, initial, range, when, min_solver, low, high, usual, feature, \
                        projected, unit, doc)                                                      \
-  {#name, offsetof(pbf_params, name), ParamType::number, {}},
+  {#name, offsetof(pbf_params, name), FieldType::number, {}},
 #define PBF_PARAM_REALS(offset, name, count, initial, low, high, projected, unit, doc) \
-  {#name, offsetof(pbf_params, name), count == 3 ? ParamType::vector : ParamType::walls, {}},
+  {#name, offsetof(pbf_params, name), count == 3 ? FieldType::vector : FieldType::walls, {}},
 #include "physics/params.def"
   };
   return fields;
@@ -125,12 +76,7 @@ const std::vector<ParamField> &param_fields() {
 
 void read_params(const json &object, const json::json_pointer &where, unsigned dimension,
                  pbf_params &params) {
-  for (const ParamField &field : param_fields()) {
-    const auto found = object.find(field.name);
-    if (found != object.end()) {
-      read_param(field, *found, where / std::string(field.name), dimension, params);
-    }
-  }
+  read_fields(param_fields(), object, where, dimension, &params);
 }
 
 void apply_setting(const std::string &setting, Document &scene) {
@@ -140,24 +86,18 @@ void apply_setting(const std::string &setting, Document &scene) {
   }
   const std::string key = setting.substr(0, equals);
   const auto dot = key.find('.');
-  const ParamField &field = find_field(key.substr(0, dot), setting);
+  const Field &field = find_field(key.substr(0, dot), setting);
   const json value = setting_value(field, setting.substr(equals + 1));
   json::json_pointer pointer("/params");
   pointer /= std::string(field.name);
   if (dot == std::string::npos) return scene.override_value(pointer, value, "--set " + setting);
-  if (field.type != ParamType::vector && field.type != ParamType::walls) {
+  if (field.type != FieldType::vector && field.type != FieldType::walls) {
     throw Error(exit_usage, "--set " + setting + ": " + field.name + " is not a list");
   }
   const auto dimension = scene.value.at("dimension").get<unsigned>();
   const unsigned index = index_of(key.substr(dot + 1), list_length(field.type, dimension), setting);
   if (!scene.value.contains(pointer)) scene.value[pointer] = default_list(field, dimension);
   scene.override_value(pointer / index, value, "--set " + setting);
-}
-
-void read_vector(const json &list, const json::json_pointer &where, unsigned dimension,
-                 double *out) {
-  std::fill(out, out + 3, 0.0);
-  read_list(list, where, dimension, out);
 }
 
 }  // namespace bench

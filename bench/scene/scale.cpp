@@ -17,8 +17,21 @@ uint32_t scaled_steps(uint32_t steps, double finer, uint32_t least) {
   return std::max(static_cast<uint32_t>(scaled), least);
 }
 
+uint32_t scaled_capacity(uint32_t capacity, double more) {
+  const double scaled = std::ceil(capacity * more);
+  return static_cast<uint32_t>(std::clamp(scaled, 1.0, double{PBF_MAX_CAPACITY}));
+}
+
+// A grid of distances follows the fluid's spacing, so that what is finer finds edges as sharp; it
+// is never coarser than the scene has it, which may be as coarse as its solid stands. Distances
+// that the scene gives have the grid that they have.
+void refine_shape(SceneShape &shape, double finer) {
+  if (shape.source.from != ShapeSource::From::grid) shape.source.cell /= std::max(finer, 1.0);
+}
+
 // The same shapes, filled more finely. Lengths of the discretisation and the time step shrink
 // together (displacements in units of h stay), and the steps make up for it in simulated time.
+// Emitters, drains and colliders are shapes: their openings, rates and lifetimes stay.
 void refine(Scene &scene, double finer) {
   pbf_params &params = scene.params;
   params.smoothing_radius /= finer;
@@ -34,6 +47,9 @@ void refine(Scene &scene, double finer) {
     }
     block.spacing /= finer;
   }
+  for (SceneShape &shape : scene.shapes) refine_shape(shape, finer);
+  if (scene.capacity > 0)
+    scene.capacity = scaled_capacity(scene.capacity, std::pow(finer, scene.dimension));
   scene.steps = scaled_steps(scene.steps, finer, 1);
   scene.lead_in_steps = scaled_steps(scene.lead_in_steps, finer, 0);
 }
@@ -44,6 +60,12 @@ void grow(Scene &scene, double more) {
     throw Error(exit_usage, "--particles: scene " + scene.name +
                                 " grows, which needs exactly one block, a lattice");
   }
+  if (!scene.emitters.empty() || !scene.drains.empty()) {
+    throw Error(exit_usage, "--particles: scene " + scene.name +
+                                " grows, and its emitters and drains would stay where they are; "
+                                "the rule \"refine\" keeps all places");
+  }
+  if (scene.capacity > 0) scene.capacity = scaled_capacity(scene.capacity, more);
   Block &block = scene.blocks[0];
   int axes = 0;
   for (unsigned axis = 0; axis < scene.dimension; ++axis) axes += scene.scaling->axes[axis];

@@ -2,13 +2,20 @@
 #ifndef PBF_BENCH_SCENE_H
 #define PBF_BENCH_SCENE_H
 
+#include <pbf/emit.h>
 #include <pbf/pbf.h>
+#include <pbf/phases.h>
+#include <pbf/shapes.h>
 
 #include <array>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "scene/document.h"
+#include "scene/shape.h"
 
 namespace bench {
 
@@ -30,6 +37,7 @@ struct Block {
   std::array<uint32_t, 3> counts{1, 1, 1};
   double radius = 0;
   double spacing = 0;
+  uint32_t phase = 0;                         // of its particles
   Vector velocity{};                          // of the block's middle
   Vector angular_velocity{};                  // about the block's middle
   std::array<Vector, 3> velocity_gradient{};  // row k: of velocity k, from the block's middle
@@ -45,6 +53,14 @@ struct Stretch {
 struct Collider {
   pbf_collider start;
   std::vector<Stretch> motion;  // empty: as `start` moves
+  std::string geometry;         // the name of its shape, if it has one
+};
+
+// A solid that colliders may have for their geometry.
+struct SceneShape {
+  std::string name;
+  ShapeSource source;
+  ShapeHandle handle;  // what source has been made into
 };
 
 // What another number of particles does to the scene.
@@ -58,11 +74,17 @@ struct Scene {
   std::string name, description, purpose;
   unsigned dimension = 3;
   pbf_params params{};
+  std::vector<pbf_phase> phases;
   std::vector<Block> blocks;
+  std::vector<SceneShape> shapes;
   std::vector<Collider> colliders;
+  std::vector<pbf_emitter> emitters;
+  std::vector<pbf_volume> drains;
+  uint32_t capacity = 0;  // 0: as capacity_of finds it
   uint32_t lead_in_steps = 0;
   uint32_t steps = 1;
   std::optional<Scaling> scaling;
+  std::shared_ptr<const Document> document;  // the file; null of a scene that a program made
 };
 
 // A parameter's value in place of the scene's.
@@ -103,9 +125,14 @@ void tell_of_misfit(const SceneOptions &options, const Scene &scene);
 struct Particles {
   uint64_t count = 0;
   std::vector<double> positions, velocities;
+  std::vector<uint32_t> phases;  // a number each, where the scene has phases
 };
 
 uint64_t count_particles(const Scene &scene);
+
+// So many particles a solver wants room for, at least 1: those of the blocks, and what emitters add
+// in all steps, but no more than the domain holds.
+uint32_t capacity_of(const Scene &scene);
 Particles fill_scene(const Scene &scene);
 
 }  // namespace bench

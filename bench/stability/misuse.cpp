@@ -14,15 +14,15 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const double not_numbers[] = {std::nan(""), infinity, -infinity};
 
-unsigned components_of(ParamType type) {
-  return type == ParamType::vector ? 3 : type == ParamType::walls ? 6 : 1;
+unsigned components_of(FieldType type) {
+  return type == FieldType::vector ? 3 : type == FieldType::walls ? 6 : 1;
 }
 
-bool is_real(ParamType type) {
-  return type == ParamType::number || type == ParamType::vector || type == ParamType::walls;
+bool is_real(FieldType type) {
+  return type == FieldType::number || type == FieldType::vector || type == FieldType::walls;
 }
 
-double &component(pbf_params &params, const ParamField &field, unsigned index) {
+double &component(pbf_params &params, const Field &field, unsigned index) {
   return reinterpret_cast<double *>(reinterpret_cast<char *>(&params) + field.offset)[index];
 }
 
@@ -37,7 +37,7 @@ void use_everything(pbf_params &params) {
 }
 
 void try_params(Record &record, Trial &trial, double value) {
-  for (const ParamField &field : param_fields()) {
+  for (const Field &field : param_fields()) {
     if (!is_real(field.type)) continue;
     for (unsigned i = 0; i < components_of(field.type); ++i) {
       pbf_params params = trial.params();
@@ -109,7 +109,7 @@ void try_denormals(Record &record, Trial &trial) {
   const double tiny = record.options().precision == PBF_FLOAT64 ? 5e-310 : 1e-40;
   const char *const lengths[] = {"smoothing_radius", "time_step"};
   for (const char *name : lengths) {
-    for (const ParamField &field : param_fields()) {
+    for (const Field &field : param_fields()) {
       if (std::string(field.name) != name) continue;
       pbf_params params = trial.params();
       component(params, field, 0) = tiny;

@@ -29,6 +29,7 @@ class Manifest:
     attraction: float  # a further acceleration -attraction (x - attraction_center)
     attraction_center: np.ndarray
     times: dict  # of steps, where the time step has changed
+    phases: tuple  # rest densities of several fluids
     raw: dict
 
     def time_of(self, step):
@@ -123,6 +124,13 @@ def _read_times(reader):
     return {int(key): inner.number(key) for key in entry}
 
 
+def _read_phases(reader):
+    entry = reader.values.get("phases", [])
+    if not isinstance(entry, list):
+        reader.fault("phases", "a list of rest densities")
+    return tuple(reader.vector("phases", len(entry), default=[])) if entry else ()
+
+
 def read_manifest(folder):
     path = os.path.join(folder, FILE_NAME)
     reader = _Reader(path, _read_json(path))
@@ -145,4 +153,4 @@ def read_manifest(folder):
         walls=_read_walls(reader, dim, spacing),
         attraction=reader.number("attraction", default=0.0),
         attraction_center=reader.vector("attraction_center", dim, default=np.zeros(dim)),
-        times=_read_times(reader), raw=reader.values)
+        times=_read_times(reader), phases=_read_phases(reader), raw=reader.values)

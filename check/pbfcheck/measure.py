@@ -1,5 +1,5 @@
 """What every error has in common."""
-from .fault import DumpFault
+from .fault import DumpFault, NotApplicable
 
 
 class Measure:
@@ -24,6 +24,11 @@ class Measure:
     def finish(self, rows):
         """Amends the rows once all are known; returns further entries of the report."""
         return {}
+
+    def need_one_mass(self):
+        """Of particles of several fluids a dump does not say which is which."""
+        if len(set(self.dump.manifest.phases)) > 1:
+            raise NotApplicable("its fluids have several rest densities, and so its particles masses")
 
     def need_velocities(self, frame):
         if frame.velocities is None:

@@ -16,6 +16,7 @@ class _Momentum(Measure):
 
     def __init__(self, dump, options):
         super().__init__(dump, options)
+        self.need_one_mass()
         self.first = None
         self.count = None
 

@@ -34,6 +34,16 @@ class Momentum(DumpTest):
             self.assertAlmostEqual(row["relative"], 0.01 * spin / scale, 12)
             self.assertLess(self.errors(folder, "E4")["frames"][1]["relative"], 1e-14)
 
+    def test_particles_of_several_masses_are_not_judged(self):
+        x = lattice(4, 4)
+        frames = {0: (x, np.ones_like(x)), 1: (x, np.ones_like(x))}
+        for phases, judged in (([1.0, 0.7], False), ([1.0, 1.0], True)):
+            folder = self.dump(frames, manifest(2, phases=phases))
+            for key in ("E4", "E5", "E6"):
+                entry = self.report("errors", folder, "--only", key)["errors"][key]
+                self.assertEqual("frames" in entry, judged)
+                self.assertEqual("rest densities" in entry.get("reason", ""), not judged)
+
     def test_known_drift_of_momentum(self):
         x = lattice(10, 10)
         v = np.zeros_like(x)

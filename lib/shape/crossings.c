@@ -29,11 +29,29 @@ static double volume(const double a[3], const double b[3], const double c[3], co
   return pbf_inner(across, three);
 }
 
+/* So far from a face an end of the edge still lies in it: faces of one plane, whose vertices have
+ * been rounded each for itself, do not cross. A depth that no grid of distances sees. */
+static double in_plane(const search *s) {
+  double along[3];
+  pbf_minus(s->to, s->from, along);
+  return 1e-9 * pbf_norm(along) + 1e-15 * fmax(pbf_norm(s->from), pbf_norm(s->to));
+}
+
+/* Whether the ends are on both sides, given their distances times `size`. */
+static int parted(const search *s, double from, double to, double size) {
+  const double least = in_plane(s) * size;
+  return fmin(from, to) < -least && fmax(from, to) > least;
+}
+
 static int crosses_triangle(const search *s, uint32_t face) {
   const pbf_mesh *mesh = s->mesh;
   const double *a = mesh->vertices[mesh->faces[face][0]], *b = mesh->vertices[mesh->faces[face][1]];
   const double *c = mesh->vertices[mesh->faces[face][2]];
-  if (volume(a, b, c, s->from) * volume(a, b, c, s->to) >= 0) return 0;
+  double one[3], two[3], normal[3];
+  pbf_minus(b, a, one);
+  pbf_minus(c, a, two);
+  pbf_outer(one, two, normal);
+  if (!parted(s, volume(a, b, c, s->from), volume(a, b, c, s->to), pbf_norm(normal))) return 0;
   const double ab = volume(s->from, s->to, a, b), bc = volume(s->from, s->to, b, c),
                ca = volume(s->from, s->to, c, a);
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
@@ -46,7 +64,9 @@ static double side(const double a[3], const double b[3], const double c[3]) {
 static int crosses_segment(const search *s, uint32_t face) {
   const pbf_mesh *mesh = s->mesh;
   const double *a = mesh->vertices[mesh->faces[face][0]], *b = mesh->vertices[mesh->faces[face][1]];
-  return side(a, b, s->from) * side(a, b, s->to) < 0 &&
+  double along[3];
+  pbf_minus(b, a, along);
+  return parted(s, side(a, b, s->from), side(a, b, s->to), pbf_norm(along)) &&
          side(s->from, s->to, a) * side(s->from, s->to, b) < 0;
 }
 

@@ -21,7 +21,7 @@ from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write
 from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
 from .fill import fill_ball, fill_box, fill_lattice
 from .geometry import Geometry
-from .params import Collide, Kernel, Method, Params
+from .params import Collide, Kernel, Method, Params, Periodic
 from .phases import Phase
 from .picture import Movie, png_bytes, render, save_png
 from .queries import (BallVolume, BoxVolume, CapsuleVolume, Flow, Hits, Samples, Volume)
@@ -39,7 +39,8 @@ __all__ = [
     "Collide", "Collider", "DataError", "DeviceError", "Diffuse", "DiffuseInfo",
     "DiffuseParticles", "DiscEmitter", "Dump", "DumpFrame", "Emitter", "Error", "Flow", "Geometry", "Hits", "InOut", "Info", "InvalidArgumentError",
     "Kernel", "Limit", "Load", "Method", "MissingExtraError", "MotionPath", "Movie",
-    "NotFoundError", "OutOfMemoryError", "Params", "Phase", "Plan", "PlanArray", "PlanStage", "Plane",
+    "NotFoundError", "OutOfMemoryError", "Params", "Periodic", "Phase", "Plan", "PlanArray",
+    "PlanStage", "Plane",
     "PluginError", "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
     "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",

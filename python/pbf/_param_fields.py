@@ -6,7 +6,7 @@ from typing import TypedDict, Union
 
 from ._numbers import Vector
 from ._param_kinds import (Collide, CollideField, Holder, Integer, Kernel, KernelField, Method,
-                           MethodField, Number, Reals)
+                           MethodField, Number, Periodic, PeriodicField, Reals)
 
 
 class ParamFields(Holder):
@@ -151,7 +151,7 @@ class ParamFields(Holder):
         "Surface tension over rest density; in 3D at most 0.02, in 2D 0.05 spacing³ / time_step² "
         "of it act; 0: none. Unit: length³/time². Range: ≥ 0; 0 unless `PBF_SOLVER_CHEBYSHEV`. "
         "Default: `0`.")
-    periodic = Integer(
+    periodic = PeriodicField(
         "The axes along which the domain's two faces are one: what leaves it by the one comes in "
         "by the other. Range: `PBF_PERIODIC_X` + `PBF_PERIODIC_Y` + `PBF_PERIODIC_Z`. Default: "
         "`0`.")
@@ -209,5 +209,5 @@ class ParamValues(TypedDict, total=False):
     wall_static_friction: float
     wall_no_slip: float
     surface_tension: float
-    periodic: int
+    periodic: "Union[Periodic, int, str, Sequence[str]]"
     wall_adhesion: float

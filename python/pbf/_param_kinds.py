@@ -32,6 +32,14 @@ class Collide(enum.IntFlag):
     AFTER_SOLVE = lib.PBF_COLLIDE_AFTER_SOLVE
 
 
+class Periodic(enum.IntFlag):
+    """Axes along which the domain's two faces are one."""
+
+    X = lib.PBF_PERIODIC_X
+    Y = lib.PBF_PERIODIC_Y
+    Z = lib.PBF_PERIODIC_Z
+
+
 class Holder:
     """What has parameters: `Params`, and a `Solver`, which gets and sets them by a call."""
 
@@ -123,6 +131,16 @@ class MethodField(Param):
         setattr(struct, self.name, _member(Method, self.name, value))
 
 
+def _bits(kind: type[enum.IntFlag], name: str, value: Any) -> int:
+    """Bits; also a name or a list of names."""
+    if isinstance(value, (str, list, tuple, set, frozenset)):
+        names = [value] if isinstance(value, str) else value
+        value = 0
+        for each in names:
+            value |= _member(kind, name, each)  # type: ignore[arg-type]
+    return uint32(name, value)
+
+
 class CollideField(Param):
     """Bits; also a list of names."""
 
@@ -133,12 +151,20 @@ class CollideField(Param):
         self._assign(holder, value)
 
     def write(self, struct: Any, value: Any, dimension: int | None) -> None:
-        if isinstance(value, (str, list, tuple, set, frozenset)):
-            names = [value] if isinstance(value, str) else value
-            value = 0
-            for name in names:
-                value |= _member(Collide, self.name, name)  # type: ignore[arg-type]
-        setattr(struct, self.name, uint32(self.name, value))
+        setattr(struct, self.name, _bits(Collide, self.name, value))
+
+
+class PeriodicField(Param):
+    """Bits; also a list of names."""
+
+    def __get__(self, holder: Any, owner: type | None = None) -> Periodic:
+        return self if holder is None else Periodic(self._value(holder))  # type: ignore[return-value]
+
+    def __set__(self, holder: Any, value: Union[Periodic, int, str, Sequence[str]]) -> None:
+        self._assign(holder, value)
+
+    def write(self, struct: Any, value: Any, dimension: int | None) -> None:
+        setattr(struct, self.name, _bits(Periodic, self.name, value))
 
 
 class Reals(Param):

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from ._errors import check
 from ._library import ffi, lib, new_struct
 from ._param_fields import ParamFields
-from ._param_kinds import Collide, Kernel, Method, Param
+from ._param_kinds import Collide, Kernel, Method, Param, Periodic
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._param_fields import ParamValues
 
-__all__ = ["Collide", "Kernel", "Method", "Params"]
+__all__ = ["Collide", "Kernel", "Method", "Params", "Periodic"]
 
 
 def fields() -> dict[str, Param]:

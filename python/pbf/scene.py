@@ -1,8 +1,8 @@
 """Scenes in files, in the format of pbf-bench: bench/scenes/scene.schema.json."""
 from __future__ import annotations
 
-import difflib
 import json
+import math
 import os
 import pathlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,24 +15,27 @@ from numpy.typing import NDArray
 from . import params as parameters
 from ._errors import DataError, Error, InvalidArgumentError
 from ._numbers import real, reals, uint32
-from .colliders import Box, Capsule, Collider, Plane, Sphere
+from ._schema import Path, check, read_schema, said
+from ._schema import near as near_name
+from .colliders import Box, Capsule, Collider, MotionPath, Plane, Solid, Sphere
+from .emission import DiscEmitter, Emitter, RectangleEmitter
 from .fill import fill_ball, fill_box, fill_lattice
+from .geometry import Geometry
+from .meshes import read_mesh
 from .params import Params
+from .phases import Phase
+from .queries import BallVolume, BoxVolume, CapsuleVolume, Volume
 from .solver import Solver
 
 if TYPE_CHECKING:
     from ._param_fields import ParamValues
 
 _FOLDER = pathlib.Path(__file__).resolve().parent / "scenes"
-_SHAPES: dict[str, type[Collider]] = {
-    "plane": Plane, "sphere": Sphere, "capsule": Capsule, "box": Box}
-_BLOCKS = {"box": ("min", "max"), "ball": ("center", "radius"), "lattice": ("first", "counts")}
-_BLOCK = {"shape", "spacing", "velocity", "angular_velocity", "velocity_gradient", "within"}
-_COLLIDER = {"shape", "inverted", "position", "orientation", "velocity", "angular_velocity", "axis",
-             "half_extents", "radius", "half_length", "motion"}
-_SCENE = {"$schema", "version", "description", "purpose", "dimension", "params", "blocks",
-          "colliders", "lead_in_steps", "steps", "scaling"}
-_NEEDED = ("version", "dimension", "params", "blocks", "steps")
+_COLLIDERS: dict[str, type[Collider]] = {
+    "plane": Plane, "sphere": Sphere, "capsule": Capsule, "box": Box, "shape": Solid}
+_EMITTERS: dict[str, type[Emitter]] = {"rectangle": RectangleEmitter, "disc": DiscEmitter}
+_DRAINS: dict[str, type[Volume]] = {
+    "box": BoxVolume, "sphere": BallVolume, "capsule": CapsuleVolume}
 
 
 def scenes() -> list[str]:
@@ -53,7 +56,8 @@ class Stretch:
 
 @dataclass
 class Scene:
-    """What a file describes: particles to be, colliders and how they move, parameters.
+    """What a file describes: particles to be, colliders and how they move, emitters and drains,
+    parameters.
 
     >>> scene = pbf.load_scene("dam-break-3d")
     >>> fluid = scene.solver(backend="serial")
@@ -70,11 +74,22 @@ class Scene:
     lead_in_steps: int = 0
     colliders: list[Collider] = field(default_factory=list)
     motions: list[list[Stretch]] = field(default_factory=list)
+    phases: list[Phase] = field(default_factory=list)
+    shapes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """What the solids of colliders are made from, by their names."""
+    geometries: dict[int, str] = field(default_factory=dict)
+    """The names of the shapes that colliders have, by their places in the list."""
+    emitters: list[Emitter] = field(default_factory=list)
+    drains: list[Volume] = field(default_factory=list)
+    capacity: int = 0
+    """Room for so many particles; 0: for those of the blocks and of emitters over the steps."""
 
     def particles(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions and velocities at the start, each of shape (count, dimension)."""
         placed = [_fill(block, self.dimension, self.spacing) for block in self.blocks]
-        return (np.concatenate([x for x, _ in placed]), np.concatenate([v for _, v in placed]))
+        none = np.zeros((0, self.dimension))  # where emitters bring all
+        return (np.concatenate([none, *(x for x, _ in placed)]),
+                np.concatenate([none, *(v for _, v in placed)]))
 
     @property
     def spacing(self) -> float:
@@ -84,16 +99,51 @@ class Scene:
     def solver(self, **keywords: Any) -> SceneSolver:
         """A solver with the scene's particles. Keywords are those of `Solver`, parameters, too."""
         positions, velocities = self.particles()
-        fluid = SceneSolver(positions, velocities, dimension=self.dimension,
-                            **{**self.params, **keywords})
+        keywords.setdefault("capacity", self._capacity(len(positions)))
+        fluid = SceneSolver(None, dimension=self.dimension, **{**self.params, **keywords})
         fluid.motions = list(self.motions)
+        if self.phases:
+            fluid.phases = self.phases
+        if len(positions):
+            fluid.add(positions, velocities)
+        if self.phases and len(positions):
+            fluid.particle_phases = self.particle_phases()
         if self.colliders:
-            fluid.colliders = self.colliders
+            fluid.colliders = self._with_geometries()
+        if self.emitters:
+            fluid.emitters = self.emitters
+        if self.drains:
+            fluid.drains = self.drains
         return fluid
+
+    def particle_phases(self) -> NDArray[np.uint32]:
+        """The number of each particle's phase at the start."""
+        counts = [len(_fill(block, self.dimension, self.spacing)[0]) for block in self.blocks]
+        return np.repeat([block.get("phase", 0) for block in self.blocks], counts).astype(np.uint32)
+
+    def _with_geometries(self) -> list[Collider]:
+        made = {name: _geometry(name, shape, self.dimension) for name, shape in self.shapes.items()}
+        return [replace(collider, geometry=made[self.geometries[i]]) if i in self.geometries
+                else collider for i, collider in enumerate(self.colliders)]
+
+    def _capacity(self, placed: int) -> int:
+        """As pbf-bench has it: what emitters add in all steps, but no more than the domain holds."""
+        if self.capacity:
+            return self.capacity
+        usual = Params(**_typed(self.params)).to_dict()
+        time = (self.lead_in_steps + self.steps) * usual["time_step"]
+        emitted, cell = 0.0, self.spacing**self.dimension
+        for emitter in self.emitters:
+            lasts = min(emitter.lifetime or time, time)
+            emitted += math.ceil(_rate(emitter, self.dimension, self.spacing) * lasts / cell) + 1
+        sides = np.subtract(usual["domain_max"], usual["domain_min"])[:self.dimension] + self.spacing
+        held = max(math.ceil(1.25 * float(np.prod(sides)) / cell), placed)
+        return max(1, min(placed + int(min(emitted, 2**30)), held))
 
     def refined(self, finer: float) -> Scene:
         """The same shapes, filled with particles so many times nearer to each other; lengths of the
-        discretisation and the time step in proportion, over the same simulated time."""
+        discretisation and the time step in proportion, over the same simulated time. Cells of the
+        shapes' distances become finer with it, and never coarser."""
         if any(block["shape"] == "lattice" for block in self.blocks):
             raise InvalidArgumentError(f"{self.name} has a lattice of fixed counts")
         usual = Params(**_typed(self.params)).to_dict()
@@ -103,7 +153,11 @@ class Scene:
         params["particle_volume"] = usual["particle_volume"] / finer**self.dimension
         blocks = [{**block, "spacing": block["spacing"] / finer} if "spacing" in block else block
                   for block in self.blocks]
-        return replace(self, params=params, blocks=blocks, steps=max(1, round(self.steps * finer)),
+        shapes = {name: shape if shape["from"] == "grid" else
+                  {**shape, "cell": shape["cell"] / max(finer, 1.0)}
+                  for name, shape in self.shapes.items()}
+        capacity = math.ceil(self.capacity * finer**self.dimension)
+        return replace(self, params=params, blocks=blocks, shapes=shapes, capacity=capacity, steps=max(1, round(self.steps * finer)),
                        lead_in_steps=round(self.lead_in_steps * finer))
 
 
@@ -168,66 +222,46 @@ class SceneSolver(Solver):
 def load_scene(source: Union[str, os.PathLike[str], Mapping[str, Any]]) -> Scene:
     """A scene by its name (see `scenes`), from a file, or from what json.load gave of one."""
     if isinstance(source, Mapping):
-        return _scene_of(source, "scene")
+        return _scene_of(source, "scene", pathlib.Path())
     name = os.fspath(source)
     path = pathlib.Path(name)
     if path.suffix != ".json":
         if name not in scenes():
-            near = difflib.get_close_matches(name, scenes(), 1)
-            hint = f' did you mean "{near[0]}"?' if near else ""
-            raise InvalidArgumentError(f'there is no scene "{name}";{hint} pbf.scenes() lists them, '
-                                       'and a file\'s name ends in ".json"')
+            raise InvalidArgumentError(f'there is no scene "{name}"{near_name(name, scenes())}; '
+                                       'pbf.scenes() lists them, and a file\'s name ends in ".json"')
         path = _FOLDER / f"{name}.json"
     try:
-        return _scene_of(json.loads(path.read_text(encoding="utf-8")), path.stem)
+        return _scene_of(json.loads(path.read_text(encoding="utf-8")), path.stem, path.parent)
     except json.JSONDecodeError as error:
         raise DataError(f"{path}: line {error.lineno}: {error.msg}") from None
     except Error as error:
         raise DataError(f"{path}: {error}") from None
 
 
-def _check_keys(where: str, given: Any, known: set[str]) -> None:
-    if not isinstance(given, Mapping):
-        raise DataError(f"{where} is {given!r}; it must be an object")
-    for key in given:
-        if key not in known:
-            near = difflib.get_close_matches(str(key), known, 1)
-            hint = f' did you mean "{near[0]}"?' if near else ""
-            raise DataError(f'{where} has the unknown key "{key}"{hint}')
-
-
-def _listed(where: str, given: Any) -> list[Any]:
-    if not isinstance(given, list):
-        raise DataError(f"{where} is {given!r}; it must be a list")
-    return given
-
-
 def _typed(values: Mapping[str, Any]) -> ParamValues:
     return values  # type: ignore[return-value]
 
 
-def _scene_of(root: Any, name: str) -> Scene:
-    _check_keys("the scene", root, _SCENE)
-    for key in _NEEDED:
-        if key not in root:
-            raise DataError(f'the scene has no "{key}"')
-    if root["version"] != 1 or root["dimension"] not in (2, 3):
-        raise DataError(f'"version" is {root["version"]} and "dimension" {root["dimension"]}; '
-                        "they must be 1, and 2 or 3")
+def _scene_of(root: Any, name: str, folder: pathlib.Path) -> Scene:
+    check(read_schema(_FOLDER), root)
     dimension = root["dimension"]
-    _check_keys('"params"', root["params"], {*parameters.fields(), "reserved"})
     params = {key: value for key, value in root["params"].items() if key != "reserved"}
     _check_vectors(params, dimension)
-    blocks = _listed('"blocks"', root["blocks"])
-    scene = Scene(name, dimension, params, blocks, uint32('"steps"', root["steps"]),
-                  root.get("description", ""), root.get("purpose", ""),
-                  uint32('"lead_in_steps"', root.get("lead_in_steps", 0)))
-    for i, block in enumerate(blocks):
-        _check_block(f'"blocks"[{i}]', block, dimension)
-    for i, item in enumerate(_listed('"colliders"', root.get("colliders", []))):
-        collider, motion = _collider_of(f'"colliders"[{i}]', item, dimension)
-        scene.colliders.append(collider)
-        scene.motions.append(motion)
+    scene = Scene(name, dimension, params, list(root["blocks"]), int(root["steps"]),
+                  root["description"], root["purpose"], int(root.get("lead_in_steps", 0)),
+                  phases=[Phase(**each) for each in root.get("phases", [])],
+                  shapes={key: _with_mesh(key, shape, dimension, folder)
+                          for key, shape in root.get("shapes", {}).items()},
+                  capacity=int(root.get("capacity", 0)))
+    for i, block in enumerate(scene.blocks):
+        _check_block(("blocks", i), block, scene)
+    for i, item in enumerate(root.get("colliders", [])):
+        _add_collider(("colliders", i), item, scene)
+    for i, item in enumerate(root.get("emitters", [])):
+        _check_phase(("emitters", i), item, scene)
+        scene.emitters.append(_object_of(("emitters", i), item, dimension, _EMITTERS))
+    scene.drains = [_object_of(("drains", i), item, dimension, _DRAINS)
+                    for i, item in enumerate(root.get("drains", []))]
     return scene
 
 
@@ -239,43 +273,123 @@ def _check_vectors(params: Mapping[str, Any], dimension: int) -> None:
             reals(f'"{key}"', params[key], (dimension * count // 3,))
 
 
-def _check_block(where: str, block: Any, dimension: int) -> None:
-    shape = block.get("shape") if isinstance(block, Mapping) else None
-    if shape not in _BLOCKS:
-        raise DataError(f'{where} has the shape {shape!r}; it must be "lattice", "box" or "ball"')
-    _check_keys(where, block, _BLOCK | set(_BLOCKS[shape]))
-    for key in _BLOCKS[shape]:
-        if key not in block:
-            raise DataError(f'{where} has no "{key}"')
-        if key == "radius":
-            real(f'{where}: "radius"', block[key])
-        else:
-            reals(f'{where}: "{key}"', block[key], (dimension,))
-    _fill_velocities(block, np.zeros((1, dimension)), dimension)
-    for i, region in enumerate(block.get("within", [])):
-        _check_keys(f'{where}: "within"[{i}]', region, {"center", "squares", "slopes", "below"})
+_VECTORS = ("first", "counts", "min", "max", "center", "velocity", "position", "axis", "half_extents",
+            "half_extents_rate", "origin", "nodes")
+
+
+def _check_lengths(path: Path, item: Mapping[str, Any], dimension: int) -> None:
+    """A vector has one number an axis, which the schema alone can't know."""
+    for key in _VECTORS:
+        if key in item and len(item[key]) != dimension:
+            raise DataError(said((*path, key), f"the list has {len(item[key])} numbers; this scene's "
+                                               f"dimension wants {dimension}"))
+
+
+def _check_phase(path: Path, item: Mapping[str, Any], scene: Scene) -> None:
+    if item.get("phase", 0) >= max(len(scene.phases), 1):
+        raise DataError(said((*path, "phase"), f"the value is {item['phase']}; the scene has "
+                                               f"{len(scene.phases)} phases, counted from 0"))
+
+
+def _check_block(path: Path, block: Mapping[str, Any], scene: Scene) -> None:
+    _check_lengths(path, block, scene.dimension)
+    _check_phase(path, block, scene)
+    _fill_velocities(block, np.zeros((1, scene.dimension)), scene.dimension)
+
+
+def _object_of(path: Path, item: Mapping[str, Any], dimension: int,
+               kinds: Mapping[str, type[Any]]) -> Any:
+    """The object of the class that its shape says, whose attributes have the keys' names."""
+    _check_lengths(path, item, dimension)
+    values = {key: value for key, value in item.items()
+              if key not in ("shape", "motion", "geometry")}
+    if "path" in values:
+        values["path"] = MotionPath[values["path"].upper()]
+    return kinds[item["shape"]](**values)
 
 
 def _numbers(source: Mapping[str, Any], key: str, count: int) -> NDArray[np.float64]:
     return np.array(reals(f'"{key}"', source.get(key, [0.0] * count), (count,)))
 
 
-def _collider_of(where: str, item: Any, dimension: int) -> tuple[Collider, list[Stretch]]:
-    _check_keys(where, item, _COLLIDER)
-    if item.get("shape") not in _SHAPES or "position" not in item:
-        raise DataError(f'{where} needs a "position" and a "shape", one of {", ".join(_SHAPES)}')
-    motion = []
-    for stretch in _listed(f'{where}: "motion"', item.get("motion", [])):
-        _check_keys(f'{where}: "motion"', stretch, {"duration", "velocity", "angular_velocity"})
-        motion.append(Stretch(real('"duration"', stretch.get("duration")),
-                              tuple(_numbers(stretch, "velocity", dimension)),
+def _add_collider(path: Path, item: Mapping[str, Any], scene: Scene) -> None:
+    collider, motion = _object_of(path, item, scene.dimension, _COLLIDERS), []
+    for i, stretch in enumerate(item.get("motion", [])):
+        _check_lengths((*path, "motion", i), stretch, scene.dimension)
+        motion.append(Stretch(real('"duration"', stretch["duration"]),
+                              tuple(_numbers(stretch, "velocity", scene.dimension)),
                               tuple(_numbers(stretch, "angular_velocity", 3))))
-    values = {key: value for key, value in item.items() if key not in ("shape", "motion")}
-    collider = _SHAPES[item["shape"]](**values)
     if motion:
         collider.velocity = motion[0].velocity
         collider.angular_velocity = motion[0].angular_velocity
-    return collider, motion
+    name = item.get("geometry")
+    if name is not None and name not in scene.shapes:
+        raise DataError(said((*path, "geometry"), f'there is no shape "{name}"'
+                             f'{near_name(name, scene.shapes)}; the scene\'s "shapes" has them by '
+                             "their names"))
+    if name is not None:
+        scene.geometries[len(scene.colliders)] = name
+    scene.colliders.append(collider)
+    scene.motions.append(motion)
+
+
+def _with_mesh(name: str, shape: Mapping[str, Any], dimension: int,
+               folder: pathlib.Path) -> dict[str, Any]:
+    """The same with the vertices and faces of its file."""
+    _check_lengths(("shapes", name), shape, dimension)
+    if "file" not in shape:
+        return dict(shape)
+    try:
+        vertices, faces = read_mesh(folder / shape["file"], dimension)
+    except Error as error:
+        raise DataError(said(("shapes", name, "file"), str(error))) from None
+    kept = {key: value for key, value in shape.items() if key != "file"}
+    return {**kept, "vertices": vertices, "faces": faces}
+
+
+def _geometry(name: str, shape: Mapping[str, Any], dimension: int) -> Geometry:
+    cell = shape["cell"]
+    try:
+        if shape["from"] == "mesh":
+            return Geometry.from_mesh(_rows(shape["vertices"], dimension),
+                                      _rows(shape["faces"], dimension), cell=cell,
+                                      thickness=shape.get("thickness", 0.0))
+        if shape["from"] == "points":
+            return Geometry.from_points(_rows(shape["points"], dimension), cell=cell)
+        if shape["from"] == "heights":
+            # The file has a list along x for each z, the library's arrays x first.
+            return Geometry.from_heights(_rows(shape["heights"], None if dimension == 3 else 0).T,
+                                         spacing=shape["spacing"], base=shape["base"], cell=cell)
+        values = np.array(shape["values"], float)
+        if values.size != np.prod(shape["nodes"]):
+            raise DataError(f"the list has {values.size} numbers; the nodes are "
+                            f"{np.prod(shape['nodes'])}")
+        return Geometry.from_grid(values.reshape(shape["nodes"], order="F"), shape["origin"], cell)
+    except Error as error:
+        raise DataError(said(("shapes", name), str(error))) from None
+
+
+def _rows(lists: Any, length: int | None) -> NDArray[Any]:
+    """Rows of `length` numbers; None: all as long as the first; 0: numbers, no rows."""
+    if isinstance(lists, np.ndarray):
+        return lists
+    wanted = len(lists[0]) if length is None and isinstance(lists[0], list) else length
+    for each in lists:
+        if (len(each) if isinstance(each, list) else 0) != wanted:
+            raise DataError(f"a list has {each!r}; wanted: rows of {wanted} numbers")
+    return np.array(lists)
+
+
+def _rate(emitter: Emitter, dimension: int, spacing: float) -> float:
+    """No more volume a time unit than its columns carry, of which a side has one at least."""
+    if emitter.rate > 0:
+        return emitter.rate
+    if isinstance(emitter, RectangleEmitter):
+        sides = (emitter.half_width, emitter.half_height)
+    else:
+        sides = (emitter.radius,) * 2  # type: ignore[attr-defined]
+    area = float(np.prod([2 * side + spacing for side in sides[:dimension - 1]]))
+    return area * float(np.linalg.norm(np.array(emitter.velocity)[:dimension]))
 
 
 def _points(block: Mapping[str, Any], spacing: float) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -309,7 +423,7 @@ def _fill_velocities(block: Mapping[str, Any], offsets: NDArray[Any],
     velocities += turned[:, :dimension]
     if "velocity_gradient" in block:
         rows = [reals('"velocity_gradient"', row, (dimension,))
-                for row in _listed('"velocity_gradient"', block["velocity_gradient"])]
+                for row in block["velocity_gradient"]]
         if len(rows) != dimension:
             raise DataError(f'"velocity_gradient" has {len(rows)} rows; wanted: {dimension}')
         velocities += offsets @ np.array(rows).T

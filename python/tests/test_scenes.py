@@ -23,7 +23,8 @@ def test_every_scene_runs(name):
     assert scene.name == pathlib.Path(name).name and scene.description and scene.steps > 0
     fluid = scene.solver(backend=BACKEND)
     fluid.step()
-    assert fluid.count == len(scene.particles()[0]) and fluid.steps_done == 1
+    came = fluid.in_out.emitted - fluid.in_out.drained
+    assert fluid.count == len(scene.particles()[0]) + came and fluid.steps_done == 1
     assert fluid.time_step == scene.params["time_step"]
     fluid.close()
 
@@ -98,13 +99,30 @@ def change(path, value):
 
 @pytest.mark.parametrize("changed, words", [
     (change(["steps"], None), '"steps"'), (change(["stepps"], 3), 'did you mean "steps"'),
-    (change(["dimension"], 4), '"dimension"'), (change(["params", "viscocity"], 1), "viscosity"),
+    (change(["dimension"], 4), "/dimension: the value is 4"), (change(["params", "viscocity"], 1), "viscosity"),
     (change(["params", "gravity"], [1, 2]), "gravity"), (change(["blocks", 0, "min"], None), '"min"'),
-    (change(["blocks", 0, "shape"], "cone"), "cone"), (change(["blocks"], 3), '"blocks"'),
-    (change(["blocks", 0, "max"], [1, "x", 1]), '"max"'),
+    (change(["blocks", 0, "shape"], "cone"), "cone"), (change(["blocks"], 3), "/blocks: the value is 3"),
+    (change(["blocks", 0, "max"], [1, "x", 1]), "/blocks/0/max/1"),
     (change(["colliders"], [{"shape": "torus", "position": [0, 0, 0]}]), "capsule"),
     (change(["colliders"], [{"shape": "sphere", "position": [0, 0, 0], "radus": 1}]), "radius"),
-    (change(["version"], 2), '"version"')])
+    (change(["version"], 2), "/version: the value is 2"),
+    (change(["blocks"], []), "at least one where there are no emitters"),
+    (change(["blocks", 0, "max"], [1, 1]), "/blocks/0/max: the list has 2 numbers"),
+    (change(["blocks", 0, "phase"], 1), "/blocks/0/phase: the value is 1; the scene has 0 phases"),
+    (change(["phases"], [{"rest_density": 0}]), "/phases/0/rest_density: the value is 0; wanted: a "
+     "number above 0"),
+    (change(["emitters"], [{"shape": "disc", "position": [0, 0, 0], "half_width": 1}]),
+     '"half_width" does not belong here'),
+    (change(["emitters"], [{"shape": "disc", "position": [0, 0, 0], "phase": 2}]),
+     "/emitters/0/phase: the value is 2"),
+    (change(["drains"], [{"shape": "box"}]), '/drains/0: "position" is missing'),
+    (change(["colliders"], [{"shape": "shape", "position": [0, 0, 0]}]), '"geometry" is missing'),
+    (change(["colliders"], [{"shape": "shape", "position": [0, 0, 0], "geometry": "cup"}]),
+     'there is no shape "cup"'),
+    (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1}}), '/shapes/cup: "vertices" is missing'),
+    (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1, "file": "none.obj"}}),
+     "none.obj can't be read"),
+    (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1, "file": "cup.3ds"}}), ".obj and .stl")])
 def test_bad_files_say_what_is_wrong(changed, words, tmp_path):
     scene = json.loads((pathlib.Path(pbf.__file__).parent / "scenes/dam-break-3d.json").read_text())
     changed(scene)
@@ -113,6 +131,106 @@ def test_bad_files_say_what_is_wrong(changed, words, tmp_path):
     with pytest.raises(pbf.DataError, match=words) as caught:
         pbf.load_scene(path)
     assert "bad.json" in str(caught.value)
+
+
+def with_shape(shape, dimension=3):
+    place = [0.5] * dimension
+    return {"version": 1, "description": "d", "purpose": "p", "dimension": dimension, "steps": 1,
+            "params": {}, "blocks": [{"shape": "ball", "center": [0.9] * dimension, "radius": 0.1}],
+            "shapes": {"it": shape},
+            "colliders": [{"shape": "shape", "geometry": "it", "position": place, "scale": 2,
+                           "path": "screw", "friction": 0.5, "no_slip": 0.25, "inverted": True}]}
+
+
+TETRAHEDRON = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]
+FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+
+
+@pytest.mark.parametrize("shape, volume", [
+    ({"from": "mesh", "vertices": TETRAHEDRON, "faces": FACES, "cell": 0.005}, 0.001 / 6),
+    ({"from": "points", "points": TETRAHEDRON, "cell": 0.005}, 0.001 / 6),
+    # Flat along z, 0.2 to 0.3 along x: the file has a list along x for each z.
+    ({"from": "heights", "heights": [[0.1, 0.2, 0.3]] * 5, "spacing": 0.1, "base": 0, "cell": 0.01},
+     0.2 * 0.4 * 0.2)])
+def test_shapes_have_the_volume_of_what_they_are_made_from(shape, volume):
+    with pbf.load_scene(with_shape(shape)).solver(backend=BACKEND) as fluid:
+        solid, = fluid.colliders
+        assert solid.geometry.volume == pytest.approx(volume, rel=0.05)
+        assert (solid.scale, solid.friction, solid.no_slip) == (2, 0.5, 0.25)
+        assert solid.inverted and solid.path == pbf.MotionPath.SCREW
+
+
+def test_a_grid_is_read_x_first():
+    """The distance from the line x + y / 2 = 0.45, whose numbers differ along the two axes."""
+    nodes, cell = (12, 8), 0.1
+    values = [max((0.1 * i + 0.05 * j - 0.45) / np.hypot(1, 0.5), 0.05 - 0.1 * min(i, j, 11 - i, 7 - j))
+              for j in range(nodes[1]) for i in range(nodes[0])]
+    shape = {"from": "grid", "nodes": list(nodes), "origin": [0, 0], "values": values, "cell": cell}
+    solid, = pbf.load_scene(with_shape(shape, 2))._with_geometries()
+    assert solid.geometry.distance((0.2, 0.2)) < 0 < solid.geometry.distance((0.2, 0.55))
+    assert solid.geometry.distance((0.25, 0.25)) == pytest.approx(-0.075 / np.hypot(1, 0.5), abs=0.01)
+
+
+def test_open_meshes_are_refused_by_name():
+    shape = {"from": "mesh", "vertices": TETRAHEDRON, "faces": FACES[:3], "cell": 0.005}
+    with pytest.raises(pbf.DataError, match="/shapes/it: mesh is open"):
+        pbf.load_scene(with_shape(shape)).solver(backend=BACKEND)
+
+
+def test_meshes_of_files(tmp_path):
+    """The cube of side 1, as squares of OBJ and as triangles of both kinds of STL."""
+    corners = [(i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
+    squares = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    obj = "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "g of squares\n"
+    obj += "".join("f " + " ".join(f"{i - 8}/1/2" for i in square) + "\n" for square in squares)
+    triangles = [[corners[i] for i in (a, *pair)]
+                 for a, b, c, d in squares for pair in ((b, c), (c, d))]
+    lines = ["solid cube"] + [f"vertex {x} {y} {z}" for each in triangles for x, y, z in each]
+    packed = b"".join(np.array([(0, 0, 0), *each], "<f4").tobytes() + b"\0\0" for each in triangles)
+    (tmp_path / "cube.obj").write_text(obj)
+    (tmp_path / "text.stl").write_text("\n".join(lines))
+    (tmp_path / "binary.STL").write_bytes(b"solid".ljust(80) + (12).to_bytes(4, "little") + packed)
+    for name in ("cube.obj", "text.stl", "binary.STL"):
+        scene = with_shape({"from": "mesh", "file": name, "cell": 0.05})
+        (tmp_path / "scene.json").write_text(json.dumps(scene))
+        solid, = pbf.load_scene(tmp_path / "scene.json")._with_geometries()
+        assert solid.geometry.volume == pytest.approx(1, rel=0.02)
+    (tmp_path / "cube.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    scene["shapes"]["it"]["file"] = "cube.obj"
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(pbf.DataError, match='cube.obj:2: "2" is none of the 1 vertices'):
+        pbf.load_scene(tmp_path / "scene.json")
+
+
+def test_what_comes_and_goes():
+    """0.06 a second for half a second, in particles of 0.05³; the capacity is that of the run."""
+    scene = pbf.load_scene("mill-wheel")
+    placed = len(scene.particles()[0])
+    with scene.solver(backend=BACKEND) as fluid:
+        assert fluid.capacity == placed + int(0.06 * 4 / 0.05**3 + 0.5) + 1
+        fluid.step(60)
+        assert abs(fluid.in_out.emitted - 0.06 * 0.5 / 0.05**3) <= 1
+        assert fluid.count == placed + fluid.in_out.emitted - fluid.in_out.drained
+
+
+def test_phases_are_those_of_the_blocks():
+    with pbf.load_scene("oil-on-water").solver(backend=BACKEND) as fluid:
+        assert [phase.rest_density for phase in fluid.phases] == [1, 0.7]
+        oil = fluid.particle_phases == 1
+        assert oil.sum() == 20 * 16 and fluid.positions[oil, 0].max() < 0.5 < fluid.positions[~oil, 0].min()
+
+
+def test_periodic_axes_are_a_list_of_names():
+    with pbf.load_scene("periodic-channel").solver(backend=BACKEND) as fluid:
+        assert fluid.periodic == pbf.Periodic.X
+        fluid.periodic = "y"
+        assert fluid.periodic == pbf.Periodic.Y
+
+
+def test_finer_fluids_have_finer_shapes():
+    scene = pbf.load_scene("mill-wheel")
+    assert scene.refined(2).shapes["bed"]["cell"] == 0.0125
+    assert scene.refined(0.5).shapes["bed"]["cell"] == 0.025
 
 
 def test_files_that_are_none(tmp_path):

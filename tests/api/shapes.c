@@ -238,6 +238,28 @@ static void bad_meshes_are_refused(void **state) {
   mesh_free(&m);
 }
 
+/* The bed of a river that falls by 1 : 20 between its banks: neighbours lie in one plane but for
+ * what is rounded, and as heights no terrain crosses itself. */
+static void terrains_of_planes_are_taken(void **state) {
+  (void)state;
+  double heights[13 * 23];
+  for (int k = 0; k < 13; ++k)
+    for (int i = 0; i < 23; ++i) {
+      const double off = fmax(fabs(-0.6 + 0.1 * k) - 0.2, 0), bank = fmin(1.5 * off, 0.3);
+      heights[23 * k + i] = 0.3 - 0.05 * (0.1 * i - 0.1) + bank;
+    }
+  const pbf_heights_desc desc = {.struct_size = sizeof desc,
+                                 .dimension = 3,
+                                 .count = {23, 13},
+                                 .heights = heights,
+                                 .spacing = 0.1,
+                                 .base = -0.3,
+                                 .cell = 0.05};
+  pbf_shape *shape = NULL;
+  assert_ok(pbf_shape_from_heights(&desc, &shape));
+  pbf_release_shape(shape);
+}
+
 static void bad_colliders_are_refused(void **state) {
   (void)state;
   pbf_shape *flat = small_ball(2), *full = small_ball(3);
@@ -322,6 +344,7 @@ int main(void) {
       cmocka_unit_test(meshes_are_solids),
       cmocka_unit_test(bad_grids_are_refused),
       cmocka_unit_test(bad_meshes_are_refused),
+      cmocka_unit_test(terrains_of_planes_are_taken),
       cmocka_unit_test(bad_colliders_are_refused),
       cmocka_unit_test(shapes_live_as_long_as_they_are_held),
       cmocka_unit_test(states_name_shapes),

@@ -117,6 +117,42 @@ void a_recording_runs_again_and_says_where_another_run_parts(void **) {
   assert_int_equal(at.exit_code, 2);
 }
 
+// A paddle of four points that turns back after 5 of 20 steps, under a tap, above a drain, in oil.
+const char *const mill =
+    R"({"version": 1, "description": "a", "purpose": "b", "dimension": 2, "steps": 20, "params": {},
+  "phases": [{}, {"rest_density": 0.5}],
+  "blocks": [{"shape": "box", "min": [0, 0], "max": [1, 0.3], "phase": 1}],
+  "shapes": {"other": {"from": "points", "points": [[0, 0], [0.1, 0], [0, 0.1]], "cell": 0.02},
+    "paddle": {"from": "mesh", "vertices": [[-0.2, -0.05], [0.2, -0.05], [0.2, 0.05], [-0.2, 0.05]],
+               "faces": [[0, 1], [1, 2], [2, 3], [3, 0]], "cell": 0.02}},
+  "colliders": [{"shape": "shape", "geometry": "paddle", "position": [0.5, 0.3],
+    "motion": [{"duration": 0.041666667, "angular_velocity": [0, 0, 3]},
+               {"duration": 0.2, "angular_velocity": [0, 0, -3]}]}],
+  "emitters": [{"shape": "disc", "position": [0.5, 0.8], "radius": 0.1}],
+  "drains": [{"shape": "sphere", "position": [0, 0], "radius": 0.2}]})";
+
+void a_recording_has_the_shapes_of_its_scene(void **) {
+  const std::string folder = work_folder("recorded_shapes");
+  skip_unless_available(folder, "reference");
+  write_text(folder + "/mill.json", mill);
+  const Outcome recorded =
+      run_program(folder, "record --backend reference --to mill.record --scene mill.json");
+  assert_string_equal(recorded.err.c_str(), "");
+  expect_contains(run_program(folder, "replay mill.record").out,
+                  "the same: 20 hashes, up to step 20, with 1 changes on the way");
+  // Without the paddle its state can't be, and a collider's number is that of no shape.
+  const std::string text = read_text(folder + "/mill.record");
+  const size_t other = text.find("\nshape "), paddle = text.find("\nshape ", other + 1);
+  write_text(folder + "/none.record",
+             text.substr(0, paddle) + text.substr(text.find('\n', paddle + 1)));
+  const Outcome none = run_program(folder, "replay none.record");
+  expect_contains(none.err, "shape");
+  assert_true(none.exit_code == 1 || none.exit_code == 2);
+  write_text(folder + "/wrong.record",
+             text.substr(0, other) + "\nshape {\"from\": 3}" + text.substr(paddle));
+  expect_contains(run_program(folder, "replay wrong.record").err, "wrong.record:4");
+}
+
 void a_file_that_cant_be_written_exits_with_1(void **) {
   const std::string folder = work_folder("unwritable");
   skip_unless_available(folder, "reference");
@@ -297,6 +333,7 @@ int main() {
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
       cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
+      cmocka_unit_test(a_recording_has_the_shapes_of_its_scene),
       cmocka_unit_test(a_run_writes_its_trace_and_dumps),
       cmocka_unit_test(a_dump_takes_the_place_of_another),
       cmocka_unit_test(a_trace_to_standard_output_is_alone_there),

@@ -5,6 +5,7 @@
 
 #include "bench_test.h"
 #include "core/error.h"
+#include "scene/objects.h"
 #include "scene/params.h"
 #include "scene/scene.h"
 
@@ -29,38 +30,60 @@ std::string refusal(const std::string &setting) {
   }
 }
 
-size_t size_of(ParamType type) {
+size_t size_of(FieldType type) {
   switch (type) {
-    case ParamType::number:
+    case FieldType::number:
       return sizeof(double);
-    case ParamType::vector:
+    case FieldType::vector:
+    case FieldType::vector3:
       return 3 * sizeof(double);
-    case ParamType::walls:
+    case FieldType::quaternion:
+      return 4 * sizeof(double);
+    case FieldType::other:
+      return sizeof(void *);
+    case FieldType::walls:
       return 6 * sizeof(double);
     default:
       return sizeof(uint32_t);
   }
 }
 
-// A field that the library has and the table lacks leaves a hole.
-void the_table_covers_the_whole_struct(void **) {
+// A field that the library has and the table lacks leaves a hole. `unnamed`: of a reserved one.
+void expect_no_holes(const std::vector<Field> &fields, size_t unnamed, size_t size) {
   std::vector<std::pair<size_t, size_t>> taken = {{0, sizeof(uint32_t)}};  // struct_size
-  for (const ParamField &field : param_fields())
-    taken.push_back({field.offset, size_of(field.type)});
+  if (unnamed > 0) taken.push_back({unnamed, sizeof(uint32_t)});
+  for (const Field &field : fields) taken.push_back({field.offset, size_of(field.type)});
   std::sort(taken.begin(), taken.end());
   size_t end = 0;
-  for (const auto &[offset, size] : taken) {
+  for (const auto &[offset, room] : taken) {
     assert_int_equal(offset, end);
-    end = offset + size;
+    end = offset + room;
   }
-  assert_int_equal(end, sizeof(pbf_params));
+  assert_int_equal(end, size);
+}
+
+void the_tables_cover_the_whole_structs(void **) {
+  expect_no_holes(param_fields(), 0, sizeof(pbf_params));
+  expect_no_holes(phase_fields(), 0, sizeof(pbf_phase));
+  expect_no_holes(emitter_fields(), offsetof(pbf_emitter, reserved), sizeof(pbf_emitter));
+  expect_no_holes(drain_fields(), 0, sizeof(pbf_volume));
+  if (sizeof(void *) == sizeof(double))  // others have a gap behind the pointer
+    expect_no_holes(collider_fields(), 0, sizeof(pbf_collider));
 }
 
 void the_schema_knows_the_same_names(void **) {
   const auto schema = nlohmann::json::parse(read_text(PBF_TEST_SCENES "/scene.schema.json"));
   const auto &known = schema.at("definitions").at("params").at("properties");
   assert_int_equal(known.size(), param_fields().size());
-  for (const ParamField &field : param_fields()) assert_true(known.contains(field.name));
+  for (const Field &field : param_fields()) assert_true(known.contains(field.name));
+  const std::pair<const char *, const std::vector<Field> &> objects[] = {
+      {"phase", phase_fields()},
+      {"collider", collider_fields()},
+      {"emitter", emitter_fields()},
+      {"drain", drain_fields()}};
+  for (const auto &[name, fields] : objects)
+    for (const Field &field : fields)
+      assert_true(schema.at("definitions").at(name).at("properties").contains(field.name));
 }
 
 void a_setting_replaces_the_scenes_value(void **) {
@@ -111,7 +134,7 @@ void wrong_settings_are_refused(void **) {
 
 int main() {
   const CMUnitTest tests[] = {
-      cmocka_unit_test(the_table_covers_the_whole_struct),
+      cmocka_unit_test(the_tables_cover_the_whole_structs),
       cmocka_unit_test(the_schema_knows_the_same_names),
       cmocka_unit_test(a_setting_replaces_the_scenes_value),
       cmocka_unit_test(what_a_scene_leaves_out_is_the_librarys_default),
