@@ -57,6 +57,7 @@ void overfull_piston(Record &record);
 // several_fluids.cpp
 void mass_ratio(Record &record);
 void density_ratio(Record &record);
+void heavy_above(Record &record);
 // misuse.cpp
 void bad_numbers(Record &record);
 void bad_domains(Record &record);

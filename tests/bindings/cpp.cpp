@@ -694,7 +694,6 @@ int main() {
     cmocka_unit_test_teardown(worlds_fall_as_they_would_alone, nothing_live),
     cmocka_unit_test_teardown(a_world_that_fails_says_so, nothing_live),
     cmocka_unit_test_teardown(worlds_and_batches_go_in_any_order, nothing_live),
-    cmocka_unit_test_teardown(queries_answer, nothing_live),
     cmocka_unit_test_teardown(spray_flies, nothing_live),
     cmocka_unit_test_teardown(struct_sizes_are_set, nothing_live),
     cmocka_unit_test_teardown(moved_from_is_refused, nothing_live),

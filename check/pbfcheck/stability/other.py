@@ -1,4 +1,4 @@
-"""Drops, long runs, and two fluids that this library does not have."""
+"""Drops, long runs, and calls that must be refused."""
 import numpy as np
 
 from .everywhere import centre, failed_calls, refusals

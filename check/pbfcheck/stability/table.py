@@ -2,7 +2,7 @@
 import os
 
 from ..fault import DumpFault, NotApplicable
-from . import column, few, gravity, other, overlap, place, same, sleep, time_step, walls
+from . import column, few, fluids, gravity, other, overlap, place, same, sleep, time_step, walls
 from .everywhere import everywhere
 from .files import CaseFiles
 
@@ -12,11 +12,11 @@ JUDGES = {
     9: time_step.tiny_step, 10: time_step.alternating_step, 11: column.deep_columns,
     12: column.many_iterations, 13: gravity.heavy, 14: gravity.flipping_gravity, 15: place.far_origin,
     16: walls.fast_at_thin_wall, 17: walls.long_at_thin_wall, 18: walls.piston, 19: walls.overfull_piston,
-    20: other.misuse, 21: other.misuse, 22: other.misuse, 23: other.misuse, 24: walls.thin_domain,
+    20: fluids.mass_ratio, 21: fluids.density_ratio, 22: other.misuse, 23: other.misuse, 24: walls.thin_domain,
     25: walls.leaving, 26: other.misuse, 27: overlap.neighbor_overflow, 28: gravity.sudden_changes,
     29: other.colliding_drops, 30: other.long_runs, 31: sleep.sleep_and_wake, 32: same.save_and_load, 33: same.thread_counts,
     34: same.turning_tank, 35: place.tank_lengths, 36: overlap.dense_start, 37: same.permuted,
-    38: same.turned_and_mirrored}
+    38: same.turned_and_mirrored, 39: fluids.heavy_above}
 
 
 def _figures(files):
