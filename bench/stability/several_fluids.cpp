@@ -36,12 +36,14 @@ void two_drops(Record &record, const std::string &label, double ratio) {
 
 // A heavier fluid above stays there, as in a glass without a breath of air, unless it is uneven.
 void two_layers(Record &record, const std::string &label, double below, double above,
-                uint32_t steps, double uneven = 0) {
+                uint32_t steps, double uneven = 0, double support_over_spacing = 2) {
   const double side = record.quick_or(0.4, 0.6), height = record.quick_or(0.2, 0.4);
   Start start = tank({side, 3 * height, side}, {side, 2 * height, side});
   start.particles = box({0, 0, 0}, {side, height, side});
   const auto second = uint32_t(start.particles.count);
   append(start.particles, box({0, height, 0}, {side, 2 * height, side}));
+  start.params.spacing = spacing;
+  start.params.smoothing_radius = support_over_spacing * spacing;
   if (uneven > 0) jitter(start.particles, uneven, 1);
   Trial trial(record, label, start);
   set_two_phases(record, label, trial, second, below, above);
@@ -63,7 +65,9 @@ void density_ratio(Record &record) {
 }
 
 void heavy_above(Record &record) {
-  two_layers(record, "sort-2", 0.5, 1, record.quick_or(720u, 1440u), 0.2 * spacing);
+  const uint32_t steps = record.quick_or(720u, 1440u);
+  two_layers(record, "sort-2", 0.5, 1, steps, 0.2 * spacing);
+  two_layers(record, "sort-2-wide", 0.5, 1, steps, 0.2 * spacing, 2.5);
 }
 
 }  // namespace bench::stability
