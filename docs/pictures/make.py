@@ -4,7 +4,7 @@
     make.py BIN [NAME…]    BIN: the folder of a build's programs, build/release/bin
 
 Without names all: `parameters` (three values of each parameter, beside each other), `tutorial` (a picture for each stage) `moving` (the
-README's), `foam` and `view` (pbf-view's, where the build has it). Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
+README's), `foam` and `view` (pbf-view's, where the build has it). `mill-wheel` is the program in docs/shapes.md. Writes WebP files beside itself. Needs python3-pil. Bits, and so pictures, may differ on other instruction sets.
 """
 import json
 import pathlib

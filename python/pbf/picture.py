@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError, MissingExtraError
 from ._numbers import real, reals
-from .colliders import Box, Capsule, Collider, Sphere
+from . import _drawn_solids
+from .colliders import Box, Capsule, Collider, Solid, Sphere
 
 if TYPE_CHECKING:
     from .solver import Solver
@@ -163,9 +164,19 @@ def _hit(collider: Collider, start: Vector, into: Vector) -> tuple[Vector, Vecto
         return _hit_box(start, into, center, _three(collider.half_extents, 1.0), turn)
     if isinstance(collider, Sphere):
         return _hit_ball(start, into, center, collider.radius)
+    if isinstance(collider, Solid):
+        return _hit_solid(start, into, center, collider, turn)
     axis = turn @ _three(collider.axis)
     return _hit_capsule(start, into, center, axis / max(float(np.linalg.norm(axis)), 1e-300),
                         collider.radius, collider.half_length)
+
+
+def _hit_solid(start: Vector, into: Vector, center: Vector, solid: Solid,
+               turn: Vector) -> tuple[Vector, Vector]:
+    assert solid.geometry is not None  # a solver's has one
+    local = (start - center) @ turn / solid.scale
+    distance, normals = _drawn_solids.hit(solid.geometry, local, into @ turn)
+    return distance * solid.scale, normals @ turn.T
 
 
 def _hit_capsule(start: Vector, into: Vector, center: Vector, axis: Vector, radius: float,
@@ -192,6 +203,8 @@ def _reach(collider: Collider) -> float:
     """The radius of a ball about its position that it is in."""
     if isinstance(collider, Box):
         return float(np.linalg.norm(_three(collider.half_extents, 1.0)))
+    if isinstance(collider, Solid) and collider.geometry is not None:
+        return _drawn_solids.reach(collider.geometry, collider.scale)
     return collider.radius + (collider.half_length if isinstance(collider, Capsule) else 0)
 
 
@@ -258,7 +271,7 @@ def render(fluid: Solver, size: tuple[int, int] = (800, 600), *,
     for start, end in _edges(camera.project(camera.corners)):
         canvas.line(start, end)
     solids = [each for each in fluid.colliders if not each.inverted
-              and isinstance(each, (Box, Sphere, Capsule))] if colliders else []
+              and isinstance(each, (Box, Sphere, Capsule, Solid))] if colliders else []
     for solid in solids:
         pixel, start = _rays(camera, _three(solid.position), _reach(solid))
         distance, normals = _hit(solid, start, camera.axes[2])

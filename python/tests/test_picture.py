@@ -70,6 +70,40 @@ def test_colliders_are_seen(make):
     assert (fluid.render((120, 90), colliders=False) == empty).all()
 
 
+def test_solids_of_any_form_are_drawn_as_what_they_are(make):
+    """A ball and a box as distances on a grid look as a Sphere and a Box do, turned and scaled."""
+    fluid = make()
+    cell, n = 0.05, 33
+    x, y, z = np.meshgrid(*[cell * (np.arange(n) - n // 2)] * 3, indexing="ij")
+    turn = (0.0, 0.0, np.sin(0.2), np.cos(0.2))
+    ball = pbf.Geometry.from_grid(np.sqrt(x**2 + y**2 + z**2) - 0.6, (-cell * (n // 2),) * 3, cell)
+    corners = np.array(np.meshgrid(*[(-0.3, 0.3)] * 3)).reshape(3, -1).T
+    brick = pbf.Geometry.from_points(corners, cell=0.02)
+    pairs = ((pbf.Solid((0.5, 0.5, 0.5), geometry=ball, scale=0.5), pbf.Sphere((0.5, 0.5, 0.5), radius=0.3)),
+             (pbf.Solid((0.4, 0.5, 0.5), geometry=brick, orientation=turn),
+              pbf.Box((0.4, 0.5, 0.5), half_extents=(0.3, 0.3, 0.3), orientation=turn)))
+    empty = fluid.render((120, 90)).astype(int)
+    for solid, same in pairs:
+        fluid.colliders = same
+        right = fluid.render((120, 90)).astype(int)
+        fluid.colliders = solid
+        image = fluid.render((120, 90)).astype(int)
+        drawn, covered = (np.abs(each - empty).max(axis=2) > 20 for each in (image, right))
+        assert covered.sum() > 500
+        assert (drawn != covered).sum() < 0.06 * covered.sum()  # half a pixel along the outline
+        assert np.abs(image - right)[drawn & covered].mean() < 6
+
+
+def test_flat_solids_are_drawn_by_their_inside(make):
+    fluid = make(dimension=2)
+    square = np.array([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)])
+    fluid.colliders = pbf.Box((0.5, 0.5), half_extents=(0.2, 0.2))
+    right = fluid.render((120, 90)).astype(int)
+    fluid.colliders = pbf.Solid((0.5, 0.5), geometry=pbf.Geometry.from_points(square, cell=0.01))
+    image = fluid.render((120, 90)).astype(int)
+    assert (np.abs(image - right).max(axis=2) > 20).mean() < 0.02
+
+
 @pytest.mark.parametrize("options, words", [
     ({"size": (0, 5)}, "size"), ({"colour": "taste"}, '"speed"'), ({"colour": [1, 2]}, "1000")])
 def test_refusals(dam, options, words):
