@@ -1,6 +1,7 @@
 /* pbf.hpp as programs use it; built with exceptions and without. Of the backend PBF_TEST_BACKEND.
  */
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -24,10 +25,10 @@ static_assert(std::is_convertible_v<std::vector<float> &, pbf::span<const float>
 static_assert(!std::is_convertible_v<std::vector<float> &, pbf::span<const double>>);
 static_assert(!std::is_convertible_v<const std::vector<float> &, pbf::span<float>>);
 
-/* malloc, counted. */
+/* malloc, counted; of a batch by several threads at once. */
 class counted final : public pbf::allocator {
  public:
-  long live = 0;
+  std::atomic<long> live{0};
   long until_none = -1; /* allocations until there is no memory; -1: never */
   void *allocate(std::uint64_t size, std::uint64_t alignment) noexcept override {
     if (until_none == 0) return nullptr;
