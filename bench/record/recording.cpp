@@ -165,7 +165,7 @@ void RecordWriter::colliders(const std::vector<pbf_collider> &colliders) {
     uintptr_t number = 0;
     for (size_t i = 0; i < shapes_.size(); ++i)
       if (collider.geometry && shapes_[i].handle.get() == collider.geometry) number = i + 1;
-    std::memcpy(&collider.geometry, &number, sizeof collider.geometry);
+    std::memcpy(&collider.geometry, &number, sizeof number);  // as wide as an address
   }
   line("colliders", numbered.data(), numbered.size() * sizeof(pbf_collider));
 }

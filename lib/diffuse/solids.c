@@ -195,7 +195,8 @@ static void push(const solid *s, pbf_diffuse_particle *p) {
 }
 
 /* The ball around all particles: most colliders of a large scene are not near it. */
-static double ball_around(const pbf_diffuse *d, uint32_t n, double centre[3]) {
+static double ball_around(const pbf_diffuse *d, uint32_t dimension, double centre[3]) {
+  const uint32_t n = dimension == 3 ? 3 : 2;
   double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
   double square = 0;
   for (uint32_t i = 0; i < d->head.count; ++i)

@@ -151,7 +151,6 @@ static void check(const wall *tiles, uint32_t precision, double support, double 
 
 static void with_kinds(void (*with)(uint32_t dimension, uint32_t precision)) {
   int tried = 0;
-  if (test_is_stub()) test_skip("the stub has no fluid");
   for (uint32_t dimension = 2; dimension <= 3; ++dimension)
     for (uint32_t precision = 4; precision <= 8; precision += 4)
       if (test_has_kind(dimension, precision)) with(dimension, precision), ++tried;
@@ -204,5 +203,6 @@ int main(void) {
       cmocka_unit_test(aslant_and_where_they_overlap),
       cmocka_unit_test(fluid_sticks_to_them_as_to_one),
   };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  if (test_is_stub()) return TEST_SKIPPED;
+  return TEST_RUN(tests);
 }
