@@ -5,8 +5,7 @@
 
 #include "physics/collide.h"
 #include "physics/constants.h"
-#include "physics/facets.h"
-#include "physics/near_faces.h"
+#include "physics/near_planes.h"
 
 enum { PBF_WALL_LAST = PBF_WALL_NODES - 1 };
 
@@ -141,12 +140,6 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
 /* From where on surfaces contribute nothing. */
 PBF_FN pbf_real pbf_boundary_reach(const pbf_constants *c) { return c->h - c->wall_offset; }
 
-template <class Surface>
-PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real distance,
-                                         pbf_vec normal) {
-  return {normal, distance, pbf_surface_is_unbounded(s), solid};
-}
-
 /* The density that a face contributes by itself. Deep inside a surface that has another side it
  * stays what it is at its first node, and so has no slope there: a push that never lowers what it
  * is to undo would go on in every step. */
@@ -155,80 +148,6 @@ PBF_FN pbf_real pbf_face_density(const pbf_constants *c, const pbf_near_face &fa
   const pbf_real value = pbf_wall_density(c, face.distance, slope);
   if (!face.is_unbounded && face.distance < -c->wall_offset) *slope = 0;
   return value;
-}
-
-/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
-template <class Visit>
-PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                   pbf_vec x, pbf_real reach, Visit visit) {
-  pbf_facets facets;
-  pbf_find_facets(s, reach, c->h, x, &facets);
-  for (int k = 0; k < facets.count; ++k)
-    if (facets.of[k].distance < reach)
-      visit(pbf_face_of_surface(s, solid, facets.of[k].distance, facets.of[k].normal), 1);
-}
-
-/* Visits the planes of a surface within reach, but for flat faces, which are put among the others,
- * and edges, which are counted. */
-template <class Surface, class Visit>
-PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
-                             pbf_real reach, pbf_near_faces *faces, Visit visit) {
-  if (pbf_surface_is_beyond(s, x, reach)) return;
-  if (pbf_surface_is_field(s)) {
-    pbf_visit_field(c, s, solid, x, reach, visit);
-    return;
-  }
-  const pbf_nearest_part nearest = pbf_surface_nearest_part(s, x);
-  const int planes = pbf_surface_planes(s);
-  for (int plane = 0; plane < planes; ++plane) {
-    pbf_vec normal;
-    const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
-    if (!(distance < reach)) continue;
-    faces->edges += nearest == PBF_NEAREST_EDGE;
-    if (nearest == PBF_NEAREST_EDGE) continue;
-    const pbf_near_face face = pbf_face_of_surface(s, solid, distance, normal);
-    if (nearest == PBF_NEAREST_FACE)
-      pbf_put_face(&face, faces);
-    else
-      visit(face, 1);
-  }
-}
-
-/* Visits a surface whose edge is nearest, with the part that all faces leave of it. */
-template <class Surface, class Visit>
-PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
-                           pbf_real reach, const pbf_near_faces *faces, Visit visit) {
-  if (pbf_surface_is_beyond(s, x, reach) || pbf_surface_is_field(s)) return;
-  if (pbf_surface_nearest_part(s, x) != PBF_NEAREST_EDGE) return;
-  pbf_vec normal;
-  const pbf_real distance = pbf_surface_distance(s, x, &normal);
-  if (!(distance < reach)) return;
-  const pbf_real part = pbf_part_before_faces(c, faces, distance, normal);
-  if (part > 0) visit(pbf_face_of_surface(s, solid, distance, normal), part);
-}
-
-/* The domain's walls, too, leave of edges what rises from them. */
-PBF_FN_APART void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
-                                 pbf_near_faces *faces) {
-  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
-    pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall};
-    face.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
-    if (face.distance < c->h) pbf_put_face(&face, faces);
-  }
-}
-
-/* Calls visit(face, part) for the planes within reach of x by which surfaces contribute, and the
- * part of each that does; each(meet) calls meet(surface, number) for all surfaces, twice. */
-template <class Each, class Visit>
-PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
-                                pbf_real reach, Each each, Visit visit) {
-  pbf_near_faces faces;
-  faces.count = faces.edges = 0;
-  each([&](const auto &s, int solid) { pbf_meet_surface(c, &s, solid, x, reach, &faces, visit); });
-  for (int k = 0; k < faces.count; ++k) visit(faces.of[k], 1);
-  if (faces.edges == 0) return;
-  pbf_put_domain(c, domain, x, &faces);
-  each([&](const auto &s, int solid) { pbf_visit_edge(c, &s, solid, x, reach, &faces, visit); });
 }
 
 PBF_FN_APART void pbf_accumulate_face(const pbf_constants *c, const pbf_near_face &face,

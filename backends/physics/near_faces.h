@@ -1,4 +1,4 @@
-/* Part of boundary.h: the flat faces near a place, and what they leave of an edge.
+/* Part of near_planes.h: the flat faces near a place, and what they leave of an edge.
  *
  * Beside the end of a box its nearest point is on an edge, and the plane through that is askew to
  * both faces. Of a wall made of flush boxes those beside the one before a particle would each
