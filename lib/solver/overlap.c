@@ -90,6 +90,7 @@ pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
     return pbf_overlap_forget(solver);
   }
   double left = (solver->overlap.end - now) / solver->params.time_step;
-  if (solver->overlap.end > 0 && left < *steps) *steps = (uint32_t)ceil(left);
+  /* At least one: a time that is lost in rounding would else be waited for without a step. */
+  if (solver->overlap.end > 0 && left < *steps) *steps = left > 1 ? (uint32_t)ceil(left) : 1;
   return PBF_OK;
 }
