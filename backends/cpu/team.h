@@ -1,6 +1,6 @@
 /* The threads of a solver: what the `serial`, `threads` and `openmp` plugins do not share.
- * Everything that computes is the same object code for all (core.h): loops over tasks of the work,
- * whose results do not depend on how many tasks there are, nor on which thread did which. */
+ * Everything that computes is the same object code for all (core.h): loops over tasks of the work.
+ * Results depend neither on how many tasks there are, nor on which thread did which. */
 #ifndef PBF_CPU_TEAM_H
 #define PBF_CPU_TEAM_H
 

@@ -51,7 +51,7 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
   }
 }
 
-/* Visits a surface whose edge is nearest, with the part that all faces leave of it. */
+/* Visits a surface if an edge of it is nearest, with the part that all faces leave of it. */
 template <class Surface, class Visit>
 PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
                            pbf_real reach, const pbf_near_faces *faces, Visit visit) {

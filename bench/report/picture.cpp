@@ -110,8 +110,8 @@ class Painter {
     }
   }
 
-  // White, and small beside the fluid's particles, whose balls do not hide what is in them; in 2D
-  // they lie on top.
+  // White, and small beside the fluid's particles, the balls of which do not hide what is in them;
+  // in 2D they lie on top.
   void draw_diffuse(Canvas &canvas, const Frame &frame) const {
     const double around = view_.particle_radius * scale_ * subpixels;
     const double radius = std::max(0.22 * around, 1.0);

@@ -36,7 +36,7 @@ struct Field {
 size_t list_length(FieldType type, unsigned dimension);
 
 // Overwrites the members of `target` that `object` has, an object that keeps to the schema. Throws
-// ValueError for a list whose length does not fit the dimension.
+// ValueError for a list of a length that does not fit the dimension.
 void read_fields(const std::vector<Field> &fields, const nlohmann::json &object,
                  const nlohmann::json::json_pointer &where, unsigned dimension, void *target);
 

@@ -17,7 +17,7 @@ namespace bench {
 const std::vector<Field> &param_fields();
 
 // Overwrites the fields that `object` has, an object that keeps to the schema. Throws ValueError
-// for a list whose length does not fit the dimension.
+// for a list of a length that does not fit the dimension.
 void read_params(const nlohmann::json &object, const nlohmann::json::json_pointer &where,
                  unsigned dimension, pbf_params &params);
 

@@ -32,7 +32,7 @@ typedef struct pbf_backend_host {
   /* For a plugin in a file, while it negotiates: the file of that name beside it, or else beside
    * the file that it is a link to, is loaded once it has passed what plugins' files have to, and
    * gives what its function PBF_BACKEND_PART does. Null after set_error: the plugin then answers
-   * PBF_ERROR_UNAVAILABLE. A host whose struct_size ends before has no such function. */
+   * PBF_ERROR_UNAVAILABLE. A host with a struct_size that ends before has none. */
   const void *(*load_part)(const char *file);
 } pbf_backend_host;
 
