@@ -193,7 +193,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   const small_tile tile = tile_in(dynamic, scene.layout);
   const small_thread thread = thread_of(scene);
   const uint32_t i = thread.i;
-  uint32_t general_turn = 0, searches = 0, fill_failures = 0, search_failures = 0;
+  grid_team team = {&buffers.control->general, 0};
+  uint32_t searches = 0, fill_failures = 0, search_failures = 0;
   for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
     reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
   pbf_vec x = {{0}}, v = {{0}}; /* the state, and once a step can't fail its prediction */
@@ -210,7 +211,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   }
   clear_counts(buffers, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});
-  grid_barrier(&buffers.control->general, ++general_turn);
+  team.meet();
   pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves */
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
@@ -305,7 +306,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
       }
-      general_turn = general_step<FEATURES, SURFACES>(scene, buffers, general, step, general_turn);
+      general_step<FEATURES, SURFACES>(scene, general, step, &team);
       if (thread.leads) forget(buffers.exchange, i);
       if (thread.real) {
         point own = load(scene.points, i);
@@ -322,18 +323,6 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   own.lambda = total;
   store(scene.points, i, own);
   scene.velocities[i] = v;
-}
-
-/* Into the order of ids: a particle's place is the number of ids below its own. */
-static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
-                                    uint32_t *ids) {
-  uint32_t i = thread_index(), place = 0;
-  if (i >= from.count) return;
-  uint32_t id = from.ids[i];
-  for (uint32_t k = 0; k < from.count; ++k) place += from.ids[k] < id;
-  store(points, place, load(from.points, i));
-  velocities[place] = from.velocities[i];
-  ids[place] = id;
 }
 
 #endif
