@@ -16,8 +16,9 @@ enum {
   WORLD_CHUNK = 4,  /* … so many entries lie side by side, … */
   WORLD_QUADS = 4,  /* … of two lists in 16 bytes */
   WORLD_ALWAYS = 3, /* entries of a list that are met without a look at how many there are */
+  WORLD_AHEAD = 3,  /* candidates of a thread at once: of three cells of a lattice, h = 2 d */
   WORLD_BLOCKS = 2, /* of a multiprocessor */
-  WORLD_PAD = 4 * WORLD_LANES /* what the search reads beyond the last point */
+  WORLD_PAD = WORLD_AHEAD * WORLD_LANES /* what the search reads beyond the last point */
 };
 
 /* What a block is told of its world; behind it the steps, the iterations and the colliders. */
@@ -171,12 +172,13 @@ static __device__ __forceinline__ void search_world(const world_tile &t, const c
       const uint32_t slots = __shfl_sync(~0u, mine, (int)run, WORLD_LANES);
       const uint32_t start = slots & 0xffff, end = slots >> 16;
       for (uint32_t slot = start + ((s.lane - seen) % WORLD_LANES); slot < end && next <= full;
-           slot += 4 * WORLD_LANES) {
-        pbf_vec others[4]; /* some beyond the last slot: whatever is there */
+           slot += WORLD_AHEAD * WORLD_LANES) {
+        pbf_vec others[WORLD_AHEAD]; /* some beyond the last slot: whatever is there */
 #pragma unroll
-        for (uint32_t q = 0; q < 4; ++q) others[q] = position_in(t, slot + q * WORLD_LANES);
+        for (uint32_t q = 0; q < WORLD_AHEAD; ++q)
+          others[q] = position_in(t, slot + q * WORLD_LANES);
 #pragma unroll
-        for (uint32_t q = 0; q < 4; ++q) {
+        for (uint32_t q = 0; q < WORLD_AHEAD; ++q) {
           const uint32_t candidate = slot + q * WORLD_LANES;
           const bool counts = s.is_near(others[q]) && candidate < end && candidate != own;
           *next = (uint16_t)candidate;
@@ -385,11 +387,29 @@ struct world_passes {
 
 /* ---- Steps ----------------------------------------------------------------------------------- */
 
-/* Lambda of all slots, beside the positions; `points` are those of this pass. */
+/* Adds what obstacles contribute at x to lambda's sums; returns what the move at the same place
+ * needs of it: the gradient, and in place of lambda the part of a fluid at rest. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ point add_obstacles(const pbf_constants *c,
+                                                      const step_obstacles &obstacles, pbf_vec x,
+                                                      lambda_sums<pbf_real> *sums) {
+  const pbf_boundary boundary = boundary_at<SURFACES>(c, obstacles, x);
+  pbf_vec gradient = vec_of(sums->gradient), alone = {{0}};
+  pbf_real density = 0;
+  pbf_add_boundary(&boundary, &sums->density, &gradient);
+  sums->gradient = lanes_of(gradient);
+  pbf_add_boundary(&boundary, &density, &alone);
+  point kept = point_at(alone);
+  kept.lambda = boundary.rest;
+  return kept;
+}
+
+/* Lambda of all slots, beside the positions; `points` are those of this pass. What obstacles
+ * contribute lies where the move will take the slot. */
 template <int FEATURES, surfaces_met SURFACES>
 static __device__ __forceinline__ void world_lambda(const world_tile &t, const world_record &world,
                                                     const step_obstacles &obstacles, uint32_t k,
-                                                    point *points) {
+                                                    point *points, point *moved) {
   typedef world_passes<FEATURES> passes;
   const small_scene &scene = world.scene;
   const bool accelerated = PBF_CHEBYSHEV && scene.accelerated;
@@ -401,8 +421,9 @@ static __device__ __forceinline__ void world_lambda(const world_tile &t, const w
     auto sums = passes::sum_lambda(of_pairs, lists_in(world, t, slot), points, x);
     add_sums(&sums, of_lambda.template begin<pbf_real>());
     of_lambda.end(&sums);
-    pbf_real lambda = finish_lambda<SURFACES>(of_lambda, obstacles, scene.wall_density != 0, 0, x,
-                                              &sums, nullptr);
+    if (scene.wall_density)
+      store(moved, slot, add_obstacles<SURFACES>(&scene.constants, obstacles, x, &sums));
+    pbf_real lambda = of_lambda.finish(sums, 0);
     if (accelerated) {
       pbf_real change = own.lambda, total = k == 0 ? 0 : t.totals[slot];
       pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -426,7 +447,7 @@ static __device__ __forceinline__ void world_move(const world_tile &t, const wor
   const pbf_constants now = accelerated ? constants_at(scene, k) : scene.constants;
   const typename passes::lambdas of_lambda = {&now, {}};
   const typename passes::moves of_pairs = {&now, {}}, of_move = {&scene.constants, {}};
-  const move_finish end = {scene.wall_density != 0,
+  const move_finish end = {false, /* what walls have to do with it comes before */
                            scene.collide_in_iteration + (last && scene.collide_after_solve),
                            scene.inv_time_step};
   for (uint32_t slot = threadIdx.x; slot < scene.count; slot += blockDim.x) {
@@ -436,6 +457,11 @@ static __device__ __forceinline__ void world_move(const world_tile &t, const wor
     auto sums =
         passes::sum_moves(of_lambda, of_pairs, lists_in(world, t, slot), points, x, own.lambda);
     of_pairs.end(&sums);
+    if (scene.wall_density) {
+      const point obstacle = load(moved, slot);
+      sums.change = lanes_of(pbf_boundary_correction(vec_of(sums.change), own.lambda,
+                                                     obstacle.lambda, position_of(obstacle)));
+    }
     pbf_vec predicted = x, v;
     if (k == 0) {
       const pbf_vec from = position_of(load(scene.points, i)), was = scene.velocities[i];
@@ -495,7 +521,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, WORLD_BLOCKS)
     }
     for (uint32_t k = 0; k < scene.iterations; ++k) {
       point *points = tile.points[k % 2], *moved = tile.points[(k + 1) % 2];
-      world_lambda<FEATURES, SURFACES>(tile, world, obstacles, k, points);
+      world_lambda<FEATURES, SURFACES>(tile, world, obstacles, k, points, moved);
       __syncthreads();
       world_move<FEATURES, SURFACES>(tile, world, obstacles, forces, k, points, moved);
       __syncthreads();

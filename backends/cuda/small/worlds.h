@@ -242,19 +242,32 @@ static inline pbf_status gather_world(solver *leader, solver *s) {
   return status;
 }
 
+/* The next launches of some. */
+static inline pbf_status launch_part(solver *leader, solver *const *worlds, const uint32_t *steps,
+                                     uint32_t count) {
+  for (uint32_t which = 0; which < 8; ++which)
+    if (pbf_status status = launch_kind(leader, worlds, steps, count, which)) return status;
+  for (uint32_t k = 0; k < count; ++k) drop_steps(worlds[k], steps[k]);
+  return PBF_OK;
+}
+
 static inline pbf_status launch_rounds(solver *leader, solver *const *worlds, uint32_t *steps,
                                        uint32_t count) {
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_status status = gather_world(leader, worlds[k])) return status;
+  const uint32_t at_once = leader->multiprocessors * WORLD_BLOCKS;
+  /* The device works while the host writes the other records. */
+  uint32_t begin = count > 2 * at_once ? at_once : count;
   for (bool some = true; some;) {
     some = false;
     for (uint32_t k = 0; k < count; ++k) {
       steps[k] = worlds[k]->put_off.steps ? next_steps(worlds[k]) : 0;
       some |= steps[k] > 0;
     }
-    for (uint32_t which = 0; some && which < 8; ++which)
-      if (pbf_status status = launch_kind(leader, worlds, steps, count, which)) return status;
-    for (uint32_t k = 0; k < count; ++k) drop_steps(worlds[k], steps[k]);
+    for (uint32_t first = 0, part = begin; first < count; first += part, part = count - first)
+      if (pbf_status status = launch_part(leader, worlds + first, steps + first, part))
+        return status;
+    begin = count;
   }
   return PBF_OK;
 }
