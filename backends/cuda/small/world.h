@@ -1,6 +1,6 @@
-/* Worlds of a batch, a block each: all steps of a call of many worlds in one launch. Where worlds
- * are many what counts is not how soon a step ends but how little it takes: no block waits for
- * another, a particle has one thread, and all of a world that is read at random is in shared
+/* Part of launch.h: worlds of a batch, a block each, all steps of a call in one launch. Where
+ * worlds are many what counts is not how soon a step ends but how little it takes: no block waits
+ * for another, a particle has one thread, and all of a world that is read at random is in shared
  * memory. Lists lie in memory, where they are read in order.
  *
  * A world has the bits that small_kernel gives it. There a particle has WORLD_LANES threads, each
