@@ -108,8 +108,7 @@ static __device__ __forceinline__ neighbor_of<pbf_real> neighbor_between(pbf_vec
   const pbf_vec x_ij = pbf_sub(x, other);
   neighbor_of<pbf_real> j;
   j.x_ij = lanes_of(x_ij);
-  j.r2 = x_ij.c[0] * x_ij.c[0];
-  for (int k = 1; k < PBF_DIM; ++k) j.r2 = ops<pbf_real>::multiply_add(x_ij.c[k], x_ij.c[k], j.r2);
+  j.r2 = pbf_dot(x_ij, x_ij);
   return j;
 }
 

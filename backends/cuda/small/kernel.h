@@ -78,6 +78,30 @@ static __device__ __forceinline__ void fetch_positions(const small_tile &t,
     fetch_positions_of<2>(t, exchange, ghosts, pass);
 }
 
+/* Adds what obstacles contribute at x to lambda's sums; returns what the move at the same place
+ * needs of it: the gradient, and in place of lambda the part of a fluid at rest. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ point add_obstacles(const pbf_constants *c,
+                                                      const step_obstacles &obstacles, pbf_vec x,
+                                                      lambda_sums<pbf_real> *sums) {
+  const pbf_boundary boundary = boundary_at<SURFACES>(c, obstacles, x);
+  pbf_vec gradient = vec_of(sums->gradient), alone = {{0}};
+  pbf_real density = 0;
+  pbf_add_boundary(&boundary, &sums->density, &gradient);
+  sums->gradient = lanes_of(gradient);
+  pbf_add_boundary(&boundary, &density, &alone);
+  point kept = point_at(alone);
+  kept.lambda = boundary.rest;
+  return kept;
+}
+
+/* The move's part of it. */
+static __device__ __forceinline__ void correct_move(pbf_real lambda, const point &obstacles,
+                                                    move_sums<pbf_real> *sums) {
+  sums->change = lanes_of(pbf_boundary_correction(vec_of(sums->change), lambda, obstacles.lambda,
+                                                  position_of(obstacles)));
+}
+
 /* What the threads of a block tell each other. */
 struct small_board {
   uint32_t ghosts;
@@ -251,6 +275,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       small_pairs<FEATURES> pairs;
       pairs.change = of_pairs.template begin<pbf_real>();
       pbf_real lambda = 0;
+      point boundary = {};
       if (thread.works) {
         lambda_sums<pbf_real> sums = {};
         pairs.meet(of_lambda, of_pairs, near, y, pass, &sums);
@@ -258,7 +283,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, thread.lanes);
         add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
         of_lambda.end(&sums);
-        lambda = finish_lambda<SURFACES>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
+        if (wall_density) boundary = add_obstacles<SURFACES>(c, obstacles, y, &sums);
+        lambda = of_lambda.finish(sums, 0);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
@@ -287,9 +313,10 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         __syncwarp();
         sum_lanes(&pairs.change, thread.lanes);
         of_pairs.end(&pairs.change);
+        if (wall_density) correct_move(lambda, boundary, &pairs.change);
         y = finish_move<SURFACES>(
             of_move, obstacles,
-            {wall_density, scene.collide_in_iteration + (last && scene.collide_after_solve),
+            {false, scene.collide_in_iteration + (last && scene.collide_after_solve),
              scene.inv_time_step},
             lambda, false, i, x, y, pairs.change, nullptr, &v);
       }

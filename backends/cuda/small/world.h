@@ -16,10 +16,12 @@ enum {
   WORLD_CHUNK = 4,  /* … so many entries lie side by side, … */
   WORLD_QUADS = 4,  /* … of two lists in 16 bytes */
   WORLD_ALWAYS = 3, /* entries of a list that are met without a look at how many there are */
-  WORLD_AHEAD = 3,  /* candidates of a thread at once: of three cells of a lattice, h = 2 d */
-  WORLD_BLOCKS = 2, /* of a multiprocessor */
+  WORLD_AHEAD = 4,  /* candidates of a thread at once */
   WORLD_PAD = WORLD_AHEAD * WORLD_LANES /* what the search reads beyond the last point */
 };
+
+/* Blocks of a multiprocessor: colliders take registers. */
+constexpr uint32_t world_blocks(surfaces_met surfaces) { return surfaces == NO_SURFACES ? 2 : 1; }
 
 /* What a block is told of its world; behind it the steps, the iterations and the colliders. */
 struct alignas(16) world_record {
@@ -387,23 +389,6 @@ struct world_passes {
 
 /* ---- Steps ----------------------------------------------------------------------------------- */
 
-/* Adds what obstacles contribute at x to lambda's sums; returns what the move at the same place
- * needs of it: the gradient, and in place of lambda the part of a fluid at rest. */
-template <surfaces_met SURFACES>
-static __device__ __forceinline__ point add_obstacles(const pbf_constants *c,
-                                                      const step_obstacles &obstacles, pbf_vec x,
-                                                      lambda_sums<pbf_real> *sums) {
-  const pbf_boundary boundary = boundary_at<SURFACES>(c, obstacles, x);
-  pbf_vec gradient = vec_of(sums->gradient), alone = {{0}};
-  pbf_real density = 0;
-  pbf_add_boundary(&boundary, &sums->density, &gradient);
-  sums->gradient = lanes_of(gradient);
-  pbf_add_boundary(&boundary, &density, &alone);
-  point kept = point_at(alone);
-  kept.lambda = boundary.rest;
-  return kept;
-}
-
 /* Lambda of all slots, beside the positions; `points` are those of this pass. What obstacles
  * contribute lies where the move will take the slot. */
 template <int FEATURES, surfaces_met SURFACES>
@@ -457,11 +442,7 @@ static __device__ __forceinline__ void world_move(const world_tile &t, const wor
     auto sums =
         passes::sum_moves(of_lambda, of_pairs, lists_in(world, t, slot), points, x, own.lambda);
     of_pairs.end(&sums);
-    if (scene.wall_density) {
-      const point obstacle = load(moved, slot);
-      sums.change = lanes_of(pbf_boundary_correction(vec_of(sums.change), own.lambda,
-                                                     obstacle.lambda, position_of(obstacle)));
-    }
+    if (scene.wall_density) correct_move(own.lambda, load(moved, slot), &sums);
     pbf_vec predicted = x, v;
     if (k == 0) {
       const pbf_vec from = position_of(load(scene.points, i)), was = scene.velocities[i];
@@ -492,7 +473,7 @@ static __device__ __forceinline__ void copy_words(void *to, const void *from, ui
 
 /* Each block has a record, which lie `stride` bytes apart. */
 template <int FEATURES, surfaces_met SURFACES>
-static __global__ void __launch_bounds__(SMALL_THREADS, WORLD_BLOCKS)
+static __global__ void __launch_bounds__(SMALL_THREADS, world_blocks(SURFACES))
     world_kernel(const char *records, uint32_t stride, world_layout layout) {
   extern __shared__ uint4 dynamic[];
   __shared__ uint4 room[(sizeof(world_record) + 15) / 16];

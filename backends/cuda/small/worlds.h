@@ -255,7 +255,7 @@ static inline pbf_status launch_rounds(solver *leader, solver *const *worlds, ui
                                        uint32_t count) {
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_status status = gather_world(leader, worlds[k])) return status;
-  const uint32_t at_once = leader->multiprocessors * WORLD_BLOCKS;
+  const uint32_t at_once = leader->multiprocessors * world_blocks(NO_SURFACES);
   /* The device works while the host writes the other records. */
   uint32_t begin = count > 2 * at_once ? at_once : count;
   for (bool some = true; some;) {
