@@ -38,9 +38,8 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 static void settle_pressures(solver *s) { add_weight(s); }
-static const char *refusal_of(const solver *s, const pbf_params *params,
-                              const pbf_schedule *schedule) {
-  return has_ranks(s) ? refusal_on_ranks(params, schedule) : NULL;
+static const char *refusal_of(const solver *s, const pbf_params *params, const pbf_schedule *) {
+  return has_ranks(s) ? refusal_on_ranks(params) : NULL;
 }
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
 static uint32_t threads_of(const solver *s) { return s->threads; }
@@ -177,8 +176,6 @@ static pbf_status read_own(solver *s, uint32_t which, const pbf_rows *rows, void
 /* What each rank has read of its particles, all get. */
 static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   const uint32_t asked[3] = {which, rows->first, rows->count};
-  const uint32_t components =
-      which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ? PBF_DIM : 1;
   const uint32_t *ids = s->buffers.ids;
   uint32_t count = s->count;
   if (!agree_on_call(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
@@ -188,7 +185,7 @@ static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows,
     ids = s->buffers.sorted_ids + own_places(s).first;
     count = own_places(s).last - own_places(s).first;
   }
-  share_rows(s, rows, ids, count, out, components * sizeof(pbf_real));
+  share_rows(s, rows, ids, count, out, row_bytes_of(which));
   return end_on_ranks(s);
 }
 
@@ -197,9 +194,8 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
-  const bool is_vector = which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY;
   add_weight(s);
-  if (has_ranks(s)) note_written(s, which, rows, in, (is_vector ? PBF_DIM : 1) * sizeof(pbf_real));
+  if (has_ranks(s)) note_written(s, which, rows, in);
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);
     return PBF_OK;

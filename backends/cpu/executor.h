@@ -94,7 +94,8 @@ struct executor {
     if (!sorted && !sort_step(w)) return false;
     w->activity = w->b.sorted_activity;
     w->sleeping_lambda = w->b.sorted_sleeping_lambda;
-    if (!sorted && notes_pushes(w->s)) parallel_for(w->self, range_tasks(w), push_task, NULL, w);
+    if (!sorted && notes_pushes(w->s) && !w->sort_push)
+      parallel_for(w->self, range_tasks(w), push_task, NULL, w);
     if (!::find_neighbors(w, has_pressure_grid(w) ? end_search_with_grid : end_search))
       return false;
     if (corrects_torque(w)) over_pairs(start_task);

@@ -12,7 +12,7 @@ typedef struct carried {
   uint32_t element; /* bytes */
 } carried;
 
-enum { MAX_CARRIED = 2 * PBF_DIM + 2 };
+enum { MAX_CARRIED = 3 * PBF_DIM + 3 };
 
 /* The bin of each particle, in the place of the order that the sort will give them. */
 static uint32_t *bins_of(const solver *s) { return s->order; }
@@ -44,7 +44,9 @@ static bool shares_fit(solver *s) {
 }
 
 static bool is_held_by(const rank_share *share, uint32_t bin) {
-  return bin - share->bin_first < share->bin_last - share->bin_first;
+  bool is = false;
+  for (const rank_run &run : share->held) is |= bin - run.bin_first < run.bin_last - run.bin_first;
+  return is;
 }
 
 /* How many of this rank's particles each rank is to hold. */
@@ -73,6 +75,7 @@ static uint32_t take_held(const solver *s, const rank_share *share, const void *
 
 static uint32_t take_array(const solver *s, const rank_share *share, const carried &what,
                            void *to) {
+  if (what.element == sizeof(uint8_t)) return take_held<uint8_t>(s, share, what.from, to);
   return what.element == sizeof(uint32_t) ? take_held<uint32_t>(s, share, what.from, to)
                                           : take_held<uint64_t>(s, share, what.from, to);
 }
@@ -178,7 +181,7 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
   uint32_t *ends = static_cast<uint32_t *>(r->cell_ends.data);
   ends[0] = r->pad;
   s->cell_end = ends + 1 - static_cast<ptrdiff_t>(share->cell_first);
-  s->count = share->held_last - share->held_first;
+  s->count = held_by(share);
   return true;
 }
 
@@ -187,21 +190,25 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
 static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
 static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-/* Adds messages for an array of reals in sorted order: each rank's own to those that hold them. */
+/* Of an array of reals in sorted order, to or from rank k what one owns and the other holds. */
+static void add_runs(solver *s, rank_messages *messages, uint32_t k, const rank_share *owner,
+                     const rank_share *holder, pbf_real *values) {
+  for (const rank_run &run : holder->held) {
+    const uint32_t first = larger(owner->own_first, run.first);
+    const uint32_t last = smaller(owner->own_last, run.last);
+    if (first < last)
+      add_message(messages, k, values + local_place(s, first), (last - first) * sizeof *values);
+  }
+}
+
+/* Adds messages for such an array: each rank's own to those that hold them. */
 static void add_array(solver *s, pbf_real *values) {
   ranks_state *r = &s->ranks;
   const rank_share *mine = &r->shares[r->rank];
   for (uint32_t k = 0; k < r->count; ++k) {
-    const rank_share *other = &r->shares[k];
     if (k == r->rank) continue;
-    uint32_t first = larger(mine->own_first, other->held_first);
-    uint32_t last = smaller(mine->own_last, other->held_last);
-    if (first < last)
-      add_message(&r->sends, k, values + local_place(s, first), (last - first) * sizeof *values);
-    first = larger(other->own_first, mine->held_first);
-    last = smaller(other->own_last, mine->held_last);
-    if (first < last)
-      add_message(&r->receives, k, values + local_place(s, first), (last - first) * sizeof *values);
+    add_runs(s, &r->sends, k, mine, &r->shares[k], values);
+    add_runs(s, &r->receives, k, &r->shares[k], mine, values);
   }
 }
 

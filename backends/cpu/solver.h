@@ -51,13 +51,19 @@ typedef struct rank_messages {
   uint32_t count;
 } rank_messages;
 
-/* What a rank has in a step, by places in the order of all: its own particles, and what it holds,
- * which is they and all in reach of them. */
+/* Places in the order of all, and the bins of cells that they are. */
+typedef struct rank_run {
+  uint32_t first, last;
+  uint32_t bin_first, bin_last;
+} rank_run;
+
+/* What a rank has in a step: its own particles, and what it holds, which is they and all in reach
+ * of them: one run of places, or two in their order where some are beyond a periodic axis' face. */
+enum { HELD_RUNS = 2 };
 typedef struct rank_share {
   uint32_t own_first, own_last;
-  uint32_t held_first, held_last;
-  uint32_t bin_first, bin_last;   /* of cells that are held, … */
-  uint32_t cell_first, cell_last; /* … and these */
+  rank_run held[HELD_RUNS];
+  uint32_t cell_first, cell_last; /* from the first that is held to the last */
 } rank_share;
 
 /* Of one of some ranks: ranks.h. All 0 without. */

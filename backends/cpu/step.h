@@ -32,6 +32,8 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   w->sorted_payload = &w->b.sorted_velocity;
   w->sort_ids = w->b.ids;
   w->sort_overlap = w->b.overlap;
+  w->sort_phase = w->b.phase;
+  w->sort_push = has_ranks(s) && notes_pushes(s) ? &s->push : NULL;
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;

@@ -8,6 +8,7 @@
 /* On ranks this also has each take what it is to hold, in place of what it had. */
 static bool sort_step(worker *w) {
   if (has_ranks(w->s)) w->s->ranks.before = w->s->count;
+  if (w->sort_push) note_pushes_before_sort(w);
   return sort_particles(w, &w->b.predicted(), &w->b.predicted_velocity());
 }
 
@@ -53,7 +54,7 @@ static void exchange_with_ranks(worker *w, int fields, bool solved, bool moved) 
   s->ranks.sends.count = s->ranks.receives.count = 0;
   add_fields(w, fields, x);
   exchange_on_ranks(s);
-  if (fields & FIELD_POSITION) pack_others(w, packed_positions(s), x, NULL);
+  if (fields & FIELD_POSITION) pack_others(w, packed_positions(s), x, s->mobility);
   if (fields & FIELD_LAMBDA) pack_others(w, packed_lambda(s), x, pushes_of(s));
 }
 
@@ -73,6 +74,7 @@ static void keep_own(worker *w) {
   move_down(s->lambda, own, sizeof(pbf_real));
   move_down(w->b.ids, own, sizeof(uint32_t));
   if (w->b.overlap) move_down(w->b.overlap, own, sizeof(pbf_real));
+  if (w->b.phase) move_down(w->b.phase, own, sizeof(uint8_t));
   s->count = own.last - own.first;
 }
 

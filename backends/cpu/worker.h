@@ -26,7 +26,9 @@ typedef struct worker {
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
-  const pbf_real *sort_overlap;                   /* and what is left of their overlap */
+  const pbf_real *sort_overlap;                   /* what is left of their overlap, */
+  const uint8_t *sort_phase;                      /* their phases, */
+  const field *sort_push;                         /* and on ranks what solids push them with */
   double stage_begin;
   pbf_surface few[PBF_ASKED_COLLIDERS], few_before[PBF_ASKED_COLLIDERS];
   uint16_t few_numbers[PBF_ASKED_COLLIDERS];
@@ -38,7 +40,8 @@ static inline worker worker_of(solver *s, team_thread *self) {
                   .b = s->buffers,
                   .constants = s->constants,
                   .sort_ids = s->buffers.ids,
-                  .sort_overlap = s->buffers.overlap};
+                  .sort_overlap = s->buffers.overlap,
+                  .sort_phase = s->buffers.phase};
 }
 
 static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {

@@ -141,9 +141,6 @@ static pbf_status set_phases(pbf_solver *solver, uint32_t count, const pbf_phase
   if (ours) status = copy_in(count, theirs, ours);
   if (ours && status == PBF_OK) status = pbf_phases_check(ours, solver->kind);
   if (status == PBF_OK) status = pbf_phases_check_params(ours, &solver->params);
-  if (status == PBF_OK && differ(ours) && solver->ranks.count)
-    status = pbf_fail(PBF_ERROR_UNSUPPORTED,
-                      "phases that differ in rest_density or viscosity are not to be had on ranks");
   if (status == PBF_OK) status = replace(solver, ours);
   if (status != PBF_OK) pbf_phases_free(solver, ours);
   return status;

@@ -52,30 +52,16 @@ static void run(uint32_t count, uint32_t local_capacity, thread_rank_fn function
 
 static void refuse(const pbf_ranks *ranks, void *context) {
   (void)context;
-  pbf_params params = params_of(), sleeps = params, deep = params, weighs = params, rough = params;
+  pbf_params params = params_of(), sleeps = params;
   pbf_desc desc = desc_of();
   pbf_solver *s = NULL;
   pbf_view view = {.struct_size = sizeof view};
   sleeps.sleep_speed = 0.01;
   sleeps.sleep_time = 1;
-  deep.pressure_grid = 2;
-  weighs.loads = 1;
-  rough.wall_friction = 0.3;
   EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
                "params.sleep_speed is not 0");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &deep, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.pressure_grid is -1 or above 0");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &weighs, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.loads is 1");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &rough, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "walls or colliders have friction");
   s = solver_on(ranks, &params);
   if (!s) return;
-  pbf_collider belt;
-  EXPECT_OK(pbf_collider_init(&belt, sizeof belt, PBF_COLLIDER_BOX));
-  belt.friction = 0.3;
-  EXPECT_FAILS(pbf_set_colliders(s, 1, &belt), PBF_ERROR_UNSUPPORTED,
-               "walls or colliders have friction");
   EXPECT_FAILS(pbf_set_params(s, &sleeps), PBF_ERROR_UNSUPPORTED, "sleep_speed");
   fill(s, 0);
   EXPECT_FAILS(pbf_map(s, PBF_FIELD_POSITION, &view), PBF_ERROR_UNSUPPORTED, "on ranks");
