@@ -48,7 +48,8 @@ static void push_task(void *context, uint32_t task) {
     const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
     const pbf_vec v = field_at(&w->b.sorted_velocity, i);
     const pbf_vec forced = sleeps ? v : forced_velocity(w, s->order[i]);
-    note_push(w, i, v, forced, s->mobility ? 1 / s->mobility[i] : 1, units, change);
+    const pbf_real mass = s->mobility ? 1 / s->mobility[i] : 1;
+    note_push(w, i, v, forced, mass, units, change);
   }
   if (finds_loads(s)) add_change(s, change);
 }

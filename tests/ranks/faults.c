@@ -1,4 +1,6 @@
 /* What ranks refuse, and what they say when they differ or one of them is gone. */
+#include <pbf/phases.h>
+
 #include "support.h"
 
 #include "thread_ranks.h"
@@ -144,6 +146,20 @@ static void differ_in_colliders(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
+static void differ_in_phases(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_phase oil;
+  (void)context;
+  if (!s) return;
+  EXPECT_OK(pbf_phase_init(&oil, sizeof oil));
+  oil.rest_density = ranks->rank == 1 ? 0.8 : 0.9;
+  fill(s, 0);
+  EXPECT_OK(pbf_set_phases(s, 1, &oil));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT, "ranks 0 and 1 differ in the phases");
+  pbf_destroy(s);
+}
+
 static void make_other_calls(const pbf_ranks *ranks, void *context) {
   const pbf_params params = params_of();
   pbf_solver *s = solver_on(ranks, &params);
@@ -166,6 +182,7 @@ static void ranks_that_differ_are_told_in_what(void **state) {
   run(3, 0, differ_in_a_parameter, NULL);
   run(2, 0, differ_in_particles, NULL);
   run(2, 0, differ_in_colliders, NULL);
+  run(2, 0, differ_in_phases, NULL);
   run(2, 0, make_other_calls, NULL);
 }
 
