@@ -54,8 +54,8 @@ typedef struct pbf_ranks {
 #define PBF_MAX_RANKS 4096u
 
 /* pbf_create for one of some ranks: `ranks`, which is copied, joins it to the others. Refused, with
- * a sentence, is what ranks can't do: a backend other than `serial`, sleep_speed, a pressure grid
- * (pressure_grid 0 is without), and later pbf_map, pbf_export_dlpack. */
+ * a sentence, is what ranks can't do: a backend other than `serial`, sleep_speed, and later
+ * pbf_set_diffuse, pbf_map, pbf_export_dlpack. */
 PBF_API pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
                                        const pbf_ranks *ranks, pbf_solver **solver);
 
