@@ -12,6 +12,9 @@ typedef struct carried {
   uint32_t element; /* bytes */
 } carried;
 
+static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
+static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
 enum { MAX_CARRIED = 3 * PBF_DIM + 3 };
 
 /* The bin of each particle, in the place of the order that the sort will give them. */
@@ -161,6 +164,24 @@ static bool send_and_receive(solver *s, const uint32_t *counts, const carried *w
   return exchange_on_ranks(s);
 }
 
+/* Of this rank's groups those of which no other holds a particle. */
+static range inner_groups(const solver *s) {
+  const rank_share *mine = &s->ranks.shares[s->ranks.rank];
+  const range own = own_groups(s);
+  const uint32_t width = s->kernels->width, begin = mine->own_first, end = mine->own_last;
+  uint32_t lower = begin, upper = end;
+  for (uint32_t k = 0; k < s->ranks.count; ++k)
+    for (const rank_run &run : s->ranks.shares[k].held) {
+      if (k == s->ranks.rank || run.first >= end || run.last <= begin) continue;
+      if (run.first <= begin)
+        lower = larger(lower, smaller(run.last, end));
+      else
+        upper = smaller(upper, run.first);
+    }
+  const uint32_t first = smaller(own.first + (lower - begin + width - 1) / width, own.last);
+  return (range){first, larger(first, own.first + (upper - begin) / width)};
+}
+
 /* From the cells of its particles on, each rank comes to hold its share and its neighbours, still
  * unsorted: s->count of them. */
 static bool hold_share(solver *s, const carried *what, int arrays) {
@@ -178,6 +199,7 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
   r->pad = pad_of(s, share);
   r->own_first = local_place(s, share->own_first);
   r->own_last = local_place(s, share->own_last);
+  r->inner = inner_groups(s);
   uint32_t *ends = static_cast<uint32_t *>(r->cell_ends.data);
   ends[0] = r->pad;
   s->cell_end = ends + 1 - static_cast<ptrdiff_t>(share->cell_first);
@@ -186,9 +208,6 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
 }
 
 /* ---- What stages change -------------------------------------------------------------------- */
-
-static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
-static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 /* Of an array of reals in sorted order, to or from rank k what one owns and the other holds. */
 static void add_runs(solver *s, rank_messages *messages, uint32_t k, const rank_share *owner,

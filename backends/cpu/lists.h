@@ -141,6 +141,12 @@ static void divide_groups(const worker *w) {
   uint32_t searched = search_task_count(w), tasks = pair_task_count(w), next = 1;
   const uint64_t groups = groups_of(s);
   const range own = own_groups(s);
+  if (has_edges(s)) {
+    const uint32_t ends[EDGED_TASKS + 1] = {own.first, s->ranks.inner.first, s->ranks.inner.last,
+                                            own.last};
+    memcpy(s->first_group, ends, sizeof ends);
+    return;
+  }
   double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / tasks, before = 0;
   for (uint32_t k = 0; k < searched; ++k) {
     range r = search_groups(w, k);

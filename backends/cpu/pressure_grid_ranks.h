@@ -1,6 +1,6 @@
-/* Part of pressure_grid.h: on ranks each adds its own particles to the sums of the grid's cells, and
- * all get the sums over all ranks. These are integers, so their bits are those of one solver; and so
- * are those of the solve, which each rank makes for itself. */
+/* Part of pressure_grid.h: on ranks each adds its own particles to the sums of the grid's cells,
+ * and all get the sums over all ranks. These are integers, so their bits are those of one solver;
+ * and so are those of the solve, which each rank makes for itself. */
 #ifndef PBF_CPU_PRESSURE_GRID_RANKS_H
 #define PBF_CPU_PRESSURE_GRID_RANKS_H
 

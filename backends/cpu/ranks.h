@@ -103,6 +103,24 @@ static inline bool exchange_on_ranks(solver *s) {
   return !r->failed;
 }
 
+/* The same in two calls, between which the rank works. */
+static inline bool begin_exchange_on_ranks(solver *s) {
+  ranks_state *r = &s->ranks;
+  if (r->failed) return false;
+  note_work(s);
+  for (uint32_t k = 0; k < r->sends.count; ++k) r->bytes_sent += r->sends.list[k].bytes;
+  note_communication(s, r->link.begin_exchange(r->link.user, r->sends.count, r->sends.list,
+                                               r->receives.count, r->receives.list));
+  return !r->failed;
+}
+
+static inline bool end_exchange_on_ranks(solver *s) {
+  if (s->ranks.failed) return false;
+  note_work(s);
+  note_communication(s, s->ranks.link.end_exchange(s->ranks.link.user));
+  return !s->ranks.failed;
+}
+
 /* Whether it is so on all; false when that is not to be learnt. */
 static inline bool on_all_ranks(solver *s, bool yes) {
   const uint32_t mine = yes;

@@ -74,7 +74,8 @@ static inline void hold_neighbors(const solver *s, rank_share *share) {
   const uint64_t end = (own_end + reach + each - 1) / each;
   const bool periodic = g->up[PBF_DIM - 1] != 0, all = periodic && reach >= total;
   uint64_t first = own > reach ? (own - reach) / each : 0, last = end < bins ? end : bins;
-  uint64_t low_end = 0, high = bins; /* runs beyond the faces are before the one and from the other */
+  uint64_t low_end = 0,
+           high = bins; /* runs beyond the faces are before the one and from the other */
   if (periodic && own < reach && !all) high = (own + total - reach) / each;
   if (periodic && own_end + reach > total && !all)
     low_end = (own_end + reach - total + each - 1) / each;

@@ -16,6 +16,10 @@
 #include "physics/loads.h"
 #include "physics/schedule.h"
 
+typedef struct range {
+  uint32_t first, last; /* up to last - 1 */
+} range;
+
 /* The smallest box around some particles. */
 typedef struct box {
   pbf_vec lower, upper;
@@ -86,7 +90,8 @@ typedef struct ranks_state {
 
   /* Of the sort: places are those of this solver's arrays. */
   uint32_t pad;                 /* places without a particle before the first one */
-  uint32_t own_first, own_last; /* the places of its own */
+  uint32_t own_first, own_last; /* the places of its own, */
+  range inner;                  /* and of these the groups that no other rank holds */
   rank_share *shares;
   uint32_t *histogram, *counts;
   uint32_t *ids; /* of what it holds, before the sort */

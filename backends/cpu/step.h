@@ -37,7 +37,7 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
-  executor e = {w, sorted != 0, nth, false, false};
+  executor e = {w, sorted != 0, nth, false, false, {}};
   return run_step(e, s->schedule);
 }
 

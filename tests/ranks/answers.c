@@ -80,12 +80,13 @@ static void ask_in_volumes(pbf_solver *s, answers *a) {
 static void ask_for_shapes(uint32_t d, uint32_t precision, pbf_solver *s, answers *a) {
   enum { SOME = 100 };
   double places[3 * SOME] = {0}, stretches[9 * SOME] = {0};
-  EXPECT_OK(pbf_get_anisotropies(s, &(pbf_anisotropy_desc){.struct_size = sizeof(pbf_anisotropy_desc),
-                                                           .first = 40,
-                                                           .count = SOME,
-                                                           .smoothing = 0.9,
-                                                           .positions = places,
-                                                           .stretches = stretches}));
+  EXPECT_OK(
+      pbf_get_anisotropies(s, &(pbf_anisotropy_desc){.struct_size = sizeof(pbf_anisotropy_desc),
+                                                     .first = 40,
+                                                     .count = SOME,
+                                                     .smoothing = 0.9,
+                                                     .positions = places,
+                                                     .stretches = stretches}));
   note(a, "smoothed positions", places, (uint64_t)SOME * d * precision);
   note(a, "stretches", stretches, (uint64_t)SOME * d * d * precision);
 }

@@ -1,5 +1,5 @@
-/* Ranks give the bits of one solver where sums go over all of the fluid, where particles differ, and
- * where neighbours are across the domain: pressure grids, loads and friction, phases, periodic
+/* Ranks give the bits of one solver where sums go over all of the fluid, where particles differ,
+ * and where neighbours are across the domain: pressure grids, loads and friction, phases, periodic
  * axes. */
 #include <pbf/phases.h>
 
@@ -171,9 +171,12 @@ static void so_are_periodic_axes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_pressure_grid_is_the_same), cmocka_unit_test(so_is_deep_water),
-      cmocka_unit_test(loads_are_the_same),          cmocka_unit_test(so_is_friction),
-      cmocka_unit_test(so_are_phases),               cmocka_unit_test(so_are_periodic_axes),
+      cmocka_unit_test(a_pressure_grid_is_the_same),
+      cmocka_unit_test(so_is_deep_water),
+      cmocka_unit_test(loads_are_the_same),
+      cmocka_unit_test(so_is_friction),
+      cmocka_unit_test(so_are_phases),
+      cmocka_unit_test(so_are_periodic_axes),
   };
   return TEST_RUN(tests);
 }

@@ -1,10 +1,10 @@
 #define _GNU_SOURCE
-/* mpi_speed SIDE STEPS [BACKEND|ranks] [deep|loads]: times of a tank of SIDE³ particles on the ranks
- * of MPI_COMM_WORLD, or with a backend, of a solver without ranks; deep: with what deep water has by
- * default; loads: and with loads on its walls. Prints a line: particles, ranks, milliseconds a step,
- * those that the processor worked on the busiest rank, MiB of the largest rank, bytes that ranks sent
- * in a step, the least of them: the fields of particles within h of each plane between shares, each
- * way; and the bytes that each rank has added up with the others in a step.
+/* mpi_speed SIDE STEPS [BACKEND|ranks] [deep|loads]: times of a tank of SIDE³ particles on the
+ * ranks of MPI_COMM_WORLD, or with a backend, of a solver without ranks; deep: with what deep water
+ * has by default; loads: and with loads on its walls. Prints a line: particles, ranks, milliseconds
+ * a step, those that the processor worked on the busiest rank, MiB of the largest rank, bytes that
+ * ranks sent in a step, the least of them: the fields of particles within h of each plane between
+ * shares, each way; and the bytes that each rank has added up with the others in a step.
  */
 #include <sched.h>
 #include <stdio.h>

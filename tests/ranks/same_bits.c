@@ -186,6 +186,14 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
   scene_free(&c);
 }
 
+static void nor_whether_ranks_work_while_they_exchange(void **state) {
+  (void)state;
+  thread_ranks_overlap = 0;
+  test_for_each_kind(check_plain);
+  test_for_each_kind(check_stages);
+  thread_ranks_overlap = 1;
+}
+
 static void nor_how_wide_groups_are(void **state) {
   (void)state;
   scene c = scene_plain(3, PBF_FLOAT32);
@@ -206,6 +214,7 @@ int main(void) {
       cmocka_unit_test(so_are_accelerations),
       cmocka_unit_test(so_are_few_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
+      cmocka_unit_test(nor_whether_ranks_work_while_they_exchange),
       cmocka_unit_test(nor_how_wide_groups_are),
   };
   return TEST_RUN(tests);

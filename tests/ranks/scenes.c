@@ -188,4 +188,3 @@ scene scene_plain(uint32_t dimension, uint32_t precision) {
                  .count = SCENE_COUNT,
                  .params = params_of(dimension)};
 }
-
