@@ -216,7 +216,6 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
 
 static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   int is_id = which == PBF_FIELD_ID;
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   const field *f = which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v;
   view->device_type = PBF_DEVICE_CPU;
   view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
@@ -235,7 +234,6 @@ static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   if (!pbf_memory_keep(&s->memory, true, "pressure", padded(s->local_capacity), 0, &s->pressure))
     return out_of_memory(s, "a view of the pressures");
   add_weight(s);

@@ -77,13 +77,6 @@ static const char *refusal_on_ranks(const pbf_params *params) {
   return NULL;
 }
 
-static pbf_status refuse_call_on_ranks(const solver *s, const char *what) {
-  char text[128];
-  snprintf(text, sizeof text, "%s shows particles of one solver; on ranks pbf_get_… do", what);
-  s->host->set_error(text);
-  return PBF_ERROR_UNSUPPORTED;
-}
-
 static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps) {
   const double arguments[4] = {times->time, (double)times->before, times->time_step, (double)steps};
   return agree_on_call(s, "pbf_step", arguments, sizeof arguments);

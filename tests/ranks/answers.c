@@ -108,6 +108,41 @@ static void read_all(uint32_t field, double behind, uint32_t w, pbf_solver *s, a
   free(numbers);
 }
 
+/* The row of a particle, whose ids ascend. */
+static uint32_t row_of(const uint32_t *ids, uint32_t count, uint32_t id) {
+  uint32_t row = 0;
+  for (uint32_t step = count; step > 0; step /= 2)
+    while (row + step < count && ids[row + step] <= id) row += step;
+  return row;
+}
+
+/* A solver alone shows them in an order of its own: by their ids they are what readings give. */
+static void look_at(uint32_t field, const scene *c, pbf_solver *s) {
+  const uint32_t d = field == PBF_FIELD_PRESSURE ? 1 : c->dimension;
+  pbf_view view = {.struct_size = sizeof view};
+  uint32_t count = 0, other = 0;
+  EXPECT_OK(pbf_get_count(s, &count));
+  if (!EXPECT_OK(pbf_map(s, field, &view)) || !EXPECT(view.count == count)) return;
+  uint32_t *ids = calloc(count, sizeof *ids);
+  char *right = calloc(count, (size_t)d * c->precision);
+  if (!EXPECT(ids && right)) return;
+  EXPECT_OK(pbf_get_ids(s, 0, count, ids));
+  EXPECT_OK(field == PBF_FIELD_POSITION   ? pbf_get_positions(s, 0, count, right)
+            : field == PBF_FIELD_VELOCITY ? pbf_get_velocities(s, 0, count, right)
+                                          : pbf_get_pressures(s, 0, count, right));
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0; k < d; ++k)
+      other +=
+          memcmp((const char *)view.data + i * view.particle_stride + k * view.component_stride,
+                 right + ((size_t)row_of(ids, count, view.ids[i]) * d + k) * c->precision,
+                 c->precision) != 0;
+  EXPECT(other == 0);
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_STATE, "mapped");
+  EXPECT_OK(pbf_unmap(s, field));
+  free(ids);
+  free(right);
+}
+
 static void ask_for_the_rest(pbf_solver *s, answers *a) {
   double limit = 0;
   pbf_in_out in_out = {.struct_size = sizeof in_out};
@@ -192,6 +227,9 @@ static void live(const scene *c, pbf_solver *s, answers *a) {
   read_all(PBF_FIELD_POSITION, 0.4, PBF_W_SPEED, s, a);
   read_all(PBF_FIELD_VELOCITY, 0, PBF_W_PRESSURE, s, a);
   read_all(PBF_FIELD_DENSITY, 0, 0, s, a);
+  look_at(PBF_FIELD_POSITION, c, s);
+  look_at(PBF_FIELD_VELOCITY, c, s);
+  look_at(PBF_FIELD_PRESSURE, c, s);
   ask_for_the_rest(s, a);
   EXPECT_OK(pbf_end_queries(s));
 }

@@ -57,7 +57,6 @@ static void refuse(const pbf_ranks *ranks, void *context) {
   pbf_params params = params_of(), sleeps = params;
   pbf_desc desc = desc_of();
   pbf_solver *s = NULL;
-  pbf_view view = {.struct_size = sizeof view};
   sleeps.sleep_speed = 0.01;
   sleeps.sleep_time = 1;
   EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
@@ -66,7 +65,6 @@ static void refuse(const pbf_ranks *ranks, void *context) {
   if (!s) return;
   EXPECT_FAILS(pbf_set_params(s, &sleeps), PBF_ERROR_UNSUPPORTED, "sleep_speed");
   fill(s, 0);
-  EXPECT_FAILS(pbf_map(s, PBF_FIELD_POSITION, &view), PBF_ERROR_UNSUPPORTED, "on ranks");
   EXPECT_OK(pbf_step(s, 2));
   pbf_destroy(s);
 }
