@@ -1,6 +1,7 @@
 /* What a solver on ranks answers, and what it does when it is told, is what one solver answers and
  * does: queries, readings, snapshots, states, changes of all kinds, on each rank. */
 #include <math.h>
+#include <pbf/diffuse.h>
 #include <pbf/emit.h>
 #include <pbf/query.h>
 #include <stdio.h>
@@ -143,6 +144,33 @@ static void look_at(uint32_t field, const scene *c, pbf_solver *s) {
   free(right);
 }
 
+/* All that moves at all makes some. */
+static void make_spray(pbf_solver *s) {
+  pbf_diffuse_desc desc;
+  EXPECT_OK(pbf_diffuse_init(s, &desc, sizeof desc));
+  desc.capacity = 500;
+  desc.energy_min = desc.trapped_air_min = desc.wave_crest_min = 0;
+  desc.energy_max = desc.trapped_air_max = desc.wave_crest_max = 1e-3;
+  desc.trapped_air_rate = desc.wave_crest_rate = 10;
+  EXPECT_OK(pbf_set_diffuse(s, &desc));
+}
+
+static void ask_for_spray(pbf_solver *s, answers *a) {
+  enum { SOME = 500 };
+  double x[3 * SOME] = {0};
+  uint64_t ids[SOME] = {0};
+  pbf_diffuse_info info = {.struct_size = sizeof info};
+  EXPECT_OK(pbf_get_diffuse_info(s, &info));
+  EXPECT(info.count > 0);
+  EXPECT_OK(pbf_read_diffuse(s, &(pbf_diffuse_read){.struct_size = sizeof(pbf_diffuse_read),
+                                                    .count = info.count,
+                                                    .positions = x,
+                                                    .ids = ids}));
+  note(a, "spray, foam and bubbles", &info, sizeof info);
+  note(a, "where they are", x, sizeof x);
+  note(a, "which they are", ids, sizeof ids);
+}
+
 static void ask_for_the_rest(pbf_solver *s, answers *a) {
   double limit = 0;
   pbf_in_out in_out = {.struct_size = sizeof in_out};
@@ -214,6 +242,7 @@ static void live(const scene *c, pbf_solver *s, answers *a) {
   EXPECT_OK(pbf_remove_in_box(s, lower, upper, NULL));
   move_ball(s);
   EXPECT_OK(pbf_step(s, 3));
+  make_spray(s);
   params.pressure_grid = 2;
   params.viscosity = 0.001;
   EXPECT_OK(pbf_set_params(s, &params));
@@ -230,6 +259,7 @@ static void live(const scene *c, pbf_solver *s, answers *a) {
   look_at(PBF_FIELD_POSITION, c, s);
   look_at(PBF_FIELD_VELOCITY, c, s);
   look_at(PBF_FIELD_PRESSURE, c, s);
+  ask_for_spray(s, a);
   ask_for_the_rest(s, a);
   EXPECT_OK(pbf_end_queries(s));
 }
