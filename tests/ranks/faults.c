@@ -95,6 +95,31 @@ static void wrong_ranks_are_told(void **state) {
                "ranks->struct_size is 4");
 }
 
+/* A caller that knows of no exchange in two calls, and one that has half of it. */
+static void exchange_in_one_call(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const pbf_desc desc = desc_of();
+  pbf_ranks older = *ranks, half = *ranks;
+  pbf_solver *s = NULL;
+  (void)context;
+  older.struct_size = offsetof(pbf_ranks, begin_exchange);
+  half.end_exchange = NULL;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &half, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "both or neither, begin_exchange and end_exchange");
+  s = solver_on(&older, &params);
+  if (!s) return;
+  const uint64_t before = thread_rank_of(ranks)->exchanges;
+  fill(s, 0);
+  EXPECT_OK(pbf_step(s, 2));
+  EXPECT(thread_rank_of(ranks)->exchanges == before);
+  pbf_destroy(s);
+}
+
+static void ranks_of_older_callers_wait_while_they_exchange(void **state) {
+  (void)state;
+  run(2, 0, exchange_in_one_call, NULL);
+}
+
 /* ---- Ranks that differ --------------------------------------------------------------------- */
 
 static void differ_in_a_parameter(const pbf_ranks *ranks, void *context) {
@@ -298,6 +323,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
       cmocka_unit_test(wrong_ranks_are_told),
+      cmocka_unit_test(ranks_of_older_callers_wait_while_they_exchange),
       cmocka_unit_test(ranks_that_differ_are_told_in_what),
       cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),
