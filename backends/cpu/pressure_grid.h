@@ -4,6 +4,8 @@
 #define PBF_CPU_PRESSURE_GRID_H
 
 #include "cpu/lists.h"
+#include "cpu/pressure_grid_solve.h"
+
 #include "cpu/pressure_grid_ranks.h"
 
 static int has_pressure_grid(const worker *w) {

@@ -4,7 +4,6 @@
 #ifndef PBF_CPU_PRESSURE_GRID_RANKS_H
 #define PBF_CPU_PRESSURE_GRID_RANKS_H
 
-#include "cpu/pressure_grid_solve.h"
 #include "cpu/ranks.h"
 
 /* Calls visit(cell) for the cells of a box, and the compartments of what solids divide. */
