@@ -38,8 +38,8 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 static void settle_pressures(solver *s) { add_weight(s); }
-static const char *refusal_of(const solver *s, const pbf_params *params, const pbf_schedule *) {
-  return has_ranks(s) ? refusal_on_ranks(params) : NULL;
+static const char *refusal_of(const solver *, const pbf_params *, const pbf_schedule *) {
+  return NULL;
 }
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
 static uint32_t threads_of(const solver *s) { return s->threads; }
@@ -260,6 +260,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
   stats->count = particles_of_all(s);
   stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
+  if (has_ranks(s)) count_sleepers_of_ranks(s);
   stats->asleep = s->asleep;
   if (!has_ranks(s)) {
     sum_stats(s, stats);

@@ -68,15 +68,6 @@ static void describe_ranks(solver *s, const pbf_ranks *ranks) {
   if (ranks->local_capacity) s->local_capacity = ranks->local_capacity;
 }
 
-/* ---- Refusals ------------------------------------------------------------------------------ */
-
-/* What needs sums over all particles that ranks do not have in one order. Null: nothing does. */
-static const char *refusal_on_ranks(const pbf_params *params) {
-  if (params->sleep_speed > 0)
-    return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
-  return NULL;
-}
-
 static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps) {
   const double arguments[4] = {times->time, (double)times->before, times->time_step, (double)steps};
   return agree_on_call(s, "pbf_step", arguments, sizeof arguments);
@@ -127,6 +118,7 @@ static bool share_of_added(solver *s, pbf_particles *p) {
 
 static uint64_t row_bytes_of(uint32_t which) {
   if (which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY) return PBF_DIM * sizeof(pbf_real);
+  if (which == PBF_BACKEND_FIELD_REST) return 2 * sizeof(pbf_real);
   return which == PBF_BACKEND_FIELD_PHASE ? sizeof(uint8_t) : sizeof(pbf_real);
 }
 

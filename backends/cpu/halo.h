@@ -15,7 +15,7 @@ typedef struct carried {
 static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
 static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-enum { MAX_CARRIED = 3 * PBF_DIM + 3 };
+enum { MAX_CARRIED = 3 * PBF_DIM + 5 };
 
 /* The bin of each particle, in the place of the order that the sort will give them. */
 static uint32_t *bins_of(const solver *s) { return s->order; }
@@ -105,6 +105,25 @@ static bool gather_counts(solver *s, uint32_t *counts) {
   return gather_on_ranks(s, mine, counts, s->ranks.count * sizeof *mine);
 }
 
+/* Places of an owner's particles in a run that another holds; none: {0, 0}. */
+static range shared_places(const rank_share *owner, const rank_run &run) {
+  const uint32_t first = larger(owner->own_first, run.first);
+  const uint32_t last = smaller(owner->own_last, run.last);
+  return first < last ? range{first, last} : range{0, 0};
+}
+
+/* Of what others hold of this rank's own: exchange_marks. */
+static uint64_t bytes_of_marks(const solver *s) {
+  const ranks_state *r = &s->ranks;
+  uint64_t places = 0;
+  for (uint32_t k = 0; k < r->count; ++k)
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = shared_places(&r->shares[r->rank], run);
+      places += k == r->rank ? 0 : both.last - both.first;
+    }
+  return places * sizeof(uint32_t);
+}
+
 /* Memory for what this rank sends, and for the ends of the cells that it is to hold. */
 static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) {
   const ranks_state *r = &s->ranks;
@@ -112,8 +131,9 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
   uint64_t sent = 0;
   for (uint32_t k = 0; k < r->count; ++k)
     if (k != r->rank) sent += aligned_for_any(counts[r->rank * r->count + k] * each);
+  const uint64_t marks = s->schedule.runs[PBF_STAGE_SLEEP] ? bytes_of_marks(s) : 0;
   const bool ok =
-      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent) &&
+      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent > marks ? sent : marks) &&
       keep_bytes(s, "cell end", &s->ranks.cell_ends,
                  ((uint64_t)share->cell_last - share->cell_first + 1) * sizeof(uint32_t));
   if (on_all_ranks(s, ok)) return true;
@@ -213,10 +233,9 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
 static void add_runs(solver *s, rank_messages *messages, uint32_t k, const rank_share *owner,
                      const rank_share *holder, pbf_real *values) {
   for (const rank_run &run : holder->held) {
-    const uint32_t first = larger(owner->own_first, run.first);
-    const uint32_t last = smaller(owner->own_last, run.last);
-    if (first < last)
-      add_message(messages, k, values + local_place(s, first), (last - first) * sizeof *values);
+    const range both = shared_places(owner, run);
+    add_message(messages, k, values + local_place(s, both.first),
+                (both.last - both.first) * sizeof *values);
   }
 }
 
@@ -229,6 +248,36 @@ static void add_array(solver *s, pbf_real *values) {
     add_runs(s, &r->sends, k, mine, &r->shares[k], values);
     add_runs(s, &r->receives, k, &r->shares[k], mine, values);
   }
+}
+
+/* What this rank has noted at the places of others' particles, those that have these hear of: what
+ * is noted of its own by any rank is so. The memory has been taken with what is held. */
+static void exchange_marks(solver *s, uint32_t *marks) {
+  ranks_state *r = &s->ranks;
+  const rank_share *mine = &r->shares[r->rank];
+  uint32_t *heard = static_cast<uint32_t *>(r->sent.data), *next = heard;
+  r->sends.count = r->receives.count = 0;
+  for (uint32_t k = 0; k < r->count; ++k) {
+    if (k == r->rank) continue;
+    for (const rank_run &run : mine->held) {
+      const range both = shared_places(&r->shares[k], run);
+      add_message(&r->sends, k, marks + local_place(s, both.first),
+                  (both.last - both.first) * sizeof *marks);
+    }
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = shared_places(mine, run);
+      add_message(&r->receives, k, next, (both.last - both.first) * sizeof *next);
+      next += both.last - both.first;
+    }
+  }
+  if (!exchange_on_ranks(s)) return;
+  next = heard;
+  for (uint32_t k = 0; k < r->count; ++k)
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = k == r->rank ? range{0, 0} : shared_places(mine, run);
+      for (uint32_t i = both.first; i < both.last; ++i, ++next)
+        if (*next == AWAKENED) marks[local_place(s, i)] = AWAKENED;
+    }
 }
 
 static void add_field(solver *s, const field *f) {

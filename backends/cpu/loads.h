@@ -59,9 +59,12 @@ static void note_pushes_before_sort(const worker *w) {
   const solver *s = w->s;
   const double units = -pbf_units_of_momentum(&w->constants, &w->forces);
   pbf_wide_sum change[PBF_DIM] = {};
-  for (uint32_t i = 0; i < s->count; ++i)
-    note_push(w, i, field_at(&w->b.predicted_velocity(), i), forced_velocity(w, i),
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
+    const pbf_vec v = field_at(&w->b.predicted_velocity(), i);
+    note_push(w, i, v, sleeps ? v : forced_velocity(w, i),
               w->b.phase ? 1 / w->constants.phases.mobility[w->b.phase[i]] : 1, units, change);
+  }
   if (finds_loads(s)) add_change(s, change);
 }
 

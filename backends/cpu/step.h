@@ -72,6 +72,7 @@ static void note_grid_pressure(solver *s) {
 static void run_job(step_job *job) {
   solver *s = job->s;
   uint32_t before = job->done;
+  if (has_ranks(s)) count_sleepers_of_ranks(s);
   do {
     uint32_t left = job->steps - job->done;
     const uint32_t asleep = job->sorted ? 0 : steps_asleep(s, &job->times, job->done, left);

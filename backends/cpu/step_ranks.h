@@ -98,6 +98,10 @@ static void keep_own(worker *w) {
   move_down(w->b.ids, own, sizeof(uint32_t));
   if (w->b.overlap) move_down(w->b.overlap, own, sizeof(pbf_real));
   if (w->b.phase) move_down(w->b.phase, own, sizeof(uint8_t));
+  if (sleep_is_on(w)) {
+    move_down(w->b.activity, own, sizeof(pbf_real));
+    move_down(w->b.sleeping_lambda, own, sizeof(pbf_real));
+  }
   s->count = own.last - own.first;
 }
 

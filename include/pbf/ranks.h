@@ -60,9 +60,8 @@ typedef struct pbf_ranks {
 #define PBF_MAX_RANKS 4096u
 
 /* pbf_create for one of some ranks: `ranks`, which is copied, joins it to the others. Refused, with
- * a sentence, is what ranks can't do: a backend other than `serial`, and sleep_speed. Views
- * (pbf_map, pbf_export_dlpack) are of a copy of all particles, in the order of adding, on each
- * rank. */
+ * a sentence, are backends that can't, which are all but `serial`. Views (pbf_map,
+ * pbf_export_dlpack) are of a copy of all particles, in the order of adding, on each rank. */
 PBF_API pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
                                        const pbf_ranks *ranks, pbf_solver **solver);
 

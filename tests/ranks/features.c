@@ -148,6 +148,51 @@ static void so_are_phases(void **state) {
   test_for_each_kind(check_fluids);
 }
 
+/* ---- Sleep --------------------------------------------------------------------------------- */
+
+/* Something falls into what has fallen asleep. */
+static void wake_some(const scene *c, pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep > c->count / 10);
+  EXPECT(stats.asleep < c->count);
+  if (c->colliders) return;
+  pbf_collider list[SCENE_COLLIDERS];
+  scene_colliders(list);
+  EXPECT_OK(pbf_set_colliders(s, SCENE_COLLIDERS, list));
+  scene_fill(c, s, 30, 0.4);
+}
+
+static void check_sleep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.sleep_speed = dimension == 3 ? 1 : 1.5;
+  c.params.sleep_time = 0.02;
+  c.change = wake_some;
+  scene_check("sleep", &c);
+  c.colliders = SCENE_COLLIDERS;
+  c.params.loads = 1;
+  c.params.pressure_grid = 2;
+  scene_check("sleep around colliders", &c);
+}
+
+/* All sleep, until a collider comes. */
+static void check_deep_sleep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.sleep_speed = 100;
+  c.params.sleep_time = 0.01;
+  c.params.loads = 1;
+  scene_check("all asleep", &c);
+  assert_int_equal(c.stats.asleep, c.count);
+  c.colliders = 1;
+  scene_check("all asleep but near a ball", &c);
+}
+
+static void so_is_sleep(void **state) {
+  (void)state;
+  test_for_each_kind(check_sleep);
+  test_for_each_kind(check_deep_sleep);
+}
+
 /* ---- Periodic axes ------------------------------------------------------------------------- */
 
 /* Along which the block has no walls: in turns all, and those across which ranks are or are not
@@ -177,6 +222,7 @@ int main(void) {
       cmocka_unit_test(so_is_friction),
       cmocka_unit_test(so_are_phases),
       cmocka_unit_test(so_are_periodic_axes),
+      cmocka_unit_test(so_is_sleep),
   };
   return TEST_RUN(tests);
 }
