@@ -308,9 +308,9 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
   return PBF_OK;
 }
 
-/* That it works on ranks: pbf_backend_desc.ranks. And how many colliders it takes. */
+/* That it works on ranks, with phases: pbf_backend_desc.ranks. And how many colliders it takes. */
 static const void *get_extension(const char *name) {
-  static const uint32_t works = 1;
+  static const uint32_t works = 2;
   const bool asked = strcmp(name, PBF_BACKEND_RANKS) == 0;
   return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : pbf_colliders_extension(name);
 }

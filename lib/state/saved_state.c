@@ -209,8 +209,9 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
 }
 
 /* What else there is goes with them. */
-static pbf_status check_phases(const pbf_saved_state *in) {
+static pbf_status check_phases(const pbf_solver *solver, const pbf_saved_state *in) {
   pbf_status status = pbf_phases_check_params(in->phases, &in->params);
+  if (status == PBF_OK) status = pbf_phases_check_ranks(in->phases, solver);
   for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.source_count; ++i)
     if (in->emission->sources[i].emitter.phase >= pbf_phases_count(in->phases))
       status = reject("has an emitter of a phase that there is not");
@@ -228,7 +229,7 @@ static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   if (status == PBF_OK)
     status = pbf_phases_read(solver, in->buffer + in->layout.phases, in->header.phases,
                              in->header.count, &in->phases);
-  if (status == PBF_OK) status = check_phases(in);
+  if (status == PBF_OK) status = check_phases(solver, in);
   if (status == PBF_OK)
     status = pbf_diffuse_restore(solver, in->buffer + in->layout.diffuse, in->header.diffuse,
                                  &in->diffuse);
