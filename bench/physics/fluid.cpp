@@ -64,6 +64,22 @@ pbf_in_out Fluid::in_out() const {
   return in_out;
 }
 
+double Fluid::given_by(uint32_t reservoir) const {
+  pbf_reservoir r = {};
+  r.struct_size = sizeof r;
+  check_call(pbf_get_reservoir(handle(), reservoir, &r));
+  return (static_cast<double>(r.added) - static_cast<double>(r.removed)) * particle_volume();
+}
+
+double Fluid::mean_level(const std::vector<double> &points) const {
+  const auto count = static_cast<uint32_t>(points.size() / dimension);
+  std::vector<double> levels(count);
+  double sum = 0;
+  check_call(pbf_get_levels(handle(), count, points.data(), levels.data()));
+  for (double level : levels) sum += level / count;
+  return sum;
+}
+
 double Fluid::particle_volume() const { return std::pow(params.spacing, dimension); }
 
 }  // namespace bench::physics

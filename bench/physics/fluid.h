@@ -32,6 +32,9 @@ class Fluid {
   std::vector<pbf_collider_load> wall_loads() const;  // since they were last read
   pbf_collider_load collider_load(uint32_t index) const;
   pbf_in_out in_out() const;
+  // The volume that a reservoir has given so far, less what it has taken.
+  double given_by(uint32_t reservoir) const;
+  double mean_level(const std::vector<double> &points) const;
   double particle_volume() const;
 
   const unsigned dimension;

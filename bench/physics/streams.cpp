@@ -4,19 +4,6 @@
 #include "physics/fluid.h"
 
 namespace bench::physics {
-namespace {
-
-double mean_level(Fluid &f, const std::vector<double> &points) {
-  const auto count = static_cast<uint32_t>(points.size() / f.dimension);
-  std::vector<double> levels(count);
-  double sum = 0;
-  check_call(pbf_get_levels(f.handle(), count, points.data(), levels.data()));
-  for (double level : levels) sum += level / count;
-  return sum;
-}
-
-}  // namespace
-
 void volume_flow(Run &run) {
   Scene scene = run.scene("fill-a-tank");
   const pbf_emitter &opening = scene.emitters.at(0);
@@ -35,7 +22,7 @@ void volume_flow(Run &run) {
     for (double across : {0.25, 0.5, 0.75})
       points.insert(points.end(), {at * side, 0.0, across * side});
   run.difference("level less the volume over the area",
-                 (mean_level(f, points) - volume / (side * side)) / f.params.spacing, 0, 0.5,
+                 (f.mean_level(points) - volume / (side * side)) / f.params.spacing, 0, 0.5,
                  "spacings");
 }
 
@@ -51,7 +38,7 @@ void current_tank(Run &run) {
   const pbf_in_out half = f.in_out();
   for (uint32_t k = 0; k < looks; ++k) {
     f.step(steps / 2 / looks);
-    const double now = mean_level(f, points) - level;
+    const double now = f.mean_level(points) - level;
     mean += now / looks;
     farthest = std::fmax(farthest, std::fabs(now));
   }

@@ -234,6 +234,7 @@ export declare const constants: {
   readonly MAX_WORLDS: 65536;
   readonly MAX_EMITTERS: 64;
   readonly MAX_DRAINS: 64;
+  readonly MAX_RESERVOIRS: 64;
   readonly MAX_PHASES: 8;
   readonly MAX_DIFFUSE: 4194303;
   readonly OK: 0;

@@ -13,6 +13,7 @@ export const constants = Object.freeze({
   MAX_WORLDS: 65536,
   MAX_EMITTERS: 64,
   MAX_DRAINS: 64,
+  MAX_RESERVOIRS: 64,
   MAX_PHASES: 8,
   MAX_DIFFUSE: 4194303,
   OK: 0,
