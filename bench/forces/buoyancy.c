@@ -114,7 +114,7 @@ static int run_body(uint32_t shape, double ratio, double spacing) {
   int missed = 0;
   snprintf(figure, sizeof figure, "lift of a %s of %g of water's density, N over ρ0", name, ratio);
   missed += forces_report("buoyancy", figure, lift, ratio * volume_of(&b) * gravity, 0.02);
-  snprintf(figure, sizeof figure, "part of the %s below the level", name);
+  snprintf(figure, sizeof figure, "part below the level of a %s of %g", name, ratio);
   missed += forces_report("buoyancy", figure, part_below(&rests, level), ratio, 0.02);
   return missed;
 }
