@@ -114,6 +114,32 @@ static void the_highest_go(void **state) {
   test_for_each_kind(check_emptying);
 }
 
+/* As many as there should be: nothing comes, and nothing goes, though its surface is lower at one
+ * place, and higher at another one. */
+static void check_counting(uint32_t dimension, uint32_t precision) {
+  static double raw[3 * CAPACITY];
+  const uint32_t counts[3] = {20, 10, 6};
+  const pbf_params params = params_of(0);
+  const pbf_reservoir r = reservoir_of(0.5);
+  pbf_solver *s = tank(dimension, precision, &params, counts);
+  const uint32_t lowered = 20 * 10 - 8, raised = 20 * 10 - 1;
+  assert_ok(pbf_get_positions(s, 0, count_of(s), raw));
+  test_put(raw, (uint64_t)lowered * dimension, precision,
+           test_value(raw, (uint64_t)raised * dimension, precision));
+  test_put(raw, (uint64_t)lowered * dimension + 1, precision, d * 10.5);
+  assert_ok(pbf_set_positions(s, 0, count_of(s), raw));
+  assert_ok(pbf_set_reservoirs(s, 1, &r));
+  assert_ok(pbf_step(s, 1));
+  if (got(s).added != 0 || got(s).removed != 0)
+    fail_msg("%uD: %u came, %u went", dimension, (unsigned)got(s).added, (unsigned)got(s).removed);
+  pbf_destroy(s);
+}
+
+static void counts_decide(void **state) {
+  (void)state;
+  test_for_each_kind(check_counting);
+}
+
 /* A tank next to it comes to its level from below and from above, and stays there. */
 static void check_level(uint32_t dimension, uint32_t precision) {
   if (test_is_stub()) return; /* without a fluid */
@@ -341,6 +367,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_empty_one_is_filled),
       cmocka_unit_test(the_highest_go),
+      cmocka_unit_test(counts_decide),
       cmocka_unit_test(tanks_come_to_its_level),
       cmocka_unit_test(its_pressure_is_on_the_wall),
       cmocka_unit_test(steps_may_be_divided),
