@@ -200,6 +200,17 @@ export interface InOut {
   expired: number;
 }
 
+export interface Reservoir {
+  phase: number;
+  position: number[];
+  orientation: number[];
+  halfExtents: number[];
+  depth: number;
+  pressure: number;
+  added: number;
+  removed: number;
+}
+
 export interface Phase {
   user: number;
   restDensity: number;

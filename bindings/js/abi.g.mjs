@@ -359,6 +359,20 @@ export const structs = {
       expired: ["u64", 48],
     },
   },
+  pbf_reservoir: {
+    size: 120,
+    fields: {
+      structSize: ["u32", 0],
+      phase: ["u32", 4],
+      position: ["f64", 8, 3],
+      orientation: ["f64", 32, 4],
+      halfExtents: ["f64", 64, 3],
+      depth: ["f64", 88],
+      pressure: ["f64", 96],
+      added: ["u64", 104],
+      removed: ["u64", 112],
+    },
+  },
   pbf_phase: {
     size: 24,
     fields: {
