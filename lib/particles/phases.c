@@ -98,6 +98,10 @@ static pbf_status check_in_use(const pbf_solver *solver, uint32_t count) {
     if (e->sources[i].emitter.phase >= phases)
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; emitter %u has phase %u", count, i,
                       e->sources[i].emitter.phase);
+  for (uint32_t i = 0; e && i < e->head.reservoir_count; ++i)
+    if (e->reservoirs[i].phase >= phases)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; reservoir %u has phase %u", count,
+                      i, e->reservoirs[i].phase);
   return PBF_OK;
 }
 

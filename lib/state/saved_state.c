@@ -215,6 +215,10 @@ static pbf_status check_phases(const pbf_solver *solver, const pbf_saved_state *
   for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.source_count; ++i)
     if (in->emission->sources[i].emitter.phase >= pbf_phases_count(in->phases))
       status = reject("has an emitter of a phase that there is not");
+  for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.reservoir_count;
+       ++i)
+    if (in->emission->reservoirs[i].phase >= pbf_phases_count(in->phases))
+      status = reject("has a reservoir of a phase that there is not");
   return status;
 }
 

@@ -16,6 +16,15 @@ static void set_jets(pbf_solver *s) {
   EXPECT_OK(pbf_set_drains(s, 1, &drain));
 }
 
+static void set_pools(pbf_solver *s) {
+  pbf_reservoir pool;
+  EXPECT_OK(pbf_reservoir_init(&pool, sizeof pool));
+  for (int k = 0; k < 3; ++k) pool.position[k] = 0.3, pool.half_extents[k] = 0.15;
+  pool.depth = 0.2;
+  pool.pressure = 0.5;
+  EXPECT_OK(pbf_set_reservoirs(s, 1, &pool));
+}
+
 /* Every other particle of the first half, by where it is. */
 static void accelerate(const scene *c, pbf_solver *s) {
   const uint32_t d = c->dimension, count = c->count / 2;
@@ -35,6 +44,7 @@ static void come_and_go(const scene *c, pbf_solver *s) {
   EXPECT_OK(pbf_remove_particles(s, 40, ids));
   scene_fill(c, s, 300, 0.03);
   set_jets(s);
+  set_pools(s);
 }
 
 /* Calls of all scenes below, for a kind. */
