@@ -111,6 +111,7 @@ static inline bool grow_rooms(solver *s) {
   }
   if (halo <= r->halo_room && cells <= r->cell_room) return true;
   const cudaError_t error = cudaStreamSynchronize(s->stream);
+  close_handles(s); /* before others free what they are of */
   if (!on_all_ranks(s, error == cudaSuccess)) {
     lose_ranks(s, PBF_ERROR_DEVICE, "the device of a rank has failed");
     return false;

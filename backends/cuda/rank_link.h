@@ -202,7 +202,7 @@ static inline bool connect_ranks(solver *s) {
   rank_address all[RANKS_OF_CUDA], mine = address_of(s);
   char *seen[2][RANKS_OF_CUDA] = {};
   char text[160] = "a rank can't reach another's memory";
-  bool sees = true;
+  bool sees = cudaStreamSynchronize(s->stream) == cudaSuccess; /* what is new is empty by now */
   close_handles(s);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
   for (uint32_t k = 0; k < r->count; ++k) {
