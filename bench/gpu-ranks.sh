@@ -29,7 +29,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
     { tail -n 30 "$out/ranks-build.log"; exit 1; }
 fi
 ranks=$build/gpu_ranks
-${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" -I"$root/backends" "$root"/bench/gpu_ranks/main.c \
+${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" -I"$root/backends" "$root"/bench/gpu_ranks/*.c \
   "$root"/bench/gpu_check/scenes.c "$root"/bench/gpu_check/solver.c "$root"/tests/ranks/thread_ranks.c -o "$ranks" \
   -L"$build/lib" -lpbf -lm -lpthread "-Wl,-rpath,$build/lib" || exit 1
 devices=$(nvidia-smi --query-gpu=name --format=csv,noheader | wc -l)
@@ -60,6 +60,7 @@ else
     count=$((2 * count))
   done
   same 2
+  PBF_RANKS_PROCESSES=1 same 2
   [ "$devices" -gt 2 ] && same "$devices"
 fi
 printf '{"machine": "%s", "devices": %s, "commit": "%s", "driver": "%s"}\n' \

@@ -4,8 +4,8 @@
  *   gpu_ranks same [RANKS]             bits of one solver, stage by stage
  *   gpu_ranks time N RANKS [f64]       a shallow dam break of about N particles, h = 2 d
  *
- * RANKS 0 of `time` is a solver without ranks. Prints one JSON object a line. Exit code 1 when a
- * check failed, 2 when there is no device. */
+ * RANKS 0 of `time` is a solver without ranks. With PBF_RANKS_PROCESSES ranks are processes. Prints
+ * one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,8 +14,10 @@
 #include "../../tests/ranks/thread_ranks.h"
 #include "../gpu_check/scenes.h"
 #include "../gpu_check/solver.h"
+#include "process_ranks.h"
 
 static uint32_t devices;
+static int in_processes; /* ranks are */
 
 /* Devices are numbered without a gap. */
 static uint32_t count_devices(void) {
@@ -79,6 +81,7 @@ static void fill(const job *j, pbf_solver *solver) {
 static pbf_solver *create(const job *j, const pbf_ranks *ranks) {
   pbf_desc desc;
   pbf_solver *solver;
+  if (in_processes && !devices) devices = count_devices();
   must(pbf_desc_init(&desc, sizeof desc), "pbf_desc_init");
   desc.backend = "cuda";
   desc.strict = 1;
@@ -157,8 +160,17 @@ static void time_job(const pbf_ranks *ranks, void *context) {
   pbf_destroy(solver);
 }
 
+static void run_in_processes(job *j, thread_rank_fn function) {
+  job *shared = process_shared(sizeof *shared);
+  *shared = *j;
+  if (process_ranks_run(j->ranks, j->local_capacity, function, shared)) exit(1);
+  *j = *shared;
+}
+
 static void run(job *j, thread_rank_fn function) {
-  if (j->ranks)
+  if (in_processes)
+    run_in_processes(j, function);
+  else if (j->ranks)
     thread_ranks_run(j->ranks, j->local_capacity, NULL, NULL, function, j);
   else
     function(NULL, j);
@@ -282,10 +294,10 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision) {
            .runs = 5};
   j.s.params.pressure_grid = 0;
   const uint32_t count = scene_count(&j.s);
-  /* Its share, a thirtieth more, and two layers of the fluid's section. */
-  if (ranks > 1)
-    j.local_capacity = (uint32_t)(count / ranks * 1.03) + 10 * j.s.counts[0] * j.s.counts[1] + 4096;
-  if (j.local_capacity > count) j.local_capacity = count;
+  /* Its share, and what is within a cell of its ends: two layers of the lattice and a row, which
+   * waves press together. */
+  const uint32_t ends = ranks > 2 ? 2 : 1, section = j.s.counts[0] * j.s.counts[1];
+  if (ranks > 1) j.local_capacity = count / ranks + ends * 28 * (section / 10) + 2048;
   run(&j, time_job);
   qsort(j.ms, j.runs, sizeof *j.ms, ascending);
   uint64_t bytes = 0, exchanged = 0;
@@ -311,7 +323,8 @@ static int usage(void) {
 
 int main(int argc, char **argv) {
   const char *command = argc > 1 ? argv[1] : "";
-  devices = count_devices();
+  in_processes = getenv("PBF_RANKS_PROCESSES") != NULL;
+  if (!in_processes) devices = count_devices();
   if (strcmp(command, "same") == 0) {
     return !same_all(argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 2);
   } else if (strcmp(command, "time") == 0 && argc > 3) {
