@@ -58,6 +58,8 @@ struct executor {
   lambda_sums<pbf_real> *ghosts;   /* where walls have them, else null */
   pbf_status status;               /* of the first call that failed */
   bool moves_later = false;        /* on ranks: others do not know the last moves */
+  bool in_two_parts = false;       /* on ranks: edges beside the rest, and beside exchanges */
+  int turn = 0;                    /* of the event that edges record next */
 
   /* Between these colliders. */
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
@@ -159,7 +161,65 @@ struct executor {
     }
     const int second = fields & (fields - 1);
     const rank_field none = {nullptr, 0, 0};
-    status = exchange_on_ranks(s, field_of(fields & -fields), second ? field_of(second) : none);
+    const rank_field first = field_of(fields & -fields), other = second ? field_of(second) : none;
+    if (in_two_parts) {
+      on_edges beside(s);
+      status = exchange_on_ranks(s, first, other);
+    } else {
+      status = exchange_on_ranks(s, first, other);
+    }
+  }
+
+  /* From here on the solve's stages work on the particles that other ranks hold, and exchange them,
+   * while they work on the others. Times of stages want one after another. */
+  void part_edges() {
+    const rank_state &r = s->ranks;
+    in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last &&
+                   !s->schedule.runs[PBF_STAGE_TORQUE] && !s->clock.begin;
+    turn = 0;
+    if (in_two_parts) status = record(r.inner_done, s->stream);
+    if (in_two_parts && status == PBF_OK) status = record(r.edges_done[1], s->stream);
+  }
+
+  void join_edges() {
+    if (!in_two_parts) return;
+    in_two_parts = false;
+    status = record(s->ranks.edges_done[0], s->ranks.edges);
+    if (status == PBF_OK) status = await(s->stream, s->ranks.edges_done[0]);
+  }
+
+  static pbf_status record(cudaEvent_t event, cudaStream_t stream) {
+    return pbf_cuda_check(cudaEventRecord(event, stream), "cudaEventRecord");
+  }
+  static pbf_status await(cudaStream_t stream, cudaEvent_t event) {
+    return pbf_cuda_check(cudaStreamWaitEvent(stream, event, 0), "cudaStreamWaitEvent");
+  }
+
+  /* Calls launches(n) for all that the stage works on, in one part or more. Edges read what the
+   * stage before has made of all, and of other ranks; the rest reads what it has made here. */
+  template <class Launches>
+  void in_parts(Launches launches) {
+    if (!in_two_parts) return launches(n);
+    const rank_state &r = s->ranks;
+    neighborhood part = n;
+    auto launch_part = [&](uint32_t first, uint32_t last) {
+      part.particles.first = first;
+      part.particles.count = last;
+      if (first < last) launches(part);
+    };
+    status = await(r.edges, r.inner_done);
+    if (status != PBF_OK) return;
+    {
+      on_edges beside(s);
+      launch_part(n.particles.first, r.inner_first);
+      launch_part(r.inner_last, n.particles.count);
+      status = record(r.edges_done[turn], s->stream);
+    }
+    turn = 1 - turn;
+    if (status == PBF_OK) status = await(s->stream, r.edges_done[turn]);
+    if (status != PBF_OK) return;
+    launch_part(r.inner_first, r.inner_last);
+    status = record(r.inner_done, s->stream);
   }
 
   bool wake() {
@@ -249,6 +309,7 @@ struct executor {
   }
 
   void begin_solve() {
+    if (status == PBF_OK && !s->schedule.runs[PBF_STAGE_GRID]) part_edges();
     if (status != PBF_OK || !s->schedule.checks_convergence) return;
     extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, s->count),
                     pbf_inactive_error_units(&s->params), 0};
@@ -318,7 +379,7 @@ struct executor {
       const bool torn = s->pressure_grid_solids > 0;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        sum_ghosts_of_lambda<F>();
+        sum_ghosts_of_lambda<F>(n);
         with_surfaces(s, [&](auto surfaces) {
           constexpr surfaces_met SURFACES = decltype(surfaces)::value;
           launch(torn ? deposit_kernel<F, true, SURFACES> : deposit_kernel<F, false, SURFACES>, n,
@@ -351,23 +412,25 @@ struct executor {
   }
 
   template <int FEATURES>
-  void sum_ghosts_of_lambda() {
+  void sum_ghosts_of_lambda(const neighborhood &of) {
     typedef lambda_pass<fixed<FEATURES>, SCALED_PAIRS> pass;
-    if (ghosts) sum_ghosts<pass>(s, n, extras, domain(), ghosts);
+    if (ghosts) sum_ghosts<pass>(s, of, extras, domain(), ghosts);
   }
 
   void lambda(uint32_t) {
     run(PBF_STAGE_LAMBDA, [&] {
-      with_kernel(s->schedule.features,
-                  [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(); });
       const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
       if (s->phase)
         with_kernel(s->schedule.features, [&](auto features) {
           launch(begin_mobility_kernel<decltype(features)::value>, n, extras, place.first,
                  s->mobility_around);
         });
-      launch_lambda(s, n, extras,
-                    {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+      in_parts([&](const neighborhood &part) {
+        with_kernel(s->schedule.features,
+                    [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
+        launch_lambda(s, part, extras,
+                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+      });
       if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
     });
   }
@@ -385,20 +448,23 @@ struct executor {
   void move(uint32_t) {
     auto *ghost_moves = reinterpret_cast<move_sums<pbf_real> *>(ghosts);
     run(PBF_STAGE_MOVE, [&] {
-      if (ghosts)
-        with_features(s->schedule.features, [&](auto features) {
-          typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
-          sum_ghosts<pass>(s, n, extras, domain(), ghost_moves);
-        });
       const push_noting noting = {extras, n.constants.h, (pbf_real)pbf_per_time_step(&s->params),
                                   place.first};
       if (notes_pushes(s))
         with_features(s->schedule.features, [&](auto features) {
           launch(push_before_kernel<decltype(features)::value>, n, noting, s->velocities, s->push);
         });
-      launch_move(s, n, moved, extras,
-                  {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
-                   s->schedule.collide_after_solve, s->velocities, ghost_moves});
+      in_parts([&](const neighborhood &part) {
+        if (ghosts)
+          with_features(s->schedule.features, [&](auto features) {
+            typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
+            sum_ghosts<pass>(s, part, extras, domain(), ghost_moves);
+          });
+        launch_move(
+            s, part, moved, extras,
+            {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
+             s->schedule.collide_after_solve, s->velocities, ghost_moves});
+      });
       if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
     });
     swap_arrays(&n.particles.points, &moved);
@@ -407,6 +473,7 @@ struct executor {
 
   /* The last move's end has made it. From here the old state gives way to the new one. */
   void velocity() {
+    if (status == PBF_OK) join_edges();
     if (status != PBF_OK) return;
     if (n.particles.points == s->other) swap_arrays(&s->points, &s->other);
     swap_arrays(&s->ids, &s->other_ids);

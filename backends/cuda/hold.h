@@ -150,6 +150,24 @@ static inline unsorted_particles inbox_of(const solver *s, const unsorted_partic
   return from;
 }
 
+/* Of its own, others hold those at either end, in whole warps. What no other rank holds has no
+ * neighbour of another rank: who is in reach is so of both. */
+static inline void note_inner(rank_state *r) {
+  const rank_share &mine = r->shares[r->rank];
+  uint32_t first = mine.own_first, last = mine.own_last;
+  for (uint32_t k = 0; k < r->count; ++k) {
+    const rank_share &its = r->shares[k];
+    if (k < r->rank && its.held_last > first) first = its.held_last;
+    if (k > r->rank && its.held_first < its.held_last && its.held_first < last)
+      last = its.held_first;
+  }
+  first = (first + RANK_GROUP - 1) / RANK_GROUP * RANK_GROUP;
+  if (last < mine.own_last) last = last / RANK_GROUP * RANK_GROUP;
+  if (first >= last) first = last = mine.own_first;
+  r->inner_first = first - mine.held_first + r->pad;
+  r->inner_last = last - mine.held_first + r->pad;
+}
+
 /* Where what it holds is, from the plan. */
 static inline void note_share(solver *s) {
   rank_state *r = &s->ranks;
@@ -158,6 +176,7 @@ static inline void note_share(solver *s) {
   r->first = share.own_first - share.held_first + r->pad;
   r->last = share.own_last - share.held_first + r->pad;
   r->held = share.held_last - share.held_first + r->pad;
+  note_inner(r);
   s->cell_start = r->cell_memory + 1 - static_cast<ptrdiff_t>(share.cell_first);
 }
 
@@ -219,6 +238,17 @@ static inline bool hold_and_count(solver *s, const unsorted_particles &from, con
   if (received) predict(inbox_of(s, from, received), s->cell_start, rank_scratch_of(s, from.count));
   return true;
 }
+
+/* ---- Two parts ----------------------------------------------------------------------------- */
+
+/* What is launched in its lifetime runs beside the stream of the inner particles. */
+struct on_edges {
+  solver *s;
+  cudaStream_t before;
+
+  explicit on_edges(solver *of) : s(of), before(of->stream) { s->stream = s->ranks.edges; }
+  ~on_edges() { s->stream = before; }
+};
 
 /* ---- What stages change -------------------------------------------------------------------- */
 

@@ -293,10 +293,22 @@ static inline pbf_status take_ranks(solver *s) {
           pbf_cuda_check(cudaHostGetDevicePointer(&seen, report, 0), "cudaHostGetDevicePointer"))
     return status;
   r->device_report = static_cast<rank_report *>(seen);
+  int least, most;
+  cudaDeviceGetStreamPriorityRange(&least, &most);
+  if (pbf_status status = pbf_cuda_check(
+          cudaStreamCreateWithPriority(&r->edges, cudaStreamNonBlocking, most), "cudaStreamCreate"))
+    return status;
+  for (cudaEvent_t *event : {&r->inner_done, &r->edges_done[0], &r->edges_done[1]})
+    if (pbf_status status = pbf_cuda_check(cudaEventCreateWithFlags(event, cudaEventDisableTiming),
+                                           "cudaEventCreate"))
+      return status;
   return take_room(s, 0);
 }
 
 static inline void free_ranks(solver *s) {
+  for (cudaEvent_t event : {s->ranks.inner_done, s->ranks.edges_done[0], s->ranks.edges_done[1]})
+    if (event) cudaEventDestroy(event);
+  if (s->ranks.edges) cudaStreamDestroy(s->ranks.edges);
   close_handles(s);
   if (s->ranks.report && cudaFreeHost(s->ranks.report) != cudaSuccess) cudaGetLastError();
 }

@@ -8,6 +8,7 @@
 #include <pbf/ranks.h>
 
 #include "cuda/particles.h"
+#include "cuda/plugin.h"
 #include "physics/features.h"
 
 enum {
@@ -126,7 +127,10 @@ struct rank_state {
   uint32_t pad;                     /* places before the first that is held */
   uint32_t first, last;             /* its own among those that are held */
   uint32_t held;                    /* the end of these */
-  uint64_t bytes_sent;              /* of stages' exchanges */
+  uint32_t inner_first, inner_last; /* of its own, those that no other rank holds */
+  cudaStream_t edges;               /* where stages work on the others of its own, … */
+  cudaEvent_t inner_done, edges_done[2];
+  uint64_t bytes_sent; /* of stages' exchanges */
 };
 
 #endif
