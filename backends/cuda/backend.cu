@@ -121,6 +121,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   if (s->topology.memory != s->topology_memory) s->topology.memory = nullptr;
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
+  if (changes || memcmp(&s->schedule, &schedule, sizeof schedule) != 0) be_careful(s, SORTS_OF_NEW);
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
@@ -290,6 +291,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
     return status;
   }
   keep_shapes(s, shapes);
+  be_careful(s, SORTS_OF_NEW);
   s->topology.memory = nullptr;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;

@@ -174,7 +174,7 @@ struct executor {
    * while they work on the others. Times of stages want one after another. */
   void part_edges() {
     const rank_state &r = s->ranks;
-    in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last &&
+    in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last && !r.careful &&
                    !s->schedule.runs[PBF_STAGE_TORQUE] && !s->clock.begin;
     turn = 0;
     if (in_two_parts) status = record(r.inner_done, s->stream);

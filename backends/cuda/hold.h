@@ -7,14 +7,33 @@
 
 static inline rank_place rank_place_of(const solver *s) {
   const rank_state *r = &s->ranks;
-  return {r->control, r->device_report, r->rank, r->count, r->turn, r->sequence};
+  return {r->control,  r->device_report,       r->rank, r->count, r->turn,
+          r->sequence, RANK_GIVES | RANK_TAKES};
 }
 
-/* The next one. */
-static inline rank_place next_meeting(solver *s) {
+/* Launches a kernel by which all ranks meet, by launch(place). No kernel may wait for another
+ * rank's where that can't be launched before it has ended: where they share a device, and where a
+ * kernel is launched for the first time, for which CUDA may wait for a device. Then hosts wait. */
+template <class Launch>
+static inline void meet_ranks(solver *s, Launch launch) {
   s->ranks.sequence += 1;
   s->ranks.turn = (uint32_t)(s->ranks.sequence % 2);
-  return rank_place_of(s);
+  rank_place place = rank_place_of(s);
+  if (!s->ranks.careful) return launch(place);
+  place.phases = RANK_GIVES;
+  launch(place);
+  if (!on_all_ranks(s, cudaStreamSynchronize(s->stream) == cudaSuccess))
+    lose_ranks(s, PBF_ERROR_DEVICE, "the device of a rank has failed");
+  place.phases = RANK_TAKES;
+  if (!s->ranks.failed) launch(place);
+}
+
+/* After what may have other kernels launched: some are not launched in every step. */
+enum { SORTS_OF_NEW = 6 };
+
+/* In so many sorts to come. */
+static inline void be_careful(solver *s, uint32_t sorts) {
+  if (s->ranks.careful_sorts < sorts) s->ranks.careful_sorts = sorts;
 }
 
 /* ---- Which particles ----------------------------------------------------------------------- */
@@ -191,17 +210,23 @@ static inline void note_own(const solver *s, sorted_particles *p) {
  * hold. The state is as it was. */
 static inline bool hold_share(solver *s, const unsorted_particles &from, const cell_grid &grid) {
   rank_state *r = &s->ranks;
+  r->careful = r->one_by_one || r->careful_sorts > 0;
+  if (r->careful_sorts) --r->careful_sorts;
   const rank_cut cut = rank_cut_of(s, grid);
   const uint32_t blocks = blocks_for(from.count);
   const sort_scratch scratch = rank_scratch_of(s, 0);
   if (blocks)
     count_bins_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(scratch.cell, from.count,
                                                            cut.cells_a_bin, r->control->bins);
-  share_kernel<<<1, RANK_SHARE_THREADS, 0, s->stream>>>(next_meeting(s), cut);
+  meet_ranks(s, [&](const rank_place &place) {
+    share_kernel<<<1, RANK_SHARE_THREADS, 0, s->stream>>>(place, cut);
+  });
   if (blocks)
     send_particles_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
         rank_place_of(s), from, cut.cells_a_bin, s->capacity, scratch.cell);
-  meet_ranks_kernel<<<1, 32, 0, s->stream>>>(next_meeting(s));
+  meet_ranks(s,
+             [&](const rank_place &place) { meet_ranks_kernel<<<1, 32, 0, s->stream>>>(place); });
+  if (r->failed) return false;
   if (cudaPeekAtLastError() != cudaSuccess) {
     lose_ranks(s, PBF_ERROR_DEVICE, cudaGetErrorString(cudaGetLastError()));
     return false;
@@ -282,16 +307,17 @@ static inline uint64_t run_sent(const rank_state *r) {
   return sent;
 }
 
-static inline pbf_status exchange_on_ranks(solver *s, const rank_field &field,
+static inline pbf_status exchange_on_ranks(solver *s, const rank_field &first,
                                            const rank_field &second) {
   rank_state *r = &s->ranks;
   if (r->count == 1) return PBF_OK;
-  const rank_place place = next_meeting(s);
-  const uint64_t mail = rank_mail_begin(r->count) + place.turn * rank_mail_bytes(r->halo_room);
-  r->bytes_sent += run_sent(r) * (field.words + second.words) * sizeof(uint32_t);
-  exchange_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(
-      place, field, second, mail, r->shares[r->rank].held_first, r->pad);
-  return pbf_cuda_check_launch("exchange_kernel");
+  r->bytes_sent += run_sent(r) * (first.words + second.words) * sizeof(uint32_t);
+  meet_ranks(s, [&](const rank_place &place) {
+    const uint64_t mail = rank_mail_begin(r->count) + place.turn * rank_mail_bytes(r->halo_room);
+    const rank_fields fields = {first, second, mail, r->shares[r->rank].held_first, r->pad};
+    exchange_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, fields);
+  });
+  return r->failed ? r->failed : pbf_cuda_check_launch("exchange_kernel");
 }
 
 #endif

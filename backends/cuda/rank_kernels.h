@@ -1,5 +1,6 @@
-/* Part of hold.h: what ranks' devices tell each other. All kernels here are run by all ranks in the
- * same order. A kernel that waits has so few blocks that all of them are on the device at once. */
+/* Part of rank_link.h: what ranks' devices tell each other. All kernels here are run by all ranks
+ * in the same order. A kernel that waits has so few blocks that all of them are on the device at
+ * once. */
 #ifndef PBF_CUDA_RANK_KERNELS_H
 #define PBF_CUDA_RANK_KERNELS_H
 
@@ -9,12 +10,17 @@
 
 enum { RANK_SHARE_THREADS = 1024, RANK_EXCHANGE_BLOCKS = 48 };
 
+/* A kernel gives the others something, and then waits for what they give. Where ranks share a
+ * device it is launched twice, and the host waits between. */
+enum rank_phases { RANK_GIVES = 1, RANK_TAKES = 2 };
+
 /* What a kernel knows of the others. */
 struct rank_place {
   rank_control *control;
   rank_report *report;
   uint32_t rank, count, turn;
   uint64_t sequence;
+  int phases;
 };
 
 /* ---- Meeting ------------------------------------------------------------------------------- */
@@ -57,8 +63,8 @@ static __device__ __forceinline__ void await_ranks(const rank_place &p) {
 }
 
 static __global__ void meet_ranks_kernel(rank_place p) {
-  tell_ranks(p);
-  await_ranks(p);
+  if (p.phases & RANK_GIVES) tell_ranks(p);
+  if (p.phases & RANK_TAKES) await_ranks(p);
 }
 
 /* ---- Shares -------------------------------------------------------------------------------- */
@@ -142,7 +148,21 @@ static __device__ inline rank_share share_between(const rank_cut &cut, uint32_t 
   return s;
 }
 
-/* From all ranks' bins to the shares, on each alike; one block. It leaves its own bins empty. */
+/* Gives all ranks its bins, and leaves them empty; one block. */
+static __device__ __forceinline__ void give_bins(const rank_place &p) {
+  rank_control *c = p.control;
+  for (uint32_t k = 0; k < p.count; ++k) {
+    uint32_t *to = rank_bins(c->rooms[k], p.count, p.turn, p.rank);
+    for (uint32_t b = threadIdx.x; b < RANK_BINS; b += RANK_SHARE_THREADS) to[b] = c->bins[b];
+  }
+  if (threadIdx.x < p.count) c->sent[threadIdx.x] = 0;
+  __threadfence_system();
+  __syncthreads();
+  for (uint32_t b = threadIdx.x; b < RANK_BINS; b += RANK_SHARE_THREADS) c->bins[b] = 0;
+  tell_ranks(p);
+}
+
+/* From all ranks' bins to the shares, on each alike; one block. */
 static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
     share_kernel(rank_place p, rank_cut cut) {
   __shared__ uint32_t before[RANK_BINS + 1];
@@ -150,18 +170,9 @@ static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
   rank_control *c = p.control;
   rank_plan *plan = &c->plan;
   const uint32_t r = threadIdx.x;
-  for (uint32_t k = 0; k < p.count; ++k) {
-    uint32_t *to = rank_bins(c->rooms[k], p.count, p.turn, p.rank);
-    for (uint32_t b = threadIdx.x; b < RANK_BINS; b += RANK_SHARE_THREADS) to[b] = c->bins[b];
-  }
-  if (r < p.count) {
-    tables[r] = rank_bins(c->rooms[p.rank], p.count, p.turn, r);
-    c->sent[r] = 0;
-  }
-  __threadfence_system();
-  __syncthreads();
-  for (uint32_t b = threadIdx.x; b < RANK_BINS; b += RANK_SHARE_THREADS) c->bins[b] = 0;
-  tell_ranks(p);
+  if (p.phases & RANK_GIVES) give_bins(p);
+  if (!(p.phases & RANK_TAKES)) return;
+  if (r < p.count) tables[r] = rank_bins(c->rooms[p.rank], p.count, p.turn, r);
   await_ranks(p);
   sum_bins(tables, p.count, before);
   rank_share share = {};
@@ -268,54 +279,67 @@ static __device__ __forceinline__ void for_words(const rank_run &run, uint32_t w
     visit(run.first + k / words, k % words);
 }
 
-/* Gives the others what they hold of this rank's particles, of one or two fields, and takes what it
- * holds of theirs. */
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    exchange_kernel(rank_place p, rank_field field, rank_field second, uint64_t mail,
-                    uint32_t held_first, uint32_t pad) {
+/* What is exchanged: one or two fields, and where in a rank's room they go. */
+struct rank_fields {
+  rank_field first, second;
+  uint64_t mail;
+  uint32_t held_first, pad;
+};
+
+static __device__ __forceinline__ uint32_t *word_of(const rank_field &f, const rank_fields &all,
+                                                    uint32_t place, uint32_t word) {
+  return f.base + (uint64_t)(place - all.held_first + all.pad) * f.stride + word;
+}
+
+/* Gives the others what they hold of this rank's particles. The last block tells them. */
+static __device__ __forceinline__ void give_fields(const rank_place &p, const rank_fields &f) {
+  __shared__ bool is_last;
   rank_control *c = p.control;
-  const rank_plan *plan = &c->plan;
-  const rank_share mine = plan->shares[p.rank];
+  const rank_share mine = c->plan.shares[p.rank];
   for (uint32_t r = 0; r < p.count; ++r) {
     if (r == p.rank) continue;
-    const rank_share its = plan->shares[r];
+    const rank_share its = c->plan.shares[r];
     const rank_run run = common_run(mine, its);
-    uint32_t *to = reinterpret_cast<uint32_t *>(c->rooms[r] + mail);
-    uint32_t *behind = to + (uint64_t)halo_count(its) * field.words;
-    for_words(run, field.words, [&](uint32_t place, uint32_t word) {
-      to[(uint64_t)halo_place(its, place) * field.words + word] =
-          field.base[(uint64_t)(place - held_first + pad) * field.stride + word];
-    });
-    if (second.words)
-      for_words(run, second.words, [&](uint32_t place, uint32_t word) {
-        behind[(uint64_t)halo_place(its, place) * second.words + word] =
-            second.base[(uint64_t)(place - held_first + pad) * second.stride + word];
-      });
+    uint32_t *to = reinterpret_cast<uint32_t *>(c->rooms[r] + f.mail);
+    for (const rank_field &field : {f.first, f.second}) {
+      if (field.words)
+        for_words(run, field.words, [&](uint32_t place, uint32_t word) {
+          to[(uint64_t)halo_place(its, place) * field.words + word] =
+              *word_of(field, f, place, word);
+        });
+      to += (uint64_t)halo_count(its) * field.words;
+    }
   }
-  __shared__ bool is_last;
   __threadfence_system();
   __syncthreads();
   if (threadIdx.x == 0) is_last = atomicAdd(&c->arrived, 1u) == gridDim.x - 1;
   __syncthreads();
-  if (is_last) {
-    if (threadIdx.x == 0) c->arrived = 0;
-    tell_ranks(p);
+  if (!is_last) return;
+  if (threadIdx.x == 0) c->arrived = 0;
+  tell_ranks(p);
+}
+
+/* Takes what it holds of theirs. */
+static __device__ __forceinline__ void take_fields(const rank_place &p, const rank_fields &f) {
+  const rank_share mine = p.control->plan.shares[p.rank];
+  const uint32_t *from = reinterpret_cast<const uint32_t *>(p.control->rooms[p.rank] + f.mail);
+  for (const rank_field &field : {f.first, f.second}) {
+    for (rank_run run :
+         {rank_run{mine.held_first, mine.own_first}, rank_run{mine.own_last, mine.held_last}})
+      if (field.words)
+        for_words(run, field.words, [&](uint32_t place, uint32_t word) {
+          *word_of(field, f, place, word) =
+              __ldcv(from + (uint64_t)halo_place(mine, place) * field.words + word);
+        });
+    from += (uint64_t)halo_count(mine) * field.words;
   }
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK) exchange_kernel(rank_place p, rank_fields f) {
+  if (p.phases & RANK_GIVES) give_fields(p, f);
+  if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
-  const uint32_t *from = reinterpret_cast<const uint32_t *>(c->rooms[p.rank] + mail);
-  const uint32_t *behind = from + (uint64_t)halo_count(mine) * field.words;
-  for (rank_run run :
-       {rank_run{mine.held_first, mine.own_first}, rank_run{mine.own_last, mine.held_last}}) {
-    for_words(run, field.words, [&](uint32_t place, uint32_t word) {
-      field.base[(uint64_t)(place - held_first + pad) * field.stride + word] =
-          __ldcv(from + (uint64_t)halo_place(mine, place) * field.words + word);
-    });
-    if (second.words)
-      for_words(run, second.words, [&](uint32_t place, uint32_t word) {
-        second.base[(uint64_t)(place - held_first + pad) * second.stride + word] =
-            __ldcv(behind + (uint64_t)halo_place(mine, place) * second.words + word);
-      });
-  }
+  take_fields(p, f);
 }
 
 #endif

@@ -118,21 +118,20 @@ static inline rank_call rank_call_of(const solver *s, const char *call, const vo
 /* Where a rank's memory is. */
 struct rank_address {
   uint64_t host, process;
-  int32_t device;
+  int32_t device; /* as this process counts them */
   uint32_t has_handles;
+  cudaUUID_t device_name;
   char *room, *inbox;
   cudaIpcMemHandle_t room_handle, inbox_handle;
 };
 
 /* Another process has another one. */
 static inline uint64_t process_token() {
-  static uint64_t token;
-  if (token) return token;
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  const uint64_t parts[4] = {(uint64_t)getpid(), (uint64_t)now.tv_nsec, (uint64_t)now.tv_sec,
-                             reinterpret_cast<uint64_t>(&token)};
-  return token = digest(DIGEST_OF_NOTHING, parts, sizeof parts) | 1;
+  static const char here = 0;
+  char space[64] = "";
+  if (readlink("/proc/self/ns/pid", space, sizeof space - 1) < 0) space[0] = 0;
+  const uint64_t parts[2] = {(uint64_t)getpid(), reinterpret_cast<uint64_t>(&here)};
+  return digest(digest(DIGEST_OF_NOTHING, parts, sizeof parts), space, sizeof space);
 }
 
 static inline uint64_t host_token() {
@@ -150,6 +149,9 @@ static inline rank_address address_of(solver *s) {
   a.host = host_token();
   a.process = process_token();
   a.device = s->device;
+  cudaDeviceProp properties;
+  if (cudaGetDeviceProperties(&properties, s->device) == cudaSuccess)
+    a.device_name = properties.uuid;
   a.room = s->ranks.room;
   a.inbox = static_cast<char *>(s->list_storage);
   a.has_handles = cudaIpcGetMemHandle(&a.room_handle, a.room) == cudaSuccess &&
@@ -196,6 +198,14 @@ static inline const char *see_memory(solver *s, uint32_t r, const rank_address &
   return nullptr;
 }
 
+/* Whether another rank has the device of rank r, by the name that it has everywhere. */
+static inline bool shares_device(const rank_address *all, uint32_t count, uint32_t r) {
+  for (uint32_t k = 0; k < count; ++k)
+    if (k != r && memcmp(&all[k].device_name, &all[r].device_name, sizeof all->device_name) == 0)
+      return true;
+  return false;
+}
+
 /* Has each see where the others' rooms are. All ranks call it. */
 static inline bool connect_ranks(solver *s) {
   rank_state *r = &s->ranks;
@@ -211,6 +221,7 @@ static inline bool connect_ranks(solver *s) {
     if (why && sees)
       snprintf(text, sizeof text, "rank %u, as rank %u sees it, %s", k, r->rank, why);
     sees = sees && !why;
+    r->one_by_one = r->one_by_one || shares_device(all, r->count, k);
     seen[0][k] = its[0];
     seen[1][k] = its[1];
   }

@@ -121,7 +121,10 @@ struct rank_state {
   char *room;
   uint32_t halo_room, cell_room; /* as on all ranks */
   uint32_t *cell_memory;
-  bool changed;                     /* others do not know where its room is */
+  bool one_by_one;        /* ranks share a device: none may wait there for another */
+  uint32_t careful_sorts; /* that are to come, with the stages behind them, … */
+  bool careful;           /* … of which this is one: kernels may be launched for the first time */
+  bool changed;           /* others do not know where its room is */
   char *opened[2][RANKS_OF_CUDA];   /* by handles of other processes */
   rank_share shares[RANKS_OF_CUDA]; /* of the last sort */
   uint32_t pad;                     /* places before the first that is held */
