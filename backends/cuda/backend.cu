@@ -121,7 +121,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   if (s->topology.memory != s->topology_memory) s->topology.memory = nullptr;
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
-  if (changes || memcmp(&s->schedule, &schedule, sizeof schedule) != 0) be_careful(s, SORTS_OF_NEW);
+  if (changes || memcmp(&s->schedule, &schedule, sizeof schedule) != 0)
+    s->ranks.careful_steps = STEPS_OF_NEW;
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
@@ -291,7 +292,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
     return status;
   }
   keep_shapes(s, shapes);
-  be_careful(s, SORTS_OF_NEW);
+  s->ranks.careful_steps = STEPS_OF_NEW;
   s->topology.memory = nullptr;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
@@ -349,6 +350,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   pbf_cuda_scope scope(s->context);
   if (pbf_status status = wake_all(s)) return status;
   if (has_ranks(s) && !agree_on_call(s, "a projection", &time, sizeof time)) return end_on_ranks(s);
+  s->ranks.careful_once = true;
   const pbf_params params = s->params;
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;

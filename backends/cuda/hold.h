@@ -28,13 +28,8 @@ static inline void meet_ranks(solver *s, Launch launch) {
   if (!s->ranks.failed) launch(place);
 }
 
-/* After what may have other kernels launched: some are not launched in every step. */
-enum { SORTS_OF_NEW = 6 };
-
-/* In so many sorts to come. */
-static inline void be_careful(solver *s, uint32_t sorts) {
-  if (s->ranks.careful_sorts < sorts) s->ranks.careful_sorts = sorts;
-}
+/* Steps after what may have other kernels launched: some are not launched in every step. */
+enum { STEPS_OF_NEW = 6 };
 
 /* ---- Which particles ----------------------------------------------------------------------- */
 
@@ -210,8 +205,9 @@ static inline void note_own(const solver *s, sorted_particles *p) {
  * hold. The state is as it was. */
 static inline bool hold_share(solver *s, const unsorted_particles &from, const cell_grid &grid) {
   rank_state *r = &s->ranks;
-  r->careful = r->one_by_one || r->careful_sorts > 0;
-  if (r->careful_sorts) --r->careful_sorts;
+  r->careful = r->one_by_one || r->careful_once || r->careful_steps > 0;
+  if (!r->careful_once && r->careful_steps) --r->careful_steps;
+  r->careful_once = false;
   const rank_cut cut = rank_cut_of(s, grid);
   const uint32_t blocks = blocks_for(from.count);
   const sort_scratch scratch = rank_scratch_of(s, 0);

@@ -146,7 +146,7 @@ static inline void launch_lists(solver *s, const neighborhood &n) {
 /* Sorts the present positions, also of those that sleep. */
 static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   prediction at_rest = {};
-  be_careful(s, 1);
+  s->ranks.careful_once = true;
   at_rest.forces.max_speed =
       sizeof(pbf_real) == sizeof(float) ? (pbf_real)FLT_MAX : (pbf_real)DBL_MAX;
   unsorted_particles from = state_of(s);

@@ -122,8 +122,9 @@ struct rank_state {
   uint32_t halo_room, cell_room; /* as on all ranks */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
-  uint32_t careful_sorts; /* that are to come, with the stages behind them, … */
-  bool careful;           /* … of which this is one: kernels may be launched for the first time */
+  uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */
+  bool careful_once;      /* … as in a sort outside of steps */
+  bool careful;           /* the last sort, and what comes behind it, was so */
   bool changed;           /* others do not know where its room is */
   char *opened[2][RANKS_OF_CUDA];   /* by handles of other processes */
   rank_share shares[RANKS_OF_CUDA]; /* of the last sort */

@@ -6,10 +6,12 @@
  *
  * RANKS 0 of `time` is a solver without ranks. With PBF_RANKS_PROCESSES ranks are processes. Prints
  * one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "../../tests/ranks/thread_ranks.h"
 #include "../gpu_check/scenes.h"
@@ -39,6 +41,19 @@ static uint32_t count_devices(void) {
   }
   if (!count) must(PBF_ERROR_UNAVAILABLE, "no device");
   return count;
+}
+
+/* What each rank is about, for who waits too long. */
+static const char *volatile doing[MAX_THREAD_RANKS];
+
+static void give_up(int signal) {
+  (void)signal;
+  for (uint32_t r = 0; r < MAX_THREAD_RANKS; ++r)
+    if (doing[r]) {
+      (void)!write(2, doing[r], strlen(doing[r]));
+      (void)!write(2, "\n", 1);
+    }
+  _exit(3);
 }
 
 static double now(void) {
@@ -126,22 +141,34 @@ static void look(job *j, pbf_solver *solver, uint32_t r) {
 static void check_job(const pbf_ranks *ranks, void *context) {
   job *j = context;
   const uint32_t r = ranks ? ranks->rank : 0;
+  doing[r] = "create";
   pbf_solver *solver = create(j, ranks);
+  doing[r] = "add";
   fill(j, solver);
+  doing[r] = "the first steps";
   must(pbf_step(solver, j->steps / 2), "pbf_step");
+  doing[r] = "the other steps";
   must(pbf_step(solver, j->steps - j->steps / 2), "pbf_step");
+  doing[r] = "hash";
   j->hash[r] = hash_of(solver);
+  doing[r] = "densities";
   j->density[r] = density_sum(j, solver);
+  doing[r] = "statistics";
   look(j, solver, r);
+  doing[r] = "destroy";
   pbf_destroy(solver);
+  doing[r] = NULL;
 }
 
 static void time_job(const pbf_ranks *ranks, void *context) {
   job *j = context;
   const uint32_t r = ranks ? ranks->rank : 0;
   pbf_solver *solver = create(j, ranks);
+  doing[r] = "add";
   fill(j, solver);
+  doing[r] = "the first steps";
   must(pbf_step(solver, j->lead_in), "pbf_step");
+  doing[r] = "the other steps";
   for (uint32_t run = 0; run < j->runs; ++run) {
     must(pbf_synchronize(solver), "pbf_synchronize");
     meet(ranks);
@@ -323,6 +350,7 @@ static int usage(void) {
 
 int main(int argc, char **argv) {
   const char *command = argc > 1 ? argv[1] : "";
+  signal(SIGTERM, give_up);
   in_processes = getenv("PBF_RANKS_PROCESSES") != NULL;
   if (!in_processes) devices = count_devices();
   if (strcmp(command, "same") == 0) {
