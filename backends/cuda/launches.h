@@ -188,8 +188,9 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
     surfaces_met met = surfaces_of(s);
     auto kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, false>
                   : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, false>
-                  : has_extras(s)        ? lambda_kernel<F, true, FEW_SURFACES, false>
-                                         : lambda_kernel<F, false, FEW_SURFACES, false>;
+                  : !has_extras(s)       ? lambda_kernel<F, false, NO_SURFACES, false>
+                  : met == FEW_SURFACES  ? lambda_kernel<F, true, FEW_SURFACES, false>
+                                         : lambda_kernel<F, true, NO_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
         kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, true>

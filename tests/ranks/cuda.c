@@ -216,7 +216,6 @@ static void refuse(const pbf_ranks *ranks, void *context) {
   pbf_params ends = c->params, turns = c->params, deep = c->params;
   const pbf_desc desc = desc_of(c);
   pbf_solver *s = NULL;
-  pbf_view view = {.struct_size = sizeof view};
   float pressure;
   ends.tolerance = 0.01;
   turns.periodic = PBF_PERIODIC_X;
@@ -229,7 +228,6 @@ static void refuse(const pbf_ranks *ranks, void *context) {
                "params.pressure_grid is -1 or above 0");
   if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
   fill(c, s, COUNT, 0);
-  EXPECT_FAILS(pbf_map(s, PBF_FIELD_POSITION, &view), PBF_ERROR_UNSUPPORTED, "on ranks");
   EXPECT_FAILS(pbf_get_pressures(s, 0, 1, &pressure), PBF_ERROR_UNSUPPORTED, "on ranks");
   EXPECT_FAILS(pbf_step(s, 1 + ranks->rank), PBF_ERROR_INVALID_ARGUMENT, "arguments of the call");
   EXPECT_OK(pbf_step(s, 2));
