@@ -50,7 +50,8 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
                               const pbf_checked_desc *checked, char *why, size_t size) {
   const pbf_desc *desc = &checked->desc;
   if (solver->ranks.count && !works_on_ranks(plugin)) {
-    snprintf(why, size, "the backend \"%s\" does not work on ranks; \"serial\" does", plugin->name);
+    snprintf(why, size, "the backend \"%s\" does not work on ranks; \"serial\" and \"cuda\" do",
+             plugin->name);
     return PBF_ERROR_UNSUPPORTED;
   }
   const pbf_backend_desc backend_desc = {
