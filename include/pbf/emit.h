@@ -76,9 +76,10 @@ PBF_API pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume 
 
 /* An open boundary of given level or pressure: a box in which the fluid always stands as deep as it
  * says, as in a tank that is large. Before each step as many particles go, the highest ones first,
- * or come, at rest where fluid stands lowest, as there are too many or too few for that volume. So
- * it lets in what flows out of it into the rest of the domain, and out what comes. Walls and
- * colliders around it are yours; for a channel that goes on, it is the end of it. */
+ * or come, upon the fluid where that is lowest and with its velocity there, as there are too many
+ * or too few for that volume. So it lets in what flows out of it into the rest of the domain, and
+ * out what comes. Walls and colliders around it are yours; for a channel that goes on, it is the
+ * end of it. */
 typedef struct pbf_reservoir {
   uint32_t struct_size;
   uint32_t phase;         /* of what comes (phases.h), below pbf_get_phase_count, or 0 */

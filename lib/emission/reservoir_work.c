@@ -83,11 +83,18 @@ pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir
 
 /* ---- In -------------------------------------------------------------------------------------- */
 
-/* How high in each cell a particle would come to lie upon those that are there: a spacing from all
- * of them. */
+/* Of a cell: how high a particle would come to lie upon those that are there, a spacing from all of
+ * them, and which of these it would lie upon. */
+typedef struct heap_cell {
+  double height;
+  uint32_t support; /* an element, or NONE: the bottom */
+} heap_cell;
+
+enum { NONE = UINT32_MAX };
+
 typedef struct heap {
   const pbf_reservoir_frame *frame;
-  double *heights;
+  heap_cell *of;
   uint32_t cells;
 } heap;
 
@@ -110,7 +117,7 @@ static int near_cells(const pbf_reservoir_frame *f, uint32_t side, double at, ui
   return 1;
 }
 
-static void lay(const heap *h, const double local[3]) {
+static void lay(const heap *h, const double local[3], uint32_t element) {
   const pbf_reservoir_frame *f = h->frame;
   uint32_t ranges[2][2];
   if (!near_cells(f, 0, local[0], ranges[0]) || !near_cells(f, 1, local[2], ranges[1])) return;
@@ -121,14 +128,15 @@ static void lay(const heap *h, const double local[3]) {
       middle_of_cell(f, cell, middle);
       const double a = middle[0] - local[0], b = middle[1] - local[2];
       const double square = f->spacing * f->spacing - a * a - b * b;
-      if (square > 0) h->heights[cell] = fmax(h->heights[cell], local[1] + sqrt(square));
+      const double height = local[1] + sqrt(fmax(square, 0));
+      if (square > 0 && height > h->of[cell].height) h->of[cell] = (heap_cell){height, element};
     }
 }
 
 static uint32_t lowest_of(const heap *h) {
   uint32_t lowest = 0;
   for (uint32_t i = 1; i < h->cells; ++i)
-    if (h->heights[i] < h->heights[lowest]) lowest = i;
+    if (h->of[i].height < h->of[lowest].height) lowest = i;
   return lowest;
 }
 
@@ -142,35 +150,55 @@ static pbf_status heap_up(pbf_solver *solver, const heap *h, double *inside) {
     double local[3];
     local_of(solver, h->frame, &x, i, local);
     *inside += pbf_volume_has_local(&h->frame->box, local) != 0;
-    if (local[1] < h->frame->upper + h->frame->spacing) lay(h, local);
+    if (local[1] < h->frame->upper + h->frame->spacing) lay(h, local, i);
   }
   pbf_numbers_free(solver, &x);
   return status;
 }
 
-/* Places for as many as are missing, but none of which the middle would be above the level. */
+/* Places for as many as are missing, but none of which the middle would be above the level, and
+ * what each would lie upon. */
 static uint32_t write_places(const pbf_solver *solver, pbf_emission *e, const heap *h,
-                             uint32_t most) {
+                             uint32_t most, uint32_t *supports) {
   const pbf_reservoir_frame *f = h->frame;
   const uint32_t n = solver->kind.dimension;
   uint32_t written = 0;
   while (written < most) {
     const uint32_t cell = lowest_of(h);
+    const heap_cell top = h->of[cell];
     double middle[2], place[3];
     middle_of_cell(f, cell, middle);
-    const double local[3] = {middle[0], h->heights[cell], middle[1]};
+    const double local[3] = {middle[0], top.height, middle[1]};
     if (!(local[1] <= f->upper)) break;
     for (uint32_t k = 0; k < n; ++k) {
       place[k] = f->box.position[k];
       for (uint32_t axis = 0; axis < n; ++axis) place[k] += local[axis] * f->box.axes[axis][k];
     }
-    lay(h, local);
+    lay(h, local, top.support);
     if (!pbf_emission_is_inside(solver, place)) continue;
     for (uint32_t k = 0; k < n; ++k)
       pbf_emission_put(solver, e->particles, (uint64_t)written * n + k, place[k]);
-    ++written;
+    supports[written++] = top.support;
   }
   return written;
+}
+
+/* What lies upon fluid moves with it: particles at rest would have to fall by a spacing before
+ * others find room, and so limit what comes in to a layer in sqrt(2 spacing / g). */
+static pbf_status write_velocities(pbf_solver *solver, pbf_emission *e, uint32_t count,
+                                   const uint32_t *supports) {
+  char *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
+  const uint32_t n = solver->kind.dimension;
+  pbf_numbers v;
+  memset(velocities, 0, count * pbf_point_bytes(solver));
+  if (solver->count == 0) return PBF_OK;
+  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_VELOCITY, 0, solver->count, &v);
+  for (uint32_t i = 0; status == PBF_OK && i < count; ++i)
+    for (uint32_t k = 0; k < n && supports[i] != NONE; ++k)
+      pbf_emission_put(solver, velocities, (uint64_t)i * n + k,
+                       pbf_numbers_get(&v, supports[i], k, solver->kind.precision));
+  pbf_numbers_free(solver, &v);
+  return status;
 }
 
 static uint32_t room_in(const pbf_solver *solver) {
@@ -179,18 +207,15 @@ static uint32_t room_in(const pbf_solver *solver) {
   return ids < places ? (uint32_t)ids : places;
 }
 
-static pbf_status add_missing(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r,
-                              const heap *h) {
-  double inside;
-  pbf_status status = heap_up(solver, h, &inside);
-  const double missing = fmin(h->frame->particles - inside, room_in(solver));
-  if (status != PBF_OK || !(missing >= 1)) return status;
-  status = pbf_emission_reserve(solver, e, (uint64_t)missing);
+static pbf_status add(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r, const heap *h,
+                      uint32_t missing, uint32_t *supports) {
+  pbf_status status = pbf_emission_reserve(solver, e, missing);
   if (status != PBF_OK) return status;
-  const uint32_t count = write_places(solver, e, h, (uint32_t)missing);
+  const uint32_t count = write_places(solver, e, h, missing, supports);
   if (count == 0) return PBF_OK;
-  void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
-  memset(velocities, 0, count * pbf_point_bytes(solver));
+  status = write_velocities(solver, e, count, supports);
+  if (status != PBF_OK) return status;
+  const void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   status = pbf_population_append(solver, count, e->particles, velocities, 0, r->phase);
   if (status != PBF_OK) return status;
   r->added += count;
@@ -198,18 +223,33 @@ static pbf_status add_missing(pbf_solver *solver, pbf_emission *e, pbf_reservoir
   return PBF_OK;
 }
 
+static pbf_status add_missing(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r,
+                              const heap *h) {
+  double inside;
+  void *supports;
+  pbf_status status = heap_up(solver, h, &inside);
+  const double missing = fmin(h->frame->particles - inside, room_in(solver));
+  if (status != PBF_OK || !(missing >= 1)) return status;
+  const uint64_t bytes = (uint64_t)missing * sizeof(uint32_t);
+  status = pbf_memory_allocate(&solver->allocator, bytes, "what comes into a reservoir", &supports);
+  if (status != PBF_OK) return status;
+  status = add(solver, e, r, h, (uint32_t)missing, supports);
+  pbf_memory_free(&solver->allocator, supports, bytes);
+  return status;
+}
+
 static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
   const pbf_reservoir_frame f = frame_of(solver, r);
   const uint64_t cells = (uint64_t)f.cells[0] * f.cells[1];
   void *memory;
   if (cells > PBF_MAX_CAPACITY) return PBF_OK; /* a spacing that has been made far smaller since */
-  pbf_status status = pbf_memory_allocate(&solver->allocator, cells * sizeof(double),
+  pbf_status status = pbf_memory_allocate(&solver->allocator, cells * sizeof(heap_cell),
                                           "the surface of a reservoir", &memory);
   if (status != PBF_OK) return status;
   heap h = {&f, memory, (uint32_t)cells};
-  for (uint32_t i = 0; i < h.cells; ++i) h.heights[i] = f.lower + 0.5 * f.spacing;
+  for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){f.lower + 0.5 * f.spacing, NONE};
   status = add_missing(solver, e, r, &h);
-  pbf_memory_free(&solver->allocator, memory, cells * sizeof(double));
+  pbf_memory_free(&solver->allocator, memory, cells * sizeof(heap_cell));
   return status;
 }
 

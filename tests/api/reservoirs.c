@@ -170,6 +170,47 @@ static void tanks_come_to_its_level(void **state) {
   test_for_long_kinds(check_level);
 }
 
+static uint32_t count_beyond(pbf_solver *s, uint32_t dimension, uint32_t precision, double x) {
+  static double raw[3 * CAPACITY];
+  const uint32_t count = count_of(s);
+  uint32_t beyond = 0;
+  assert_ok(pbf_get_positions(s, 0, count, raw));
+  for (uint32_t i = 0; i < count; ++i)
+    beyond += test_value(raw, (uint64_t)i * dimension, precision) > x;
+  return beyond;
+}
+
+/* However fast it flows out: a drain at the other end takes all. Of a breaking dam that is
+ * 8/27 sqrt(g H³) (Ritter), more than a layer of the box in each time that a particle falls by a
+ * spacing. */
+static void check_flow(uint32_t dimension, uint32_t precision) {
+  if (test_is_stub()) return; /* without a fluid */
+  const uint32_t counts[3] = {20, 10, 6};
+  const double full = 8 * 10 * (dimension == 3 ? 6.0 : 1.0);
+  const pbf_params params = params_of(9.81);
+  const pbf_reservoir r = reservoir_of(0.5);
+  pbf_solver *s = tank(dimension, precision, &params, counts);
+  pbf_volume drain;
+  double mean = 0;
+  assert_ok(pbf_volume_init(&drain, sizeof drain, PBF_VOLUME_BOX));
+  for (uint32_t k = 0; k < 3; ++k) drain.half_extents[k] = k == 0 ? 0.1 : 2;
+  assert_ok(pbf_set_drains(s, 1, &drain));
+  assert_ok(pbf_set_reservoirs(s, 1, &r));
+  assert_ok(pbf_step(s, 128));
+  for (uint32_t k = 0; k < 8; ++k) {
+    assert_ok(pbf_step(s, 16));
+    mean += count_beyond(s, dimension, precision, 0.6) / 8.0;
+  }
+  if (!(mean > 0.95 * full && mean < 1.05 * full))
+    fail_msg("%uD: %g particles are in it, of %g", dimension, mean, full);
+  pbf_destroy(s);
+}
+
+static void it_gives_what_flows_out(void **state) {
+  (void)state;
+  test_for_long_kinds(check_flow);
+}
+
 /* ---- Pressure -------------------------------------------------------------------------------- */
 
 /* Fluid without weight on a floor, in a reservoir that is all of its tank: the floor carries the
@@ -369,6 +410,7 @@ int main(void) {
       cmocka_unit_test(the_highest_go),
       cmocka_unit_test(counts_decide),
       cmocka_unit_test(tanks_come_to_its_level),
+      cmocka_unit_test(it_gives_what_flows_out),
       cmocka_unit_test(its_pressure_is_on_the_wall),
       cmocka_unit_test(steps_may_be_divided),
       cmocka_unit_test(failures),
