@@ -12,6 +12,9 @@
 #include "physics/facets.h"
 #include "physics/near_faces.h"
 
+/* Not on GPUs so far, where it has not been run: docs/notes/walls.md. */
+enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
+
 PBF_FN_SELDOM pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   int is_plane;
   return pbf_surface_is_field(s) ? pbf_look_at_field(s, y, normal, &is_plane)
@@ -142,24 +145,39 @@ PBF_FN_SELDOM pbf_real pbf_part_beside(pbf_seam seam, pbf_vec x, pbf_real reach,
   return pbf_real_max(1 - flush * nearer, going_on);
 }
 
+/* A plane of a surface, seen from x, and the part that others leave of it. */
+typedef struct pbf_beside {
+  pbf_seam seam;
+  pbf_vec x;
+  pbf_real reach, cell, part;
+  pbf_facet seen, plane;
+} pbf_beside;
+
+PBF_FN_SELDOM void pbf_look_beside(pbf_beside *b, const pbf_surface *other, int number) {
+  if (number == b->seam.number || !(b->part > 0)) return;
+  b->seam.other = other, b->seam.other_number = number;
+  b->seam.cell = pbf_real_max(b->cell, pbf_cell_of(other));
+  if (!pbf_may_be_beside(&b->seam, b->x, &b->seen)) return;
+  b->part = pbf_real_min(b->part, pbf_part_beside(b->seam, b->x, b->reach, &b->seen, &b->plane));
+}
+
 /* The part that all others leave of a plane; each(visit) calls visit(surface, number) for all. */
 template <class Each>
-PBF_FN_SELDOM pbf_real pbf_part_beside_others(const pbf_surface *of, int number, pbf_vec x,
-                                              pbf_real reach, Each each, pbf_facet *plane) {
-  const pbf_facet seen = *plane;
-  const pbf_real cell = pbf_cell_of(of);
-  pbf_real part = 1;
-  pbf_seam seam;
-  seam.of = of, seam.number = number;
-  each([&](const auto &other, int k) {
-    if (k == number || !(part > 0)) return;
-    if (!pbf_surface_is_field(of) && !pbf_surface_is_field(&other)) return;
-    seam.other = &other, seam.other_number = k;
-    seam.cell = pbf_real_max(cell, pbf_cell_of(&other));
-    if (!pbf_may_be_beside(&seam, x, &seen)) return;
-    part = pbf_real_min(part, pbf_part_beside(seam, x, reach, &seen, plane));
-  });
-  return part;
+PBF_FN pbf_real pbf_part_beside_others(const pbf_surface *of, int number, pbf_vec x, pbf_real reach,
+                                       Each each, pbf_facet *plane) {
+  if constexpr (PBF_FINDS_SEAMS) {
+    pbf_beside b;
+    b.seam.of = of, b.seam.number = number;
+    b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
+    b.seen = b.plane = *plane;
+    each([&](const auto &other, int k) {
+      if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
+    });
+    *plane = b.plane;
+    return b.part;
+  } else {
+    return 1;
+  }
 }
 
 /* ---- Planes of all fields ------------------------------------------------------------------- */

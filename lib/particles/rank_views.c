@@ -45,9 +45,3 @@ pbf_status pbf_rank_view_of(pbf_solver *solver, uint32_t field, pbf_view *view) 
   view->data = solver->rank_copies[field].data;
   return PBF_OK;
 }
-
-void pbf_rank_views_free(pbf_solver *solver) {
-  for (int field = 0; field < PBF_FIELD_COUNT; ++field)
-    pbf_memory_free(&solver->allocator, solver->rank_copies[field].data,
-                    solver->rank_copies[field].bytes);
-}
