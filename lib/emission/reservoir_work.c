@@ -87,10 +87,10 @@ pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir
  * them, and which of these it would lie upon. */
 typedef struct heap_cell {
   double height;
-  uint32_t support; /* an element, or NONE: the bottom */
+  uint32_t support; /* an element, or none: the bottom */
 } heap_cell;
 
-enum { NONE = UINT32_MAX };
+static const uint32_t none = UINT32_MAX;
 
 typedef struct heap {
   const pbf_reservoir_frame *frame;
@@ -194,7 +194,7 @@ static pbf_status write_velocities(pbf_solver *solver, pbf_emission *e, uint32_t
   if (solver->count == 0) return PBF_OK;
   pbf_status status = pbf_numbers_find(solver, PBF_FIELD_VELOCITY, 0, solver->count, &v);
   for (uint32_t i = 0; status == PBF_OK && i < count; ++i)
-    for (uint32_t k = 0; k < n && supports[i] != NONE; ++k)
+    for (uint32_t k = 0; k < n && supports[i] != none; ++k)
       pbf_emission_put(solver, velocities, (uint64_t)i * n + k,
                        pbf_numbers_get(&v, supports[i], k, solver->kind.precision));
   pbf_numbers_free(solver, &v);
@@ -247,7 +247,7 @@ static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
                                           "the surface of a reservoir", &memory);
   if (status != PBF_OK) return status;
   heap h = {&f, memory, (uint32_t)cells};
-  for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){f.lower + 0.5 * f.spacing, NONE};
+  for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){f.lower + 0.5 * f.spacing, none};
   status = add_missing(solver, e, r, &h);
   pbf_memory_free(&solver->allocator, memory, cells * sizeof(heap_cell));
   return status;
