@@ -25,7 +25,7 @@ static inline void add_change(const solver *s, const pbf_wide_sum change[PBF_DIM
   for (int k = 0; k < PBF_DIM; ++k) add_to_shared(&s->load_tally->change[k], change[k]);
 }
 
-/* Of a particle whose velocity is v by now, and `forced` without solids. */
+/* Of a particle that has the velocity v by now, and `forced` without solids. */
 static inline void note_push(const worker *w, uint32_t i, pbf_vec v, pbf_vec forced, pbf_real mass,
                              double units, pbf_wide_sum change[PBF_DIM]) {
   field_set(&w->s->push, i, pbf_sub(v, forced));

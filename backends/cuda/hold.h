@@ -112,8 +112,8 @@ static inline void refuse_capacity(solver *s) {
   refuse_on_ranks(s, PBF_ERROR_CAPACITY, text);
 }
 
-/* Room for what ranks hold of others, and for the ends of their cells: as much on all, who all
- * know when it is short. Nothing is under way then that waits for another rank. */
+/* Room for what ranks hold of others, and for the ends of their cells: as much on all ranks, all of
+ * which know when it is short. Nothing is under way then that waits for another rank. */
 static inline bool grow_rooms(solver *s) {
   rank_state *r = &s->ranks;
   uint32_t halo = 0, cells = 0;
@@ -165,7 +165,7 @@ static inline unsorted_particles inbox_of(const solver *s, const unsorted_partic
 }
 
 /* Of its own, others hold those at either end, in whole warps. What no other rank holds has no
- * neighbour of another rank: who is in reach is so of both. */
+ * neighbour of another rank: reach is mutual. */
 static inline void note_inner(rank_state *r) {
   const rank_share &mine = r->shares[r->rank];
   uint32_t first = mine.own_first, last = mine.own_last;

@@ -231,7 +231,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
 }
 
-/* As count_particle, of its own particles whose cells it holds; and `pad`, from which places
+/* As count_particle, of its own particles in cells that it holds; and `pad`, from which places
  * count. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     count_held_kernel(uint32_t count, uint32_t *cell_count, sort_scratch scratch, uint32_t *front,

@@ -178,12 +178,12 @@ static inline const char *see_memory(solver *s, uint32_t r, const rank_address &
     seen[1] = other.inbox;
     if (can) return nullptr;
     if (cudaDeviceCanAccessPeer(&can, mine.device, other.device) != cudaSuccess || !can)
-      return "has a device whose memory this one's can't reach";
+      return "has device memory that is out of reach";
     const cudaError_t error = cudaDeviceEnablePeerAccess(other.device, 0);
     cudaGetLastError();
     return error == cudaSuccess || error == cudaErrorPeerAccessAlreadyEnabled
                ? nullptr
-               : "has a device whose memory this one's can't reach";
+               : "has device memory that is out of reach";
   }
   if (!other.has_handles) return "has a device that shares no memory with other processes";
   const cudaIpcMemHandle_t handles[2] = {other.room_handle, other.inbox_handle};
@@ -191,7 +191,7 @@ static inline const char *see_memory(solver *s, uint32_t r, const rank_address &
     void *at = nullptr;
     if (cudaIpcOpenMemHandle(&at, handles[k], cudaIpcMemLazyEnablePeerAccess) != cudaSuccess) {
       cudaGetLastError();
-      return "has a device whose memory this process can't reach";
+      return "has device memory that this process can't reach";
     }
     seen[k] = s->ranks.opened[k][r] = static_cast<char *>(at);
   }

@@ -44,7 +44,7 @@ static uint32_t count_devices(void) {
   return count;
 }
 
-/* What each rank is about, for who waits too long. */
+/* What each rank is doing, to be told when a rank waits too long. */
 static const char *volatile doing[MAX_THREAD_RANKS];
 
 static void give_up(int signal) {
