@@ -9,6 +9,7 @@
 
 #include <pbf/ranks.h>
 
+#include "common/digest.h"
 #include "common/number.h"
 #include "cpu/worker.h"
 
@@ -188,15 +189,6 @@ static inline bool keep_bytes(solver *s, const char *name, rank_memory *m, uint6
 }
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
-
-static inline uint64_t digest(uint64_t before, const void *data, uint64_t bytes) {
-  const uint8_t *of = static_cast<const uint8_t *>(data);
-  uint64_t hash = before;
-  for (uint64_t k = 0; k < bytes; ++k) hash = (hash ^ of[k]) * UINT64_C(1099511628211);
-  return hash;
-}
-
-enum { DIGEST_OF_NOTHING = 1469598103 };
 
 /* What ranks must have in common in a call. */
 struct rank_call {

@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "common/digest.h"
 #include "common/number.h"
 #include "cuda/arrays.h"
 #include "cuda/rank_kernels.h"
@@ -68,15 +69,6 @@ static inline bool on_all_ranks(solver *s, bool yes) {
 }
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
-
-static inline uint64_t digest(uint64_t before, const void *data, uint64_t bytes) {
-  const uint8_t *of = static_cast<const uint8_t *>(data);
-  uint64_t hash = before;
-  for (uint64_t k = 0; k < bytes; ++k) hash = (hash ^ of[k]) * UINT64_C(1099511628211);
-  return hash;
-}
-
-enum { DIGEST_OF_NOTHING = 1469598103 };
 
 /* What ranks must have in common in a call, and whether one's memory has come to lie elsewhere. */
 struct rank_call {
