@@ -10,9 +10,9 @@ namespace {
 
 using namespace bench;
 
-const AddCommand add_commands[] = {add_speedup,   add_pareto,  add_run,    add_ablation,
-                                   add_stability, add_picture, add_record, add_replay,
-                                   add_worlds,    add_startup, add_list};
+const AddCommand add_commands[] = {add_speedup,   add_pareto,  add_run,      add_ablation,
+                                   add_stability, add_picture, add_record,   add_replay,
+                                   add_worlds,    add_startup, add_validate, add_list};
 
 const char *const footer =
     "Exit codes: 0 done; 1 failed at run time; 2 wrong command line or scene; 3 no backend can "

@@ -37,6 +37,7 @@ const pbf_struct_kind pbf_kind_volume_flow = KIND(pbf_volume_flow, velocity);
 const pbf_struct_kind pbf_kind_samples = KIND(pbf_samples, wet);
 const pbf_struct_kind pbf_kind_sample_grid = KIND(pbf_sample_grid, step);
 const pbf_struct_kind pbf_kind_emitter = KIND(pbf_emitter, lifetime);
+const pbf_struct_kind pbf_kind_reservoir = KIND(pbf_reservoir, removed);
 const pbf_struct_kind pbf_kind_in_out = KIND(pbf_in_out, expired);
 const pbf_struct_kind pbf_kind_phase = KIND(pbf_phase, viscosity);
 const pbf_struct_kind pbf_kind_diffuse_desc = KIND(pbf_diffuse_desc, scatter);

@@ -43,6 +43,7 @@ extern const pbf_struct_kind pbf_kind_samples;
 extern const pbf_struct_kind pbf_kind_sample_grid;
 extern const pbf_struct_kind pbf_kind_emitter;
 extern const pbf_struct_kind pbf_kind_in_out;
+extern const pbf_struct_kind pbf_kind_reservoir;
 extern const pbf_struct_kind pbf_kind_phase;
 extern const pbf_struct_kind pbf_kind_diffuse_desc;
 extern const pbf_struct_kind pbf_kind_diffuse_info;

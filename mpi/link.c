@@ -110,8 +110,8 @@ static int begin(pbf_mpi_link *link, const pbf_rank_message *message, int sends)
   return code;
 }
 
-static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
-                           uint32_t receive_count, const pbf_rank_message *receives) {
+static pbf_status begin_exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                                 uint32_t receive_count, const pbf_rank_message *receives) {
   pbf_mpi_link *link = user;
   pbf_status status = check(link);
   if (status != PBF_OK) return status;
@@ -125,8 +125,19 @@ static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_messa
   for (uint32_t k = 0; k < receive_count && code == MPI_SUCCESS; ++k)
     code = begin(link, &receives[k], 0);
   for (uint32_t k = 0; k < send_count && code == MPI_SUCCESS; ++k) code = begin(link, &sends[k], 1);
-  if (code != MPI_SUCCESS) return fail(link, "a message of MPI", code);
-  return wait_for(link, link->request_count, link->requests);
+  return code == MPI_SUCCESS ? PBF_OK : fail(link, "a message of MPI", code);
+}
+
+static pbf_status end_exchange(void *user) {
+  pbf_mpi_link *link = user;
+  pbf_status status = check(link);
+  return status == PBF_OK ? wait_for(link, link->request_count, link->requests) : status;
+}
+
+static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                           uint32_t receive_count, const pbf_rank_message *receives) {
+  pbf_status status = begin_exchange(user, send_count, sends, receive_count, receives);
+  return status == PBF_OK ? end_exchange(user) : status;
 }
 
 static const char *reason(void *user) { return ((pbf_mpi_link *)user)->reason; }
@@ -172,5 +183,7 @@ pbf_ranks pbf_mpi_link_ranks(pbf_mpi_link *link) {
                      .sum = sum,
                      .exchange = exchange,
                      .reason = reason,
-                     .release = pbf_mpi_link_free};
+                     .release = pbf_mpi_link_free,
+                     .begin_exchange = begin_exchange,
+                     .end_exchange = end_exchange};
 }

@@ -8,7 +8,7 @@
     docs/defaults.md               the parameters' defaults
     docs/building.md               the features that a build may be without
     bench/scenes/scene.schema.json the properties of a scene's params, and its phases, colliders,
-                                   emitters, drains and shapes, by which programs and the Python
+                                   emitters, drains, reservoirs and shapes, by which programs and the Python
                                    package read scenes
     python/pbf/_param_fields.py    the parameters as attributes of the Python package
 """
@@ -27,7 +27,7 @@ REAL = ("offset name default range when min_solver low high usual feature projec
         "doc").split()
 REALS = "offset name count default low high projected unit doc".split()
 FIELD = "name type range of presence doc".split()
-OBJECTS = ["phase", "collider", "emitter", "drain", "shape"]
+OBJECTS = ["phase", "collider", "emitter", "drain", "reservoir", "shape"]
 COLUMNS = {"PBF_PARAM_INTEGER": INTEGER, "PBF_PARAM_REAL": REAL, "PBF_PARAM_REALS": REALS,
            "PBF_FEATURE": ["name", "refusal"],
            **{f"PBF_{name.upper()}_FIELD": FIELD for name in OBJECTS}}
@@ -145,6 +145,7 @@ WORDS = {
                 "stretches, motion",
     "emitter": "an object of fields of pbf_emitter (emit.h), those of its shape",
     "drain": "an object of fields of pbf_volume (query.h), those of its shape",
+    "reservoir": "an object of fields of pbf_reservoir (emit.h)",
     "shape": "what a solid is made from (shapes.h): \"mesh\" with vertices and faces, or a file, "
              "\"heights\", \"points\" of a hull, or a \"grid\" of distances; and cell",
 }

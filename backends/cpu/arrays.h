@@ -4,7 +4,7 @@
 #define PBF_CPU_ARRAYS_H
 
 #include "common/memory.h"
-#include "cpu/worker.h"
+#include "cpu/ranks.h"
 
 namespace {
 
@@ -129,6 +129,8 @@ static extent vectors(const solver *s) {
   return {PBF_DIM * padded(s->local_capacity), FIELD_FRONT};
 }
 
+static extent held_vectors(const solver *s) { return s->ranks.count ? vectors(s) : extent{0, 0}; }
+
 /* None where loops over pairs read no quads. */
 static extent quads(const solver *s) {
   if (!s->kernels->pack) return {0, 0};
@@ -145,6 +147,12 @@ static extent load_bytes(const solver *s) { return {pbf_load_tally_bytes(s->tabl
 
 static extent topology_bytes(const solver *s) {
   return {pbf_topology_memory_bytes(s->capacity), 0};
+}
+
+/* Of both numbers of a cell, where ranks add them up; without ranks none. */
+static extent words_of_cells(const solver *s) {
+  enum { NUMBERS = 2 };
+  return {s->ranks.count ? NUMBERS * PIECES * pbf_pressure_grid_max_nodes(s->capacity) : 0, 0};
 }
 
 static extent grid_words(const solver *s) { return {pbf_pressure_grid_words(s->capacity), 0}; }

@@ -38,9 +38,8 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 static void settle_pressures(solver *s) { add_weight(s); }
-static const char *refusal_of(const solver *s, const pbf_params *params,
-                              const pbf_schedule *schedule) {
-  return has_ranks(s) ? refusal_on_ranks(params, schedule) : NULL;
+static const char *refusal_of(const solver *, const pbf_params *, const pbf_schedule *) {
+  return NULL;
 }
 static pbf_vec velocity_of(const solver *s, uint32_t i) { return field_at(&s->buffers.v, i); }
 static uint32_t threads_of(const solver *s) { return s->threads; }
@@ -177,8 +176,6 @@ static pbf_status read_own(solver *s, uint32_t which, const pbf_rows *rows, void
 /* What each rank has read of its particles, all get. */
 static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows, void *out) {
   const uint32_t asked[3] = {which, rows->first, rows->count};
-  const uint32_t components =
-      which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ? PBF_DIM : 1;
   const uint32_t *ids = s->buffers.ids;
   uint32_t count = s->count;
   if (!agree_on_call(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
@@ -188,7 +185,7 @@ static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows,
     ids = s->buffers.sorted_ids + own_places(s).first;
     count = own_places(s).last - own_places(s).first;
   }
-  share_rows(s, rows, ids, count, out, components * sizeof(pbf_real));
+  share_rows(s, rows, ids, count, out, row_bytes_of(which));
   return end_on_ranks(s);
 }
 
@@ -197,9 +194,8 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
-  const bool is_vector = which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY;
   add_weight(s);
-  if (has_ranks(s)) note_written(s, which, rows, in, (is_vector ? PBF_DIM : 1) * sizeof(pbf_real));
+  if (has_ranks(s)) note_written(s, which, rows, in);
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);
     return PBF_OK;
@@ -220,7 +216,6 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
 
 static pbf_status map(solver *s, uint32_t which, pbf_view *view) {
   int is_id = which == PBF_FIELD_ID;
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   const field *f = which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v;
   view->device_type = PBF_DEVICE_CPU;
   view->element_type = is_id ? (uint32_t)PBF_TYPE_UINT32 : (uint32_t)sizeof(pbf_real);
@@ -239,7 +234,6 @@ static pbf_status read_pressures(solver *s, const pbf_rows *rows, void *out) {
 }
 
 static pbf_status map_pressures(solver *s, pbf_view *view) {
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   if (!pbf_memory_keep(&s->memory, true, "pressure", padded(s->local_capacity), 0, &s->pressure))
     return out_of_memory(s, "a view of the pressures");
   add_weight(s);
@@ -266,6 +260,7 @@ static pbf_status get_stats(solver *s, pbf_stats *stats) {
   if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
   stats->count = particles_of_all(s);
   stats->iterations = s->schedule.checks_convergence ? s->iterations : s->params.iterations;
+  if (has_ranks(s)) count_sleepers_of_ranks(s);
   stats->asleep = s->asleep;
   if (!has_ranks(s)) {
     sum_stats(s, stats);
@@ -313,9 +308,9 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
   return PBF_OK;
 }
 
-/* That it works on ranks: pbf_backend_desc.ranks. And how many colliders it takes. */
+/* That it works on ranks, with phases: pbf_backend_desc.ranks. And how many colliders it takes. */
 static const void *get_extension(const char *name) {
-  static const uint32_t works = 1;
+  static const uint32_t works = 2;
   const bool asked = strcmp(name, PBF_BACKEND_RANKS) == 0;
   return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : pbf_colliders_extension(name);
 }

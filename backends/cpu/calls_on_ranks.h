@@ -13,7 +13,7 @@
 /* Bytes that a rank may tell all others at once. */
 static uint64_t largest_gathered(void) {
   const uint64_t sizes[] = {sizeof(rank_call), sizeof(rank_summary), sizeof(pbf_params),
-                            sizeof(pbf_stats)};
+                            sizeof(pbf_stats), DEPTHS_AT_ONCE * sizeof(uint64_t)};
   uint64_t largest = 0;
   for (uint64_t size : sizes) largest = size > largest ? size : largest;
   return largest;
@@ -22,7 +22,7 @@ static uint64_t largest_gathered(void) {
 /* One array holds what there is of each rank. 0 when there is no memory. */
 static int take_rank_tables(solver *s) {
   ranks_state *r = &s->ranks;
-  const uint64_t n = r->count, messages = n * (MAX_CARRIED + PBF_DEVIATOR_DIM);
+  const uint64_t n = r->count, messages = n * (MAX_CARRIED + HELD_RUNS * PBF_DEVIATOR_DIM);
   const uint64_t sizes[] = {n * largest_gathered(),
                             messages * sizeof(pbf_rank_message),
                             messages * sizeof(pbf_rank_message),
@@ -68,31 +68,6 @@ static void describe_ranks(solver *s, const pbf_ranks *ranks) {
   if (ranks->local_capacity) s->local_capacity = ranks->local_capacity;
 }
 
-/* ---- Refusals ------------------------------------------------------------------------------ */
-
-/* What needs sums over all particles that ranks do not have in one order. Null: nothing does. */
-static const char *refusal_on_ranks(const pbf_params *params, const pbf_schedule *schedule) {
-  if (params->sleep_speed > 0)
-    return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
-  if (params->periodic)
-    return "params.periodic is not 0: ranks do not know their neighbours across the domain's faces";
-  if (params->loads)
-    return "params.loads is 1: ranks do not know what others' particles do to solids; 0 is without";
-  if (schedule->runs[PBF_STAGE_FRICTION])
-    return "walls or colliders have friction, which ranks do not share; 0 is without";
-  if (schedule->may_have_grid)
-    return "params.pressure_grid is -1 or above 0 in a scene that can get a pressure grid, which "
-           "ranks can't solve together; 0 is without";
-  return NULL;
-}
-
-static pbf_status refuse_call_on_ranks(const solver *s, const char *what) {
-  char text[128];
-  snprintf(text, sizeof text, "%s shows particles of one solver; on ranks pbf_get_… do", what);
-  s->host->set_error(text);
-  return PBF_ERROR_UNSUPPORTED;
-}
-
 static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps) {
   const double arguments[4] = {times->time, (double)times->before, times->time_step, (double)steps};
   return agree_on_call(s, "pbf_step", arguments, sizeof arguments);
@@ -104,6 +79,7 @@ static uint64_t digest_of_added(const solver *s, const pbf_particles *p) {
   const uint64_t bytes = (uint64_t)p->count * PBF_DIM * sizeof(pbf_real);
   uint64_t hash = digest(s->ranks.particles, p->ids, (uint64_t)p->count * sizeof *p->ids);
   hash = digest(hash, p->positions, bytes);
+  hash = digest(hash, &p->phase, sizeof p->phase);
   return p->velocities ? digest(hash, p->velocities, bytes) : hash;
 }
 
@@ -140,11 +116,16 @@ static bool share_of_added(solver *s, pbf_particles *p) {
   return true;
 }
 
-static void note_written(solver *s, uint32_t which, const pbf_rows *rows, const void *in,
-                         uint64_t row_bytes) {
+static uint64_t row_bytes_of(uint32_t which) {
+  if (which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY) return PBF_DIM * sizeof(pbf_real);
+  if (which == PBF_BACKEND_FIELD_REST) return 2 * sizeof(pbf_real);
+  return which == PBF_BACKEND_FIELD_PHASE ? sizeof(uint8_t) : sizeof(pbf_real);
+}
+
+static void note_written(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
   const uint32_t what[3] = {which, rows->first, rows->count};
   s->ranks.particles = digest(s->ranks.particles, what, sizeof what);
-  s->ranks.particles = digest(s->ranks.particles, in, rows->count * row_bytes);
+  s->ranks.particles = digest(s->ranks.particles, in, rows->count * row_bytes_of(which));
 }
 
 static void note_removed(solver *s, uint32_t count, const uint32_t *ids) {

@@ -52,10 +52,11 @@ namespace {
 /* All threads of the team come to all of its loops. */
 struct executor {
   worker *w;
-  bool sorted;  /* the step has come as far as that, … */
-  uint64_t nth; /* step of its length */
-  bool solved;  /* … or to where x* is x */
-  bool moved;   /* and others' x has not followed it */
+  bool sorted;    /* the step has come as far as that, … */
+  uint64_t nth;   /* step of its length */
+  bool solved;    /* … or to where x* is x */
+  bool moved;     /* and others' x has not followed it */
+  late_pass late; /* on ranks: step_ranks.h */
 
   void over_pairs(task_function task, completion_function last = NULL) {
     parallel_for(w->self, pair_task_count(w), task, last, w);
@@ -65,10 +66,18 @@ struct executor {
     stage_end(w, stage);
   }
 
+  /* Where ranks exchange what comes of it next: what others hold first, the rest meanwhile. */
+  void over_edges(task_function task) {
+    if (!has_edges(w->s)) return over_pairs(task);
+    task(w, LOWER_EDGE);
+    task(w, UPPER_EDGE);
+    late = {task, w->b, w->iteration};
+  }
+
   /* What loops over pairs read is packed for them (neighbors.h): positions and lambda by the tasks
    * that find them, while they are in the cache, the others here. */
   void exchange(int fields) {
-    if (has_ranks(w->s)) exchange_with_ranks(w, fields, solved, moved);
+    if (has_ranks(w->s)) exchange_with_ranks(w, fields, solved, moved, &late);
     if (fields & FIELD_VELOCITY) pack_vectors(w, velocities_task);
     if (fields & FIELD_MEAN_VELOCITY) pack_vectors(w, flows_and_lambda_task);
     if (fields & FIELD_DEVIATOR) pack_vectors(w, deviators_task);
@@ -94,7 +103,8 @@ struct executor {
     if (!sorted && !sort_step(w)) return false;
     w->activity = w->b.sorted_activity;
     w->sleeping_lambda = w->b.sorted_sleeping_lambda;
-    if (!sorted && notes_pushes(w->s)) parallel_for(w->self, range_tasks(w), push_task, NULL, w);
+    if (!sorted && notes_pushes(w->s) && !w->sort_push)
+      parallel_for(w->self, range_tasks(w), push_task, NULL, w);
     if (!::find_neighbors(w, has_pressure_grid(w) ? end_search_with_grid : end_search))
       return false;
     if (corrects_torque(w)) over_pairs(start_task);
@@ -131,14 +141,15 @@ struct executor {
     pbf_set_iteration(&w->constants, k);
   }
   void lambda(uint32_t) {
-    const int checks_convergence = has_convergence_check(w->s);
-    over_pairs(checks_convergence ? checked_lambda_task : lambda_task,
-               checks_convergence ? end_when_converged : NULL);
+    if (has_convergence_check(w->s))
+      over_pairs(checked_lambda_task, end_when_converged);
+    else
+      over_edges(lambda_task);
     stage_end(w, PBF_STAGE_LAMBDA);
   }
   void torque_deficit(uint32_t) { over_pairs(torque_task, PBF_STAGE_TORQUE); }
   void move(uint32_t k) {
-    over_pairs(has_convergence_check(w->s) ? checked_move_task : move_task);
+    over_edges(has_convergence_check(w->s) ? checked_move_task : move_task);
     w->b.accept_iteration();
     stage_end(w, PBF_STAGE_MOVE);
     w->iteration = k + 1;

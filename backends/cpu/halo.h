@@ -12,7 +12,10 @@ typedef struct carried {
   uint32_t element; /* bytes */
 } carried;
 
-enum { MAX_CARRIED = 2 * PBF_DIM + 2 };
+static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
+static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+enum { MAX_CARRIED = 3 * PBF_DIM + 5 };
 
 /* The bin of each particle, in the place of the order that the sort will give them. */
 static uint32_t *bins_of(const solver *s) { return s->order; }
@@ -44,7 +47,9 @@ static bool shares_fit(solver *s) {
 }
 
 static bool is_held_by(const rank_share *share, uint32_t bin) {
-  return bin - share->bin_first < share->bin_last - share->bin_first;
+  bool is = false;
+  for (const rank_run &run : share->held) is |= bin - run.bin_first < run.bin_last - run.bin_first;
+  return is;
 }
 
 /* How many of this rank's particles each rank is to hold. */
@@ -73,6 +78,7 @@ static uint32_t take_held(const solver *s, const rank_share *share, const void *
 
 static uint32_t take_array(const solver *s, const rank_share *share, const carried &what,
                            void *to) {
+  if (what.element == sizeof(uint8_t)) return take_held<uint8_t>(s, share, what.from, to);
   return what.element == sizeof(uint32_t) ? take_held<uint32_t>(s, share, what.from, to)
                                           : take_held<uint64_t>(s, share, what.from, to);
 }
@@ -99,6 +105,25 @@ static bool gather_counts(solver *s, uint32_t *counts) {
   return gather_on_ranks(s, mine, counts, s->ranks.count * sizeof *mine);
 }
 
+/* Places of an owner's particles in a run that another holds; none: {0, 0}. */
+static range shared_places(const rank_share *owner, const rank_run &run) {
+  const uint32_t first = larger(owner->own_first, run.first);
+  const uint32_t last = smaller(owner->own_last, run.last);
+  return first < last ? range{first, last} : range{0, 0};
+}
+
+/* Of what others hold of this rank's own: exchange_marks. */
+static uint64_t bytes_of_marks(const solver *s) {
+  const ranks_state *r = &s->ranks;
+  uint64_t places = 0;
+  for (uint32_t k = 0; k < r->count; ++k)
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = shared_places(&r->shares[r->rank], run);
+      places += k == r->rank ? 0 : both.last - both.first;
+    }
+  return places * sizeof(uint32_t);
+}
+
 /* Memory for what this rank sends, and for the ends of the cells that it is to hold. */
 static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) {
   const ranks_state *r = &s->ranks;
@@ -106,8 +131,9 @@ static bool take_room_to_hold(solver *s, const uint32_t *counts, uint64_t each) 
   uint64_t sent = 0;
   for (uint32_t k = 0; k < r->count; ++k)
     if (k != r->rank) sent += aligned_for_any(counts[r->rank * r->count + k] * each);
+  const uint64_t marks = s->schedule.runs[PBF_STAGE_SLEEP] ? bytes_of_marks(s) : 0;
   const bool ok =
-      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent) &&
+      keep_bytes(s, "sent to ranks", &s->ranks.sent, sent > marks ? sent : marks) &&
       keep_bytes(s, "cell end", &s->ranks.cell_ends,
                  ((uint64_t)share->cell_last - share->cell_first + 1) * sizeof(uint32_t));
   if (on_all_ranks(s, ok)) return true;
@@ -158,6 +184,24 @@ static bool send_and_receive(solver *s, const uint32_t *counts, const carried *w
   return exchange_on_ranks(s);
 }
 
+/* Of this rank's groups those of which no other holds a particle. */
+static range inner_groups(const solver *s) {
+  const rank_share *mine = &s->ranks.shares[s->ranks.rank];
+  const range own = own_groups(s);
+  const uint32_t width = s->kernels->width, begin = mine->own_first, end = mine->own_last;
+  uint32_t lower = begin, upper = end;
+  for (uint32_t k = 0; k < s->ranks.count; ++k)
+    for (const rank_run &run : s->ranks.shares[k].held) {
+      if (k == s->ranks.rank || run.first >= end || run.last <= begin) continue;
+      if (run.first <= begin)
+        lower = larger(lower, smaller(run.last, end));
+      else
+        upper = smaller(upper, run.first);
+    }
+  const uint32_t first = smaller(own.first + (lower - begin + width - 1) / width, own.last);
+  return (range){first, larger(first, own.first + (upper - begin) / width)};
+}
+
 /* From the cells of its particles on, each rank comes to hold its share and its neighbours, still
  * unsorted: s->count of them. */
 static bool hold_share(solver *s, const carried *what, int arrays) {
@@ -175,34 +219,65 @@ static bool hold_share(solver *s, const carried *what, int arrays) {
   r->pad = pad_of(s, share);
   r->own_first = local_place(s, share->own_first);
   r->own_last = local_place(s, share->own_last);
+  r->inner = inner_groups(s);
   uint32_t *ends = static_cast<uint32_t *>(r->cell_ends.data);
   ends[0] = r->pad;
   s->cell_end = ends + 1 - static_cast<ptrdiff_t>(share->cell_first);
-  s->count = share->held_last - share->held_first;
+  s->count = held_by(share);
   return true;
 }
 
 /* ---- What stages change -------------------------------------------------------------------- */
 
-static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
-static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+/* Of an array of reals in sorted order, to or from rank k what one owns and the other holds. */
+static void add_runs(solver *s, rank_messages *messages, uint32_t k, const rank_share *owner,
+                     const rank_share *holder, pbf_real *values) {
+  for (const rank_run &run : holder->held) {
+    const range both = shared_places(owner, run);
+    add_message(messages, k, values + local_place(s, both.first),
+                (both.last - both.first) * sizeof *values);
+  }
+}
 
-/* Adds messages for an array of reals in sorted order: each rank's own to those that hold them. */
+/* Adds messages for such an array: each rank's own to those that hold them. */
 static void add_array(solver *s, pbf_real *values) {
   ranks_state *r = &s->ranks;
   const rank_share *mine = &r->shares[r->rank];
   for (uint32_t k = 0; k < r->count; ++k) {
-    const rank_share *other = &r->shares[k];
     if (k == r->rank) continue;
-    uint32_t first = larger(mine->own_first, other->held_first);
-    uint32_t last = smaller(mine->own_last, other->held_last);
-    if (first < last)
-      add_message(&r->sends, k, values + local_place(s, first), (last - first) * sizeof *values);
-    first = larger(other->own_first, mine->held_first);
-    last = smaller(other->own_last, mine->held_last);
-    if (first < last)
-      add_message(&r->receives, k, values + local_place(s, first), (last - first) * sizeof *values);
+    add_runs(s, &r->sends, k, mine, &r->shares[k], values);
+    add_runs(s, &r->receives, k, &r->shares[k], mine, values);
   }
+}
+
+/* What this rank has noted at the places of others' particles, those that have these hear of: what
+ * is noted of its own by any rank is so. The memory has been taken with what is held. */
+static void exchange_marks(solver *s, uint32_t *marks) {
+  ranks_state *r = &s->ranks;
+  const rank_share *mine = &r->shares[r->rank];
+  uint32_t *heard = static_cast<uint32_t *>(r->sent.data), *next = heard;
+  r->sends.count = r->receives.count = 0;
+  for (uint32_t k = 0; k < r->count; ++k) {
+    if (k == r->rank) continue;
+    for (const rank_run &run : mine->held) {
+      const range both = shared_places(&r->shares[k], run);
+      add_message(&r->sends, k, marks + local_place(s, both.first),
+                  (both.last - both.first) * sizeof *marks);
+    }
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = shared_places(mine, run);
+      add_message(&r->receives, k, next, (both.last - both.first) * sizeof *next);
+      next += both.last - both.first;
+    }
+  }
+  if (!exchange_on_ranks(s)) return;
+  next = heard;
+  for (uint32_t k = 0; k < r->count; ++k)
+    for (const rank_run &run : r->shares[k].held) {
+      const range both = k == r->rank ? range{0, 0} : shared_places(mine, run);
+      for (uint32_t i = both.first; i < both.last; ++i, ++next)
+        if (*next == AWAKENED) marks[local_place(s, i)] = AWAKENED;
+    }
 }
 
 static void add_field(solver *s, const field *f) {

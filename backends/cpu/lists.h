@@ -3,7 +3,7 @@
 #define PBF_CPU_LISTS_H
 
 #include "cpu/candidates.h"
-#include "cpu/ranks.h"
+#include "cpu/halo.h"
 #include "cpu/sleepers.h"
 
 static void free_lists(solver *s) {
@@ -124,7 +124,7 @@ static void sleeping_boundary_task(void *context, uint32_t task) {
   range r = search_groups(w, task);
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
-  for (uint32_t i = r.first * s->kernels->width; i < end && i < s->count; ++i)
+  for (uint32_t i = r.first * s->kernels->width; i < end && i < own_places(s).last; ++i)
     if (stirred_in_search(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
       w->activity[i] = pbf_sleeping_boundary();
   for (uint32_t g = r.first; g < r.last; ++g)
@@ -141,6 +141,12 @@ static void divide_groups(const worker *w) {
   uint32_t searched = search_task_count(w), tasks = pair_task_count(w), next = 1;
   const uint64_t groups = groups_of(s);
   const range own = own_groups(s);
+  if (has_edges(s)) {
+    const uint32_t ends[EDGED_TASKS + 1] = {own.first, s->ranks.inner.first, s->ranks.inner.last,
+                                            own.last};
+    memcpy(s->first_group, ends, sizeof ends);
+    return;
+  }
   double each = ((double)s->wanted.units + GROUP_COST * (double)groups) / tasks, before = 0;
   for (uint32_t k = 0; k < searched; ++k) {
     range r = search_groups(w, k);
@@ -176,6 +182,8 @@ static void end_search(void *context) {
 static int find_neighbors(worker *w, completion_function last) {
   w->arena = (list_arena){.more = next_slab, .context = w};
   parallel_for(w->self, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
+  if (has_ranks(w->s) && sleep_is_on(w) && w->s->asleep)
+    exchange_marks(w->s, stirred_in_search(w->s));
   if (sleep_is_on(w)) parallel_for(w->self, search_task_count(w), sleeping_boundary_task, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);

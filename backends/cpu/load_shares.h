@@ -237,9 +237,36 @@ static void loads_task(void *context, uint32_t task) {
   add_change(w->s, change);
 }
 
+/* The largest depth of each solid over all ranks, which the first of them then has alone. */
+static void find_largest_depths(solver *s, pbf_load_sums *sums, int solids) {
+  uint64_t mine[DEPTHS_AT_ONCE] = {}, *all = static_cast<uint64_t *>(s->ranks.gathered);
+  for (int some; solids > 0; solids -= some, sums += some) {
+    some = solids < DEPTHS_AT_ONCE ? solids : (int)DEPTHS_AT_ONCE;
+    for (int k = 0; k < some; ++k) mine[k] = sums[k].depth;
+    if (!gather_on_ranks(s, mine, all, some * sizeof *mine)) return;
+    for (int k = 0; k < some; ++k) {
+      for (uint32_t r = 0; r < s->ranks.count; ++r)
+        mine[k] = mine[k] > all[r * some + k] ? mine[k] : all[r * some + k];
+      sums[k].depth = s->ranks.rank ? 0 : mine[k];
+    }
+  }
+}
+
+/* On ranks each has noted what its own particles get, in integers: all get the sums of these. */
+static void add_up_loads(solver *s, int solids) {
+  pbf_load_tally *t = s->load_tally;
+  uint32_t *words = s->ranks.histogram; /* of the sort, which is done */
+  const uint64_t each = sizeof *t->sums / sizeof(int64_t), changes = sizeof t->change;
+  static_assert(sizeof *t->sums % sizeof(int64_t) == 0, "all are of 64 bits");
+  find_largest_depths(s, t->sums, solids);
+  sum_numbers_on_ranks(s, &t->change[0].high, changes / sizeof(int64_t), words, RANK_BINS);
+  sum_numbers_on_ranks(s, &t->sums[0].of[0].high, solids * each, words, RANK_BINS);
+}
+
 static void end_loads_of_step(void *context) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
+  if (has_ranks(w->s)) add_up_loads(w->s, PBF_WALLS + pbf_surface_count(w->obstacles));
   end_loads(w->s->load_tally, w->obstacles, &scales);
 }
 

@@ -25,6 +25,18 @@ static inline void add_change(const solver *s, const pbf_wide_sum change[PBF_DIM
   for (int k = 0; k < PBF_DIM; ++k) add_to_shared(&s->load_tally->change[k], change[k]);
 }
 
+/* Of a particle that has the velocity v by now, and `forced` without solids. */
+static inline void note_push(const worker *w, uint32_t i, pbf_vec v, pbf_vec forced, pbf_real mass,
+                             double units, pbf_wide_sum change[PBF_DIM]) {
+  field_set(&w->s->push, i, pbf_sub(v, forced));
+  for (int k = 0; k < PBF_DIM; ++k)
+    pbf_wide_add(&change[k], pbf_wide_of(units * (double)(forced.c[k] * mass)));
+}
+
+static inline pbf_vec forced_velocity(const worker *w, uint32_t before) {
+  return pbf_apply_forces(&w->forces, field_at(&w->b.x, before), field_at(&w->b.v, before));
+}
+
 /* What solids have done in the prediction, of sorted particles: the old state, in its old order, is
  * there until neighbours are found. */
 static void push_task(void *context, uint32_t task) {
@@ -33,16 +45,25 @@ static void push_task(void *context, uint32_t task) {
   const double units = -pbf_units_of_momentum(&w->constants, &w->forces);
   pbf_wide_sum change[PBF_DIM] = {};
   for (uint32_t i = s->first_place[task]; i < s->first_place[task + 1]; ++i) {
-    const uint32_t before = s->order[i];
     const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
     const pbf_vec v = field_at(&w->b.sorted_velocity, i);
-    const pbf_vec forced =
-        sleeps ? v
-               : pbf_apply_forces(&w->forces, field_at(&w->b.x, before), field_at(&w->b.v, before));
+    const pbf_vec forced = sleeps ? v : forced_velocity(w, s->order[i]);
     const pbf_real mass = s->mobility ? 1 / s->mobility[i] : 1;
-    field_set(&s->push, i, pbf_sub(v, forced));
-    for (int k = 0; k < PBF_DIM; ++k)
-      pbf_wide_add(&change[k], pbf_wide_of(units * (double)(forced.c[k] * mass)));
+    note_push(w, i, v, forced, mass, units, change);
+  }
+  if (finds_loads(s)) add_change(s, change);
+}
+
+/* The same of a rank's particles before they go to others, in the old order. */
+static void note_pushes_before_sort(const worker *w) {
+  const solver *s = w->s;
+  const double units = -pbf_units_of_momentum(&w->constants, &w->forces);
+  pbf_wide_sum change[PBF_DIM] = {};
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
+    const pbf_vec v = field_at(&w->b.predicted_velocity(), i);
+    note_push(w, i, v, sleeps ? v : forced_velocity(w, i),
+              w->b.phase ? 1 / w->constants.phases.mobility[w->b.phase[i]] : 1, units, change);
   }
   if (finds_loads(s)) add_change(s, change);
 }

@@ -3,8 +3,10 @@
 #ifndef PBF_CPU_PRESSURE_GRID_H
 #define PBF_CPU_PRESSURE_GRID_H
 
-#include "cpu/pressure_grid_solve.h"
 #include "cpu/lists.h"
+#include "cpu/pressure_grid_solve.h"
+
+#include "cpu/pressure_grid_ranks.h"
 
 static int has_pressure_grid(const worker *w) {
   return (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) && w->s->schedule.runs[PBF_STAGE_GRID];
@@ -37,6 +39,7 @@ static void deposit_task(void *context, uint32_t task) {
 
 static void end_deposit(void *context) {
   worker *w = static_cast<worker *>(context);
+  if (has_ranks(w->s)) add_up_cells(w->s);
   find_solve(w->s, &w->obstacles);
   begin_solve(w->s, w->self->threads);
 }

@@ -9,6 +9,7 @@
 
 #include <pbf/ranks.h>
 
+#include "common/digest.h"
 #include "common/number.h"
 #include "cpu/worker.h"
 
@@ -103,6 +104,24 @@ static inline bool exchange_on_ranks(solver *s) {
   return !r->failed;
 }
 
+/* The same in two calls, between which the rank works. */
+static inline bool begin_exchange_on_ranks(solver *s) {
+  ranks_state *r = &s->ranks;
+  if (r->failed) return false;
+  note_work(s);
+  for (uint32_t k = 0; k < r->sends.count; ++k) r->bytes_sent += r->sends.list[k].bytes;
+  note_communication(s, r->link.begin_exchange(r->link.user, r->sends.count, r->sends.list,
+                                               r->receives.count, r->receives.list));
+  return !r->failed;
+}
+
+static inline bool end_exchange_on_ranks(solver *s) {
+  if (s->ranks.failed) return false;
+  note_work(s);
+  note_communication(s, s->ranks.link.end_exchange(s->ranks.link.user));
+  return !s->ranks.failed;
+}
+
 /* Whether it is so on all; false when that is not to be learnt. */
 static inline bool on_all_ranks(solver *s, bool yes) {
   const uint32_t mine = yes;
@@ -117,6 +136,39 @@ static inline int64_t sum_of_ranks(solver *s, int64_t value) {
   if (!gather_on_ranks(s, &value, all, sizeof value)) return value;
   for (uint32_t k = 0; k < s->ranks.count; ++k) sum += all[k];
   return sum;
+}
+
+/* Of what solids meet, that ranks tell each other: loads.h. */
+enum { DEPTHS_AT_ONCE = 64 };
+
+/* Numbers of 64 bits come as three pieces each: of the lower two, those of all ranks have a sum of
+ * 32 bits; what the upper one carries over is beyond the number. */
+enum { PIECES = 3, PIECE_BITS = 20 };
+static_assert(((UINT64_C(1) << PIECE_BITS) - 1) * PBF_MAX_RANKS <= UINT32_MAX, "pieces");
+
+static inline void cut_number(int64_t number, uint32_t pieces[PIECES]) {
+  const uint64_t bits = (uint64_t)number;
+  for (int k = 0; k < PIECES; ++k)
+    pieces[k] = (uint32_t)(bits >> PIECE_BITS * k) &
+                (k + 1 < PIECES ? (UINT32_C(1) << PIECE_BITS) - 1 : UINT32_MAX);
+}
+
+static inline int64_t number_of_pieces(const uint32_t pieces[PIECES]) {
+  uint64_t bits = 0;
+  for (int k = 0; k < PIECES; ++k) bits += (uint64_t)pieces[k] << PIECE_BITS * k;
+  return (int64_t)bits;
+}
+
+/* numbers[k] = its sum over all ranks, exactly, by way of `room` words. */
+static inline bool sum_numbers_on_ranks(solver *s, int64_t *numbers, uint64_t count,
+                                        uint32_t *words, uint64_t room) {
+  for (uint64_t some; count > 0; count -= some, numbers += some) {
+    some = count < room / PIECES ? count : room / PIECES;
+    for (uint64_t k = 0; k < some; ++k) cut_number(numbers[k], words + PIECES * k);
+    if (!sum_on_ranks(s, words, PIECES * some)) return false;
+    for (uint64_t k = 0; k < some; ++k) numbers[k] = number_of_pieces(words + PIECES * k);
+  }
+  return true;
 }
 
 static inline double max_of_ranks(solver *s, double value) {
@@ -138,21 +190,12 @@ static inline bool keep_bytes(solver *s, const char *name, rank_memory *m, uint6
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
 
-static inline uint64_t digest(uint64_t before, const void *data, uint64_t bytes) {
-  const uint8_t *of = static_cast<const uint8_t *>(data);
-  uint64_t hash = before;
-  for (uint64_t k = 0; k < bytes; ++k) hash = (hash ^ of[k]) * UINT64_C(1099511628211);
-  return hash;
-}
-
-enum { DIGEST_OF_NOTHING = 1469598103 };
-
 /* What ranks must have in common in a call. */
 struct rank_call {
   char call[32];
   uint64_t room; /* capacity and local capacity */
   uint64_t kind; /* variant, instruction set, shares */
-  uint64_t params, colliders, particles, arguments;
+  uint64_t params, colliders, phases, particles, arguments;
 };
 
 static inline const char *differing_part(const rank_call &a, const rank_call &b) {
@@ -161,6 +204,7 @@ static inline const char *differing_part(const rank_call &a, const rank_call &b)
   if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
   if (a.params != b.params) return "the parameters";
   if (a.colliders != b.colliders) return "the colliders";
+  if (a.phases != b.phases) return "the phases";
   if (a.particles != b.particles) return "the particles that were added, set or removed";
   return a.arguments != b.arguments ? "the arguments of the call, or the time" : NULL;
 }
@@ -225,6 +269,7 @@ static inline bool agree_on_call(solver *s, const char *call, const void *argume
   mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
   mine.colliders =
       digest(DIGEST_OF_NOTHING, s->table.list, s->collider_count * sizeof *s->table.list);
+  mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
   mine.particles = s->ranks.particles;
   mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;

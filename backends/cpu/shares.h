@@ -12,13 +12,16 @@ enum { RANK_BINS = 4096 };
 
 static inline uint32_t cells_a_bin(const grid *g) { return (g->total + RANK_BINS - 1) / RANK_BINS; }
 
-/* How far apart the numbers of cells of neighbours can be; all of them where the numbering wraps.
- */
+/* How far apart the numbers of cells of neighbours can be, unless one is beyond a face of the axis
+ * of the last digit; all of them where the numbering wraps. */
 static inline uint64_t cells_in_reach(const grid *g) {
   if (grid_is_wrapped(g)) return g->total;
   uint64_t rows = 0;
-  for (int k = 1; k < PBF_DIM; ++k) rows += g->stride[k];
-  return rows * g->cells[0] + g->reach;
+  for (int k = 1; k < PBF_DIM; ++k) {
+    const bool across = k + 1 < PBF_DIM && g->up[k] && g->cells[k] > 1;
+    rows += (uint64_t)g->stride[k] * (across ? g->cells[k] - 1 : 1);
+  }
+  return rows * g->cells[0] + (g->up[0] && g->cells[0] > g->reach ? g->cells[0] - 1 : g->reach);
 }
 
 /* histogram[b] gets the number of particles in the bins before b. */
@@ -56,21 +59,33 @@ static inline uint32_t share_begin(const solver *s, uint32_t k) {
   return place / width * width;
 }
 
-/* What is held, from the first bin in reach to the last. */
+static inline rank_run run_of_bins(const uint32_t *before, uint64_t first, uint64_t last) {
+  return {before[first], before[last], (uint32_t)first, (uint32_t)last};
+}
+
+/* What is held, from the first bin in reach to the last. Beyond the faces of the axis of the last
+ * digit what is in reach is at the other end of the numbering. */
 static inline void hold_neighbors(const solver *s, rank_share *share) {
-  const uint32_t *before = s->ranks.histogram, each = cells_a_bin(&s->grid);
-  const uint64_t reach = cells_in_reach(&s->grid), total = s->grid.total;
-  const uint64_t first = (uint64_t)bin_of_place(before, share->own_first) * each;
-  const uint64_t last = ((uint64_t)bin_of_place(before, share->own_last - 1) + 1) * each;
-  share->bin_first = first > reach ? (uint32_t)((first - reach) / each) : 0;
-  const uint64_t end = (last + reach + each - 1) / each, bins = (total + each - 1) / each;
-  share->bin_last = (uint32_t)(end < bins ? end : bins);
-  share->held_first = before[share->bin_first];
-  share->held_last = before[share->bin_last];
-  share->cell_first = share->bin_first * each;
-  share->cell_last =
-      (uint32_t)((uint64_t)share->bin_last * each < total ? (uint64_t)share->bin_last * each
-                                                          : total);
+  const grid *g = &s->grid;
+  const uint32_t *before = s->ranks.histogram, each = cells_a_bin(g);
+  const uint64_t reach = cells_in_reach(g), total = g->total, bins = (total + each - 1) / each;
+  const uint64_t own = (uint64_t)bin_of_place(before, share->own_first) * each;
+  const uint64_t own_end = ((uint64_t)bin_of_place(before, share->own_last - 1) + 1) * each;
+  const uint64_t end = (own_end + reach + each - 1) / each;
+  const bool periodic = g->up[PBF_DIM - 1] != 0, all = periodic && reach >= total;
+  uint64_t first = own > reach ? (own - reach) / each : 0, last = end < bins ? end : bins;
+  uint64_t low_end = 0,
+           high = bins; /* runs beyond the faces are before the one and from the other */
+  if (periodic && own < reach && !all) high = (own + total - reach) / each;
+  if (periodic && own_end + reach > total && !all)
+    low_end = (own_end + reach - total + each - 1) / each;
+  if (all || (high < bins && high <= last) || (low_end && low_end >= first))
+    first = 0, last = bins, low_end = 0, high = bins;
+  share->held[0] = low_end ? run_of_bins(before, 0, low_end) : run_of_bins(before, first, last);
+  share->held[1] = low_end ? run_of_bins(before, first, last) : run_of_bins(before, high, bins);
+  share->cell_first = share->held[0].bin_first * each;
+  const uint64_t cells = (low_end || high < bins ? bins : last) * each;
+  share->cell_last = (uint32_t)(cells < total ? cells : total);
 }
 
 /* A rank without particles of its own holds none. */
@@ -87,18 +102,32 @@ static inline void find_shares(solver *s) {
   }
 }
 
+static inline uint32_t places_in(const rank_run *run) { return run->last - run->first; }
+
+static inline uint32_t held_by(const rank_share *share) {
+  return places_in(&share->held[0]) + places_in(&share->held[1]);
+}
+
+/* Where a place that is held is among all that are. */
+static inline uint32_t among_held(const rank_share *share, uint32_t place) {
+  const rank_run *runs = share->held;
+  if (place <= runs[0].last) return place - runs[0].first;
+  return places_in(&runs[0]) + place - runs[1].first;
+}
+
 /* Places before the first one that is held, so that groups begin where they do without ranks. */
 static inline uint32_t pad_of(const solver *s, const rank_share *share) {
-  return share->held_first % s->kernels->width;
+  const uint32_t width = s->kernels->width;
+  return (width - among_held(share, share->own_first) % width) % width;
 }
 
 static inline uint32_t room_wanted(const solver *s, const rank_share *share) {
-  return pad_of(s, share) + share->held_last - share->held_first;
+  return pad_of(s, share) + held_by(share);
 }
 
 /* Where a place in the order of all is in this rank's. */
 static inline uint32_t local_place(const solver *s, uint32_t place) {
-  return place - s->ranks.shares[s->ranks.rank].held_first + s->ranks.pad;
+  return among_held(&s->ranks.shares[s->ranks.rank], place) + s->ranks.pad;
 }
 
 /* ---- How large they are -------------------------------------------------------------------- */

@@ -62,16 +62,42 @@ static void end_settling(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   s->asleep = atomic_exchange_explicit(&s->sleepers, 0, memory_order_relaxed);
+  if (has_ranks(s)) s->asleep = (uint32_t)sum_of_ranks(s, s->asleep);
   atomic_store_explicit(&s->near_sleep_count, 0, memory_order_relaxed);
-  if (s->asleep < s->count) return;
+  if (s->asleep < particles_of_all(s)) return;
   s->all_asleep_at = w->step;
   atomic_store_explicit(&s->all_asleep, 1, memory_order_release);
+}
+
+static void note_still(const worker *w, range others) {
+  solver *s = w->s;
+  for (uint32_t i = others.first; i < others.last; ++i) {
+    stirred_at_end(s)[i] = 0;
+    if (w->activity[i] < s->sleep.still2) mark_has_sleepers(s, i, 1);
+  }
+}
+
+/* On ranks: which of the others' particles are still, and whether any of all is. */
+static void hear_of_still(worker *w) {
+  solver *s = w->s;
+  const range own = own_places(s), held = held_places(s);
+  const uint32_t near_sleep_count =
+      atomic_load_explicit(&s->near_sleep_count, memory_order_relaxed);
+  s->ranks.sends.count = s->ranks.receives.count = 0;
+  add_array(s, w->activity);
+  exchange_on_ranks(s);
+  note_still(w, (range){held.first, own.first});
+  note_still(w, (range){own.last, held.last});
+  atomic_store_explicit(&s->near_sleep_count, sum_of_ranks(s, near_sleep_count) > 0,
+                        memory_order_relaxed);
 }
 
 /* 1 when now all sleep. */
 static int update_sleep(worker *w) {
   parallel_for(w->self, pair_task_count(w), activity_task, NULL, w);
+  if (has_ranks(w->s)) hear_of_still(w);
   parallel_for(w->self, pair_task_count(w), wake_neighbors_task, NULL, w);
+  if (has_ranks(w->s)) exchange_marks(w->s, stirred_at_end(w->s));
   parallel_for(w->self, pair_task_count(w), update_sleep_task, end_settling, w);
   stage_end(w, PBF_STAGE_SLEEP);
   return atomic_load_explicit(&w->s->all_asleep, memory_order_acquire) &&
@@ -137,15 +163,32 @@ static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, do
   return s->asleep < before;
 }
 
+/* Of all particles, on ranks: where each rank has woken its own. */
+static void count_sleepers_of_ranks(solver *s) {
+  uint32_t own = 0;
+  if (!sleeps(s)) return;
+  for (uint32_t i = 0; i < s->count; ++i) own += (uint32_t)pbf_is_asleep(s->buffers.activity[i]);
+  s->asleep = (uint32_t)sum_of_ranks(s, own);
+}
+
+/* Whether it is so on any rank, which then all know. */
+static bool wakes_any_near_moving(solver *s, const pbf_moving_obstacles &moving, double time) {
+  const bool woken = wake_near_moving(s, moving, time) != 0;
+  if (!has_ranks(s)) return woken;
+  const uint32_t before = s->asleep + woken;
+  count_sleepers_of_ranks(s);
+  return s->asleep < before || !on_all_ranks(s, !woken);
+}
+
 /* How many of `steps` steps after the first `done` pass without anybody awake, when all sleep. */
 static uint32_t steps_asleep(solver *s, const pbf_step_times *times, uint32_t done,
                              uint32_t steps) {
-  if (!sleeps(s) || s->asleep < s->count) return 0;
+  if (!sleeps(s) || s->asleep < particles_of_all(s)) return 0;
   for (uint32_t k = done; k < done + steps; ++k) {
     const pbf_moving_obstacles moving = moving_obstacles_at(s, pbf_time_after(times, k));
     note_still_moving(s, pbf_time_after(times, k));
     if (!pbf_any_obstacle_moves(moving)) break;
-    if (wake_near_moving(s, moving, pbf_time_after(times, k + 1))) return k - done;
+    if (wakes_any_near_moving(s, moving, pbf_time_after(times, k + 1))) return k - done;
   }
   return steps;
 }

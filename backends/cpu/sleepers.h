@@ -39,7 +39,7 @@ static inline range inactive_particles(const worker *w, uint32_t first, uint32_t
 
 /* Whether the activity of all in a group is below a bound. */
 static inline int is_group_below(const worker *w, uint32_t g, pbf_real bound) {
-  uint32_t width = w->s->kernels->width, count = w->s->count;
+  uint32_t width = w->s->kernels->width, count = own_places(w->s).last;
   uint32_t begin = g * width, end = count - begin < width ? count : begin + width;
   return find_active(w->activity, begin, end, bound, 0) == end;
 }

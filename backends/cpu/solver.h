@@ -16,6 +16,10 @@
 #include "physics/loads.h"
 #include "physics/schedule.h"
 
+typedef struct range {
+  uint32_t first, last; /* up to last - 1 */
+} range;
+
 /* The smallest box around some particles. */
 typedef struct box {
   pbf_vec lower, upper;
@@ -51,13 +55,19 @@ typedef struct rank_messages {
   uint32_t count;
 } rank_messages;
 
-/* What a rank has in a step, by places in the order of all: its own particles, and what it holds,
- * which is they and all in reach of them. */
+/* Places in the order of all, and the bins of cells that they are. */
+typedef struct rank_run {
+  uint32_t first, last;
+  uint32_t bin_first, bin_last;
+} rank_run;
+
+/* What a rank has in a step: its own particles, and what it holds, which is they and all in reach
+ * of them: one run of places, or two in their order where some are beyond a periodic axis' face. */
+enum { HELD_RUNS = 2 };
 typedef struct rank_share {
   uint32_t own_first, own_last;
-  uint32_t held_first, held_last;
-  uint32_t bin_first, bin_last;   /* of cells that are held, … */
-  uint32_t cell_first, cell_last; /* … and these */
+  rank_run held[HELD_RUNS];
+  uint32_t cell_first, cell_last; /* from the first that is held to the last */
 } rank_share;
 
 /* Of one of some ranks: ranks.h. All 0 without. */
@@ -80,7 +90,8 @@ typedef struct ranks_state {
 
   /* Of the sort: places are those of this solver's arrays. */
   uint32_t pad;                 /* places without a particle before the first one */
-  uint32_t own_first, own_last; /* the places of its own */
+  uint32_t own_first, own_last; /* the places of its own, */
+  range inner;                  /* and of these the groups that no other rank holds */
   rank_share *shares;
   uint32_t *histogram, *counts;
   uint32_t *ids; /* of what it holds, before the sort */

@@ -207,7 +207,7 @@ static void gather(const uint32_t *order, range places, const field *from, const
 static void gather_phases(const worker *w, range places) {
   const solver *s = w->s;
   for (uint32_t i = places.first; i < places.last; ++i) {
-    w->b.sorted_phase[i] = w->b.phase[s->order[i]];
+    w->b.sorted_phase[i] = w->sort_phase[s->order[i]];
     s->mobility[i] = w->constants.phases.mobility[w->b.sorted_phase[i]];
   }
 }
@@ -220,11 +220,12 @@ static void sort_range(void *context, uint32_t task) {
   order_by_id(s, places, w->b.sorted_ids);
   gather(s->order, places, w->sort_positions, w->sorted_positions);
   if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
+  if (w->sort_push) gather(s->order, places, w->sort_push, &s->push);
   if (w->b.phase) gather_phases(w, places);
   fill_packed(s, packed_positions(s), w->sorted_positions, s->mobility, places);
   if (sleep_is_on(w)) {
-    gather_reals(s->order, places, w->b.activity, w->b.sorted_activity);
-    gather_reals(s->order, places, w->b.sleeping_lambda, w->b.sorted_sleeping_lambda);
+    gather_reals(s->order, places, w->activity, w->b.sorted_activity);
+    gather_reals(s->order, places, w->sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
   if (w->sort_overlap && w->sort_payload)
     for (uint32_t i = places.first; i < places.last; ++i)
@@ -243,13 +244,23 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   for (int k = 0; k < PBF_DIM; ++k) what[arrays++] = {x->c[k], to->c[k], sizeof(pbf_real)};
   for (int k = 0; k < PBF_DIM && payload; ++k)
     what[arrays++] = {payload->c[k], payload_to->c[k], sizeof(pbf_real)};
+  for (int k = 0; k < PBF_DIM && w->sort_push; ++k)
+    what[arrays++] = {w->sort_push->c[k], s->held_push.c[k], sizeof(pbf_real)};
   if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
+  if (sleep_is_on(w)) {
+    what[arrays++] = {w->activity, s->held_activity, sizeof(pbf_real)};
+    what[arrays++] = {w->sleeping_lambda, s->held_sleeping_lambda, sizeof(pbf_real)};
+  }
   what[arrays++] = {w->b.ids, s->ranks.ids, sizeof(uint32_t)};
+  if (w->b.phase) what[arrays++] = {w->b.phase, s->held_phase, sizeof(uint8_t)};
   if (!hold_share(s, what, arrays)) return false;
   w->sort_positions = to;
   w->sort_payload = payload ? payload_to : NULL;
   w->sort_ids = s->ranks.ids;
   if (w->b.overlap) w->sort_overlap = s->held_overlap;
+  if (sleep_is_on(w)) w->activity = s->held_activity, w->sleeping_lambda = s->held_sleeping_lambda;
+  if (w->b.phase) w->sort_phase = s->held_phase;
+  if (w->sort_push) w->sort_push = &s->held_push;
   parallel_for(w->self, particle_task_count(w), find_cells, NULL, w);
   return true;
 }

@@ -32,10 +32,12 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   w->sorted_payload = &w->b.sorted_velocity;
   w->sort_ids = w->b.ids;
   w->sort_overlap = w->b.overlap;
+  w->sort_phase = w->b.phase;
+  w->sort_push = has_ranks(s) && notes_pushes(s) ? &s->push : NULL;
   w->activity = w->b.activity;
   w->sleeping_lambda = w->b.sleeping_lambda;
   w->iteration = 0;
-  executor e = {w, sorted != 0, nth, false, false};
+  executor e = {w, sorted != 0, nth, false, false, {}};
   return run_step(e, s->schedule);
 }
 
@@ -70,6 +72,7 @@ static void note_grid_pressure(solver *s) {
 static void run_job(step_job *job) {
   solver *s = job->s;
   uint32_t before = job->done;
+  if (has_ranks(s)) count_sleepers_of_ranks(s);
   do {
     uint32_t left = job->steps - job->done;
     const uint32_t asleep = job->sorted ? 0 : steps_asleep(s, &job->times, job->done, left);

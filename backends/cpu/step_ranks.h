@@ -8,6 +8,7 @@
 /* On ranks this also has each take what it is to hold, in place of what it had. */
 static bool sort_step(worker *w) {
   if (has_ranks(w->s)) w->s->ranks.before = w->s->count;
+  if (w->sort_push) note_pushes_before_sort(w);
   return sort_particles(w, &w->b.predicted(), &w->b.predicted_velocity());
 }
 
@@ -43,17 +44,40 @@ static void add_fields(const worker *w, int fields, const field &x) {
   }
 }
 
+/* A pass over pairs that has been made for what other ranks hold, and is to be for the rest, with
+ * the buffers and in the iteration of then. */
+struct late_pass {
+  task_function task; /* null: none */
+  buffers b;
+  uint32_t iteration;
+};
+
+static void make_late_pass(const worker *w, late_pass *late) {
+  worker then = *w;
+  then.b = late->b;
+  then.iteration = late->iteration;
+  late->task(&then, INNER_GROUPS);
+  late->task = NULL;
+}
+
 /* What a stage has changed of particles that other ranks hold. `solved`: x* is x, and `moved` since
  * others have heard of it. */
-static void exchange_with_ranks(worker *w, int fields, bool solved, bool moved) {
+static void exchange_with_ranks(worker *w, int fields, bool solved, bool moved, late_pass *late) {
   solver *s = w->s;
+  if (late->task && has_convergence_check(s)) make_late_pass(w, late);
   if (fields == FIELD_POSITION && solved && !moved) return;
   if (!solved && has_convergence_check(s) && is_converged(w)) return;
   const field &x = solved ? w->b.x : x_star(w);
   s->ranks.sends.count = s->ranks.receives.count = 0;
   add_fields(w, fields, x);
-  exchange_on_ranks(s);
-  if (fields & FIELD_POSITION) pack_others(w, packed_positions(s), x, NULL);
+  if (late->task) {
+    begin_exchange_on_ranks(s);
+    make_late_pass(w, late);
+    end_exchange_on_ranks(s);
+  } else {
+    exchange_on_ranks(s);
+  }
+  if (fields & FIELD_POSITION) pack_others(w, packed_positions(s), x, s->mobility);
   if (fields & FIELD_LAMBDA) pack_others(w, packed_lambda(s), x, pushes_of(s));
 }
 
@@ -73,6 +97,11 @@ static void keep_own(worker *w) {
   move_down(s->lambda, own, sizeof(pbf_real));
   move_down(w->b.ids, own, sizeof(uint32_t));
   if (w->b.overlap) move_down(w->b.overlap, own, sizeof(pbf_real));
+  if (w->b.phase) move_down(w->b.phase, own, sizeof(uint8_t));
+  if (sleep_is_on(w)) {
+    move_down(w->b.activity, own, sizeof(pbf_real));
+    move_down(w->b.sleeping_lambda, own, sizeof(pbf_real));
+  }
   s->count = own.last - own.first;
 }
 

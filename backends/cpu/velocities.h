@@ -59,10 +59,12 @@ static void shear_push_task(void *context, uint32_t task) {
   const field push = w->b.shear_push();
   shear_awake(w, task, w->s->kernels->shear_push);
   zero_sleeping(w, all, push.c, PBF_DIM);
-  for (uint32_t i = all.first; i < all.last && w->s->mobility; ++i) {
+  if (!w->s->mobility) return;
+  for (uint32_t i = all.first; i < all.last; ++i)
     field_set(&push, i, pbf_scaled(field_at(&push, i), w->s->mobility[i]));
+  const range held = task_held(w, task);
+  for (uint32_t i = held.first; i < held.last; ++i)
     w->s->mobility_around[i] = 1 / w->s->mobility[i];
-  }
 }
 
 static void shear_pushes_task(void *context, uint32_t task) {

@@ -4,10 +4,6 @@
 
 #include "cpu/solver.h"
 
-typedef struct range {
-  uint32_t first, last; /* up to last - 1 */
-} range;
-
 /* What is in here a thread works out for itself. */
 typedef struct worker {
   solver *s;
@@ -26,7 +22,9 @@ typedef struct worker {
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
-  const pbf_real *sort_overlap;                   /* and what is left of their overlap */
+  const pbf_real *sort_overlap;                   /* what is left of their overlap, */
+  const uint8_t *sort_phase;                      /* their phases, */
+  const field *sort_push;                         /* and on ranks what solids push them with */
   double stage_begin;
   pbf_surface few[PBF_ASKED_COLLIDERS], few_before[PBF_ASKED_COLLIDERS];
   uint16_t few_numbers[PBF_ASKED_COLLIDERS];
@@ -38,7 +36,8 @@ static inline worker worker_of(solver *s, team_thread *self) {
                   .b = s->buffers,
                   .constants = s->constants,
                   .sort_ids = s->buffers.ids,
-                  .sort_overlap = s->buffers.overlap};
+                  .sort_overlap = s->buffers.overlap,
+                  .sort_phase = s->buffers.phase};
 }
 
 static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {
@@ -101,8 +100,16 @@ static inline uint32_t search_task_count(const worker *w) {
   return tasks_of(w, groups_of(w->s), MIN_PARTICLES / w->s->kernels->width, SEARCH_TASKS);
 }
 
+/* The tasks of a pass over pairs on ranks that work while they exchange: what others hold at either
+ * end of a rank's own groups, and what lies between. */
+enum { LOWER_EDGE, INNER_GROUPS, UPPER_EDGE, EDGED_TASKS };
+static inline bool has_edges(const solver *s) {
+  return s->ranks.count > 1 && s->ranks.link.begin_exchange;
+}
+
 static inline uint32_t pair_task_count(const worker *w) {
   enum { MIN_PARTICLES = 128 };
+  if (has_edges(w->s)) return EDGED_TASKS;
   return tasks_of(w, groups_of(w->s), MIN_PARTICLES / w->s->kernels->width, PAIR_TASKS);
 }
 
@@ -122,9 +129,9 @@ static inline range task_groups(const worker *w, uint32_t task) {
 static inline range task_sorted(const worker *w, uint32_t task) {
   uint32_t width = w->s->kernels->width;
   range r = task_groups(w, task);
-  uint64_t last = (uint64_t)r.last * width;
+  const uint64_t first = (uint64_t)r.first * width, last = (uint64_t)r.last * width;
   const uint32_t end = own_places(w->s).last;
-  return (range){r.first * width, last < end ? (uint32_t)last : end};
+  return (range){first < end ? (uint32_t)first : end, last < end ? (uint32_t)last : end};
 }
 
 /* The same, and with the first and the last of them what others' particles are held before and

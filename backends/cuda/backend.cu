@@ -6,6 +6,7 @@
 #include "cuda/arrays.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
+#include "cuda/rank_calls.h"
 #include "cuda/report.h"
 #include "cuda/small/host.h"
 #include "cuda/small/worlds.h"
@@ -42,6 +43,7 @@ static void destroy_solver(solver *s) {
     if (s->stream) cudaStreamSynchronize(s->stream);
     drop_team(s);
     if (s->reached) cudaEventDestroy(s->reached);
+    free_ranks(s);
     pbf_cuda_free_all(&s->memory);
     free_all_asleep(s);
     if (s->owns_stream) cudaStreamDestroy(s->stream);
@@ -55,6 +57,11 @@ static void destroy(pbf_backend_solver *handle) {
   destroy_solver(of(handle));
 }
 
+/* Of some ranks, which are told, to where the call ends. */
+static pbf_status end_call(solver *s, pbf_status status) {
+  return has_ranks(s) ? end_call_on_ranks(s, status) : status;
+}
+
 /* Neighbours of a particle of the rest lattice, half as many again, and a few. */
 static uint32_t list_chunks(const pbf_params *params) {
   double q = params->smoothing_radius / pbf_derive_spacing(params);
@@ -63,14 +70,17 @@ static uint32_t list_chunks(const pbf_params *params) {
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
-/* Room for lists, before them the sort's scratch, or for what a small scene has. */
+/* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get. */
 static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, uint32_t chunks,
                                    bool small) {
   uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
            largest = padded * chunks * sizeof(uint4);
   for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
                          small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
-                         small ? (unsigned long long)world_list_room(s, params) : 0ull})
+                         small ? (unsigned long long)world_list_room(s, params) : 0ull,
+                         has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true) +
+                                                             rank_scratch_bytes(s->capacity))
+                                      : 0ull})
     largest = other > largest ? other : largest;
   return largest;
 }
@@ -81,6 +91,7 @@ static pbf_status take_lists(solver *s, const pbf_params *params, uint32_t chunk
   if (bytes != s->list_bytes) {
     if (pbf_status status = pbf_cuda_take(&s->memory, "neighbor list", bytes, &room)) return status;
     pbf_cuda_free(&s->memory, s->list_storage);
+    s->ranks.changed = true;
   }
   s->list_storage = room;
   s->list_bytes = bytes;
@@ -114,11 +125,16 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   derive_tables(params, &derived, &constants);
   constants.phases = pbf_phase_constants_of(&s->phases);
   pbf_schedule schedule =
-      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->capacity,
+      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
                       s->overlaps, s->phases.count > 0);
+  if (const char *why = refusal_on_ranks(s, params, schedule)) {
+    s->host->set_error(why);
+    return PBF_ERROR_UNSUPPORTED;
+  }
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
-  bool small = small_wanted(params, schedule), was_small = s->small_upload != nullptr;
+  bool small = !has_ranks(s) && small_wanted(params, schedule),
+       was_small = s->small_upload != nullptr;
   if (!schedule.runs[PBF_STAGE_GRID] || (s->topology_memory && !schedule.solids))
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, params, chunks, small || was_small)) return status;
@@ -131,6 +147,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   if (s->topology.memory != s->topology_memory) s->topology.memory = nullptr;
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
+  if (changes || memcmp(&s->schedule, &schedule, sizeof schedule) != 0)
+    s->ranks.careful_steps = STEPS_OF_NEW;
   s->constants = constants;
   s->derived = derived;
   s->params = *params;
@@ -146,7 +164,8 @@ static pbf_status set_params(pbf_backend_solver *handle, const pbf_params *param
 
 static pbf_status take_arrays(solver *s) {
   uint64_t n = s->capacity, warps = (n + 31) / 32;
-  if (pbf_status status = pbf_cuda_scan_scratch(grid_cell_limit(s->capacity) + 1, &s->scan_bytes))
+  if (pbf_status status =
+          pbf_cuda_scan_scratch(grid_cell_limit(s->scene_capacity) + 2, &s->scan_bytes))
     return status;
   const struct {
     const char *name;
@@ -160,7 +179,6 @@ static pbf_status take_arrays(solver *s) {
       {"predicted velocity", n * sizeof(pbf_vec), &s->other_velocities},
       {"sorted id", n * sizeof(uint32_t), &s->other_ids},
       {"sorted cell", n * sizeof(uint32_t), &s->cells},
-      {"cell start", (grid_cell_limit(s->capacity) + 1ull) * sizeof(uint32_t), &s->cell_start},
       {"scan scratch", s->scan_bytes, &s->scan_scratch},
       {"list size", n * sizeof(uint8_t), &s->lists.sizes},
       {"list base", warps * PBF_ROWS * sizeof(uint32_t), &s->lists.bases},
@@ -169,7 +187,10 @@ static pbf_status take_arrays(solver *s) {
     if (pbf_status status =
             pbf_cuda_take(&s->memory, array.name, array.bytes, static_cast<void **>(array.to)))
       return status;
-  return PBF_OK;
+  if (has_ranks(s)) return take_ranks(s); /* with cells once they are known */
+  return pbf_cuda_take(&s->memory, "cell start",
+                       (grid_cell_limit(s->capacity) + 1ull) * sizeof(uint32_t),
+                       reinterpret_cast<void **>(&s->cell_start));
 }
 
 /* The particle that fills up lists: so far away that every pair term with it is 0, near enough
@@ -252,7 +273,8 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->capacity = desc->capacity;
   s->worlds = desc->worlds;
   pbf_place_few_basins(&s->basins, &s->basins_memory);
-  pbf_status status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
+  pbf_status status = describe_ranks(s, desc->ranks);
+  if (status == PBF_OK) status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
   if (status == PBF_OK) {
     pbf_cuda_scope scope(s->context);
     status = fill(s, desc, params);
@@ -296,6 +318,7 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
     return status;
   }
   keep_shapes(s, shapes);
+  s->ranks.careful_steps = STEPS_OF_NEW;
   s->topology.memory = nullptr;
   if (count) memcpy(s->colliders, colliders, count * sizeof *colliders);
   s->collider_count = count;
@@ -308,8 +331,11 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
 
 static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t steps,
                             uint32_t *done) {
-  s->time = pbf_time_after(&times, s->count ? 0 : steps);
-  *done = s->count ? 0 : steps;
+  const uint32_t count = particles_of_all(s);
+  *done = 0;
+  if (has_ranks(s) && !agree_on_step(s, times, steps)) return end_on_ranks(s);
+  s->time = pbf_time_after(&times, count ? 0 : steps);
+  *done = count ? 0 : steps;
   while (*done < steps) {
     if (all_asleep(s, pbf_time_after(&times, *done))) {
       s->time = pbf_time_after(&times, steps);
@@ -320,7 +346,7 @@ static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t ste
     }
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
     const pbf_step_times left = {times.time, times.before + *done, times.time_step};
-    if (pbf_status status = place_surfaces(s, left, ahead)) return status;
+    if (pbf_status status = place_surfaces(s, left, ahead)) return end_call(s, status);
     if (small_serves(s)) {
       ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, &left, ahead);
       if (pbf_status status = small_steps(s, left, ahead)) return status;
@@ -332,7 +358,7 @@ static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t ste
       if (pbf_status status =
               step_once(s, pbf_time_after(&left, k + 1), pbf_nth_after(&left, k + 1),
                         s->surfaces + k * s->collider_count))
-        return status;
+        return end_call(s, status);
       s->pressure_scale = s->constants.pressure;
       s->found.struct_size = 0;
     }
@@ -435,16 +461,13 @@ static pbf_status run_worlds(pbf_backend_solver *const *handles, uint32_t count)
   return status;
 }
 
-static const void *get_extension(const char *name) {
-  static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
-  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : nullptr;
-}
-
 /* A step of no time, without what only steps need. */
 static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iterations) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   if (pbf_status status = wake_all(s)) return status;
+  if (has_ranks(s) && !agree_on_call(s, "a projection", &time, sizeof time)) return end_on_ranks(s);
+  s->ranks.careful_once = true;
   const pbf_params params = s->params;
   const pbf_schedule schedule = s->schedule;
   const pbf_constants constants = s->constants;
@@ -453,7 +476,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->capacity, 0, s->phases.count > 0);
+                                s->planned, s->scene_capacity, 0, s->phases.count > 0);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
   s->params = params;
@@ -461,7 +484,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   s->constants = constants;
   s->pressure_scale = 0;
   s->time = time;
-  return status;
+  return end_call(s, status);
 }
 
 static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *overlap) {
@@ -495,7 +518,7 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->capacity, s->overlaps, s->phases.count > 0);
+                      s->scene_capacity, s->overlaps, s->phases.count > 0);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
@@ -514,22 +537,28 @@ static pbf_status synchronize(pbf_backend_solver *handle) {
           : pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
   if (status != PBF_OK) return status;
   s->works_together = s->works_alone = false;
+  if (has_ranks(s) && s->ranks.report->lost) {
+    lose_ranks(s, PBF_ERROR_UNAVAILABLE, "the device of another rank has not answered");
+    return end_on_ranks(s);
+  }
   return tell_late_failure(s);
 }
 
 static pbf_status add_particles(pbf_backend_solver *handle, const pbf_particles *particles) {
   pbf_cuda_scope scope(of(handle)->context);
-  return population_add(of(handle), particles);
+  return has_ranks(of(handle)) ? add_on_ranks(of(handle), particles)
+                               : population_add(of(handle), particles);
 }
 
 static pbf_status remove_particles(pbf_backend_solver *handle, uint32_t count,
                                    const uint32_t *ids) {
   pbf_cuda_scope scope(of(handle)->context);
-  return population_remove(of(handle), count, ids);
+  return has_ranks(of(handle)) ? remove_on_ranks(of(handle), count, ids)
+                               : population_remove(of(handle), count, ids);
 }
 
 static pbf_status remove_all(pbf_backend_solver *handle) {
-  of(handle)->count = 0;
+  of(handle)->count = of(handle)->first = of(handle)->ranks.total = 0;
   of(handle)->ordered = true;
   return PBF_OK;
 }
@@ -539,7 +568,8 @@ static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_row
   if (field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
     return pbf_refuse_without(of(handle)->host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
-  return population_read(of(handle), field, rows, out);
+  return has_ranks(of(handle)) ? read_on_ranks(of(handle), field, rows, out)
+                               : population_read(of(handle), field, rows, out);
 }
 
 static pbf_status take_array(pbf_backend_solver *handle, uint64_t bytes, pbf_backend_array *array) {
@@ -561,17 +591,20 @@ static void release_array(const pbf_backend_array *array) {
 static pbf_status read_array(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
                              uint32_t room, void *data) {
   pbf_cuda_scope scope(of(handle)->context);
+  if (has_ranks(of(handle))) return refuse_call_on_ranks(of(handle), "an array on the device");
   return population_read_array(of(handle), field, rows, room, static_cast<pbf_vec *>(data));
 }
 
 static pbf_status write(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
                         const void *in) {
   pbf_cuda_scope scope(of(handle)->context);
-  return population_write(of(handle), field, rows, in);
+  return has_ranks(of(handle)) ? write_on_ranks(of(handle), field, rows, in)
+                               : population_write(of(handle), field, rows, in);
 }
 
 static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view) {
   const solver *s = of(handle);
+  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   bool is_id = field == PBF_FIELD_ID, is_position = field == PBF_FIELD_POSITION;
   view->device_type = PBF_DEVICE_CUDA;
   view->device_id = s->device;
@@ -589,12 +622,14 @@ static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view
 
 static pbf_status read_pressures(pbf_backend_solver *handle, const pbf_rows *rows, void *out) {
   pbf_cuda_scope scope(of(handle)->context);
+  if (has_ranks(of(handle))) return refuse_call_on_ranks(of(handle), "a pressure");
   return population_read_pressures(of(handle), rows, static_cast<pbf_real *>(out));
 }
 
 static pbf_status map_pressures(pbf_backend_solver *handle, pbf_view *view) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
+  if (has_ranks(s)) return refuse_call_on_ranks(s, "a view");
   if (pbf_status status = population_pressures(s)) return status;
   view->device_type = PBF_DEVICE_CUDA;
   view->device_id = s->device;
@@ -617,12 +652,19 @@ static pbf_status get_stats(pbf_backend_solver *handle, pbf_stats *stats) {
   if (!(PBF_BUILT & PBF_FEATURE_STATS))
     return pbf_refuse_without(of(handle)->host, PBF_FEATURE_STATS);
   pbf_cuda_scope scope(of(handle)->context);
-  return report_stats(of(handle), stats);
+  if (has_ranks(of(handle)) && !agree_on_call(of(handle), "pbf_get_stats", nullptr, 0))
+    return end_on_ranks(of(handle));
+  return end_call(of(handle), report_stats(of(handle), stats));
 }
 
 static pbf_status max_speed(pbf_backend_solver *handle, double *speed) {
-  pbf_cuda_scope scope(of(handle)->context);
-  return report_max_speed(of(handle), speed);
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (!has_ranks(s)) return report_max_speed(s, speed);
+  if (!agree_on_call(s, "a look at the fastest particle", nullptr, 0)) return end_on_ranks(s);
+  pbf_status status = settle_state(s);
+  if (status == PBF_OK) status = report_max_speed(s, speed);
+  return status == PBF_OK ? max_on_ranks(s, speed) : end_call(s, status);
 }
 
 static pbf_status get_plan(pbf_backend_solver *handle, pbf_plan *plan) {
@@ -651,6 +693,14 @@ static pbf_status set_timing(pbf_backend_solver *handle, uint32_t enabled) {
 static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) {
   report_timings(of(handle), timings);
   return PBF_OK;
+}
+
+/* That it works on ranks: pbf_backend_desc.ranks; and how worlds of a batch step together. */
+static const void *get_extension(const char *name) {
+  static const uint32_t works = 1;
+  static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
+  if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
+  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : nullptr;
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API = {

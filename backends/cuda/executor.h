@@ -51,12 +51,15 @@ struct executor {
   prediction prediction_inputs;
   neighborhood n;
   iteration_extras extras;
-  iteration_place place;
+  iteration_place place = {};
   point *moved;                    /* where a move goes */
   pbf_vec *changes = nullptr;      /* of velocities, by viscosity, … */
   pbf_vec *next_changes = nullptr; /* … and by its next stage */
   lambda_sums<pbf_real> *ghosts;   /* where walls have them, else null */
   pbf_status status;               /* of the first call that failed */
+  bool moves_later = false;        /* on ranks: others do not know the last moves */
+  bool in_two_parts = false;       /* on ranks: edges beside the rest, and beside exchanges */
+  int turn = 0;                    /* of the event that edges record next */
 
   /* Between these colliders. */
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
@@ -73,8 +76,9 @@ struct executor {
                          has.collide_after_prediction, pbf_periods_of(&s->params)};
     n = neighborhood_of(s,
                         grid_over(&domain(), &prediction_inputs.periods, s->params.smoothing_radius,
-                                  grid_cell_limit(s->count), PBF_FINEST));
-    pbf_set_target_density(&n.constants, &s->constants, &s->params, s->count, &has, time);
+                                  grid_cell_limit(particles_of_all(s)), PBF_FINEST));
+    pbf_set_target_density(&n.constants, &s->constants, &s->params, particles_of_all(s), &has,
+                           time);
     moved = s->points;
     ghosts = ghosts_between(s, domain());
     status = PBF_OK;
@@ -94,10 +98,129 @@ struct executor {
   /* A thread a particle. */
   template <class... Parameters, class... Arguments>
   void launch(void (*kernel)(Parameters...), const Arguments &...arguments) {
-    kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(arguments...);
+    if (own_count(n)) kernel<<<blocks_for(own_count(n)), PBF_BLOCK, 0, s->stream>>>(arguments...);
   }
 
-  void exchange(int) {} /* neighbours are read where they are */
+  /* Those that a rank holds of others, too; without ranks, all. */
+  sorted_particles held() const {
+    sorted_particles all = n.particles;
+    if (has_ranks(s)) all.first = s->ranks.pad, all.count = s->ranks.held;
+    return all;
+  }
+  template <class... Parameters, class... Arguments>
+  void launch_held(void (*kernel)(Parameters...), const Arguments &...arguments) {
+    const sorted_particles all = held();
+    if (all.count > all.first)
+      kernel<<<blocks_for(all.count - all.first), PBF_BLOCK, 0, s->stream>>>(all, arguments...);
+  }
+
+  /* Neighbours are read where they are; on ranks others' are copies. */
+  void exchange(int fields) {
+    if (has_ranks(s) && status == PBF_OK) exchange_with_ranks(fields);
+  }
+
+  /* Whether a stage after the solve, or after the shear's stages, reads places of neighbours. */
+  bool reads_places_later() const {
+    const auto &has = s->schedule.runs;
+    return (has[PBF_STAGE_SHEAR_STRESS] && shear_stress_is_due()) || has[PBF_STAGE_MEAN_VELOCITY] ||
+           has[PBF_STAGE_ANGULAR_MOMENTUM] || has[PBF_STAGE_CURL] ||
+           has[PBF_STAGE_SURFACE_TENSION] || (has[PBF_STAGE_VISCOSITY] && !s->schedule.accelerated);
+  }
+
+  rank_field field_of(int field) {
+    switch (field) {
+      case FIELD_LAMBDA:
+      case FIELD_LAMBDA_TOTAL:
+        return lambda_field(n.particles.points);
+      case FIELD_VELOCITY:
+        return vector_field(s->velocities);
+      case FIELD_MEAN_VELOCITY:
+      case FIELD_CORRECTION_RATE:
+      case FIELD_SHEAR_PUSH:
+        return place_field(s->other);
+      case FIELD_CURL_SIZE:
+        return rank_field_of(curl_sizes(), 1, 1);
+      case FIELD_MISSING:
+        return rank_field_of(missing(), 1, 1);
+      case FIELD_DEVIATOR:
+        return rank_field_of(s->deviators, PBF_DEVIATOR_DIM, PBF_DEVIATOR_DIM);
+      case FIELD_CROWDING: /* with the starts, which have taken the state's place */
+        return rank_field_of(s->points, PBF_DIM + 1, sizeof(point) / sizeof(pbf_real));
+      case FIELD_VISCOUS_CHANGE:
+        return vector_field(changes);
+      default:
+        return place_field(n.particles.points);
+    }
+  }
+
+  /* Places that nothing has moved since, or that nothing will read, stay as they are. */
+  void exchange_with_ranks(int fields) {
+    if (fields == FIELD_POSITION) {
+      if (!moves_later || (place.last && !reads_places_later())) return;
+      moves_later = false;
+    }
+    const int second = fields & (fields - 1);
+    const rank_field none = {nullptr, 0, 0};
+    const rank_field first = field_of(fields & -fields), other = second ? field_of(second) : none;
+    if (in_two_parts) {
+      on_edges beside(s);
+      status = exchange_on_ranks(s, first, other);
+    } else {
+      status = exchange_on_ranks(s, first, other);
+    }
+  }
+
+  /* From here on the solve's stages work on the particles that other ranks hold, and exchange them,
+   * while they work on the others. Times of stages want one after another. */
+  void part_edges() {
+    const rank_state &r = s->ranks;
+    in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last && !r.careful &&
+                   !s->schedule.runs[PBF_STAGE_TORQUE] && !s->clock.begin;
+    turn = 0;
+    if (in_two_parts) status = record(r.inner_done, s->stream);
+    if (in_two_parts && status == PBF_OK) status = record(r.edges_done[1], s->stream);
+  }
+
+  void join_edges() {
+    if (!in_two_parts) return;
+    in_two_parts = false;
+    status = record(s->ranks.edges_done[0], s->ranks.edges);
+    if (status == PBF_OK) status = await(s->stream, s->ranks.edges_done[0]);
+  }
+
+  static pbf_status record(cudaEvent_t event, cudaStream_t stream) {
+    return pbf_cuda_check(cudaEventRecord(event, stream), "cudaEventRecord");
+  }
+  static pbf_status await(cudaStream_t stream, cudaEvent_t event) {
+    return pbf_cuda_check(cudaStreamWaitEvent(stream, event, 0), "cudaStreamWaitEvent");
+  }
+
+  /* Calls launches(n) for all that the stage works on, in one part or more. Edges read what the
+   * stage before has made of all, and of other ranks; the rest reads what it has made here. */
+  template <class Launches>
+  void in_parts(Launches launches) {
+    if (!in_two_parts) return launches(n);
+    const rank_state &r = s->ranks;
+    neighborhood part = n;
+    auto launch_part = [&](uint32_t first, uint32_t last) {
+      part.particles.first = first;
+      part.particles.count = last;
+      if (first < last) launches(part);
+    };
+    status = await(r.edges, r.inner_done);
+    if (status != PBF_OK) return;
+    {
+      on_edges beside(s);
+      launch_part(n.particles.first, r.inner_first);
+      launch_part(r.inner_last, n.particles.count);
+      status = record(r.edges_done[turn], s->stream);
+    }
+    turn = 1 - turn;
+    if (status == PBF_OK) status = await(s->stream, r.edges_done[turn]);
+    if (status != PBF_OK) return;
+    launch_part(r.inner_first, r.inner_last);
+    status = record(r.inner_done, s->stream);
+  }
 
   bool wake() {
     status =
@@ -108,6 +231,7 @@ struct executor {
   void predict() {
     run(PBF_STAGE_PREDICT,
         [&] { status = launch_predict(s, state_of(s), n.grid, prediction_inputs); });
+    if (has_ranks(s)) note_own(s, &n.particles);
     if (status == PBF_OK && finds_loads(s)) status = clear_load_sums(s);
   }
 
@@ -121,7 +245,7 @@ struct executor {
                s->load_tally);
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
-        launch(start_kernel, n.particles, (pbf_real)s->params.time_step, s->starts);
+        launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
     });
     return true; /* a particle whose list has no room walks the cells */
   }
@@ -180,10 +304,12 @@ struct executor {
              pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params), no_slip_of(s),
              extras.rest.activity, changes, s->load_tally);
     launch_way(extras.rest.activity, changes, n.particles.velocities);
+    moves_later = true;
     status = pbf_cuda_check_launch("way_kernel");
   }
 
   void begin_solve() {
+    if (status == PBF_OK && !s->schedule.runs[PBF_STAGE_GRID]) part_edges();
     if (status != PBF_OK || !s->schedule.checks_convergence) return;
     extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, s->count),
                     pbf_inactive_error_units(&s->params), 0};
@@ -204,7 +330,7 @@ struct executor {
     const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0};
     pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
     run(PBF_STAGE_OVERLAP, [&] {
-      launch(mark_placed_kernel, n.particles, s->found);
+      launch_held(mark_placed_kernel, s->found);
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         typedef density_pass<fixed<F>> pass;
@@ -215,7 +341,7 @@ struct executor {
               at_start{time_step}, n.particles.velocities);
         launch(overlap_kernel<F>, n, extras, before, time_step, ghosts_at_start, s->found);
       });
-      launch(mark_placed_kernel, n.particles, none);
+      launch_held(mark_placed_kernel, none);
     });
   }
 
@@ -253,7 +379,7 @@ struct executor {
       const bool torn = s->pressure_grid_solids > 0;
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
-        sum_ghosts_of_lambda<F>();
+        sum_ghosts_of_lambda<F>(n);
         with_surfaces(s, [&](auto surfaces) {
           constexpr surfaces_met SURFACES = decltype(surfaces)::value;
           launch(torn ? deposit_kernel<F, true, SURFACES> : deposit_kernel<F, false, SURFACES>, n,
@@ -286,23 +412,25 @@ struct executor {
   }
 
   template <int FEATURES>
-  void sum_ghosts_of_lambda() {
+  void sum_ghosts_of_lambda(const neighborhood &of) {
     typedef lambda_pass<fixed<FEATURES>, SCALED_PAIRS> pass;
-    if (ghosts) sum_ghosts<pass>(s, n, extras, domain(), ghosts);
+    if (ghosts) sum_ghosts<pass>(s, of, extras, domain(), ghosts);
   }
 
   void lambda(uint32_t) {
     run(PBF_STAGE_LAMBDA, [&] {
-      with_kernel(s->schedule.features,
-                  [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(); });
       const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
       if (s->phase)
         with_kernel(s->schedule.features, [&](auto features) {
           launch(begin_mobility_kernel<decltype(features)::value>, n, extras, place.first,
                  s->mobility_around);
         });
-      launch_lambda(s, n, extras,
-                    {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+      in_parts([&](const neighborhood &part) {
+        with_kernel(s->schedule.features,
+                    [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
+        launch_lambda(s, part, extras,
+                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+      });
       if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
     });
   }
@@ -320,27 +448,32 @@ struct executor {
   void move(uint32_t) {
     auto *ghost_moves = reinterpret_cast<move_sums<pbf_real> *>(ghosts);
     run(PBF_STAGE_MOVE, [&] {
-      if (ghosts)
-        with_features(s->schedule.features, [&](auto features) {
-          typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
-          sum_ghosts<pass>(s, n, extras, domain(), ghost_moves);
-        });
       const push_noting noting = {extras, n.constants.h, (pbf_real)pbf_per_time_step(&s->params),
                                   place.first};
       if (notes_pushes(s))
         with_features(s->schedule.features, [&](auto features) {
           launch(push_before_kernel<decltype(features)::value>, n, noting, s->velocities, s->push);
         });
-      launch_move(s, n, moved, extras,
-                  {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
-                   s->schedule.collide_after_solve, s->velocities, ghost_moves});
+      in_parts([&](const neighborhood &part) {
+        if (ghosts)
+          with_features(s->schedule.features, [&](auto features) {
+            typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
+            sum_ghosts<pass>(s, part, extras, domain(), ghost_moves);
+          });
+        launch_move(
+            s, part, moved, extras,
+            {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
+             s->schedule.collide_after_solve, s->velocities, ghost_moves});
+      });
       if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
     });
     swap_arrays(&n.particles.points, &moved);
+    moves_later = true;
   }
 
   /* The last move's end has made it. From here the old state gives way to the new one. */
   void velocity() {
+    if (status == PBF_OK) join_edges();
     if (status != PBF_OK) return;
     if (n.particles.points == s->other) swap_arrays(&s->points, &s->other);
     swap_arrays(&s->ids, &s->other_ids);
@@ -349,6 +482,9 @@ struct executor {
     swap_arrays(&s->phase, &s->other_phase);
     s->ordered = false;
     s->time = time;
+    if (!has_ranks(s)) return;
+    s->first = s->ranks.first;
+    s->count = s->ranks.last - s->ranks.first;
   }
 
   bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
@@ -391,6 +527,7 @@ struct executor {
       });
       launch_way(s->activity, changes, s->velocities);
     });
+    moves_later = true;
   }
 
   /* By what velocities change by. */
@@ -400,9 +537,10 @@ struct executor {
                   : met == MANY_SURFACES ? way_kernel<MANY_SURFACES>
                   : met == FEW_SURFACES  ? way_kernel<FEW_SURFACES>
                                          : way_kernel<NO_SURFACES>;
-    launch(kernel, n.particles.points, s->count, activity, extras.obstacles,
-           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
-           velocities, notes_pushes(s) ? s->push : nullptr);
+    const uint32_t first = n.particles.first; /* above 0 on ranks, where nothing sleeps */
+    launch(kernel, n.particles.points + first, own_count(n), activity, extras.obstacles,
+           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes + first,
+           velocities + first, notes_pushes(s) ? s->push : nullptr);
   }
 
   /* … as do mean velocities, … */
@@ -481,14 +619,22 @@ struct executor {
   /* … what particles lack of neighbours … */
   pbf_real *missing() const { return reinterpret_cast<pbf_real *>(s->other); }
 
-  void missing_neighbors() {} /* with the pull: */
+  void missing_neighbors() { /* with the pull, but on ranks */
+    if (!has_ranks(s) || status != PBF_OK) return;
+    find_missing();
+    status = pbf_cuda_check_launch("missing_neighbors_kernel");
+  }
+
+  void find_missing() {
+    with_surfaces(s, [&](auto surfaces) {
+      launch(missing_neighbors_kernel<decltype(surfaces)::value>, n, extras.obstacles,
+             s->schedule.wall_density, s->activity, missing());
+    });
+  }
 
   void surface_tension() {
     run(PBF_STAGE_SURFACE_TENSION, [&] {
-      with_surfaces(s, [&](auto surfaces) {
-        launch(missing_neighbors_kernel<decltype(surfaces)::value>, n, extras.obstacles,
-               s->schedule.wall_density, s->activity, missing());
-      });
+      if (!has_ranks(s)) find_missing();
       launch(surface_tension_kernel, n, missing(), s->activity, s->velocities);
       if (s->schedule.adhesion) adhere();
     });
@@ -503,8 +649,10 @@ struct executor {
   }
 
   void drag() {
-    run(PBF_STAGE_DRAG,
-        [&] { launch(drag_kernel, drag_of(&s->params), s->count, s->activity, s->velocities); });
+    run(PBF_STAGE_DRAG, [&] {
+      launch(drag_kernel, drag_of(&s->params), own_count(n), s->activity,
+             s->velocities + n.particles.first);
+    });
   }
 
   /* … and the marks. */

@@ -54,7 +54,7 @@ constexpr int blocks_at_once(surfaces_met any) {
 template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
     lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
   const bool checks_convergence = EXTRAS && PBF_TOLERANCE && extras.watch.watch;
   if (checks_convergence && is_converged(extras.watch)) return;
@@ -104,7 +104,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
 /* Where phases differ: what they make of particles that have just been sorted, … */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     phase_kernel(sorted_particles p, pbf_phase_constants phases) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(p);
   if (i < p.count) p.mobility[i] = phases.mobility[p.phase[i]];
 }
 
@@ -121,7 +121,7 @@ static __device__ __forceinline__ bool has_lambda(const neighborhood &n,
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_mobility_kernel(neighborhood n, iteration_extras extras, bool first, pbf_real *around) {
-  const uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  const uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const mobility_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const pbf_real *mobility = n.particles.mobility;
   const pbf_vec x = position_of(load(n.particles.points, own));
@@ -135,7 +135,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     end_mobility_kernel(neighborhood n, iteration_extras extras, const pbf_real *around) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (!has_lambda(n, extras, i)) return;
   n.particles.points[i].lambda /= around[i];
   if (extras.total) extras.total[i] /= around[i];
@@ -177,7 +177,7 @@ static __device__ __forceinline__ void pass_idle(const iteration_extras &extras,
 template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
   const point *points = n.particles.points;
   point own = load(points, min(i, n.particles.count - 1));
@@ -232,7 +232,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
 /* Where particles were at the start of the step. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     start_kernel(sorted_particles p, pbf_real time_step, point *starts) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(p);
   if (i < p.count)
     store(starts, i, point_at(at_start{time_step}.place(load(p.points, i), p.velocities[i])));
 }
@@ -242,7 +242,7 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     torque_kernel(neighborhood n, convergence_check watch, bool first, const point *starts,
                   pbf_curl *torques) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   if (PBF_TOLERANCE && watch.watch && is_converged(watch)) return;
   const point here = load(n.particles.points, own);
   const pbf_vec start = position_of(load(starts, own));
@@ -257,7 +257,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* As points, which are read at once: a rate fits a place. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     turn_rate_kernel(neighborhood n, const pbf_curl *torques, point *rates) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
   const rotation_rate_pass pass = {&n.constants};
   const auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
@@ -266,7 +266,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
     turn_kernel(neighborhood n, const point *rates, pbf_vec *velocities) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
   const rotation_pass pass = {&n.constants};
   const auto sums = sums_around(pass, n, i, x, {lanes_of(position_of(load(rates, own)))}, rates);
@@ -282,7 +282,7 @@ template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     residual_density_kernel(neighborhood n, iteration_extras extras, pbf_domain domain,
                             pbf_real time_step, bool with_ghosts, pbf_real *residual_density) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
   const pbf_vec *velocities = n.particles.velocities;
@@ -307,7 +307,7 @@ constexpr pbf_real PBF_PLACED_MARK = 2;
  * keep their lambda. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     mark_placed_kernel(sorted_particles p, pbf_overlap found) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(p);
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   p.points[i].lambda = pbf_is_placed(found, p.ids[i]) ? PBF_PLACED_MARK : 0;
 }
@@ -318,7 +318,7 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     overlap_kernel(neighborhood n, iteration_extras extras, pbf_domain domain, pbf_real time_step,
                    const pbf_real *ghosts, pbf_overlap found) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> all = {c, {}};
   const placed_density_pass<fixed<FEATURES>> placed = {c, {}};
@@ -353,7 +353,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     curl_kernel(neighborhood n, const pbf_vec *velocities, pbf_curl *curls, pbf_real *sizes) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const curl_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   pbf_vec x = position_of(load(n.particles.points, own)), v = velocities[own];
   auto sums = sums_around(pass, n, i, x, {lanes_of(v)}, velocities);
@@ -367,7 +367,7 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     confine_kernel(neighborhood n, const pbf_curl *curls, const pbf_real *sizes,
                    pbf_vec *velocities) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   const confinement_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   auto sums = sums_around(pass, n, i, x, {}, sizes);
@@ -379,7 +379,7 @@ template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     missing_neighbors_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
                              const pbf_real *activity, pbf_real *missing) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   const missing_neighbors_pass pass = {&n.constants};
   const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr));
@@ -395,7 +395,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __global__ void __launch_bounds__(PBF_BLOCK)
     surface_tension_kernel(neighborhood n, const pbf_real *missing, const pbf_real *activity,
                            pbf_vec *velocities) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const surface_tension_pass pass = {&n.constants};
   const pbf_vec x = position_of(load(n.particles.points, own));
   auto sums = sums_around(pass, n, i, x, {missing[own]}, missing);
@@ -418,7 +418,7 @@ static __device__ __forceinline__ pbf_vec smoothed_velocity(const neighborhood &
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     flow_kernel(neighborhood n, const pbf_vec *velocities, point *flow) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, PBF_TO_MEAN, i);
   if (i < n.particles.count) store(flow, i, point_at(v));
 }
@@ -430,7 +430,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     compensate_damping_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
                               pbf_real inv_time_step, const point *flow, pbf_curl *torques,
                               pbf_vec *velocities) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), mean = position_of(load(flow, own));
@@ -454,7 +454,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     deviator_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
                     const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
                     pbf_deviator *deviators, point *walls) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here);
   const fabric_pass<fixed<FEATURES>> pass = {&n.constants, {}};
@@ -474,7 +474,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     shear_push_kernel(neighborhood n, const pbf_deviator *deviators, point *pushes) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
   const auto d = lanes_of(deviators[own]);
   const shear_push_pass<fixed<FEATURES>> pass = {&n.constants, {}};
@@ -492,7 +492,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     shear_stress_kernel(neighborhood n, const point *pushes, pbf_vec *changes) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_vec x = position_of(load(n.particles.points, own));
   const point push = load(pushes, own);
   const pbf_real *mobility = n.particles.mobility;
@@ -529,7 +529,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscosity_kernel(neighborhood n, const pbf_vec *velocities, pbf_vec *smoothed) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   pbf_vec v = smoothed_velocity<FEATURES>(n, velocities, n.constants.viscosity, i);
   if (i < n.particles.count) smoothed[i] = v;
 }
@@ -538,7 +538,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * of it. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     crowding_kernel(neighborhood n, pbf_real time_step, const pbf_real *activity, point *starts) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const crowding_pass pass = {&n.constants};
   const pbf_vec *velocities = n.particles.velocities;
   const at_start places = {time_step};
@@ -573,7 +573,7 @@ template <bool NO_SLIP, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
                           step_obstacles obstacles, few_no_slip no_slip) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
   const bool begins = s.weights.first != 0;
   const pbf_vec *of = begins ? s.velocities : s.changes;

@@ -3,6 +3,7 @@
 #ifndef PBF_CUDA_LAUNCHES_H
 #define PBF_CUDA_LAUNCHES_H
 
+#include "cuda/hold.h"
 #include "cuda/search.h"
 #include "cuda/solver.h"
 
@@ -26,13 +27,10 @@ static inline void with_surfaces(const solver *s, Launch launch) {
     launch(surfaces_constant<FEW_SURFACES>{});
 }
 
-/* Predicts and counts the particles of each cell. */
-static inline pbf_status launch_predict(solver *s, const unsorted_particles &from,
-                                        const cell_grid &grid, const prediction &p) {
-  if (pbf_status status = pbf_cuda_check(
-          cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
-          "cudaMemsetAsync"))
-    return status;
+/* Of these particles; each learns its cell, and is counted there unless `cell_count` is null. */
+static inline void predict_into(const solver *s, const unsorted_particles &from,
+                                const cell_grid &grid, const prediction &p, uint32_t *cell_count,
+                                const sort_scratch &scratch) {
   surfaces_met met = surfaces_of(s);
   auto kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, false>
                 : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, false>
@@ -43,19 +41,33 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
       kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, true>
                : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
                                       : predict_kernel<FEW_SURFACES, true>;
-  kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, s->cell_start,
-                                                            scratch_of(s));
+  if (from.count)
+    kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, cell_count, scratch);
+}
+
+/* Predicts and counts the particles of each cell. Ranks come to hold theirs. */
+static inline pbf_status launch_predict(solver *s, const unsorted_particles &from,
+                                        const cell_grid &grid, const prediction &p) {
+  if (has_ranks(s)) {
+    const bool holds = hold_and_count(
+        s, from, grid,
+        [&](const unsorted_particles &some, uint32_t *cell_count, const sort_scratch &scratch) {
+          predict_into(s, some, grid, p, cell_count, scratch);
+        });
+    return holds ? PBF_OK : s->ranks.failed;
+  }
+  if (pbf_status status = pbf_cuda_check(
+          cudaMemsetAsync(s->cell_start, 0, (grid.count + 1) * sizeof(uint32_t), s->stream),
+          "cudaMemsetAsync"))
+    return status;
+  predict_into(s, from, grid, p, s->cell_start, scratch_of(s));
   return PBF_OK;
 }
 
-/* Sorts the predicted particles into s->other. */
-static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
-                                     const neighborhood &n, const prediction &p) {
-  uint32_t blocks = blocks_for(s->count);
-  if (pbf_status status =
-          pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
-    return status;
-  scatter_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, s->cell_start, scratch_of(s));
+/* Once cells know where their particles begin. */
+static inline void place_from(const solver *s, const unsorted_particles &from,
+                              const neighborhood &n, const prediction &p,
+                              const sort_scratch &scratch) {
   surfaces_met met = surfaces_of(s);
   auto place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, false>
                : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, false>
@@ -66,15 +78,57 @@ static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
       place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, true>
               : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
                                      : place_kernel<FEW_SURFACES, true>;
-  place<<<blocks, PBF_BLOCK, 0, s->stream>>>(from, p, scratch_of(s), n.particles);
+  if (from.count)
+    place<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, scratch, n.particles);
+}
+
+static inline void scatter_from(const solver *s, const unsorted_particles &from,
+                                const sort_scratch &scratch) {
+  if (from.count)
+    scatter_kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, s->cell_start,
+                                                                        scratch);
+}
+
+/* Its own, and those that it has got of other ranks. */
+static inline pbf_status launch_sort_on_ranks(solver *s, const unsorted_particles &own,
+                                              const neighborhood &n, const prediction &p) {
+  const rank_share &share = s->ranks.shares[s->ranks.rank];
+  const unsorted_particles got = inbox_of(s, own, s->ranks.report->plan.received);
+  const sort_scratch of_own = rank_scratch_of(s, 0), of_got = rank_scratch_of(s, own.count);
+  if (pbf_status status =
+          pbf_cuda_scan(s->ranks.cell_memory, share.cell_last - share.cell_first + 2,
+                        s->scan_scratch, s->scan_bytes, s->stream))
+    return status;
+  scatter_from(s, own, of_own);
+  scatter_from(s, got, of_got);
+  place_from(s, own, n, p, of_own);
+  place_from(s, got, n, p, of_got);
   return PBF_OK;
+}
+
+/* Sorts the predicted particles into s->other. */
+static inline pbf_status launch_sort(solver *s, const unsorted_particles &from,
+                                     const neighborhood &n, const prediction &p) {
+  if (has_ranks(s)) return launch_sort_on_ranks(s, from, n, p);
+  if (pbf_status status =
+          pbf_cuda_scan(s->cell_start, n.grid.count + 1, s->scan_scratch, s->scan_bytes, s->stream))
+    return status;
+  scatter_from(s, from, scratch_of(s));
+  place_from(s, from, n, p, scratch_of(s));
+  return PBF_OK;
+}
+
+/* Particles that stages work on: on ranks there may be none. */
+static inline uint32_t own_count(const neighborhood &n) {
+  return n.particles.count - n.particles.first;
 }
 
 template <searchers WHICH>
 static inline void launch_list_kernel(solver *s, const neighborhood &n) {
   auto kernel = n.grid.periodic ? list_kernel<WHICH, true> : list_kernel<WHICH, false>;
-  kernel<<<list_blocks(s->count), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
-      n.particles, n.grid, s->constants.h2, s->lists);
+  if (own_count(n))
+    kernel<<<list_blocks(own_count(n)), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
+        n.particles, n.grid, s->constants.h2, s->lists);
 }
 
 static inline void launch_lists(solver *s, const neighborhood &n) {
@@ -92,6 +146,9 @@ static inline void launch_lists(solver *s, const neighborhood &n) {
 /* Sorts the present positions, also of those that sleep. */
 static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   prediction at_rest = {};
+  s->ranks.careful_once = true;
+  at_rest.forces.max_speed =
+      sizeof(pbf_real) == sizeof(float) ? (pbf_real)FLT_MAX : (pbf_real)DBL_MAX;
   unsorted_particles from = state_of(s);
   from.activity = nullptr;
   from.overlap = nullptr;
@@ -111,8 +168,9 @@ static inline void sum_ghosts(solver *s, const neighborhood &n, const iteration_
                               const pbf_domain &domain, typename Pass::template sums<pbf_real> *all,
                               const Places &places = {}, const Value *values = nullptr) {
   if constexpr (PBF_GHOSTS)
-    ghost_kernel<Pass><<<ghost_blocks_for(s->count), 32 * PBF_GHOST_SHARES, 0, s->stream>>>(
-        n, extras.watch, extras.rest.activity, domain, places, values, all);
+    if (own_count(n))
+      ghost_kernel<Pass><<<ghost_blocks_for(own_count(n)), 32 * PBF_GHOST_SHARES, 0, s->stream>>>(
+          n, extras.watch, extras.rest.activity, domain, places, values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
@@ -123,14 +181,16 @@ static inline lambda_sums<pbf_real> *ghosts_between(const solver *s, const pbf_d
 
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
                                  const lambda_parts &parts) {
-  uint32_t blocks = blocks_for(s->count);
+  uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks) return;
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
     surfaces_met met = surfaces_of(s);
     auto kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, false>
                   : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, false>
-                  : has_extras(s)        ? lambda_kernel<F, true, FEW_SURFACES, false>
-                                         : lambda_kernel<F, false, FEW_SURFACES, false>;
+                  : !has_extras(s)       ? lambda_kernel<F, false, NO_SURFACES, false>
+                  : met == FEW_SURFACES  ? lambda_kernel<F, true, FEW_SURFACES, false>
+                                         : lambda_kernel<F, true, NO_SURFACES, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity)
         kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, true>
@@ -142,7 +202,8 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
 
 static inline void launch_move(solver *s, const neighborhood &n, point *moved,
                                const iteration_extras &extras, const move_end &end) {
-  uint32_t blocks = blocks_for(s->count);
+  uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks) return;
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
     surfaces_met met = surfaces_of(s);

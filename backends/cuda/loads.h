@@ -88,7 +88,7 @@ static __device__ __forceinline__ bool notes_push(const push_noting &p, const ne
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     push_before_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
   const point own = load(n.particles.points, min(i, n.particles.count - 1));
   const pbf_vec x = position_of(own);
@@ -105,7 +105,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* And adds those that it has made. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     push_after_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
   const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   if (notes_push(p, n, i, x)) push[i] = pbf_add_scaled(push[i], 1, velocities[i]);
@@ -154,7 +154,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     friction_kernel(neighborhood n, step_obstacles o, few_friction_scales scales,
                     pressure_source source, const pbf_real *activity, pbf_real inv_time_step,
                     pbf_vec *velocities, pbf_vec *push, pbf_few_load_tally *tally) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
   point own = load(n.particles.points, i);
@@ -199,7 +199,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     adhesion_kernel(neighborhood n, step_obstacles o, few_adhesion_scales scales,
                     const pbf_real *missing, const pbf_real *activity, pbf_vec *velocities,
                     pbf_few_load_tally *tally) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
   const pbf_vec x = position_of(load(n.particles.points, i));
@@ -218,7 +218,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     no_slip_loads_kernel(neighborhood n, const point *starts, step_obstacles o,
                          pbf_load_scales scales, few_no_slip no_slip, const pbf_real *activity,
                          const pbf_vec *changes, pbf_few_load_tally *tally) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   const pbf_vec x = position_of(load(starts, i));
   const pbf_vec v = pbf_add_scaled(n.particles.velocities[i], 1, changes[i]);
@@ -238,7 +238,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                  const pbf_real *activity, const uint32_t *all_asleep, const pbf_vec *velocities,
                  const pbf_vec *push, pbf_few_load_tally *tally) {
   __shared__ pbf_load_sums walls[2 * PBF_DIM];
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   if (PBF_SLEEP && all_asleep && *all_asleep) return;
   for (uint32_t k = threadIdx.x; k < sizeof walls / sizeof(uint64_t); k += blockDim.x)
     reinterpret_cast<uint64_t *>(walls)[k] = 0;

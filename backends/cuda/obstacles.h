@@ -54,7 +54,7 @@ static __device__ __forceinline__ auto obstacles_met(const step_obstacles &o) {
   if constexpr (SURFACES == FIELD_SURFACES)
     return obstacles_of<pbf_surface>{o.domain, o.count, o.surfaces};
   else
-    return obstacles_of<pbf_closed_surface>{o.domain, o.count,
+    return obstacles_of<pbf_closed_surface>{o.domain, SURFACES == NO_SURFACES ? 0 : o.count,
                                             static_cast<const pbf_closed_surface *>(o.surfaces)};
 }
 

@@ -75,11 +75,17 @@ struct sorted_particles {
   pbf_vec *velocities; /* that go with the predicted positions */
   uint32_t *ids, *cells;
   uint32_t *cell_start; /* first particle of each cell; one more at the end */
-  uint32_t count;
-  pbf_real *activity; /* where fluid sleeps, else null */
-  pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
-  uint8_t *phase;     /* where phases differ, else null, … */
-  pbf_real *mobility; /* … as this */
+  uint32_t count;       /* the end of those that stages work on, … */
+  uint32_t first;       /* … from here on: all, or on ranks its own among those that it holds */
+  pbf_real *activity;   /* where fluid sleeps, else null */
+  pbf_real *overlap;    /* where fluid has been placed in other fluid, else null */
+  uint8_t *phase;       /* where phases differ, else null, … */
+  pbf_real *mobility;   /* … as this */
 };
+
+/* The particle of a thread, of those that stages work on. */
+static __device__ __forceinline__ uint32_t own_index(const sorted_particles &p) {
+  return p.first + blockIdx.x * blockDim.x + threadIdx.x;
+}
 
 #endif

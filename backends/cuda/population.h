@@ -150,8 +150,8 @@ static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
 
 static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) {
   const pbf_periods periods = pbf_periods_of(&s->params);
-  return grid_over(&domain, &periods, s->params.smoothing_radius, grid_cell_limit(s->count),
-                   PBF_FINEST);
+  return grid_over(&domain, &periods, s->params.smoothing_radius,
+                   grid_cell_limit(particles_of_all(s)), PBF_FINEST);
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {

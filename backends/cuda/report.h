@@ -36,35 +36,51 @@ static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {
   return copy_out(s, asleep, &s->tally->asked, sizeof *asleep);
 }
 
+/* In the order of the ranks, and so of the particles. */
+static inline bool merge_of_ranks(solver *s, partial_stats *sum) {
+  partial_stats all[RANKS_OF_CUDA];
+  if (!gather_on_ranks(s, sum, all, sizeof *sum)) return false;
+  *sum = empty_stats();
+  for (uint32_t k = 0; k < s->ranks.count; ++k) merge(sum, all[k]);
+  return true;
+}
+
 static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
-  stats->count = s->count;
+  stats->count = particles_of_all(s);
   stats->iterations = s->params.iterations;
   if (s->watch)
     if (pbf_status status =
             copy_out(s, &stats->iterations, &s->watch->done, sizeof stats->iterations))
       return status;
-  if (!s->count) return PBF_OK;
+  if (!stats->count) return PBF_OK;
   if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);
   if (pbf_status status = sort_present(s, grid)) return status;
   /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
-  uint32_t blocks =
-      blocks_for(s->count) < PBF_SUM_BLOCKS ? blocks_for(s->count) : (uint32_t)PBF_SUM_BLOCKS;
+  const neighborhood n = neighborhood_of(s, grid);
+  unsorted_particles from = state_of(s);
+  if (has_ranks(s)) { /* what is its own now, sorted */
+    from.points = n.particles.points;
+    from.velocities = n.particles.velocities;
+    from.count = n.particles.count;
+  }
+  uint32_t blocks = blocks_for(own_count(n));
+  if (blocks > PBF_SUM_BLOCKS) blocks = PBF_SUM_BLOCKS;
   partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_storage);
   with_kernel(s->schedule.features, [&](auto features) {
     with_surfaces(s, [&](auto surfaces) {
       stats_kernel<decltype(features)::value, decltype(surfaces)::value>
-          <<<blocks, PBF_BLOCK, 0, s->stream>>>(state_of(s), neighborhood_of(s, grid), extras,
-                                                on_device);
+          <<<blocks ? blocks : 1, PBF_BLOCK, 0, s->stream>>>(from, n, extras, on_device);
     });
   });
   if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;
   partial_stats sum = empty_stats();
   for (uint32_t k = 0; k < blocks; ++k) merge(&sum, partial[k]);
-  fill_stats(sum, s->count, stats);
+  if (has_ranks(s) && !merge_of_ranks(s, &sum)) return end_on_ranks(s);
+  fill_stats(sum, stats->count, stats);
   return PBF_OK;
 }
 

@@ -126,7 +126,7 @@ template <searchers WHICH, bool PERIODIC>
 static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
     list_kernel(sorted_particles p, cell_grid grid, pbf_real h2, neighbor_lists lists) {
   extern __shared__ uint16_t growing[];
-  uint32_t i = thread_index(), lane = threadIdx.x % 32;
+  uint32_t i = own_index(p), lane = threadIdx.x % 32;
   if (i - lane >= p.count) return;
   bool real = i < p.count;
   growing_list list(growing, lists.chunks * PBF_CHUNK);

@@ -9,6 +9,7 @@
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
 #include "cuda/kernels.h"
+#include "cuda/ranks.h"
 #include "cuda/scan.h"
 #include "cuda/shapes.h"
 #include "cuda/sleep.h"
@@ -64,6 +65,9 @@ struct solver {
   double time; /* of the last step's end: where walls and colliders stand for statistics */
 
   uint32_t capacity, count;
+  uint32_t scene_capacity; /* on ranks that of all, else the same */
+  uint32_t first;          /* particle of the state in its arrays; above 0 on ranks alone */
+  rank_state ranks;
   uint32_t planned; /* particles that the schedule is for */
   uint32_t worlds;  /* that run at once, this one of them; 0, 1: it is alone */
   point *points;    /* state */
@@ -120,6 +124,15 @@ struct solver {
   device_shapes shapes; /* theirs */
 };
 
+static inline bool has_ranks(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_RANKS) && s->ranks.count > 0;
+}
+
+/* Particles of the scene. */
+static inline uint32_t particles_of_all(const solver *s) {
+  return has_ranks(s) ? s->ranks.total : s->count;
+}
+
 /* Launches blocks that wait for each other. */
 template <class Kernel, class... Arguments>
 static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t blocks, uint32_t threads,
@@ -137,21 +150,22 @@ static inline sort_scratch scratch_of(const solver *s) {
 }
 
 static inline unsorted_particles state_of(const solver *s) {
-  return {s->points,
-          s->velocities,
-          s->ids,
+  return {s->points + s->first,
+          s->velocities + s->first,
+          s->ids + s->first,
           s->count,
           s->activity,
           s->tally ? &s->tally->all : nullptr,
           s->tally ? &s->tally->some : nullptr,
-          s->overlap,
+          s->overlap ? s->overlap + s->first : nullptr,
           s->constants.overlap_decay,
           s->phase};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
-  return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start, s->count,
-           s->other_activity, s->other_overlap, s->other_phase, s->mobility},
+  return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start,
+           has_ranks(s) ? s->ranks.last : s->count, s->ranks.first, s->other_activity,
+           s->other_overlap, s->other_phase, s->mobility},
           grid,
           s->lists,
           s->constants};

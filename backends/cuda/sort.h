@@ -34,6 +34,9 @@ struct unsorted_particles {
   const uint8_t *phase;       /* where phases differ, else null */
 };
 
+/* Of a particle that other ranks hold alone. */
+constexpr uint32_t PBF_NO_CELL = ~0u;
+
 /* One entry a particle; dead after the sort. */
 struct sort_scratch {
   uint32_t *cell, *arrival, *id_by_cell;
@@ -48,7 +51,7 @@ static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_part
   return p.collide ? resolve_collisions<SURFACES>(p.obstacles, 1, x, y) : y;
 }
 
-/* The stages of the sort for particle i. */
+/* The stages of the sort for particle i. Without `cell_count` it learns its cell alone. */
 template <surfaces_met SURFACES, bool SLEEP>
 static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
                                                       const prediction &p, const cell_grid &grid,
@@ -59,7 +62,7 @@ static __device__ __forceinline__ void count_particle(const unsorted_particles &
   if (serves_all<SURFACES> && p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
   uint32_t cell = grid_cell(grid, predicted);
   scratch.cell[i] = cell;
-  scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
+  if (cell_count) scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
 }
 
 static __device__ __forceinline__ void scatter_particle(const unsorted_particles &from,
@@ -109,14 +112,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __global__ void __launch_bounds__(PBF_BLOCK)
     scatter_kernel(unsorted_particles from, const uint32_t *cell_start, sort_scratch scratch) {
   uint32_t i = thread_index();
-  if (i < from.count) scatter_particle(from, cell_start, scratch, i);
+  if (i < from.count && scratch.cell[i] != PBF_NO_CELL)
+    scatter_particle(from, cell_start, scratch, i);
 }
 
 template <surfaces_met SURFACES, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
   uint32_t i = thread_index();
-  if (i < from.count) place_particle<SURFACES, SLEEP>(from, p, scratch, to, i);
+  if (i < from.count && scratch.cell[i] != PBF_NO_CELL)
+    place_particle<SURFACES, SLEEP>(from, p, scratch, to, i);
 }
 
 #endif

@@ -74,7 +74,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                  partial_stats *partial) {
   __shared__ partial_stats shared[PBF_BLOCK / 32];
   partial_stats s = empty_stats();
-  for (uint32_t i = thread_index(); i < state.count; i += gridDim.x * blockDim.x) {
+  for (uint32_t i = own_index(n.particles); i < state.count; i += gridDim.x * blockDim.x) {
     uint32_t neighbors = 0;
     double density = (double)full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
     add_motion(&s, position_of(load(state.points, i)), state.velocities[i]);
@@ -106,7 +106,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
-  uint32_t i = thread_index(), neighbors = 0;
+  uint32_t i = own_index(n.particles), neighbors = 0;
   if (i < n.particles.count)
     densities[i] = full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
 }

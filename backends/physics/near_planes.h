@@ -5,6 +5,7 @@
 
 #include "physics/facets.h"
 #include "physics/near_faces.h"
+#include "physics/seams.h"
 #include "physics/surfaces/domain.h"
 #include "physics/surfaces/surface.h"
 
@@ -25,14 +26,33 @@ PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s,
       visit(pbf_face_of_surface(s, solid, facets.of[k].distance, facets.of[k].normal), 1);
 }
 
-/* Visits the planes of a surface within reach, but for flat faces, which are put among the others,
- * and edges, which are counted. */
-template <class Surface, class Visit>
+/* The same with what others leave of each, put among the planes of others. */
+template <class Each>
+PBF_FN_SELDOM void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                  pbf_vec x, pbf_real reach, Each each, pbf_field_planes *planes) {
+  pbf_facets facets;
+  pbf_find_facets(s, reach, c->h, x, &facets);
+  for (int k = 0; k < facets.count; ++k) {
+    pbf_facet plane = facets.of[k];
+    if (!(plane.distance < reach)) continue;
+    const pbf_real part = pbf_part_beside_others(s, solid, x, reach, each, &plane);
+    pbf_put_field_plane(pbf_face_of_surface(s, solid, plane.distance, plane.normal), part, planes);
+  }
+}
+
+/* Visits the planes of a surface within reach, but for those of fields and flat faces, which are
+ * put among the others, and edges, which are counted. */
+template <class Surface, class Each, class Visit>
 PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
-                             pbf_real reach, pbf_near_faces *faces, Visit visit) {
+                             pbf_real reach, pbf_near_faces *faces, pbf_field_planes *of_fields,
+                             Each each, Visit visit) {
   if (pbf_surface_is_beyond(s, x, reach)) return;
   if (pbf_surface_is_field(s)) {
-    pbf_visit_field(c, s, solid, x, reach, visit);
+    of_fields->fields += 1;
+    if constexpr (!PBF_FINDS_SEAMS)
+      pbf_visit_field(c, s, solid, x, reach, visit);
+    else if (pbf_may_be_within(s, x, reach))
+      pbf_meet_field(c, s, solid, x, reach, each, of_fields);
     return;
   }
   const pbf_nearest_part nearest = pbf_surface_nearest_part(s, x);
@@ -52,16 +72,19 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
 }
 
 /* Visits a surface if an edge of it is nearest, with the part that all faces leave of it. */
-template <class Surface, class Visit>
+template <class Surface, class Each, class Visit>
 PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
-                           pbf_real reach, const pbf_near_faces *faces, Visit visit) {
+                           pbf_real reach, const pbf_near_faces *faces,
+                           const pbf_field_planes *planes, Each each, Visit visit) {
   if (pbf_surface_is_beyond(s, x, reach) || pbf_surface_is_field(s)) return;
   if (pbf_surface_nearest_part(s, x) != PBF_NEAREST_EDGE) return;
-  pbf_vec normal;
-  const pbf_real distance = pbf_surface_distance(s, x, &normal);
-  if (!(distance < reach)) return;
-  const pbf_real part = pbf_part_before_faces(c, faces, distance, normal);
-  if (part > 0) visit(pbf_face_of_surface(s, solid, distance, normal), part);
+  pbf_facet plane;
+  plane.distance = pbf_surface_distance(s, x, &plane.normal);
+  if (!(plane.distance < reach)) return;
+  pbf_real part = pbf_part_before_faces(c, faces, plane.distance, plane.normal);
+  if (planes->fields > 0 && part > 0)
+    part = pbf_real_min(part, pbf_part_beside_others(s, solid, x, reach, each, &plane));
+  if (part > 0) visit(pbf_face_of_surface(s, solid, plane.distance, plane.normal), part);
 }
 
 /* The domain's walls, too, leave of edges what rises from them. */
@@ -74,18 +97,41 @@ PBF_FN_APART void pbf_put_domain(const pbf_constants *c, const pbf_domain *domai
   }
 }
 
+/* Visits the planes of fields, and drops flat faces behind them. */
+template <class Visit>
+PBF_FN_SELDOM void pbf_visit_field_planes(const pbf_constants *c, const pbf_field_planes *planes,
+                                          pbf_near_faces *faces, Visit visit) {
+  for (int k = 0; k < planes->count; ++k) {
+    const pbf_near_face *face = &planes->of[k].face;
+    const pbf_real part = planes->of[k].part * pbf_part_not_behind(c, face, planes, faces);
+    if (part > 0) visit(*face, part);
+  }
+  const pbf_near_faces before = *faces;
+  faces->count = 0;
+  for (int k = 0; k < before.count; ++k)
+    if (pbf_part_not_behind(c, &before.of[k], planes, &before) > (pbf_real)0.5)
+      faces->of[faces->count++] = before.of[k];
+}
+
 /* Calls visit(face, part) for the planes within reach of x by which surfaces contribute, and the
- * part of each that does; each(meet) calls meet(surface, number) for all surfaces, twice. */
+ * part of each that does; each(meet) calls meet(surface, number) for all surfaces, as often as is
+ * asked. */
 template <class Each, class Visit>
 PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
                                 pbf_real reach, Each each, Visit visit) {
   pbf_near_faces faces;
-  faces.count = faces.edges = 0;
-  each([&](const auto &s, int solid) { pbf_meet_surface(c, &s, solid, x, reach, &faces, visit); });
+  pbf_field_planes planes;
+  faces.count = faces.edges = planes.fields = planes.count = 0;
+  each([&](const auto &s, int solid) {
+    pbf_meet_surface(c, &s, solid, x, reach, &faces, &planes, each, visit);
+  });
+  if (planes.count > 0) pbf_visit_field_planes(c, &planes, &faces, visit);
   for (int k = 0; k < faces.count; ++k) visit(faces.of[k], 1);
   if (faces.edges == 0) return;
   pbf_put_domain(c, domain, x, &faces);
-  each([&](const auto &s, int solid) { pbf_visit_edge(c, &s, solid, x, reach, &faces, visit); });
+  each([&](const auto &s, int solid) {
+    pbf_visit_edge(c, &s, solid, x, reach, &faces, &planes, each, visit);
+  });
 }
 
 #endif

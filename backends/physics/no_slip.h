@@ -132,15 +132,20 @@ template <class Obstacles, class NoSlip>
 PBF_FN void find_no_slip_surfaces(const pbf_constants *c, const Obstacles &o, const NoSlip &n,
                                   pbf_vec x, no_slip_planes *planes) {
   const auto no_slip_of = [&](int k) { return n.of[pbf_surface_number(o.surfaces, k)]; };
+  const auto every = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
+  };
   bool any = false;
   for (int k = 0; k < pbf_surface_count(o); ++k) {
     const auto &s = o.surfaces[k];
     if (!(no_slip_of(k) > 0)) continue;
     any = true;
     if (!pbf_surface_is_field(&s) || pbf_surface_is_beyond(&s, x, c->h)) continue;
-    pbf_vec normal;
-    const pbf_real distance = pbf_surface_distance(&s, x, &normal);
-    put_no_slip_plane(c, k, no_slip_of(k), distance, normal, planes);
+    pbf_facet plane = {{{0}}, 0, 1};
+    plane.distance = pbf_look_at_surface(&s, x, &plane.normal);
+    if (!(plane.distance < c->h)) continue;
+    const pbf_real part = pbf_part_beside_others(&s, k, x, c->h, every, &plane);
+    put_no_slip_plane(c, k, part * no_slip_of(k), plane.distance, plane.normal, planes);
   }
   if (!any) return;
   const auto all = [&](auto meet) {

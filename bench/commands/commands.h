@@ -21,6 +21,7 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app);
 std::pair<CLI::App *, Command> add_speedup(CLI::App &app);
 std::pair<CLI::App *, Command> add_stability(CLI::App &app);
 std::pair<CLI::App *, Command> add_startup(CLI::App &app);
+std::pair<CLI::App *, Command> add_validate(CLI::App &app);
 std::pair<CLI::App *, Command> add_worlds(CLI::App &app);
 
 }  // namespace bench

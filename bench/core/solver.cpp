@@ -114,7 +114,8 @@ Solver::Solver(const Scene &scene, const SolverOptions &options)
   set_objects(scene);
 }
 
-// What is none is not set: a solver without emitters and drains has no memory for them.
+// What is none is not set: a solver without emitters, drains and reservoirs has no
+// memory for them.
 void Solver::set_objects(const Scene &scene) {
   std::vector<pbf_collider> start;
   for (const Collider &collider : colliders_) start.push_back(collider.start);
@@ -128,6 +129,9 @@ void Solver::set_objects(const Scene &scene) {
   if (!scene.drains.empty())
     check_scene_call(scene, "drains",
                      pbf_set_drains(solver, count(scene.drains), scene.drains.data()));
+  if (!scene.reservoirs.empty())
+    check_scene_call(scene, "reservoirs",
+                     pbf_set_reservoirs(solver, count(scene.reservoirs), scene.reservoirs.data()));
 }
 
 void Solver::add(const Scene &scene) {

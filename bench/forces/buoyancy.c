@@ -113,9 +113,9 @@ static int run_body(uint32_t shape, double ratio, double spacing) {
   const char *name = shape == PBF_COLLIDER_BOX ? "cube" : "ball";
   int missed = 0;
   snprintf(figure, sizeof figure, "lift of a %s of %g of water's density, N over ρ0", name, ratio);
-  missed += report("buoyancy", figure, lift, ratio * volume_of(&b) * gravity, 0.02);
-  snprintf(figure, sizeof figure, "part of the %s below the level", name);
-  missed += report("buoyancy", figure, part_below(&rests, level), ratio, 0.02);
+  missed += forces_report("buoyancy", figure, lift, ratio * volume_of(&b) * gravity, 0.02);
+  snprintf(figure, sizeof figure, "part below the level of a %s of %g", name, ratio);
+  missed += forces_report("buoyancy", figure, part_below(&rests, level), ratio, 0.02);
   return missed;
 }
 
@@ -126,3 +126,5 @@ int run_buoyancy(double spacing) {
   for (int k = 0; k < 3; ++k) missed += run_body(PBF_COLLIDER_SPHERE, ratios[k], spacing);
   return missed;
 }
+
+int run_half_sunk_cube(double spacing) { return run_body(PBF_COLLIDER_BOX, 0.5, spacing); }

@@ -6,7 +6,7 @@
 
 void check(pbf_status status) {
   if (status == PBF_OK) return;
-  fprintf(stderr, "pbf-forces: %s\n", pbf_last_error());
+  fprintf(stderr, "%s\n", pbf_last_error());
   exit(1);
 }
 
@@ -44,6 +44,10 @@ pbf_solver *water_of(const pbf_params *params, const double size[3],
   pbf_solver *fluid;
   check(pbf_desc_init(&desc, sizeof desc));
   desc.dimension = dimension;
+  if (forces_backend) {
+    desc.backend = forces_backend;
+    desc.strict = 1;
+  }
   desc.capacity = count;
   check(pbf_create(&desc, params, &fluid));
   check(pbf_add_particles(fluid, count, x, NULL, NULL));
@@ -51,7 +55,7 @@ pbf_solver *water_of(const pbf_params *params, const double size[3],
   return fluid;
 }
 
-int report(const char *name, const char *figure, double is, double right, double bar) {
+static int print_line(const char *name, const char *figure, double is, double right, double bar) {
   const double error = right != 0 ? is / right - 1 : is;
   const int missed = bar > 0 && !(fabs(error) <= bar);
   printf("| %s | %s | %.4g | %.4g | %+.2g | ", name, figure, is, right, error);
@@ -62,3 +66,7 @@ int report(const char *name, const char *figure, double is, double right, double
   fflush(stdout);
   return missed;
 }
+
+const char *forces_backend;
+int (*forces_report)(const char *name, const char *figure, double is, double right,
+                     double bar) = print_line;

@@ -4,7 +4,20 @@
 
 #include <pbf/pbf.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What the fluids run on; null: the fastest. */
+extern const char *forces_backend;
+
+/* What is done with a figure, at first a line of a table; with a bar of 0 there is none. Returns 1
+ * where it is missed. */
+extern int (*forces_report)(const char *name, const char *figure, double is, double right,
+                            double bar);
+
 int run_buoyancy(double spacing);
+int run_half_sunk_cube(double spacing);
 int run_dam_break(double spacing);
 int run_tow(double spacing);
 
@@ -20,7 +33,8 @@ pbf_params params_of(double spacing, const double domain[3], double fastest);
 pbf_solver *water_of(const pbf_params *params, const double size[3],
                      int (*is_water)(const double x[3], const void *context), const void *context);
 
-/* A line of the table; with a bar of 0 there is none. Returns 1 where it is missed. */
-int report(const char *name, const char *figure, double is, double right, double bar);
+#ifdef __cplusplus
+}
+#endif
 
 #endif

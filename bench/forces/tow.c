@@ -34,6 +34,5 @@ int run_tow(double spacing) {
   pbf_destroy(fluid);
   const double pressure = 0.5 * speed * speed, area = acos(-1) * radius * radius;
   const double drag = -load.impulse_sum[0] / load.time_sum / (pressure * area);
-  report("tow", "coefficient of drag", drag, 0, 0);
-  return 0;
+  return forces_report("tow", "coefficient of drag", drag, 0.45, 0.1);
 }

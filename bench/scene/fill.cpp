@@ -220,7 +220,9 @@ uint64_t count_particles(const Scene &scene) {
 uint32_t capacity_of(const Scene &scene) {
   if (scene.capacity > 0) return scene.capacity;
   const double most = PBF_MAX_CAPACITY, placed = static_cast<double>(count_particles(scene));
-  const double emitted = emitted_by(scene), held = held_by(scene);
+  const double held = held_by(scene);
+  // A reservoir adds as many as there is room for.
+  const double emitted = scene.reservoirs.empty() ? emitted_by(scene) : held;
   // As many as the domain holds, but never fewer than are placed.
   const double wanted = std::fmin(placed + emitted, std::fmax(placed, held));
   return static_cast<uint32_t>(std::fmin(std::fmax(wanted, 1), most));

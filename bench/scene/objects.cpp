@@ -59,6 +59,15 @@ const std::vector<Field> &drain_fields() {
   return fields;
 }
 
+const std::vector<Field> &reservoir_fields() {
+  static const std::vector<Field> fields = {
+#define PBF_RESERVOIR_FIELD(name, type, range, of, presence, doc) \
+  {#name, offsetof(pbf_reservoir, name), FIELD_##type},
+#include "scene/objects.def"
+  };
+  return fields;
+}
+
 #undef FIELD_ENTRY
 #undef FIELD_NUMBER
 #undef FIELD_INTEGER
@@ -100,6 +109,13 @@ pbf_volume read_drain(const json &object, const Where &where, unsigned dimension
   pbf_volume_init(&drain, sizeof drain, kind_of_object(object, drain_fields()));
   read_fields(drain_fields(), object, where, dimension, &drain);
   return drain;
+}
+
+pbf_reservoir read_reservoir(const json &object, const Where &where, unsigned dimension) {
+  pbf_reservoir reservoir;
+  pbf_reservoir_init(&reservoir, sizeof reservoir);
+  read_fields(reservoir_fields(), object, where, dimension, &reservoir);
+  return reservoir;
 }
 
 std::vector<Stretch> read_motion(const Members &in, unsigned dimension) {
@@ -170,6 +186,7 @@ void read_objects(const json &root, const std::string &folder, Scene &scene) {
   read_each(root, "colliders", dimension, read_collider, scene.colliders);
   read_each(root, "emitters", dimension, read_emitter, scene.emitters);
   read_each(root, "drains", dimension, read_drain, scene.drains);
+  read_each(root, "reservoirs", dimension, read_reservoir, scene.reservoirs);
   if (!root.contains("shapes")) return;
   for (const auto &item : root.at("shapes").items()) {
     const Where where = Where("/shapes") / item.key();
@@ -199,6 +216,8 @@ void check_phases(const Scene &scene) {
     check_phase(scene.blocks[i].phase, scene, "blocks", i);
   for (size_t i = 0; i < scene.emitters.size(); ++i)
     check_phase(scene.emitters[i].phase, scene, "emitters", i);
+  for (size_t i = 0; i < scene.reservoirs.size(); ++i)
+    check_phase(scene.reservoirs[i].phase, scene, "reservoirs", i);
 }
 
 }  // namespace bench

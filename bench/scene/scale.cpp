@@ -60,10 +60,11 @@ void grow(Scene &scene, double more) {
     throw Error(exit_usage, "--particles: scene " + scene.name +
                                 " grows, which needs exactly one block, a lattice");
   }
-  if (!scene.emitters.empty() || !scene.drains.empty()) {
-    throw Error(exit_usage, "--particles: scene " + scene.name +
-                                " grows, and its emitters and drains would stay where they are; "
-                                "the rule \"refine\" keeps all places");
+  if (!scene.emitters.empty() || !scene.drains.empty() || !scene.reservoirs.empty()) {
+    throw Error(exit_usage,
+                "--particles: scene " + scene.name +
+                    " grows, and its emitters, drains and reservoirs would stay where they are; "
+                    "the rule \"refine\" keeps all places");
   }
   if (scene.capacity > 0) scene.capacity = scaled_capacity(scene.capacity, more);
   Block &block = scene.blocks[0];

@@ -80,6 +80,7 @@ struct Scene {
   std::vector<Collider> colliders;
   std::vector<pbf_emitter> emitters;
   std::vector<pbf_volume> drains;
+  std::vector<pbf_reservoir> reservoirs;
   uint32_t capacity = 0;  // 0: as capacity_of finds it
   uint32_t lead_in_steps = 0;
   uint32_t steps = 1;

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes a table from a result of bench/validate: `validation` of docs/validation.md unless told, or one of
-the notes.
+"""Writes a table from a result of bench/validate: `validation` of docs/validation.md unless told, `physics`
+there, or one of the notes.
 
-    bench/tools/validation_table.py out/validation.json [damping_compensation]
+    bench/tools/validation_table.py out/validation.json [physics | damping_compensation | torque]
 """
 import json
 import pathlib
@@ -10,7 +10,7 @@ import sys
 
 from pages import write_table
 
-PAGES = {"validation": "docs/validation.md", "damping_compensation": "docs/notes/implicit-damping.md",
+PAGES = {"validation": "docs/validation.md", "physics": "docs/validation.md", "damping_compensation": "docs/notes/implicit-damping.md",
          "torque": "docs/notes/angular-momentum.md"}
 
 
@@ -41,9 +41,26 @@ def table(result):
     return "\n".join(lines + ["", f"`{result['backend']}`, {settings}; library {result['build']}."])
 
 
+def physics_lines(case):
+    for row in case["figures"]:
+        error = number(row["error"]) + (f" {row['unit']}" if row["unit"] and row["error"] is not None else "")
+        cells = [case["title"], row["figure"], number(row["is"]), number(row["must"]), error, verdict(row)]
+        yield "| " + " | ".join(cells) + " |"
+
+
+def physics_table(result):
+    """What pbf-bench validate has measured itself."""
+    lines = ["| case | figure | is | must be | off by | bar |", "| --- | --- | --: | --: | --: | --- |"]
+    for case in result["physics"]:
+        lines += physics_lines(case)
+    judged = [row for case in result["physics"] for row in case["figures"] if row["bar"] is not None]
+    held = sum(row["holds"] for row in judged)
+    return "\n".join(lines + ["", f"{held} of {len(judged)} bars hold. `{result['backend']}`; library {result['build']}."])
+
+
 def main(path, name="validation"):
     result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-    write_table(PAGES[name], name, table(result))
+    write_table(PAGES[name], name, physics_table(result) if name == "physics" else table(result))
 
 
 if __name__ == "__main__":

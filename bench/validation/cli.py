@@ -7,7 +7,7 @@ import shutil
 import sys
 import tempfile
 
-from . import ROOT, page
+from . import ROOT, page, physics
 from .cases import CASES
 from .fault import RunFault, UsageFault
 from .results import bounds_of, case_json
@@ -15,17 +15,19 @@ from .runs import run
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 MOST_RESOLUTIONS = 5
+NAMES = [case.name for case in CASES] + list(physics.CASES)
 
 
 def build_parser():
     parser = argparse.ArgumentParser(
-        prog="validate", description="Runs the validation cases, each at several "
-        "resolutions (a factor of 2 apart), has pbf-check judge them, and writes validation.html "
-        "and validation.json. The library's defaults throughout.",
+        prog="validate", description="Runs the validation cases, and writes validation.html and "
+        "validation.json. Those of cases.py run at several resolutions (a factor of 2 apart), and "
+        "pbf-check judges them; those of physics.py pbf-bench runs at their scenes' own, and measures. "
+        "The library's defaults throughout.",
         epilog="exit codes: 0 everything ran and was judged (bars that are missed are figures); 1 a "
                "run failed, or with --quick a bound does not hold; 2 wrong usage")
-    parser.add_argument("--case", action="append", choices=[case.name for case in CASES], metavar="NAME",
-                        help="only this one; again and again. " + ", ".join(c.name for c in CASES))
+    parser.add_argument("--case", action="append", choices=NAMES, metavar="NAME",
+                        help="only this one; again and again. " + ", ".join(NAMES))
     parser.add_argument("--backend", default="serial")
     parser.add_argument("--precision", choices=("f32", "f64"), help="in place of each case's own")
     parser.add_argument("--resolutions", type=int, default=3, metavar="N", help="1 … 5 (3)")
@@ -62,46 +64,62 @@ def _check(options):
         raise UsageFault(f"--out {options.out} can't be made ({error.strerror})") from error
 
 
-def _run_all(cases, levels, options, work):
-    """{case: runs from coarse to fine}. The finest start first: they take longest."""
-    runs = {case.name: {} for case in cases}
+def _run_all(cases, names, levels, options, work):
+    """{case: runs from coarse to fine}, [what pbf-bench has measured]. The finest start first: they take
+    longest."""
+    runs, measured = {case.name: {} for case in cases}, {}
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         jobs = {}
+
+        def submit(function, what, level):
+            name = what if level is None else what.name
+            folder = os.path.join(work, name if level is None else f"{name}-{level:g}")
+            os.makedirs(folder, exist_ok=True)
+            arguments = (what, options, folder) if level is None else (what, level, options, folder)
+            jobs[pool.submit(function, *arguments)] = (name, level, folder)
+
+        for name in names:
+            submit(physics.measure, name, None)
         for level in reversed(levels):
             for case in cases:
-                folder = os.path.join(work, f"{case.name}-{level:g}")
-                os.makedirs(folder, exist_ok=True)
-                jobs[pool.submit(run, case, level, options, folder)] = (case, level, folder)
+                submit(run, case, level)
         try:
             for count, job in enumerate(concurrent.futures.as_completed(jobs), 1):
-                case, level, folder = jobs[job]
+                name, level, folder = jobs[job]
                 done = job.result()
-                runs[case.name][level] = done
+                if level is None:
+                    measured[name], particles, seconds = done, done["particles"], done["seconds"]
+                else:
+                    runs[name][level], particles, seconds = done, done.particles, done.seconds
                 if not options.keep:
                     shutil.rmtree(folder)
-                print(f"{count:3} of {len(jobs)}  {case.name}: {done.particles} particles, "
-                      f"{done.seconds:.1f} s", flush=True)
+                print(f"{count:3} of {len(jobs)}  {name}: {particles} particles, {seconds:.1f} s", flush=True)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return {name: [by_level[level] for level in levels] for name, by_level in runs.items()}
+    return ({name: [by_level[level] for level in levels] for name, by_level in runs.items()},
+            [measured[name] for name in names])
 
 
-def _report(cases, runs, options):
+def _report(cases, runs, measured, options):
     results = [case_json(case, runs[case.name]) for case in cases]
-    about = {"backend": options.backend, "settings": options.set,
-             "build": runs[cases[0].name][0].dump.get("build_id", "")}
+    build = runs[cases[0].name][0].dump.get("build_id", "") if cases else measured[0]["build"]
+    about = {"backend": options.backend, "settings": options.set, "build": build}
     with open(os.path.join(options.out, "validation.json"), "w", encoding="utf-8") as file:
-        json.dump({"tool": "validate", "format": 1, **about, "cases": results}, file, indent=1)
+        json.dump({"tool": "validate", "format": 1, **about, "cases": results, "physics": measured}, file,
+                  indent=1)
     html = os.path.join(options.out, "validation.html")
     with open(html, "w", encoding="utf-8") as file:
-        file.write(page.render(cases, runs, results, about))
-    print(page.text_table(results))
+        file.write(page.render(cases, runs, results, measured, about))
+    print(page.text_table(results, measured))
     print(f"The page is {html}")
 
 
-def _bounds_hold(cases, runs):
+def _bounds_hold(cases, runs, measured):
     good = True
+    for sentence in (text for result in measured for text in physics.bounds_missed(result)):
+        good = False
+        print(f"validate: {sentence}", file=sys.stderr)
     for case in cases:
         for bound in bounds_of(runs[case.name][0]):
             if not bound["holds"]:
@@ -118,9 +136,10 @@ def main(arguments):
         cases = [case for case in CASES if not options.case or case.name in options.case]
         levels = [options.finer * 2.0**k for k in range(1 if options.quick else options.resolutions)]
         with tempfile.TemporaryDirectory(prefix="pbf-validate-") as scratch:
-            runs = _run_all(cases, levels, options, options.keep or scratch)
-            _report(cases, runs, options)
-        return EXIT_OK if not options.quick or _bounds_hold(cases, runs) else EXIT_FAILED
+            names = [name for name in physics.CASES if not options.case or name in options.case]
+            runs, measured = _run_all(cases, names, levels, options, options.keep or scratch)
+            _report(cases, runs, measured, options)
+        return EXIT_OK if not options.quick or _bounds_hold(cases, runs, measured) else EXIT_FAILED
     except UsageFault as fault:
         print(f"validate: {fault}", file=sys.stderr)
         return EXIT_USAGE

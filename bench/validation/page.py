@@ -33,7 +33,16 @@ def order(row):
     return f"{row['order']:.2f}" + ("" if row["monotone"] else " *")
 
 
-def text_table(results):
+def figure_texts(figure):
+    """What is measured, what it must be, how far off it is, and the bar, as texts."""
+    error = "" if figure["error"] is None else number(figure["error"])
+    if error and figure["unit"]:
+        error += " " + figure["unit"]
+    return (number(figure["is"]), "" if figure["must"] is None else number(figure["must"]), error,
+            "" if figure["bar"] is None else number(figure["bar"]))
+
+
+def text_table(results, measured):
     lines = []
     for result in results:
         lines.append(result["title"])
@@ -42,6 +51,12 @@ def text_table(results):
             bar = f"  bar {number(row['bar'])}: {verdict(row)}" if row["bar"] is not None else ""
             slope = f"  order {order(row)}" if row["order"] is not None else ""
             lines.append(f"    {row['figure']:52}{values}{bar}{slope}")
+    for result in measured:
+        lines.append(result["title"])
+        for figure in result["figures"]:
+            value, must, error, bar = figure_texts(figure)
+            words = f"  must be {must}, off by {error}, bar {bar}: {verdict(figure)}" if bar else ""
+            lines.append(f"    {figure['figure']:70}{value:>11}{words}")
     return "\n".join(lines)
 
 
@@ -64,6 +79,21 @@ def _table(results):
                          + "".join(f'<td class="n">{number(v)}</td>' for v in row["values"])
                          + f'<td class="n">{bar}</td><td class="{state.replace(" ", "-")}"{reason}>{state}</td>'
                          + f'<td class="n">{order(row)}</td></tr>')
+    return "\n".join(lines)
+
+
+def _measured_table(measured):
+    lines = []
+    for result in measured:
+        for k, figure in enumerate(result["figures"]):
+            head = ""
+            if k == 0:
+                head = (f'<th id="{result["case"]}" rowspan="{len(result["figures"])}">'
+                        f'{html.escape(result["title"])}</th>')
+            state = verdict(figure)
+            lines.append(f'<tr>{head}{_cells(figure["figure"])}'
+                         + "".join(f'<td class="n">{html.escape(text)}</td>' for text in figure_texts(figure))
+                         + f'<td class="{state.replace(" ", "-")}">{state}</td></tr>')
     return "\n".join(lines)
 
 
@@ -92,10 +122,12 @@ def _section(case, runs):
     return "\n".join(parts)
 
 
-def render(cases, runs, results, about):
-    judged = [row for result in results for row in result["rows"] if row["bar"] is not None]
+def render(cases, runs, results, measured, about):
+    rows = [row for result in results for row in result["rows"]]
+    rows += [figure for result in measured for figure in result["figures"]]
+    judged = [row for row in rows if row["bar"] is not None]
     held = sum(row["holds"] is True for row in judged)
-    columns = max(len(result["runs"]) for result in results)
+    columns = max((len(result["runs"]) for result in results), default=1)
     names = ("coarse", "medium", "fine", "finer", "finest")[:columns] if columns > 1 else ("coarse",)
     settings = "the library's defaults" if not about["settings"] else "set: " + ", ".join(about["settings"])
     with open(TEMPLATE, encoding="utf-8") as file:
@@ -104,4 +136,5 @@ def render(cases, runs, results, about):
         held=held, judged=len(judged), backend=html.escape(about["backend"]),
         build=html.escape(about["build"]), settings=html.escape(settings),
         columns="".join(f"<th>{name}</th>" for name in names), rows=_table(results),
+        measured=_measured_table(measured),
         sections="\n".join(_section(case, runs[case.name]) for case in cases))

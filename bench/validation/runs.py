@@ -37,7 +37,7 @@ def scene_of(case):
         return json.load(file)
 
 
-def _start(command):
+def start(command):
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
@@ -60,7 +60,7 @@ def _simulate(case, finer, options, folder):
     for setting in options.set:
         command += ["--set", setting]
     began = time.monotonic()
-    _start(command)
+    start(command)
     return time.monotonic() - began
 
 

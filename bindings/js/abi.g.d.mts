@@ -200,6 +200,17 @@ export interface InOut {
   expired: number;
 }
 
+export interface Reservoir {
+  phase: number;
+  position: number[];
+  orientation: number[];
+  halfExtents: number[];
+  depth: number;
+  pressure: number;
+  added: number;
+  removed: number;
+}
+
 export interface Phase {
   user: number;
   restDensity: number;
@@ -234,6 +245,7 @@ export declare const constants: {
   readonly MAX_WORLDS: 65536;
   readonly MAX_EMITTERS: 64;
   readonly MAX_DRAINS: 64;
+  readonly MAX_RESERVOIRS: 64;
   readonly MAX_PHASES: 8;
   readonly MAX_DIFFUSE: 4194303;
   readonly OK: 0;

@@ -13,6 +13,7 @@ export const constants = Object.freeze({
   MAX_WORLDS: 65536,
   MAX_EMITTERS: 64,
   MAX_DRAINS: 64,
+  MAX_RESERVOIRS: 64,
   MAX_PHASES: 8,
   MAX_DIFFUSE: 4194303,
   OK: 0,
@@ -356,6 +357,20 @@ export const structs = {
       recycled: ["u64", 32],
       drained: ["u64", 40],
       expired: ["u64", 48],
+    },
+  },
+  pbf_reservoir: {
+    size: 120,
+    fields: {
+      structSize: ["u32", 0],
+      phase: ["u32", 4],
+      position: ["f64", 8, 3],
+      orientation: ["f64", 32, 4],
+      halfExtents: ["f64", 64, 3],
+      depth: ["f64", 88],
+      pressure: ["f64", 96],
+      added: ["u64", 104],
+      removed: ["u64", 112],
     },
   },
   pbf_phase: {

@@ -1,10 +1,10 @@
 import type {
-  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, ShapeInfo, Stats, Timings, Volume,
+  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
 } from "./abi.g.mjs";
 
 export { constants } from "./abi.g.mjs";
 export type {
-  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, ShapeInfo, Stats, Timings, Volume,
+  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
 } from "./abi.g.mjs";
 
 declare global {
@@ -23,6 +23,8 @@ export type ColliderFields = Shaped<Collider>;
 export type VolumeFields = Shaped<Volume>;
 export type EmitterFields = Shaped<Emitter>;
 export type PhaseFields = Settable<Phase>;
+/** `added` and `removed` are told, and not looked at where it is set. */
+export type ReservoirFields = Settable<Reservoir>;
 
 export interface Options {
   /** 2 or 3, the default. */
@@ -157,6 +159,9 @@ export declare class Solver {
   /** What is in one of these volumes when a step begins is removed. */
   setDrains(drains: VolumeFields[]): void;
   readonly drains: Volume[];
+  /** Replaces all open boundaries of given level or pressure. */
+  setReservoirs(reservoirs: ReservoirFields[]): void;
+  readonly reservoirs: Reservoir[];
   /** What came and went, in particles. */
   readonly inOut: InOut;
 

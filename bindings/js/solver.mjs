@@ -407,6 +407,15 @@ export class Solver {
     return this.#list(this.inOut.drains, "pbf_get_drain", "pbf_volume").map((values) => ({ ...values, shape: volumeKinds[values.shape] }));
   }
 
+  /** Open boundaries of given level or pressure: { position: […], halfExtents: […], depth: … } and so on. */
+  setReservoirs(reservoirs) {
+    withStructs("pbf_reservoir", "reservoirs", reservoirs, "pbf_reservoir_init", null, (count, at) => this.#call("pbf_set_reservoirs", count, at));
+  }
+
+  get reservoirs() {
+    return this.#list(this.#number("u32", "pbf_get_reservoir_count"), "pbf_get_reservoir", "pbf_reservoir");
+  }
+
   /** What came and went, in particles. */
   get inOut() {
     return this.#struct("pbf_get_in_out", "pbf_in_out");

@@ -87,7 +87,7 @@ PBF_API pbf_status pbf_diffuse_init(pbf_solver *solver, pbf_diffuse_desc *desc,
 
 /* Has the solver make and move them from now on; those that there are stay, the youngest where
  * there is room for fewer. With null there are none, and their memory is given back.
- * PBF_ERROR_UNSUPPORTED on ranks. */
+ * On ranks each has all of them, and reads all of the fluid when they move. */
 PBF_API pbf_status pbf_set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *desc);
 
 /* desc->struct_size must be set. PBF_ERROR_STATE where there are none. */

@@ -1,14 +1,16 @@
-/* pbf/emit.h: in and out. Emitters add particles in each step, drains and lifetimes remove them.
+/* pbf/emit.h: in and out. Emitters add particles in each step, drains and lifetimes remove them,
+ * reservoirs do both.
  *
- * Each step begins with it: particles at the end of their lifetime and those in drains go, then
- * each emitter in turn adds what has left its opening by then. So results do not depend on how
+ * Each step begins with it: particles at the end of their lifetime, those in drains and those that
+ * a reservoir has too many of go, then each emitter in turn adds what has left its opening by then,
+ * and each reservoir what it lacks. So results do not depend on how
  * steps are divided into calls, and are the same bits again. It is part of saved states, and of
  * pbf_hash where there is any. A step that fails afterwards is not given the same particles twice.
  *
  * A particle stands for the volume spacing^dimension. The rules of pbf.h hold here, too. A solver
- * without emitters and drains has no memory and no time for them; with drains each step looks at
- * all positions, on a device by a copy of them. One that adds or removes particles wakes those
- * asleep.
+ * without any of them has no memory and no time for them; with drains each step looks at all
+ * positions, with reservoirs it does so twice, on a device by a copy of them. One that adds or
+ * removes particles wakes those asleep.
  */
 #ifndef PBF_EMIT_H
 #define PBF_EMIT_H
@@ -70,17 +72,56 @@ PBF_API pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_
 /* drain->struct_size must be set. */
 PBF_API pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain);
 
+/* ---- Reservoirs ------------------------------------------------------------------------------ */
+
+/* An open boundary of given level or pressure: a box in which the fluid always stands as deep as it
+ * says, as in a tank that is large. Before each step as many particles go, the highest ones first,
+ * or come, upon the fluid where that is lowest and with its velocity there, as there are too many
+ * or too few for that volume. So it lets in what flows out of it into the rest of the domain, and
+ * out what comes. Walls and colliders around it are yours; for a channel that goes on, it is the
+ * end of it. */
+typedef struct pbf_reservoir {
+  uint32_t struct_size;
+  uint32_t phase;         /* of what comes (phases.h), below pbf_get_phase_count, or 0 */
+  double position[3];     /* the middle of the box, which is in the domain */
+  double orientation[4];  /* unit quaternion x, y, z, w; 2D: a turn about z */
+  double half_extents[3]; /* > 0; fluid stands along the box's own y axis */
+  double depth;     /* how deep, from the box's lower side; above 0, up to 2 half_extents[1] */
+  double pressure;  /* >= 0, p/rho0 at the lower side beside what gravity makes: all in the
+                       box is pushed towards it by pressure / depth, an acceleration. 0: none */
+  uint64_t added;   /* given by pbf_get_reservoir, not looked at when set: particles that … */
+  uint64_t removed; /* … came and went since there was a reservoir of this number */
+} pbf_reservoir;
+
+#define PBF_MAX_RESERVOIRS 64u
+
+/* Fills *reservoir: at the origin, not turned, half_extents and depth 1, all else 0. */
+PBF_API pbf_status pbf_reservoir_init(pbf_reservoir *reservoir, uint32_t struct_size);
+
+/* Replaces all reservoirs. `reservoirs` is an array of `count` structs, each of the size of the
+ * first. Where the solver is full, nothing comes. */
+PBF_API pbf_status pbf_set_reservoirs(pbf_solver *solver, uint32_t count,
+                                      const pbf_reservoir *reservoirs);
+
+/* How many there are. */
+PBF_API pbf_status pbf_get_reservoir_count(pbf_solver *solver, uint32_t *count);
+
+/* reservoir->struct_size must be set. */
+PBF_API pbf_status pbf_get_reservoir(pbf_solver *solver, uint32_t index, pbf_reservoir *reservoir);
+
+/* ---- In and out ------------------------------------------------------------------------------ */
+
 /* What came and went, in particles, since emitters or drains were first set. */
 typedef struct pbf_in_out {
   uint32_t struct_size;
   uint32_t emitters; /* that there are */
   uint32_t drains;
   uint32_t reserved; /* 0 */
-  uint64_t emitted;
+  uint64_t emitted;  /* by reservoirs, too */
   uint64_t refused;  /* lost: the solver was full, or their place was outside the domain */
   uint64_t recycled; /* made way for others */
-  uint64_t drained;
-  uint64_t expired; /* their lifetime was over */
+  uint64_t drained;  /* by reservoirs, too */
+  uint64_t expired;  /* their lifetime was over */
 } pbf_in_out;
 
 /* in_out->struct_size must be set. */

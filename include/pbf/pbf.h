@@ -734,7 +734,7 @@ typedef struct pbf_collider_load {
  * it gives anew. A collider keeps its sums where pbf_set_colliders replaces it by one of the same
  * number. Not part of a saved state. The same bits with any number of threads.
  * Fluid asleep presses with the pressure with which it fell asleep, and does not adhere.
- * PBF_ERROR_STATE: params.loads is 0. PBF_ERROR_UNSUPPORTED: on ranks, or the backend has none. */
+ * PBF_ERROR_STATE: params.loads is 0. PBF_ERROR_UNSUPPORTED: the backend has none. */
 PBF_API pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count,
                                           pbf_collider_load *loads);
 

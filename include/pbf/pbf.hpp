@@ -316,6 +316,23 @@ struct emitter : pbf_emitter {
   }
 };
 
+/* A box in which fluid always stands equally deep, see emit.h. */
+struct reservoir : pbf_reservoir {
+  reservoir() noexcept : pbf_reservoir(detail::sized<pbf_reservoir>()) {
+    pbf_reservoir_init(this, sizeof(pbf_reservoir));
+  }
+  reservoir(const pbf_reservoir &from) noexcept : pbf_reservoir(from) {}
+
+  static reservoir box(double x, double y, double z, double half_x, double half_y, double half_z,
+                       double depth) noexcept {
+    reservoir made;
+    made.position[0] = x, made.position[1] = y, made.position[2] = z;
+    made.half_extents[0] = half_x, made.half_extents[1] = half_y, made.half_extents[2] = half_z;
+    made.depth = depth;
+    return made;
+  }
+};
+
 /* pbf_phase of this rest density, and viscosity 1. */
 struct phase : pbf_phase {
   explicit phase(double density) noexcept : pbf_phase(detail::sized<pbf_phase>()) {
@@ -934,6 +951,17 @@ class solver {
   }
   result<volume> get_drain(std::uint32_t index) noexcept {
     return numbered<volume>(pbf_get_drain, index);
+  }
+  /* Open boundaries of given level or pressure. */
+  result<void> set_reservoirs(span<const reservoir> reservoirs) noexcept {
+    return detail::checked(
+        pbf_set_reservoirs(handle(), detail::clamped(reservoirs.size()), reservoirs.data()));
+  }
+  result<std::uint32_t> reservoir_count() noexcept {
+    return number<std::uint32_t>(pbf_get_reservoir_count);
+  }
+  result<reservoir> get_reservoir(std::uint32_t index) noexcept {
+    return numbered<reservoir>(pbf_get_reservoir, index);
   }
   /* It has the numbers of emitters and drains, too. */
   result<pbf_in_out> in_out() noexcept { return filled(pbf_get_in_out); }

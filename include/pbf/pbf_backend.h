@@ -92,7 +92,7 @@ typedef struct pbf_backend_desc {
 } pbf_backend_desc;
 
 /* The extension of a backend that works on ranks. It is given all particles, as all ranks are, and
- * gives all; what it is to refuse ranks.h says. */
+ * gives all. A uint32_t: 1, or 2 where phases that differ may be among them. */
 #define PBF_BACKEND_RANKS "pbf.ranks/1"
 
 /* The extension of a backend that takes more than 64 colliders: a uint32_t, how many at most. */

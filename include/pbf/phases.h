@@ -18,7 +18,7 @@
  *
  * Where they differ there is no pressure grid, but a shear_stress_correction by default however
  * shallow the fluid: without it a fluid that is a little lighter stays where it is. Refused, with a
- * sentence, are a pressure_grid, surface_tension, viscosity with PBF_SOLVER_JACOBI, and ranks.
+ * sentence, are a pressure_grid, surface_tension, and viscosity with PBF_SOLVER_JACOBI.
  * docs/fluids.md says how well it holds.
  */
 #ifndef PBF_PHASES_H

@@ -1,10 +1,11 @@
 /* One scene on many ranks, whatever joins them: pbf/mpi.h has it for MPI.
  *
  * Ranks are solvers, in processes or threads of their own, that hold one scene together. Each holds
- * a share of the particles, and copies of those near its own. All make the same calls of pbf.h in
- * the same order and with the same arguments, as a program without ranks would make them, and get
- * the same answers; a call returns when it has been made on all. Bits are those of one solver,
- * however many ranks there are and wherever space is cut.
+ * a share of the particles, and copies of those near its own. Each has a thread, or with the
+ * backend "cuda" a device of one host, on which desc.device may differ from rank to rank. All make
+ * the same calls of pbf.h in the same order and with the same arguments, as a program without ranks
+ * would make them, and get the same answers; a call returns when it has been made on all. Bits are
+ * those of one solver, however many ranks there are and wherever space is cut.
  *
  * Ranks that make other calls, or with other arguments, are told so by the next call that needs
  * them all, before it changes anything. What a rank only asks of itself needs no others:
@@ -49,13 +50,21 @@ typedef struct pbf_ranks {
   void (*release)(void *user);       /* by pbf_destroy, last; null: nothing is to be done */
   const double *shares; /* (count), above 0: what part of the particles each rank has; null: by the
                            time that each has needed so far. Copied by pbf_create_on_ranks */
+  /* What `exchange` does, in two calls, between which the rank works at what it neither sends nor
+   * receives. What `sends` and `receives` point to lasts until the second. Both or neither; null:
+   * ranks do not work while they exchange. What comes from here on may be missing: struct_size */
+  pbf_status (*begin_exchange)(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                               uint32_t receive_count, const pbf_rank_message *receives);
+  pbf_status (*end_exchange)(void *user);
 } pbf_ranks;
 
 #define PBF_MAX_RANKS 4096u
 
 /* pbf_create for one of some ranks: `ranks`, which is copied, joins it to the others. Refused, with
- * a sentence, is what ranks can't do: a backend other than `serial`, sleep_speed, a pressure grid
- * (pressure_grid 0 is without), and later pbf_map, pbf_export_dlpack. */
+ * a sentence, are backends that can't, which are all but `serial` and `cuda`. Views (pbf_map,
+ * pbf_export_dlpack) are of a copy of all particles, in the order of adding, on each rank. With
+ * `cuda` sleep_speed, loads, friction, periodic axes, phases, a pressure grid, a tolerance and
+ * pbf_get_pressures are refused, too. */
 PBF_API pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
                                        const pbf_ranks *ranks, pbf_solver **solver);
 

@@ -37,10 +37,6 @@ static pbf_status set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *theirs
   if (theirs) {
     pbf_status status = pbf_struct_in(&pbf_kind_diffuse_desc, theirs, &desc);
     if (status == PBF_OK) status = pbf_diffuse_check(&desc, solver->kind);
-    if (status == PBF_OK && solver->ranks.count > 0)
-      status = pbf_fail(PBF_ERROR_UNSUPPORTED,
-                        "spray, foam and bubbles are not to be had on ranks, each of which has a "
-                        "part of the fluid");
     if (status == PBF_OK) status = pbf_diffuse_allocate(solver, &desc, &made);
     if (status != PBF_OK) return status;
     made->work = &pbf_diffuse_in_steps;

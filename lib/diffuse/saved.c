@@ -101,8 +101,6 @@ pbf_status pbf_diffuse_restore(const pbf_solver *solver, const void *buffer, uin
   memcpy(&stored, buffer, sizeof stored);
   pbf_status status = check_head(&stored, size);
   if (status == PBF_OK) status = read_desc(solver, &stored, at, &desc);
-  if (status == PBF_OK && solver->ranks.count > 0)
-    status = reject("has diffuse particles, which are not to be had on ranks");
   if (status == PBF_OK) status = pbf_diffuse_allocate(solver, &desc, &d);
   if (status != PBF_OK) return status;
   d->work = &pbf_diffuse_in_steps;

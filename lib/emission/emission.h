@@ -30,11 +30,12 @@ typedef struct pbf_guided {
 /* How far it is with which step: one that has failed begins again where it was. */
 typedef struct pbf_emission_head {
   uint32_t source_count, drain_count, births_count;
-  uint32_t stage;    /* of `step`: 0: nothing is done, 1: removals, 1 + i: and i emitters */
+  uint32_t stage;    /* of `step`: 0: nothing is done, 1: removals, 1 + i: and i emitters, then
+                        reservoirs' particles, then what these push */
   uint64_t step;     /* pbf_info.step when it began */
   pbf_in_out in_out; /* counts alone */
   uint32_t guided_count;
-  uint32_t reserved; /* 0 */
+  uint32_t reservoir_count;
 } pbf_emission_head;
 
 /* Null in a solver that never had any. */
@@ -42,6 +43,7 @@ typedef struct pbf_emission {
   pbf_emission_head head;
   pbf_source sources[PBF_MAX_EMITTERS];
   pbf_volume drains[PBF_MAX_DRAINS];
+  pbf_reservoir reservoirs[PBF_MAX_RESERVOIRS];
   pbf_births *births; /* ascending by id */
   uint32_t births_capacity;
   pbf_guided *guided;
@@ -53,9 +55,9 @@ typedef struct pbf_emission {
 
 static inline int pbf_emission_is_active(const pbf_solver *solver) {
   const pbf_emission *e = solver->emission;
-  return e &&
-         e->head.source_count + e->head.drain_count + e->head.births_count + e->head.guided_count >
-             0;
+  return e && e->head.source_count + e->head.drain_count + e->head.births_count +
+                      e->head.guided_count + e->head.reservoir_count >
+                  0;
 }
 
 /* The solver's, made where there is none. */

@@ -7,6 +7,7 @@
 #include "error.h"
 #include "memory.h"
 #include "query/volume.h"
+#include "reservoir.h"
 #include "structs.h"
 
 /* As it is stored: structs have the sizes of the build that has written them. */
@@ -29,6 +30,13 @@ static uint64_t size_of(const stored_head *stored) {
          (uint64_t)head->guided_count * sizeof(pbf_guided);
 }
 
+/* Reservoirs come last, each of the size that it says: states of before have none. */
+static int has_right_size(const stored_head *stored, uint64_t size) {
+  const uint64_t count = stored->head.reservoir_count, rest = size_of(stored);
+  if (count == 0) return rest == size;
+  return rest < size && (size - rest) % count == 0;
+}
+
 static stored_head head_of(const pbf_emission *e) {
   return (stored_head){e->head, sizeof(pbf_emitter), sizeof(pbf_volume)};
 }
@@ -39,7 +47,7 @@ uint64_t pbf_emission_saved_size(const pbf_solver *solver) {
   if (!e) return 0;
   if (!pbf_emission_is_active(solver) && memcmp(&e->head.in_out, &none, sizeof none) == 0) return 0;
   const stored_head stored = head_of(e);
-  return size_of(&stored);
+  return size_of(&stored) + e->head.reservoir_count * sizeof *e->reservoirs;
 }
 
 static unsigned char *put(unsigned char *at, const void *data, uint64_t size) {
@@ -58,7 +66,8 @@ void pbf_emission_save(const pbf_solver *solver, void *buffer) {
   }
   at = put(at, e->drains, e->head.drain_count * sizeof *e->drains);
   at = put(at, e->births, e->head.births_count * sizeof *e->births);
-  put(at, e->guided, e->head.guided_count * sizeof *e->guided);
+  at = put(at, e->guided, e->head.guided_count * sizeof *e->guided);
+  put(at, e->reservoirs, e->head.reservoir_count * sizeof *e->reservoirs);
 }
 
 /* ---- Reading --------------------------------------------------------------------------------- */
@@ -70,8 +79,9 @@ static pbf_status reject(const char *what) {
 static pbf_status check_head(const stored_head *stored, uint64_t size) {
   const pbf_emission_head *head = &stored->head;
   if (head->source_count > PBF_MAX_EMITTERS || head->drain_count > PBF_MAX_DRAINS ||
-      head->stage > head->source_count + 1 || head->reserved != 0 || stored->emitter_size > size ||
-      stored->volume_size > size || size_of(stored) != size)
+      head->reservoir_count > PBF_MAX_RESERVOIRS ||
+      head->stage > head->source_count + 2 * head->reservoir_count + 1 ||
+      stored->emitter_size > size || stored->volume_size > size || !has_right_size(stored, size))
     return reject("contradicts itself in its emitters");
   return PBF_OK;
 }
@@ -137,6 +147,18 @@ static pbf_status read_guided(const stored_head *stored, const unsigned char *at
   return PBF_OK;
 }
 
+static pbf_status read_reservoirs(const pbf_solver *solver, const stored_head *stored,
+                                  const unsigned char *at, uint64_t bytes, pbf_emission *e) {
+  const uint32_t count = stored->head.reservoir_count;
+  for (uint32_t i = 0; i < count; ++i, at += bytes / count) {
+    pbf_status status =
+        read_struct(&pbf_kind_reservoir, at, (uint32_t)(bytes / count), &e->reservoirs[i]);
+    if (status == PBF_OK) status = pbf_reservoir_check(&e->reservoirs[i], i, solver->kind);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
 static pbf_status allocate(pbf_solver *solver, const stored_head *stored, pbf_emission **made) {
   const pbf_allocator *allocator = &solver->allocator;
   const uint64_t births = stored->head.births_count * sizeof(pbf_births);
@@ -177,6 +199,11 @@ pbf_status pbf_emission_read(pbf_solver *solver, const void *buffer, uint64_t si
   if (status == PBF_OK) status = read_births(&stored, at, next_id, e);
   if (status == PBF_OK)
     status = read_guided(&stored, at + stored.head.births_count * sizeof(pbf_births), e);
+  if (status == PBF_OK) {
+    const uint64_t before = size_of(&stored);
+    status =
+        read_reservoirs(solver, &stored, (const unsigned char *)buffer + before, size - before, e);
+  }
   if (status == PBF_OK)
     *emission = e;
   else

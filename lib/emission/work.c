@@ -4,6 +4,7 @@
 
 #include "emission.h"
 #include "memory.h"
+#include "new_particles.h"
 #include "opening.h"
 #include "params.h"
 #include "particles/numbers.h"
@@ -12,6 +13,7 @@
 #include "particles/row_set.h"
 #include "physics/spacing.h"
 #include "query/volume.h"
+#include "reservoir.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
 #include "solver/solver_time.h"
@@ -44,21 +46,30 @@ static int is_drained(const pbf_volume_frame *frames, uint32_t count, const doub
   return 0;
 }
 
-static pbf_status mark_drained(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out) {
+static void mark_drained(pbf_solver *solver, const pbf_emission *e, const pbf_numbers *x,
+                         pbf_row_set *out) {
   pbf_volume_frame frames[PBF_MAX_DRAINS];
-  pbf_numbers x;
-  if (e->head.drain_count == 0) return PBF_OK;
   for (uint32_t i = 0; i < e->head.drain_count; ++i)
     frames[i] = pbf_volume_frame_of(&e->drains[i], solver->kind.dimension);
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
-  for (uint32_t i = 0; i < x.elements && status == PBF_OK; ++i) {
+  for (uint32_t i = 0; i < x->elements && e->head.drain_count > 0; ++i) {
     double point[3] = {0, 0, 0};
     uint32_t row = i;
     for (uint32_t k = 0; k < solver->kind.dimension; ++k)
-      point[k] = pbf_numbers_get(&x, i, k, solver->kind.precision);
+      point[k] = pbf_numbers_get(x, i, k, solver->kind.precision);
     if (!is_drained(frames, e->head.drain_count, point)) continue;
-    if (!x.ids || pbf_ids_find(solver, x.ids[i], &row)) pbf_row_set_add(out, row);
+    if (!x->ids || pbf_ids_find(solver, x->ids[i], &row)) pbf_row_set_add(out, row);
   }
+}
+
+/* Both see the same positions. */
+static pbf_status mark_by_place(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out,
+                                uint64_t removed[PBF_MAX_RESERVOIRS]) {
+  pbf_numbers x;
+  if (e->head.drain_count + e->head.reservoir_count == 0) return PBF_OK;
+  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
+  if (status == PBF_OK) mark_drained(solver, e, &x, out);
+  for (uint32_t i = 0; i < e->head.reservoir_count && status == PBF_OK; ++i)
+    status = pbf_reservoir_mark(solver, &e->reservoirs[i], &x, out, &removed[i]);
   pbf_numbers_free(solver, &x);
   return status;
 }
@@ -66,18 +77,22 @@ static pbf_status mark_drained(pbf_solver *solver, const pbf_emission *e, pbf_ro
 static pbf_status remove_some(pbf_solver *solver, pbf_emission *e) {
   const double now = pbf_solver_time(solver);
   pbf_row_set out;
-  if (solver->count == 0 || e->head.drain_count + e->head.births_count == 0) return PBF_OK;
+  uint64_t removed[PBF_MAX_RESERVOIRS] = {0};
+  if (solver->count == 0 ||
+      e->head.drain_count + e->head.births_count + e->head.reservoir_count == 0)
+    return PBF_OK;
   pbf_status status = pbf_row_set_allocate(solver, &out);
   if (status != PBF_OK) return status;
   mark_expired(solver, e, now, &out);
   const uint32_t expired = out.count;
-  status = mark_drained(solver, e, &out);
+  status = mark_by_place(solver, e, &out, removed);
   const uint32_t drained = out.count - expired;
   if (status == PBF_OK) status = pbf_row_set_remove(solver, &out);
   pbf_row_set_free(solver, &out);
   if (status != PBF_OK) return status;
   e->head.in_out.expired += expired;
   e->head.in_out.drained += drained;
+  for (uint32_t i = 0; i < e->head.reservoir_count; ++i) e->reservoirs[i].removed += removed[i];
   forget_expired(e, now);
   return PBF_OK;
 }
@@ -117,19 +132,6 @@ static batch batch_of(const pbf_solver *solver, const pbf_source *source) {
   return b;
 }
 
-static pbf_status reserve_particles(pbf_solver *solver, pbf_emission *e, uint64_t count) {
-  const uint64_t bytes = 2 * count * pbf_point_bytes(solver);
-  void *memory;
-  if (e->particles_bytes >= bytes) return PBF_OK;
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, bytes, "particles of emitters", &memory);
-  if (status != PBF_OK) return status;
-  pbf_memory_free(&solver->allocator, e->particles, e->particles_bytes);
-  e->particles = memory;
-  e->particles_bytes = bytes;
-  return PBF_OK;
-}
-
 static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
   void *memory;
   if (e->head.births_count < e->births_capacity) return PBF_OK;
@@ -146,32 +148,11 @@ static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
   return PBF_OK;
 }
 
-static double stored(double number, uint32_t precision) {
-  return precision == PBF_FLOAT32 ? (double)(float)number : number;
-}
-
-static void put(void *array, uint64_t index, uint32_t precision, double number) {
-  if (precision == PBF_FLOAT32)
-    ((float *)array)[index] = (float)number;
-  else
-    ((double *)array)[index] = number;
-}
-
-static int is_inside(const pbf_solver *solver, const pbf_box *box, const double place[3]) {
-  const uint32_t precision = solver->kind.precision;
-  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
-    const double x = stored(place[k], precision);
-    if (!(x >= stored(box->lower[k], precision) && x <= stored(box->upper[k], precision))) return 0;
-  }
-  return 1;
-}
-
 /* Particle j of the batch left when so much of the step was over as the due number says, and has
  * gone on since. Those outside of the domain are left out; returns how many are left. */
 static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, const batch *b,
                             uint32_t source, uint64_t number, uint64_t count) {
-  const uint32_t n = solver->kind.dimension, precision = solver->kind.precision;
-  const pbf_box box = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  const uint32_t n = solver->kind.dimension;
   void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   uint32_t written = 0;
   for (uint64_t j = 0; j < count; ++j) {
@@ -179,12 +160,13 @@ static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, con
     double place[3];
     pbf_opening_place(&b->opening, number + j, place);
     for (uint32_t k = 0; k < n; ++k) place[k] += ahead * b->opening.along[k];
-    if (!is_inside(solver, &box, place)) continue;
+    if (!pbf_emission_is_inside(solver, place)) continue;
     e->guided[e->head.guided_count + written] =
         (pbf_guided){(uint32_t)solver->next_id + written, source, number + j, ahead};
     for (uint32_t k = 0; k < n; ++k) {
-      put(e->particles, (uint64_t)written * n + k, precision, place[k]);
-      put(velocities, (uint64_t)written * n + k, precision, b->opening.emitter->velocity[k]);
+      pbf_emission_put(solver, e->particles, (uint64_t)written * n + k, place[k]);
+      pbf_emission_put(solver, velocities, (uint64_t)written * n + k,
+                       b->opening.emitter->velocity[k]);
     }
     ++written;
   }
@@ -225,16 +207,16 @@ static pbf_status reserve_guided(pbf_solver *solver, pbf_emission *e, uint32_t c
 
 static void put_on_way(const pbf_solver *solver, const pbf_emission *e, const batch *stream,
                        const pbf_guided *g, uint32_t place, uint32_t places) {
-  const uint32_t n = solver->kind.dimension, precision = solver->kind.precision;
-  const pbf_box box = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  const uint32_t n = solver->kind.dimension;
   void *velocities = (char *)e->particles + places * pbf_point_bytes(solver);
   double to[3];
   pbf_opening_place(&stream->opening, g->number, to);
   for (uint32_t k = 0; k < n; ++k) to[k] += g->ahead * stream->opening.along[k];
-  if (!is_inside(solver, &box, to)) return;
+  if (!pbf_emission_is_inside(solver, to)) return;
   for (uint32_t k = 0; k < n; ++k) {
-    put(e->particles, (uint64_t)place * n + k, precision, to[k]);
-    put(velocities, (uint64_t)place * n + k, precision, stream->opening.emitter->velocity[k]);
+    pbf_emission_put(solver, e->particles, (uint64_t)place * n + k, to[k]);
+    pbf_emission_put(solver, velocities, (uint64_t)place * n + k,
+                     stream->opening.emitter->velocity[k]);
   }
 }
 
@@ -242,7 +224,7 @@ static void put_on_way(const pbf_solver *solver, const pbf_emission *e, const ba
 static pbf_status write_guided(pbf_solver *solver, pbf_emission *e, const batch *streams,
                                uint32_t first, uint32_t count) {
   const pbf_rows rows = pbf_ids_rows(solver, first, count);
-  pbf_status status = reserve_particles(solver, e, count);
+  pbf_status status = pbf_emission_reserve(solver, e, count);
   if (status != PBF_OK) return status;
   void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   status = pbf_read_rows(solver, PBF_FIELD_POSITION, first, count, e->particles);
@@ -300,7 +282,7 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
   uint64_t count = b.count;
   uint32_t written = 0;
   pbf_status status = fit_batch(solver, e, source, &count);
-  if (status == PBF_OK) status = reserve_particles(solver, e, count);
+  if (status == PBF_OK) status = pbf_emission_reserve(solver, e, count);
   if (status == PBF_OK) status = reserve_guided(solver, e, (uint32_t)count);
   if (status == PBF_OK && count > 0) {
     written = write_batch(solver, e, &b, (uint32_t)(source - e->sources), source->number, count);
@@ -329,6 +311,10 @@ pbf_status pbf_emission_work(pbf_solver *solver) {
   if (status == PBF_OK && e->head.stage == 0) e->head.stage = 1;
   while (status == PBF_OK && e->head.stage <= e->head.source_count) {
     status = emit(solver, e, &e->sources[e->head.stage - 1]);
+    e->head.stage += status == PBF_OK;
+  }
+  while (status == PBF_OK && e->head.stage <= e->head.source_count + 2 * e->head.reservoir_count) {
+    status = pbf_reservoir_stage(solver, e, e->head.stage - e->head.source_count - 1);
     e->head.stage += status == PBF_OK;
   }
   return status;

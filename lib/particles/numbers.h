@@ -20,6 +20,13 @@ typedef struct pbf_numbers {
 pbf_status pbf_numbers_find(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
                             pbf_numbers *numbers);
 
+/* Whether that has to copy them: in *copies. */
+pbf_status pbf_numbers_need_copies(pbf_solver *solver, int *copies);
+
+/* The same, where a copy goes to memory of the caller's, which has room for it. */
+pbf_status pbf_numbers_find_in(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
+                               void *memory, pbf_numbers *numbers);
+
 /* A field of these rows, copied; with any result to be freed. */
 pbf_status pbf_numbers_copy(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
                             pbf_numbers *numbers);

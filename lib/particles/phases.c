@@ -98,10 +98,25 @@ static pbf_status check_in_use(const pbf_solver *solver, uint32_t count) {
     if (e->sources[i].emitter.phase >= phases)
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; emitter %u has phase %u", count, i,
                       e->sources[i].emitter.phase);
+  for (uint32_t i = 0; e && i < e->head.reservoir_count; ++i)
+    if (e->reservoirs[i].phase >= phases)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; reservoir %u has phase %u", count,
+                      i, e->reservoirs[i].phase);
   return PBF_OK;
 }
 
 static int differ(const pbf_phases *phases) { return phases && phases->differ; }
+
+pbf_status pbf_phases_check_ranks(const pbf_phases *phases, const pbf_solver *solver) {
+  enum { WITH_PHASES = 2 };
+  const pbf_backend_api *api = &solver->plugin->api;
+  const uint32_t *ranks = api->get_extension ? api->get_extension(PBF_BACKEND_RANKS) : NULL;
+  if (!differ(phases) || !solver->ranks.count || (ranks && *ranks >= WITH_PHASES)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                  "the backend \"%s\" has no phases that differ in rest_density or viscosity on "
+                  "ranks",
+                  solver->plugin->name);
+}
 
 /* As it was before, as far as a failing device lets it; its message is kept. */
 static pbf_status go_back(pbf_solver *solver, pbf_status status) {
@@ -141,9 +156,7 @@ static pbf_status set_phases(pbf_solver *solver, uint32_t count, const pbf_phase
   if (ours) status = copy_in(count, theirs, ours);
   if (ours && status == PBF_OK) status = pbf_phases_check(ours, solver->kind);
   if (status == PBF_OK) status = pbf_phases_check_params(ours, &solver->params);
-  if (status == PBF_OK && differ(ours) && solver->ranks.count)
-    status = pbf_fail(PBF_ERROR_UNSUPPORTED,
-                      "phases that differ in rest_density or viscosity are not to be had on ranks");
+  if (status == PBF_OK) status = pbf_phases_check_ranks(ours, solver);
   if (status == PBF_OK) status = replace(solver, ours);
   if (status != PBF_OK) pbf_phases_free(solver, ours);
   return status;

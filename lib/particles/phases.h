@@ -30,6 +30,9 @@ pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind);
 /* Whether what these parameters ask for is to be had where phases differ. */
 pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params);
 
+/* Whether phases that differ are to be had of the backend: not of each on ranks. */
+pbf_status pbf_phases_check_ranks(const pbf_phases *phases, const pbf_solver *solver);
+
 /* The parameters that a backend gets: where phases differ, without what defaults leave to it and it
  * has not for them. */
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params);

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "particles.h"
+#include "rank_views.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "structs.h"
@@ -51,7 +52,8 @@ pbf_status pbf_view_of(pbf_solver *solver, uint32_t field, pbf_view *view) {
   if (status == PBF_OK && field == PBF_FIELD_PRESSURE) status = pbf_check_pressures(solver);
   if (status != PBF_OK) return status;
   *view = (pbf_view){.struct_size = sizeof *view, .field = field};
-  status = map_backend(solver, field, view);
+  status = solver->ranks.count > 0 ? pbf_rank_view_of(solver, field, view)
+                                   : map_backend(solver, field, view);
   if (status != PBF_OK) return status;
   const char *member = misfit(solver, field, view);
   if (member) {

@@ -28,15 +28,15 @@ static uint64_t directory_size(uint32_t capacity) {
   return (UINT64_C(1) << most_entry_bits(capacity)) + 1;
 }
 
-static uint64_t bytes_for(uint64_t capacity, const pbf_solver *solver) {
+static uint64_t bytes_for(uint64_t capacity, const pbf_solver *solver, int copies) {
   const pbf_query_index *index = NULL;
-  return capacity * (pbf_point_bytes(solver) + sizeof *index->keys + 2 * sizeof *index->sorted +
-                     sizeof *index->elements) +
+  return capacity * ((1 + (copies != 0)) * pbf_point_bytes(solver) + sizeof *index->keys +
+                     2 * sizeof *index->sorted + sizeof *index->elements) +
          directory_size((uint32_t)capacity) * sizeof *index->first;
 }
 
 /* Where the arrays lie behind the struct, those of the largest elements first. */
-static void lay_out(pbf_query_index *index, char *at) {
+static void lay_out(pbf_query_index *index, char *at, int copies) {
   const uint64_t capacity = index->capacity, point = (uint64_t)index->dimension * index->precision;
   index->sorted = (void *)at;
   index->spare = index->sorted + capacity;
@@ -47,6 +47,8 @@ static void lay_out(pbf_query_index *index, char *at) {
   at += capacity * sizeof *index->keys;
   index->points = at;
   at += capacity * point;
+  index->copy = copies ? at : NULL;
+  if (copies) at += capacity * point;
   index->elements = (void *)at;
   index->first = index->elements + capacity;
 }
@@ -57,10 +59,12 @@ pbf_status pbf_query_index_reserve(pbf_solver *solver) {
   const uint32_t count = solver->count, more = count / 4 + 64;
   const uint32_t capacity = more < solver->capacity - count ? count + more : solver->capacity;
   const uint64_t head = (sizeof(pbf_query_index) + 63) / 64 * 64;
-  const uint64_t bytes = head + bytes_for(capacity, solver);
+  int copies;
   if (solver->query && solver->query->capacity >= count) return PBF_OK;
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, bytes, "particles sorted for queries", &memory);
+  pbf_status status = pbf_numbers_need_copies(solver, &copies);
+  if (status != PBF_OK) return status;
+  const uint64_t bytes = head + bytes_for(capacity, solver, copies);
+  status = pbf_memory_allocate(&solver->allocator, bytes, "particles sorted for queries", &memory);
   if (status != PBF_OK) return status;
   pbf_query_index_free(solver);
   solver->query = memory;
@@ -68,7 +72,7 @@ pbf_status pbf_query_index_reserve(pbf_solver *solver) {
                                      .bytes = bytes,
                                      .dimension = solver->kind.dimension,
                                      .precision = solver->kind.precision};
-  lay_out(solver->query, (char *)memory + head);
+  lay_out(solver->query, (char *)memory + head, copies);
   return PBF_OK;
 }
 
@@ -271,7 +275,7 @@ static pbf_status build(pbf_solver *solver) {
   pbf_query_index *index = solver->query;
   index->is_built = index->has_velocities = index->has_pressures = 0;
   describe(index, solver);
-  status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
+  status = pbf_numbers_find_in(solver, PBF_FIELD_POSITION, 0, solver->count, index->copy, &x);
   if (status == PBF_OK && index->count > 0) {
     find_bounds(index, &x, solver->kind.precision);
     choose_cells(index);
@@ -287,7 +291,8 @@ static pbf_status build(pbf_solver *solver) {
 
 static pbf_status add_field(pbf_solver *solver, uint32_t field, uint32_t components, void *sorted) {
   pbf_numbers numbers;
-  pbf_status status = pbf_numbers_find(solver, field, 0, solver->count, &numbers);
+  pbf_status status =
+      pbf_numbers_find_in(solver, field, 0, solver->count, solver->query->copy, &numbers);
   if (status == PBF_OK) gather(solver->query, &numbers, components, sorted);
   pbf_numbers_free(solver, &numbers);
   return status;

@@ -35,7 +35,8 @@ typedef struct pbf_query_index {
   void *points;                  /* (count, dimension), of the precision, and so … */
   void *velocities;              /* … (count, dimension) */
   void *pressures;               /* … (count) */
-  uint32_t *elements;            /* places in the backend's order */
+  void *copy;           /* of a field, (count, dimension); null: fields are read in place */
+  uint32_t *elements;   /* places in the backend's order */
   uint32_t *first;      /* the directory: the first particle of an entry's keys, or of later ones */
   pbf_query_key *order; /* of points that are asked for */
   uint32_t order_capacity;
@@ -51,7 +52,7 @@ enum { PBF_QUERY_VELOCITIES = 1, PBF_QUERY_PRESSURES = 2 };
 
 /* The index of the present particles, with these fields. */
 pbf_status pbf_query_index_get(pbf_solver *solver, uint32_t fields, const pbf_query_index **index);
-/* Its memory for as many particles as there are: no index of them needs more. */
+/* Its memory for as many particles as there are: an index of them that is found needs no more. */
 pbf_status pbf_query_index_reserve(pbf_solver *solver);
 
 void pbf_query_index_free(pbf_solver *solver);

@@ -57,7 +57,7 @@ static pbf_status check_capsule(const pbf_volume *volume, const char *label, pbf
 }
 
 /* Of the precision that queries have. */
-static pbf_status check(const pbf_volume *volume, const char *label, uint32_t dimension) {
+pbf_status pbf_volume_check(const pbf_volume *volume, const char *label, uint32_t dimension) {
   const pbf_check_kind kind = {dimension, PBF_FLOAT64};
   pbf_status status = pbf_check_count(&shape_rule, label, volume);
   if (status == PBF_OK) status = pbf_check_real(&position_rule, label, volume, kind);
@@ -87,7 +87,7 @@ pbf_status pbf_volumes_check(pbf_check_kind kind, const char *label, uint32_t co
                       label, first);
     snprintf(name, sizeof name, "%s[%u]", label, i);
     pbf_status status = pbf_struct_in(&pbf_kind_volume, struct_at(theirs, i), &ours);
-    if (status == PBF_OK) status = check(&ours, name, kind.dimension);
+    if (status == PBF_OK) status = pbf_volume_check(&ours, name, kind.dimension);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;

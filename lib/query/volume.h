@@ -19,6 +19,9 @@ typedef struct pbf_volume_frame {
 pbf_status pbf_volumes_check(pbf_check_kind kind, const char *label, uint32_t count,
                              const pbf_volume *theirs);
 
+/* One of ours by itself; messages call it `label`. */
+pbf_status pbf_volume_check(const pbf_volume *volume, const char *label, uint32_t dimension);
+
 /* One of an array that was checked. */
 pbf_volume pbf_volumes_get(const pbf_volume *theirs, uint32_t index);
 

@@ -3,6 +3,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -49,7 +50,8 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
                               const pbf_checked_desc *checked, char *why, size_t size) {
   const pbf_desc *desc = &checked->desc;
   if (solver->ranks.count && !works_on_ranks(plugin)) {
-    snprintf(why, size, "the backend \"%s\" does not work on ranks; \"serial\" does", plugin->name);
+    snprintf(why, size, "the backend \"%s\" does not work on ranks; \"serial\" and \"cuda\" do",
+             plugin->name);
     return PBF_ERROR_UNSUPPORTED;
   }
   const pbf_backend_desc backend_desc = {
@@ -129,7 +131,8 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
                        const pbf_params *params, const pbf_ranks *ranks) {
   const pbf_desc *desc = &checked->desc;
   memset(solver, 0, sizeof *solver);
-  if (ranks) solver->ranks = *ranks;
+  if (ranks) memcpy(&solver->ranks, ranks, ranks->struct_size);
+  if (ranks) solver->ranks.struct_size = sizeof solver->ranks;
   pbf_callbacks_wrap(solver, &checked->allocator, desc->log, desc->log_user);
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;
@@ -149,9 +152,12 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
+/* Of callers that know of no exchange in two calls. */
+static const uint32_t size_without_overlap = offsetof(pbf_ranks, begin_exchange);
+
 /* The first thing that is wrong with them. */
 static pbf_status check_ranks(const pbf_ranks *ranks) {
-  if (ranks->struct_size != sizeof *ranks)
+  if (ranks->struct_size != sizeof *ranks && ranks->struct_size != size_without_overlap)
     return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",
                     ranks->struct_size, (uint32_t)sizeof *ranks);
   if (ranks->count < 1 || ranks->count > PBF_MAX_RANKS)
@@ -164,9 +170,12 @@ static pbf_status check_ranks(const pbf_ranks *ranks) {
   if (ranks->local_capacity > PBF_MAX_CAPACITY)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->local_capacity is %u; it must be 0 … %u",
                     ranks->local_capacity, PBF_MAX_CAPACITY);
-  if (!ranks->all_gather || !ranks->sum || !ranks->exchange || !ranks->reason)
+  const int whole = ranks->struct_size == sizeof *ranks;
+  if (!ranks->all_gather || !ranks->sum || !ranks->exchange || !ranks->reason ||
+      (whole && !ranks->begin_exchange != !ranks->end_exchange))
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "a function of ranks is null; all but release are needed");
+                    "a function of ranks is null; all are needed but release and, both or "
+                    "neither, begin_exchange and end_exchange");
   for (uint32_t k = 0; k < ranks->count && ranks->shares; ++k)
     if (!(ranks->shares[k] > 0 && isfinite(ranks->shares[k])))
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

@@ -11,6 +11,7 @@
 #include "emission/emission.h"
 #include "particles/accelerations.h"
 #include "particles/phases.h"
+#include "particles/rank_views.h"
 #include "snapshot_memory.h"
 
 void pbf_solver_free(pbf_solver *solver) {
@@ -22,6 +23,7 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
   pbf_accelerations_free(solver);
   pbf_phases_free(solver, solver->phases);
+  pbf_rank_views_free(solver);
   pbf_snapshots_free(solver, solver->snapshots);
   pbf_query_index_free(solver);
   pbf_emission_free(solver, solver->emission);

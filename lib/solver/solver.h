@@ -62,6 +62,12 @@ typedef enum pbf_begun {
   PBF_BEGUN_ENDING /* a thread waits for them */
 } pbf_begun;
 
+/* What views of a field show on ranks: particles/rank_views.h. */
+typedef struct pbf_rank_copy {
+  void *data;
+  uint64_t bytes;
+} pbf_rank_copy;
+
 struct pbf_solver {
   /* Guarded by the lock in handles.c. */
   pbf_solver *next_live;
@@ -135,6 +141,7 @@ struct pbf_solver {
 
   uint64_t generation;
   uint32_t mapped[PBF_FIELD_COUNT];
+  pbf_rank_copy rank_copies[PBF_FIELD_COUNT];
 };
 
 /* Bytes of one component of a position. */

@@ -211,11 +211,14 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
 /* What else there is goes with them. */
 static pbf_status check_phases(const pbf_solver *solver, const pbf_saved_state *in) {
   pbf_status status = pbf_phases_check_params(in->phases, &in->params);
-  if (status == PBF_OK && in->phases && in->phases->differ && solver->ranks.count)
-    status = reject("has phases, which are not to be had on ranks");
+  if (status == PBF_OK) status = pbf_phases_check_ranks(in->phases, solver);
   for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.source_count; ++i)
     if (in->emission->sources[i].emitter.phase >= pbf_phases_count(in->phases))
       status = reject("has an emitter of a phase that there is not");
+  for (uint32_t i = 0; status == PBF_OK && in->emission && i < in->emission->head.reservoir_count;
+       ++i)
+    if (in->emission->reservoirs[i].phase >= pbf_phases_count(in->phases))
+      status = reject("has a reservoir of a phase that there is not");
   return status;
 }
 

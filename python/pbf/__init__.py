@@ -18,7 +18,7 @@ from .colliders import Box, Capsule, Collider, MotionPath, Plane, Shape, Solid, 
 from .diffuse import Diffuse, DiffuseInfo, DiffuseParticles
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
-from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter
+from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter, Reservoir
 from .fill import fill_ball, fill_box, fill_lattice
 from .geometry import Geometry
 from .params import Collide, Kernel, Method, Params, Periodic
@@ -41,7 +41,7 @@ __all__ = [
     "Kernel", "Limit", "Load", "Method", "MissingExtraError", "MotionPath", "Movie",
     "NotFoundError", "OutOfMemoryError", "Params", "Periodic", "Phase", "Plan", "PlanArray",
     "PlanStage", "Plane",
-    "PluginError", "RectangleEmitter", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
+    "PluginError", "RectangleEmitter", "Reservoir", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
     "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
     "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",

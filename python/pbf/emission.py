@@ -1,8 +1,8 @@
-"""What comes and goes in steps: emitters and drains; see pbf/emit.h."""
+"""What comes and goes in steps: emitters, drains and reservoirs; see pbf/emit.h."""
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from ._errors import InvalidArgumentError, check
@@ -64,6 +64,39 @@ class RectangleEmitter(Emitter):
 class DiscEmitter(Emitter):
     shape: ClassVar[int] = lib.PBF_EMITTER_DISC
     radius: float = 1.0
+
+
+@dataclass
+class Reservoir:
+    """An open boundary of given level or pressure: a box in which fluid always stands equally
+    deep. In 2D vectors may have two numbers."""
+
+    position: Vector
+    """The middle of the box."""
+    half_extents: Vector
+    depth: float
+    """How deep, from the box's lower side, along its own y axis."""
+    pressure: float = 0.0
+    """Over rest density, at the lower side, beside what gravity makes."""
+    orientation: Vector = (0.0, 0.0, 0.0, 1.0)
+    """A unit quaternion x, y, z, w."""
+    phase: int = 0
+    """Of what comes, see `Solver.phases`."""
+    added: int = field(default=0, compare=False)
+    """Told, and not looked at where it is set: particles that came …"""
+    removed: int = field(default=0, compare=False)
+    """… and went since there was a reservoir of this number."""
+
+    def _write(self, struct: Any) -> None:
+        check(lib.pbf_reservoir_init(struct, ffi.sizeof("pbf_reservoir")))
+        for name in ("position", "half_extents"):
+            for i, number in enumerate(reals(name, getattr(self, name), (2, 3))):
+                getattr(struct, name)[i] = number
+        for i, number in enumerate(reals("orientation", self.orientation, (4,))):
+            struct.orientation[i] = number
+        struct.depth = real("depth", self.depth)
+        struct.pressure = real("pressure", self.pressure)
+        struct.phase = uint32("phase", int(self.phase))
 
 
 @dataclass(frozen=True)
@@ -153,3 +186,25 @@ class Emission(Handle):
         for i, volume in enumerate(listed):
             struct_of(volume, ffi.addressof(structs, i))
         self._call(lib.pbf_set_drains, len(listed), structs)
+
+    @property
+    def reservoirs(self) -> list[Reservoir]:
+        """Open boundaries of given level or pressure: copies. Assign a list to replace them all."""
+        count = ffi.new("uint32_t *")
+        self._call(lib.pbf_get_reservoir_count, count)
+        found = []
+        for index in range(count[0]):
+            struct = new_struct("pbf_reservoir")
+            self._call(lib.pbf_get_reservoir, index, struct)
+            found.append(_made(Reservoir, struct))
+        return found
+
+    @reservoirs.setter
+    def reservoirs(self, reservoirs: Iterable[Reservoir] | Reservoir) -> None:
+        listed = [reservoirs] if isinstance(reservoirs, Reservoir) else list(reservoirs)
+        structs = ffi.new("pbf_reservoir[]", max(len(listed), 1))
+        for i, reservoir in enumerate(listed):
+            if not isinstance(reservoir, Reservoir):
+                raise InvalidArgumentError(f"reservoirs[{i}] is {reservoir!r}; it must be a Reservoir")
+            reservoir._write(ffi.addressof(structs, i))
+        self._call(lib.pbf_set_reservoirs, len(listed), structs)

@@ -18,7 +18,7 @@ from ._numbers import real, reals, uint32
 from ._schema import Path, check, read_schema, said
 from ._schema import near as near_name
 from .colliders import Box, Capsule, Collider, MotionPath, Plane, Solid, Sphere
-from .emission import DiscEmitter, Emitter, RectangleEmitter
+from .emission import DiscEmitter, Emitter, RectangleEmitter, Reservoir
 from .fill import fill_ball, fill_box, fill_lattice
 from .geometry import Geometry
 from .meshes import read_mesh
@@ -56,8 +56,8 @@ class Stretch:
 
 @dataclass
 class Scene:
-    """What a file describes: particles to be, colliders and how they move, emitters and drains,
-    parameters.
+    """What a file describes: particles to be, colliders and how they move, emitters, drains and
+    reservoirs, parameters.
 
     >>> scene = pbf.load_scene("dam-break-3d")
     >>> fluid = scene.solver(backend="serial")
@@ -81,6 +81,7 @@ class Scene:
     """The names of the shapes that colliders have, by their places in the list."""
     emitters: list[Emitter] = field(default_factory=list)
     drains: list[Volume] = field(default_factory=list)
+    reservoirs: list[Reservoir] = field(default_factory=list)
     capacity: int = 0
     """Room for so many particles; 0: for those of the blocks and of emitters over the steps."""
 
@@ -114,6 +115,8 @@ class Scene:
             fluid.emitters = self.emitters
         if self.drains:
             fluid.drains = self.drains
+        if self.reservoirs:
+            fluid.reservoirs = self.reservoirs
         return fluid
 
     def particle_phases(self) -> NDArray[np.uint32]:
@@ -138,6 +141,8 @@ class Scene:
             emitted += math.ceil(_rate(emitter, self.dimension, self.spacing) * lasts / cell) + 1
         sides = np.subtract(usual["domain_max"], usual["domain_min"])[:self.dimension] + self.spacing
         held = max(math.ceil(1.25 * float(np.prod(sides)) / cell), placed)
+        if self.reservoirs:
+            return max(1, held)
         return max(1, min(placed + int(min(emitted, 2**30)), held))
 
     def refined(self, finer: float) -> Scene:
@@ -262,6 +267,10 @@ def _scene_of(root: Any, name: str, folder: pathlib.Path) -> Scene:
         scene.emitters.append(_object_of(("emitters", i), item, dimension, _EMITTERS))
     scene.drains = [_object_of(("drains", i), item, dimension, _DRAINS)
                     for i, item in enumerate(root.get("drains", []))]
+    for i, item in enumerate(root.get("reservoirs", [])):
+        _check_lengths(("reservoirs", i), item, dimension)
+        _check_phase(("reservoirs", i), item, scene)
+        scene.reservoirs.append(Reservoir(**item))
     return scene
 
 

@@ -1,4 +1,4 @@
-"""Emitters and drains."""
+"""Emitters, drains and reservoirs."""
 import pytest
 
 import pbf
@@ -20,6 +20,32 @@ def test_a_stream(make):
     assert fluid.in_out.emitters == 2
     fluid.emitters, fluid.drains = [], []
     assert fluid.emitters == [] and fluid.drains == []
+
+
+def test_a_reservoir(make):
+    fluid = make(capacity=2000, gravity=(0, 0, 0))
+    pool = pbf.Reservoir((0.5, 0.5, 0.5), half_extents=(0.5, 0.5, 0.5), depth=0.2, pressure=1)
+    fluid.reservoirs = pool
+    assert fluid.reservoirs == [pool]
+    fluid.step(1)
+    assert fluid.count == 20 * 4 * 20 == fluid.reservoirs[0].added == fluid.in_out.emitted
+    pool.depth = 0.1
+    fluid.reservoirs = [pool]
+    fluid.step(1)
+    assert fluid.count == 20 * 2 * 20 and fluid.reservoirs[0].removed == 20 * 2 * 20
+    with pytest.raises(pbf.InvalidArgumentError, match=r"reservoirs\[0\]\.depth is 2"):
+        fluid.reservoirs = pbf.Reservoir((0.5, 0.5, 0.5), half_extents=(0.5, 0.5, 0.5), depth=2)
+    with pytest.raises(pbf.InvalidArgumentError, match="it must be a Reservoir"):
+        fluid.reservoirs = [pbf.Sphere()]
+    fluid.reservoirs = []
+    assert fluid.reservoirs == []
+
+
+def test_a_scene_with_reservoirs():
+    scene = pbf.load_scene("validation/reservoir-level")
+    fluid = scene.solver(backend="serial")
+    fluid.step(2)
+    assert fluid.reservoirs[0].depth == scene.reservoirs[0].depth and fluid.reservoirs[0].added > 0
 
 
 def test_refusals(make):

@@ -478,6 +478,17 @@ AT(pbf_emitter, lifetime, 128);
 AT(pbf_emitter, phase, 136);
 AT(pbf_emitter, reserved, 140);
 
+SIZE(pbf_reservoir, 120);
+AT(pbf_reservoir, struct_size, 0);
+AT(pbf_reservoir, phase, 4);
+AT(pbf_reservoir, position, 8);
+AT(pbf_reservoir, orientation, 32);
+AT(pbf_reservoir, half_extents, 64);
+AT(pbf_reservoir, depth, 88);
+AT(pbf_reservoir, pressure, 96);
+AT(pbf_reservoir, added, 104);
+AT(pbf_reservoir, removed, 112);
+
 SIZE(pbf_phase, 24);
 AT(pbf_phase, struct_size, 0);
 AT(pbf_phase, user, 4);

@@ -314,19 +314,7 @@ static void unused(void **state) {
 static void failures(void **state) {
   (void)state;
   pbf_solver *s = busy(3, PBF_FLOAT32), *other = busy(3, PBF_FLOAT32);
-  uint32_t failed = 0;
-  for (int step = 0; step < 40; ++step) {
-    assert_ok(pbf_step(other, 1));
-    for (uint64_t n = 1;; ++n) {
-      test_count.failing_call = test_count.calls + n;
-      const pbf_status status = pbf_step(s, 1);
-      test_count.failing_call = 0;
-      if (status == PBF_OK) break;
-      assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
-      ++failed;
-    }
-  }
-  assert_true(failed > 10 && test_hash(s) == test_hash(other));
+  test_steps_without_memory(s, other, 40);
   pbf_destroy(s);
   pbf_destroy(other);
 }

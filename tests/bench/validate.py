@@ -37,8 +37,9 @@ def every_case_within_its_bounds():
     assert done.returncode == 0, done.returncode
     results = json.loads((work / "validation.json").read_text())
     assert len(results["cases"]) == 9, [case["case"] for case in results["cases"]]
+    assert len(results["physics"]) == 20, [case["case"] for case in results["physics"]]
     page = (work / "validation.html").read_text()
-    for case in results["cases"]:
+    for case in results["cases"] + results["physics"]:
         assert f'id="{case["case"]}"' in page, case["case"]
     # Two pictures a case, but one of free fall; nothing that a browser would have to fetch.
     assert page.count("data:image/svg+xml;base64,") == 17, page.count("data:image/svg+xml;base64,")
@@ -48,12 +49,16 @@ def every_case_within_its_bounds():
 def a_broken_fluid_is_told():
     fails(1, "dam-break: dam-break.height.max is", "--quick", "--program", program, "--backend", backend,
           "--case", "dam-break", "--set", "over_relaxation=0.001")
+    fails(1, "poiseuille: steady, velocity over the closed form is off by", "--quick", "--program", program, "--backend",
+          backend, "--case", "poiseuille", "--set", "wall_no_slip=0")
 
 
 def wrong_usage_is_told():
     fails(2, "--resolutions is 9; it must be 1", "--program", program, "--resolutions", "9")
     fails(2, "--program is /nowhere", "--program", "/nowhere")
     fails(2, "invalid choice: 'dam-brake'", "--program", program, "--case", "dam-brake")
+    fails(1, "there is no parameter \"gravitty\"", "--quick", "--program", program, "--backend", backend,
+          "--case", "couette", "--set", "gravitty=1")
     fails(1, "there is no parameter \"gravitty\"", "--quick", "--program", program, "--backend", backend,
           "--case", "free-fall", "--set", "gravitty=1")
 

@@ -193,6 +193,11 @@ internal static partial class Binding
             fluid.SetEmitters(tap, Emitter.Rectangle(At(.5, .7, .5), At(0, -1, 0), .1, .125));
             Near(.125, fluid.GetEmitters()[1].HalfHeight, 0);
             Near(.1, fluid.GetDrains()[0].HalfExtents.Y, 0);
+            fluid.SetReservoirs(Reservoir.Box(At(.5, .5, .5), At(.5, .5, .5), .1));
+            fluid.Step(1);
+            Equal(true, fluid.GetReservoirs()[0].Added > 0);
+            fluid.SetReservoirs();
+            Equal(0, fluid.GetReservoirs().Length);
             tap.Rate = 100;
             Refused(Status.InvalidArgument, "emitters[0].rate is 100", () => fluid.SetEmitters(tap));
             Refused(Status.InvalidArgument, "drains is null", () => fluid.SetDrains(null));

@@ -352,6 +352,12 @@ static void as_much_comes_as_the_rate_says(void **) {
   assert_int_equal(after.emitted - after.drained, given(fluid.count()));
   assert_near(given(fluid.get_emitter(0)).radius, .15, 0);
   assert_near(given(fluid.get_drain(0)).half_extents[1], .1, 0);
+  std::array<pbf::reservoir, 1> pools = {pbf::reservoir::box(.5, .5, .5, .5, .5, .5, .1)};
+  done(fluid.set_reservoirs(pools));
+  done(fluid.step(1));
+  assert_int_equal(given(fluid.reservoir_count()), 1);
+  assert_true(given(fluid.get_reservoir(0)).added > 0);
+  done(fluid.set_reservoirs({}));
   taps[0] = pbf::emitter::rectangle(.5, .7, .5, .1, .125);
   done(fluid.set_emitters(taps));
   assert_near(given(fluid.get_emitter(0)).half_height, .125, 0);

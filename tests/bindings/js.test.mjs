@@ -451,6 +451,12 @@ test("as much comes as the rate says", async () => {
   solver.setDrains(solver.drains);
   assert.equal(solver.emitters[0].radius, 0.15);
   assert.equal(solver.drains[0].halfExtents[1], 0.1);
+  solver.setReservoirs([{ position: [0.5, 0.5, 0.5], halfExtents: [0.5, 0.5, 0.5], depth: 0.1 }]);
+  solver.step(1);
+  assert.ok(solver.reservoirs[0].added > 0);
+  solver.setReservoirs(solver.reservoirs);
+  solver.setReservoirs([]);
+  assert.equal(solver.reservoirs.length, 0);
   refused(() => solver.setEmitters([{ ...tap, rate: 100 }]), /^emitters\[0\]\.rate is 100/);
   refused(() => solver.setEmitters([{ shape: "cone" }]), /one of rectangle, disc$/);
   solver.destroy();

@@ -42,6 +42,8 @@ export async function asked(): Promise<number> {
   const filled: number = fluid.measure([{ shape: "sphere", radius: 0.1 }])[0]!.fraction + fluid.findIn({ shape: "box" }).length;
   fluid.setEmitters([{ shape: "disc", velocity: [0, -1], rate: 0.1 }]);
   fluid.setDrains(fluid.drains);
+  fluid.setReservoirs([{ position: [0.5, 0.5], halfExtents: [0.5, 0.5], depth: 0.1 }]);
+  fluid.setReservoirs(fluid.reservoirs);
   fluid.setPhases([{}, { restDensity: 0.9 }]);
   fluid.setParticlePhases(new Uint32Array(1));
   const batch = new Batch({ worlds: 2, capacity: 10 });

@@ -150,6 +150,12 @@ return function(solver, near, refused)
     fluid:set_drains(fluid:drains())
     near(fluid:emitters()[1].radius, 0.15, 0)
     near(fluid:drains()[1].half_extents[2], 0.1, 0)
+    fluid:set_reservoirs { { position = { 0.5, 0.5, 0.5 }, half_extents = { 0.5, 0.5, 0.5 }, depth = 0.1 } }
+    fluid:step(1)
+    assert(fluid:reservoirs()[1].added > 0 and fluid:reservoirs()[1].depth == 0.1)
+    fluid:set_reservoirs(fluid:reservoirs())
+    fluid:set_reservoirs {}
+    assert(#fluid:reservoirs() == 0)
     tap.rate = 100
     refused(wrong, "emitters[0].rate is 100", fluid.set_emitters, fluid, { tap })
     refused(wrong, "emitters[1].shape is cone; known are: rectangle, disc", fluid.set_emitters, fluid, { { shape = "cone" } })

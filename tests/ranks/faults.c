@@ -1,4 +1,6 @@
 /* What ranks refuse, and what they say when they differ or one of them is gone. */
+#include <pbf/phases.h>
+
 #include "support.h"
 
 #include "thread_ranks.h"
@@ -50,35 +52,18 @@ static void run(uint32_t count, uint32_t local_capacity, thread_rank_fn function
 
 /* ---- Refusals ------------------------------------------------------------------------------ */
 
+/* A backend that knows of none, or that the build is without. */
 static void refuse(const pbf_ranks *ranks, void *context) {
   (void)context;
-  pbf_params params = params_of(), sleeps = params, deep = params, weighs = params, rough = params;
+  const pbf_params params = params_of();
   pbf_desc desc = desc_of();
   pbf_solver *s = NULL;
-  pbf_view view = {.struct_size = sizeof view};
-  sleeps.sleep_speed = 0.01;
-  sleeps.sleep_time = 1;
-  deep.pressure_grid = 2;
-  weighs.loads = 1;
-  rough.wall_friction = 0.3;
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.sleep_speed is not 0");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &deep, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.pressure_grid is -1 or above 0");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &weighs, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.loads is 1");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &rough, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "walls or colliders have friction");
+  desc.backend = "reference";
+  EXPECT(pbf_create_on_ranks(&desc, &params, ranks, &s) != PBF_OK);
+  EXPECT(strstr(pbf_last_error(), "reference"));
   s = solver_on(ranks, &params);
   if (!s) return;
-  pbf_collider belt;
-  EXPECT_OK(pbf_collider_init(&belt, sizeof belt, PBF_COLLIDER_BOX));
-  belt.friction = 0.3;
-  EXPECT_FAILS(pbf_set_colliders(s, 1, &belt), PBF_ERROR_UNSUPPORTED,
-               "walls or colliders have friction");
-  EXPECT_FAILS(pbf_set_params(s, &sleeps), PBF_ERROR_UNSUPPORTED, "sleep_speed");
   fill(s, 0);
-  EXPECT_FAILS(pbf_map(s, PBF_FIELD_POSITION, &view), PBF_ERROR_UNSUPPORTED, "on ranks");
   EXPECT_OK(pbf_step(s, 2));
   pbf_destroy(s);
 }
@@ -107,6 +92,31 @@ static void wrong_ranks_are_told(void **state) {
   ranks.struct_size = 4;
   assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_STRUCT_SIZE,
                "ranks->struct_size is 4");
+}
+
+/* A caller that knows of no exchange in two calls, and one that has half of it. */
+static void exchange_in_one_call(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const pbf_desc desc = desc_of();
+  pbf_ranks older = *ranks, half = *ranks;
+  pbf_solver *s = NULL;
+  (void)context;
+  older.struct_size = offsetof(pbf_ranks, begin_exchange);
+  half.end_exchange = NULL;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &half, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "both or neither, begin_exchange and end_exchange");
+  s = solver_on(&older, &params);
+  if (!s) return;
+  const uint64_t before = thread_rank_of(ranks)->exchanges;
+  fill(s, 0);
+  EXPECT_OK(pbf_step(s, 2));
+  EXPECT(thread_rank_of(ranks)->exchanges == before);
+  pbf_destroy(s);
+}
+
+static void ranks_of_older_callers_wait_while_they_exchange(void **state) {
+  (void)state;
+  run(2, 0, exchange_in_one_call, NULL);
 }
 
 /* ---- Ranks that differ --------------------------------------------------------------------- */
@@ -158,6 +168,20 @@ static void differ_in_colliders(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
+static void differ_in_phases(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_phase oil;
+  (void)context;
+  if (!s) return;
+  EXPECT_OK(pbf_phase_init(&oil, sizeof oil));
+  oil.rest_density = ranks->rank == 1 ? 0.8 : 0.9;
+  fill(s, 0);
+  EXPECT_OK(pbf_set_phases(s, 1, &oil));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT, "ranks 0 and 1 differ in the phases");
+  pbf_destroy(s);
+}
+
 static void make_other_calls(const pbf_ranks *ranks, void *context) {
   const pbf_params params = params_of();
   pbf_solver *s = solver_on(ranks, &params);
@@ -180,6 +204,7 @@ static void ranks_that_differ_are_told_in_what(void **state) {
   run(3, 0, differ_in_a_parameter, NULL);
   run(2, 0, differ_in_particles, NULL);
   run(2, 0, differ_in_colliders, NULL);
+  run(2, 0, differ_in_phases, NULL);
   run(2, 0, make_other_calls, NULL);
 }
 
@@ -297,6 +322,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
       cmocka_unit_test(wrong_ranks_are_told),
+      cmocka_unit_test(ranks_of_older_callers_wait_while_they_exchange),
       cmocka_unit_test(ranks_that_differ_are_told_in_what),
       cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),

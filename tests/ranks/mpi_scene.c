@@ -1,5 +1,5 @@
-/* mpi_scene same|differ|stall: a scene on the ranks of MPI_COMM_WORLD. Prints "good" from rank 0,
- * or what is wrong, for the tests ranks.mpi.*. */
+/* mpi_scene same|differ|stall: scenes on the ranks of MPI_COMM_WORLD. Prints "good" from rank 0, or
+ * what is wrong, for the tests ranks.mpi.*. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <pbf/mpi.h>
+#include <pbf/phases.h>
 
 enum { COUNT = 8000, SIDE = 20, STEPS = 20 };
 
@@ -72,21 +73,45 @@ static pbf_solver *create(const pbf_params *params, double timeout) {
   return s;
 }
 
-static void same(void) {
-  const pbf_params params = params_of();
-  const pbf_desc desc = desc_of();
-  uint64_t on_ranks, by_one;
-  pbf_solver *s = create(&params, 60), *alone;
+/* Scenes, and what one solver makes of them. */
+enum { PLAIN, DEEP, FLUIDS, PERIODIC, SCENES };
+
+static pbf_params params_of_scene(int scene) {
+  pbf_params params = params_of();
+  if (scene == DEEP) params.pressure_grid = 2, params.loads = 1, params.wall_friction = 0.3;
+  if (scene == PERIODIC) params.periodic = PBF_PERIODIC_X, params.gravity[0] = 10;
+  return params;
+}
+
+typedef struct outcome {
+  uint64_t hash;
+  pbf_collider_load ball;
+} outcome;
+
+static outcome run(int scene, const pbf_params *params, pbf_solver *s) {
+  outcome o = {.ball.struct_size = sizeof o.ball};
+  pbf_phase oil;
   set_up(s);
+  TRY(pbf_phase_init(&oil, sizeof oil));
+  oil.rest_density = 0.7;
+  if (scene == FLUIDS) TRY(pbf_set_phases(s, 1, &oil));
   TRY(pbf_step(s, STEPS));
-  TRY(pbf_hash(s, &on_ranks));
+  TRY(pbf_hash(s, &o.hash));
+  if (params->loads) TRY(pbf_get_collider_loads(s, 1, &o.ball));
   pbf_destroy(s);
+  return o;
+}
+
+static void same(int scene) {
+  const pbf_params params = params_of_scene(scene);
+  const pbf_desc desc = desc_of();
+  pbf_solver *alone;
+  const outcome on_ranks = run(scene, &params, create(&params, 60));
   TRY(pbf_create(&desc, &params, &alone));
-  set_up(alone);
-  TRY(pbf_step(alone, STEPS));
-  TRY(pbf_hash(alone, &by_one));
-  pbf_destroy(alone);
-  if (on_ranks != by_one) fail("other bits than those of one solver");
+  const outcome by_one = run(scene, &params, alone);
+  if (on_ranks.hash != by_one.hash) fail("other bits than those of one solver");
+  if (memcmp(&on_ranks.ball, &by_one.ball, sizeof by_one.ball) != 0) fail("other loads");
+  if (params.loads && !by_one.ball.contacts) fail("the ball is dry");
 }
 
 /* Added on all alike, the particles are the first that all must agree on. */
@@ -128,12 +153,9 @@ int main(int count, char **words) {
   MPI_Init(&count, &words);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
-  if (!strcmp(what, "stall"))
-    stall();
-  else if (!strcmp(what, "differ"))
-    differ();
-  else
-    same();
+  if (!strcmp(what, "stall")) stall();
+  if (!strcmp(what, "differ")) differ();
+  for (int scene = 0; scene < SCENES && !strcmp(what, "same"); ++scene) same(scene);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank == 0) printf("good\n");
   MPI_Finalize();

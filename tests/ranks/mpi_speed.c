@@ -1,9 +1,10 @@
 #define _GNU_SOURCE
-/* mpi_speed SIDE STEPS [BACKEND]: times of a tank of SIDE³ particles on the ranks of
- * MPI_COMM_WORLD, or with a backend, of a solver without ranks. Prints a line: particles, ranks,
- * milliseconds a step, those that the
- * processor worked on the busiest rank, MiB of the largest rank, bytes that ranks sent in a step,
- * and the least of them: the fields of particles within h of each plane between shares, each way.
+/* mpi_speed SIDE STEPS [BACKEND|ranks] [deep|loads]: times of a tank of SIDE³ particles on the
+ * ranks of MPI_COMM_WORLD, or with a backend, of a solver without ranks; deep: with what deep water
+ * has by default; loads: and with loads on its walls. Prints a line: particles, ranks, milliseconds
+ * a step, those that the processor worked on the busiest rank, MiB of the largest rank, bytes that
+ * ranks sent in a step, the least of them: the fields of particles within h of each plane between
+ * shares, each way; and the bytes that each rank has added up with the others in a step.
  */
 #include <sched.h>
 #include <stdio.h>
@@ -16,13 +17,19 @@
 #include <pbf/mpi.h>
 
 static int rank, size;
-static uint64_t bytes_sent;
+static uint64_t bytes_sent, bytes_summed;
 
 /* The profiling interface of MPI: what pbf_mpi sends goes through here. */
 int MPI_Isend(const void *data, int count, MPI_Datatype type, int to, int tag, MPI_Comm comm,
               MPI_Request *request) {
   bytes_sent += (uint64_t)count;
   return PMPI_Isend(data, count, type, to, tag, comm, request);
+}
+
+int MPI_Iallreduce(const void *mine, void *all, int count, MPI_Datatype type, MPI_Op op,
+                   MPI_Comm comm, MPI_Request *request) {
+  bytes_summed += (uint64_t)count * sizeof(uint32_t); /* which is what pbf_mpi sums up */
+  return PMPI_Iallreduce(mine, all, count, type, op, comm, request);
 }
 
 static void check(pbf_status status, const char *what) {
@@ -54,11 +61,12 @@ __attribute__((visibility("default"))) int sched_yield(void) {
   return code;
 }
 
-static pbf_params params_of(uint32_t side) {
+static pbf_params params_of(uint32_t side, const char *kind) {
   pbf_params params;
   check(pbf_params_init(&params, sizeof params), "pbf_params_init");
   params.smoothing_radius = 0.1;
-  params.pressure_grid = 0;
+  params.pressure_grid = *kind ? -1 : 0;
+  params.loads = !strcmp(kind, "loads");
   params.prestabilization = 0;
   for (int k = 0; k < 3; ++k) params.domain_max[k] = 0.05 * side * (k == 1 ? 1.5 : 1);
   return params;
@@ -77,8 +85,7 @@ static void fill(pbf_solver *s, uint32_t side) {
   free(x);
 }
 
-static pbf_solver *create(uint32_t side, const char *backend) {
-  const pbf_params params = params_of(side);
+static pbf_solver *create(const pbf_params *params, uint32_t side, const char *backend) {
   pbf_desc desc;
   pbf_solver *s;
   check(pbf_desc_init(&desc, sizeof desc), "pbf_desc_init");
@@ -86,9 +93,9 @@ static pbf_solver *create(uint32_t side, const char *backend) {
   desc.backend = backend;
   desc.strict = 1;
   if (backend)
-    check(pbf_create(&desc, &params, &s), "pbf_create");
+    check(pbf_create(&desc, params, &s), "pbf_create");
   else
-    check(pbf_mpi_create(MPI_COMM_WORLD, NULL, &desc, &params, &s), "pbf_mpi_create");
+    check(pbf_mpi_create(MPI_COMM_WORLD, NULL, &desc, params, &s), "pbf_mpi_create");
   return s;
 }
 
@@ -105,11 +112,13 @@ int main(int count, char **words) {
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   const uint32_t side = count > 1 ? (uint32_t)atoi(words[1]) : 40;
   const uint32_t steps = count > 2 ? (uint32_t)atoi(words[2]) : 10;
-  pbf_solver *s = create(side, count > 3 ? words[3] : NULL);
+  const char *backend = count > 3 && strcmp(words[3], "ranks") ? words[3] : NULL;
+  const pbf_params params = params_of(side, count > 4 ? words[4] : "");
+  pbf_solver *s = create(&params, side, backend);
   pbf_plan plan = {.struct_size = sizeof plan};
   fill(s, side);
   check(pbf_step(s, 5), "pbf_step");
-  bytes_sent = 0;
+  bytes_sent = bytes_summed = 0;
   waited = 0;
   MPI_Barrier(MPI_COMM_WORLD);
   double best = 1e30, worked = processor_seconds(), most = 0;
@@ -125,13 +134,13 @@ int main(int count, char **words) {
   MPI_Reduce(&bytes_sent, &sent, 1, MPI_UINT64_T, MPI_SUM, 0, MPI_COMM_WORLD);
   MPI_Reduce(&plan.bytes, &largest, 1, MPI_UINT64_T, MPI_MAX, 0, MPI_COMM_WORLD);
   MPI_Reduce(&worked, &most, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);
-  const pbf_params params = params_of(side);
   if (rank == 0)
     printf(
         "%u particles, %s, %d ranks: %.2f ms a step, %.2f of work, %.1f MiB a rank, "
-        "%.0f bytes a step, least %.0f\n",
-        side * side * side, count > 3 ? words[3] : "serial", size, 1e3 * best, 1e3 * most,
-        (double)largest / (1 << 20), (double)sent / steps, least_bytes(side, &params));
+        "%.0f bytes a step, least %.0f, %.0f summed\n",
+        side * side * side, backend ? backend : "serial", size, 1e3 * best, 1e3 * most,
+        (double)largest / (1 << 20), (double)sent / steps, least_bytes(side, &params),
+        (double)bytes_summed / steps);
   pbf_destroy(s);
   MPI_Finalize();
   return 0;

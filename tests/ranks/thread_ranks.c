@@ -78,14 +78,11 @@ static const pbf_rank_message *sent_to(const thread_rank *me, uint32_t from, uin
   return NULL;
 }
 
-static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
-                           uint32_t receive_count, const pbf_rank_message *receives) {
-  thread_rank *me = user;
+/* Once all have shown what they send. */
+static const char *receive(thread_rank *me, uint32_t receive_count,
+                           const pbf_rank_message *receives) {
   uint32_t taken[MAX_THREAD_RANKS] = {0};
   const char *broken = NULL;
-  for (uint32_t k = 0; k < send_count; ++k) me->bytes_sent += sends[k].bytes;
-  pbf_status status = begin(me, sends, send_count);
-  if (status != PBF_OK) return status;
   for (uint32_t k = 0; k < receive_count; ++k) {
     const uint32_t from = receives[k].rank;
     const pbf_rank_message *message = sent_to(me, from, taken[from]++);
@@ -96,9 +93,43 @@ static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_messa
   }
   for (uint32_t r = 0; r < me->all->count; ++r)
     if (sent_to(me, r, taken[r])) broken = "a message was not expected";
+  return broken;
+}
+
+static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                           uint32_t receive_count, const pbf_rank_message *receives) {
+  thread_rank *me = user;
+  for (uint32_t k = 0; k < send_count; ++k) me->bytes_sent += sends[k].bytes;
+  pbf_status status = begin(me, sends, send_count);
+  if (status != PBF_OK) return status;
+  const char *broken = receive(me, receive_count, receives);
   status = end(me);
   return broken ? fail(me, broken) : status;
 }
+
+/* Messages arrive as early as they can, or as late, by turns: neither may matter. */
+static pbf_status begin_exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                                 uint32_t receive_count, const pbf_rank_message *receives) {
+  thread_rank *me = user;
+  const char *broken = NULL;
+  for (uint32_t k = 0; k < send_count; ++k) me->bytes_sent += sends[k].bytes;
+  me->receive_count = receive_count;
+  me->receives = receives;
+  pbf_status status = begin(me, sends, send_count);
+  if (status != PBF_OK) return status;
+  if (++me->exchanges % 2) broken = receive(me, receive_count, receives);
+  return broken ? fail(me, broken) : PBF_OK;
+}
+
+static pbf_status end_exchange(void *user) {
+  thread_rank *me = user;
+  const char *broken = NULL;
+  if (me->exchanges % 2 == 0) broken = receive(me, me->receive_count, me->receives);
+  pbf_status status = end(me);
+  return broken ? fail(me, broken) : status;
+}
+
+int thread_ranks_overlap = 1;
 
 static const char *reason(void *user) { return ((thread_rank *)user)->reason; }
 
@@ -136,7 +167,9 @@ void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *sha
                              .sum = sum,
                              .exchange = exchange,
                              .reason = reason,
-                             .shares = shares};
+                             .shares = shares,
+                             .begin_exchange = thread_ranks_overlap ? begin_exchange : NULL,
+                             .end_exchange = thread_ranks_overlap ? end_exchange : NULL};
     calls[r] = (thread_call){ranks, function, context};
     if (pthread_create(&threads[r], NULL, call, &calls[r])) abort();
   }

@@ -16,7 +16,10 @@ typedef struct thread_rank {
   uint32_t rank;
   uint64_t calls;      /* that have communicated, */
   uint64_t dies_after; /* and after which it is never heard of again; 0: it lives */
-  uint64_t bytes_sent; /* by `exchange` */
+  uint64_t bytes_sent; /* by exchanges */
+  uint64_t exchanges;  /* in two calls; what the running one is to receive: */
+  uint32_t receive_count;
+  const pbf_rank_message *receives;
   char reason[128];
 } thread_rank;
 
@@ -38,6 +41,9 @@ typedef void (*thread_rank_fn)(const pbf_ranks *ranks, void *context);
  * returns when all have ended. `dies_after`, unless null, is of each rank. */
 void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *shares,
                       const uint64_t *dies_after, thread_rank_fn function, void *context);
+
+/* 0: those that are run from now on do not exchange in two calls. */
+extern int thread_ranks_overlap;
 
 /* cmocka's assertions are for the thread of the test; these note what fails in any, print it, and
  * give the condition back. */

@@ -89,6 +89,10 @@ void call_set_emitters(actor *a);
 void call_get_emitter(actor *a);
 void call_set_drains(actor *a);
 void call_get_drain(actor *a);
+void call_reservoir_init(actor *a);
+void call_set_reservoirs(actor *a);
+void call_get_reservoir(actor *a);
+void call_get_reservoir_count(actor *a);
 void call_get_in_out(actor *a);
 
 void call_diffuse_init(actor *a);

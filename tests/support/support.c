@@ -89,6 +89,22 @@ void test_skip(const char *why) {
   skip();
 }
 
+void test_steps_without_memory(pbf_solver *s, pbf_solver *other, int steps) {
+  uint32_t failed = 0;
+  for (int step = 0; step < steps; ++step) {
+    assert_ok(pbf_step(other, 1));
+    for (uint64_t n = 1;; ++n) {
+      test_count.failing_call = test_count.calls + n;
+      const pbf_status status = pbf_step(s, 1);
+      test_count.failing_call = 0;
+      if (status == PBF_OK) break;
+      assert_int_equal(status, PBF_ERROR_OUT_OF_MEMORY);
+      ++failed;
+    }
+  }
+  assert_true(failed > 10 && test_hash(s) == test_hash(other));
+}
+
 pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity) {
   pbf_desc desc;
   pbf_backend_info info;

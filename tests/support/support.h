@@ -33,6 +33,10 @@ ballistic_control *test_stub_control(void);
 /* Ends the test as skipped, and says why. */
 void test_skip(const char *why);
 
+/* Steps of s with each allocation failing in turn, which fail and begin again: it comes to what
+ * another one comes to that is alike and has memory. */
+void test_steps_without_memory(pbf_solver *s, pbf_solver *other, int steps);
+
 /* A description for the backend under test, strict, with the counting allocator. Ends the test as
  * skipped when the backend was built without the kind. */
 pbf_desc test_desc(uint32_t dimension, uint32_t precision, uint32_t capacity);

@@ -84,31 +84,108 @@ PBF_FN pbf_real pbf_field_past_grid(pbf_vec beyond, pbf_real beyond2, pbf_real t
   return distance;
 }
 
-/* The distance of p, which counts from the center, the normal there, and how steep the distance is
- * along it: 1 where one plane is nearest to all around, less where several are to parts of it. */
-PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_vec *normal,
-                                      pbf_real *steepness) {
-  const pbf_real cell = pbf_field_cell(s);
-  pbf_vec place, beyond, slope;
-  pbf_real beyond2 = 0;
+/* What is nearest of a field, in the frame of its grid, lengths in cells from the first node. */
+typedef struct pbf_field_nearest {
+  pbf_real distance; /* a length */
+  pbf_vec slope;
+} pbf_field_nearest;
+
+PBF_FN_SELDOM pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf_vec at,
+                                                     pbf_vec *beyond, pbf_real *beyond2) {
+  pbf_field_nearest nearest;
+  pbf_vec place;
+  *beyond2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const pbf_real first = (pbf_real)(s->field->origin[k] / s->field->cell);
-    const pbf_real at = pbf_dot(p, s->frame[k]) / cell - first;
     const pbf_real last = (pbf_real)s->field->nodes[k] - (pbf_real)1.5;
-    place.c[k] = pbf_real_max(pbf_real_min(at, last), (pbf_real)0.5);
-    beyond.c[k] = cell * (at - place.c[k]);
-    beyond2 += beyond.c[k] * beyond.c[k];
+    place.c[k] = pbf_real_max(pbf_real_min(at.c[k], last), (pbf_real)0.5);
+    beyond->c[k] = pbf_field_cell(s) * (at.c[k] - place.c[k]);
+    *beyond2 += beyond->c[k] * beyond->c[k];
   }
-  pbf_real distance = s->scale * pbf_field_interpolated(s->field, place, &slope);
-  if (beyond2 > 0) distance = pbf_field_past_grid(beyond, beyond2, distance, &slope);
-  *steepness = pbf_real_sqrt(pbf_dot(slope, slope));
-  if (!(*steepness > 0)) slope.c[0] = *steepness = 1;
+  nearest.distance = s->scale * pbf_field_interpolated(s->field, place, &nearest.slope);
+  return nearest;
+}
+
+PBF_FN pbf_vec pbf_field_place(const pbf_surface *s, pbf_vec p) {
+  pbf_vec at;
+  for (int k = 0; k < PBF_DIM; ++k)
+    at.c[k] = pbf_dot(p, s->frame[k]) / pbf_field_cell(s) -
+              (pbf_real)(s->field->origin[k] / s->field->cell);
+  return at;
+}
+
+/* The normal, and how steep the distance is along it: 1 where one plane is nearest to all around,
+ * less where several are to parts of it. */
+PBF_FN_SELDOM pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
+  pbf_real steepness = pbf_real_sqrt(pbf_dot(slope, slope));
+  if (!(steepness > 0)) slope.c[0] = steepness = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     normal->c[k] = 0;
     for (int row = 0; row < PBF_DIM; ++row)
-      normal->c[k] += s->frame[row].c[k] * (slope.c[row] / *steepness);
+      normal->c[k] += s->frame[row].c[k] * (slope.c[row] / steepness);
   }
-  return distance;
+  return steepness;
+}
+
+/* The distance of p, which counts from the center, or what it is at least. */
+PBF_FN_SELDOM pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
+  pbf_vec beyond;
+  pbf_real beyond2;
+  pbf_field_nearest nearest = pbf_field_nearest_to(s, pbf_field_place(s, p), &beyond, &beyond2);
+  if (beyond2 > 0)
+    nearest.distance = pbf_field_past_grid(beyond, beyond2, nearest.distance, &nearest.slope);
+  pbf_field_normal(s, nearest.slope, normal);
+  return nearest.distance;
+}
+
+/* Past the grid: what is nearest to its border is about nearest there, too, or the plane that it is
+ * on, if that goes on to there. */
+PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
+                                   pbf_field_nearest *nearest) {
+  pbf_vec foot, way, ignored;
+  pbf_real ignored2, steepness = pbf_real_sqrt(pbf_dot(nearest->slope, nearest->slope));
+  if (!(steepness > 0)) steepness = 1;
+  const pbf_vec normal = pbf_scaled(nearest->slope, 1 / steepness);
+  const pbf_real plane = nearest->distance + pbf_dot(beyond, normal);
+  way = pbf_add_scaled(beyond, nearest->distance, normal);
+  const pbf_real point = pbf_real_sqrt(pbf_dot(way, way));
+  if (plane < (pbf_real)0.9999 * point) {
+    const pbf_real cell = pbf_field_cell(s);
+    foot = pbf_add_scaled(at, -plane / cell, normal);
+    const pbf_real off = pbf_field_nearest_to(s, foot, &ignored, &ignored2).distance;
+    if (ignored2 > 0 || off > cell / 4 || off < -cell / 4) {
+      nearest->distance = point;
+      nearest->slope = pbf_scaled(way, 1 / point);
+      return;
+    }
+  }
+  nearest->distance = plane;
+}
+
+/* The distance, also where that may be more than what something else of it has, the normal, and how
+ * steep it is. */
+PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_vec *normal,
+                                      pbf_real *steepness) {
+  pbf_vec beyond;
+  pbf_real beyond2;
+  const pbf_vec at = pbf_field_place(s, p);
+  pbf_field_nearest nearest = pbf_field_nearest_to(s, at, &beyond, &beyond2);
+  if (beyond2 > 0) pbf_field_go_on(s, at, beyond, &nearest);
+  *steepness = pbf_field_normal(s, nearest.slope, normal);
+  return nearest.distance;
+}
+
+/* Whether p is farther than `reach` from the box around it, each side of which is known to a cell.
+ */
+PBF_FN_SELDOM int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
+  pbf_real beyond2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const pbf_real at = pbf_dot(p, s->frame[k]);
+    const pbf_real below = s->scale * (pbf_real)s->field->lower[k] - at;
+    const pbf_real above = at - s->scale * (pbf_real)s->field->upper[k];
+    const pbf_real beyond = pbf_real_max(below, above) - pbf_field_cell(s);
+    beyond2 += beyond > 0 ? beyond * beyond : 0;
+  }
+  return s->sign > 0 && beyond2 > reach * reach;
 }
 
 /* ---- Ways ----------------------------------------------------------------------------------- */
@@ -124,9 +201,8 @@ PBF_FN_SELDOM int pbf_field_blocks(const pbf_surface *s, pbf_vec p, pbf_vec way)
   pbf_real gone = 0;
   for (int steps = 0; steps < PBF_FIELD_STEPS; ++steps) {
     pbf_vec normal;
-    pbf_real steepness;
     const pbf_real part = gone < length ? gone / length : 1;
-    const pbf_real away = pbf_field_look(s, pbf_add_scaled(p, part, way), &normal, &steepness);
+    const pbf_real away = pbf_field_distance(s, pbf_add_scaled(p, part, way), &normal);
     if (away < 0) return 1;
     if (!(gone < length)) return 0;
     gone += pbf_field_stride(s, away);
@@ -157,8 +233,7 @@ struct field_shape {
   static PBF_IN double width(const pbf_surface *) { return 0; }
 
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
-    pbf_real steepness;
-    return pbf_field_look(s, p, normal, &steepness);
+    return pbf_field_distance(s, p, normal);
   }
   static PBF_IN int blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
     return pbf_field_blocks(s, p, way);

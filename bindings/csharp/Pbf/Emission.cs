@@ -28,6 +28,20 @@ namespace Pbf
         }
     }
 
+    public partial struct Reservoir
+    {
+        /// <summary>A box in which fluid always stands so deep; Pressure, Orientation and Phase may be set.</summary>
+        public static Reservoir Box(Vector3d center, Vector3d halfExtents, double depth)
+        {
+            var made = new Reservoir();
+            PbfException.Check(Native.pbf_reservoir_init(ref made, Arrays.SizeOf<Reservoir>()));
+            made.Position = center;
+            made.HalfExtents = halfExtents;
+            made.Depth = depth;
+            return made;
+        }
+    }
+
     // What comes and goes in each step.
     public sealed partial class Solver
     {
@@ -67,6 +81,27 @@ namespace Pbf
                 Check(Native.pbf_get_drain(handle, i, ref drains[i]));
             }
             return drains;
+        }
+
+        /// <summary>Replaces all open boundaries of given level or pressure.</summary>
+        public void SetReservoirs(params Reservoir[] reservoirs)
+        {
+            var sized = (Reservoir[])Arrays.Given(reservoirs, "reservoirs").Clone();
+            for (int i = 0; i < sized.Length; ++i) sized[i].StructSize = Arrays.SizeOf<Reservoir>();
+            using (var pins = new Pins()) Check(Native.pbf_set_reservoirs(handle, (uint)sized.Length, pins.Of(sized)));
+        }
+
+        public Reservoir[] GetReservoirs()
+        {
+            uint count = 0;
+            Check(Native.pbf_get_reservoir_count(handle, ref count));
+            var reservoirs = new Reservoir[count];
+            for (uint i = 0; i < count; ++i)
+            {
+                reservoirs[i].StructSize = Arrays.SizeOf<Reservoir>();
+                Check(Native.pbf_get_reservoir(handle, i, ref reservoirs[i]));
+            }
+            return reservoirs;
         }
 
         /// <summary>What came and went, in particles.</summary>

@@ -40,6 +40,7 @@ namespace Pbf
         public const uint MaxWorlds = 65536;
         public const uint MaxEmitters = 64;
         public const uint MaxDrains = 64;
+        public const uint MaxReservoirs = 64;
         public const uint MaxPhases = 8;
         public const uint MaxDiffuse = 4194303;
         public const uint Float32 = 4;
@@ -568,6 +569,20 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct Reservoir
+    {
+        public uint StructSize;
+        public uint Phase;
+        public Vector3d Position;
+        public Vector4d Orientation;
+        public Vector3d HalfExtents;
+        public double Depth;
+        public double Pressure;
+        public ulong Added;
+        public ulong Removed;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     public partial struct InOut
     {
         public uint StructSize;
@@ -929,6 +944,14 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_drain(SolverHandle solver, uint index, ref Volume drain);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_reservoir_init(ref Reservoir reservoir, uint struct_size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_reservoirs(SolverHandle solver, uint count, IntPtr reservoirs);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_reservoir_count(SolverHandle solver, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_reservoir(SolverHandle solver, uint index, ref Reservoir reservoir);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_in_out(SolverHandle solver, ref InOut in_out);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_phase_init(ref Phase phase, uint struct_size);
@@ -991,6 +1014,7 @@ namespace Pbf
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },
             { typeof(NativeSampleGrid), new[] { "64", "StructSize=0", "Counts=4", "Origin=16", "Step=40" } },
             { typeof(Emitter), new[] { "144", "StructSize=0", "Shape=4", "Recycle=8", "Seed=12", "Position=16", "Velocity=40", "Across=64", "HalfWidth=88", "HalfHeight=96", "Radius=104", "Rate=112", "Jitter=120", "Lifetime=128", "Phase=136", "Reserved=140" } },
+            { typeof(Reservoir), new[] { "120", "StructSize=0", "Phase=4", "Position=8", "Orientation=32", "HalfExtents=64", "Depth=88", "Pressure=96", "Added=104", "Removed=112" } },
             { typeof(InOut), new[] { "56", "StructSize=0", "Emitters=4", "Drains=8", "Reserved=12", "Emitted=16", "Refused=24", "Recycled=32", "Drained=40", "Expired=48" } },
             { typeof(Phase), new[] { "24", "StructSize=0", "User=4", "RestDensity=8", "Viscosity=16" } },
             { typeof(NativeGridDesc), new[] { "64", "StructSize=0", "Dimension=4", "Nodes=8", "Reserved=20", "Origin=24", "Cell=48", "Values=56" } },

@@ -127,6 +127,7 @@ enum {
   PBF_MAX_WORLDS = 65536,
   PBF_MAX_EMITTERS = 64,
   PBF_MAX_DRAINS = 64,
+  PBF_MAX_RESERVOIRS = 64,
   PBF_MAX_PHASES = 8,
   PBF_MAX_DIFFUSE = 4194303,
 };
@@ -491,6 +492,17 @@ typedef struct pbf_emitter {
   uint32_t phase;
   uint32_t reserved;
 } pbf_emitter;
+typedef struct pbf_reservoir {
+  uint32_t struct_size;
+  uint32_t phase;
+  double position[3];
+  double orientation[4];
+  double half_extents[3];
+  double depth;
+  double pressure;
+  uint64_t added;
+  uint64_t removed;
+} pbf_reservoir;
 typedef struct pbf_in_out {
   uint32_t struct_size;
   uint32_t emitters;
@@ -649,6 +661,10 @@ pbf_status pbf_set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitte
 pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emitter);
 pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *drains);
 pbf_status pbf_get_drain(pbf_solver *solver, uint32_t index, pbf_volume *drain);
+pbf_status pbf_reservoir_init(pbf_reservoir *reservoir, uint32_t struct_size);
+pbf_status pbf_set_reservoirs(pbf_solver *solver, uint32_t count, const pbf_reservoir *reservoirs);
+pbf_status pbf_get_reservoir_count(pbf_solver *solver, uint32_t *count);
+pbf_status pbf_get_reservoir(pbf_solver *solver, uint32_t index, pbf_reservoir *reservoir);
 pbf_status pbf_get_in_out(pbf_solver *solver, pbf_in_out *in_out);
 pbf_status pbf_phase_init(pbf_phase *phase, uint32_t struct_size);
 pbf_status pbf_set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *phases);
@@ -693,6 +709,7 @@ return {
   pbf_samples = {size = 48, struct_size = 0, count = 4, points = 8, densities = 16, velocities = 24, pressures = 32, wet = 40},
   pbf_sample_grid = {size = 64, struct_size = 0, counts = 4, origin = 16, step = 40},
   pbf_emitter = {size = 144, struct_size = 0, shape = 4, recycle = 8, seed = 12, position = 16, velocity = 40, across = 64, half_width = 88, half_height = 96, radius = 104, rate = 112, jitter = 120, lifetime = 128, phase = 136, reserved = 140},
+  pbf_reservoir = {size = 120, struct_size = 0, phase = 4, position = 8, orientation = 32, half_extents = 64, depth = 88, pressure = 96, added = 104, removed = 112},
   pbf_in_out = {size = 56, struct_size = 0, emitters = 4, drains = 8, reserved = 12, emitted = 16, refused = 24, recycled = 32, drained = 40, expired = 48},
   pbf_phase = {size = 24, struct_size = 0, user = 4, rest_density = 8, viscosity = 16},
   pbf_grid_desc = {size = 64, struct_size = 0, dimension = 4, nodes = 8, reserved = 20, origin = 24, cell = 48, values = 56},

@@ -41,6 +41,23 @@ function Emission:drains()
   return list
 end
 
+-- Open boundaries of given level or pressure: position = {…}, half_extents = {…}, depth = … and so on. What came and went, which
+-- reservoirs() tells, is not looked at.
+function Emission:set_reservoirs(list)
+  local array, count = core.structs_of("reservoirs", "pbf_reservoir", "pbf_reservoir_init", nil, list)
+  run(self, "pbf_set_reservoirs", count, array)
+end
+
+function Emission:reservoirs()
+  local list = {}
+  for index = 0, core.number_of(self, "uint32_t", "pbf_get_reservoir_count") - 1 do
+    local reservoir = new("pbf_reservoir")
+    run(self, "pbf_get_reservoir", index, reservoir)
+    list[#list + 1] = core.fields_of("pbf_reservoir", reservoir)
+  end
+  return list
+end
+
 -- What came and went, in particles: a pbf_in_out.
 function Emission:in_out()
   local in_out = new("pbf_in_out")

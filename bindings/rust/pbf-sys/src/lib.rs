@@ -19,6 +19,7 @@ pub const PBF_MAX_ARRAYS: u32 = 40;
 pub const PBF_MAX_WORLDS: u32 = 65536;
 pub const PBF_MAX_EMITTERS: u32 = 64;
 pub const PBF_MAX_DRAINS: u32 = 64;
+pub const PBF_MAX_RESERVOIRS: u32 = 64;
 pub const PBF_MAX_PHASES: u32 = 8;
 pub const PBF_MAX_DIFFUSE: u32 = 4194303;
 pub const PBF_OK: pbf_status = 0;
@@ -568,6 +569,20 @@ pub struct pbf_emitter {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
+pub struct pbf_reservoir {
+    pub struct_size: u32,
+    pub phase: u32,
+    pub position: [f64; 3],
+    pub orientation: [f64; 4],
+    pub half_extents: [f64; 3],
+    pub depth: f64,
+    pub pressure: f64,
+    pub added: u64,
+    pub removed: u64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
 pub struct pbf_in_out {
     pub struct_size: u32,
     pub emitters: u32,
@@ -1085,6 +1100,24 @@ extern "C" {
         index: u32,
         drain: *mut pbf_volume,
     ) -> pbf_status;
+    pub fn pbf_reservoir_init(
+        reservoir: *mut pbf_reservoir,
+        struct_size: u32,
+    ) -> pbf_status;
+    pub fn pbf_set_reservoirs(
+        solver: *mut pbf_solver,
+        count: u32,
+        reservoirs: *const pbf_reservoir,
+    ) -> pbf_status;
+    pub fn pbf_get_reservoir_count(
+        solver: *mut pbf_solver,
+        count: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_get_reservoir(
+        solver: *mut pbf_solver,
+        index: u32,
+        reservoir: *mut pbf_reservoir,
+    ) -> pbf_status;
     pub fn pbf_get_in_out(
         solver: *mut pbf_solver,
         in_out: *mut pbf_in_out,
@@ -1593,6 +1626,20 @@ mod layout {
         assert_eq!(offset!(pbf_emitter, lifetime), 128);
         assert_eq!(offset!(pbf_emitter, phase), 136);
         assert_eq!(offset!(pbf_emitter, reserved), 140);
+    }
+
+    #[test]
+    fn pbf_reservoir_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_reservoir>(), 120);
+        assert_eq!(offset!(pbf_reservoir, struct_size), 0);
+        assert_eq!(offset!(pbf_reservoir, phase), 4);
+        assert_eq!(offset!(pbf_reservoir, position), 8);
+        assert_eq!(offset!(pbf_reservoir, orientation), 32);
+        assert_eq!(offset!(pbf_reservoir, half_extents), 64);
+        assert_eq!(offset!(pbf_reservoir, depth), 88);
+        assert_eq!(offset!(pbf_reservoir, pressure), 96);
+        assert_eq!(offset!(pbf_reservoir, added), 104);
+        assert_eq!(offset!(pbf_reservoir, removed), 112);
     }
 
     #[test]

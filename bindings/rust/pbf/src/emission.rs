@@ -42,6 +42,26 @@ impl Emitter {
     }
 }
 
+/// An open boundary of given level or pressure, by the names of `pbf_reservoir`.
+#[derive(Clone, Copy)]
+pub struct Reservoir {
+    pub(crate) raw: sys::pbf_reservoir,
+}
+fields_of_c!(Reservoir, pbf_reservoir);
+
+impl Reservoir {
+    /// A box in which fluid always stands so deep.
+    pub fn cuboid(center: [f64; 3], half_extents: [f64; 3], depth: f64) -> Self {
+        let mut raw = empty!(pbf_reservoir);
+        let status = unsafe { sys::pbf_reservoir_init(&mut raw, raw.struct_size) };
+        checked(status).expect("libpbf is of the version of this crate");
+        raw.position = center;
+        raw.half_extents = half_extents;
+        raw.depth = depth;
+        Reservoir { raw }
+    }
+}
+
 /// What comes and goes in each step.
 impl<T: Real> Solver<T> {
     /// Replaces all emitters; emitter i goes on where the one before it was.
@@ -74,6 +94,23 @@ impl<T: Real> Solver<T> {
                 let mut raw = empty!(pbf_volume);
                 self.checked(unsafe { sys::pbf_get_drain(self.as_raw(), index, &mut raw) })?;
                 Ok(Volume { raw })
+            })
+            .collect()
+    }
+
+    /// Replaces all open boundaries of given level or pressure.
+    pub fn set_reservoirs(&mut self, reservoirs: &[Reservoir]) -> Result<()> {
+        let raw: Vec<_> = reservoirs.iter().map(Reservoir::sized).collect();
+        let count = self.particles_of(raw.len(), 1)?;
+        self.checked(unsafe { sys::pbf_set_reservoirs(self.as_raw(), count, raw.as_ptr()) })
+    }
+
+    pub fn reservoirs(&self) -> Result<Vec<Reservoir>> {
+        (0..self.number(sys::pbf_get_reservoir_count, 0)?)
+            .map(|index| {
+                let mut raw = empty!(pbf_reservoir);
+                self.checked(unsafe { sys::pbf_get_reservoir(self.as_raw(), index, &mut raw) })?;
+                Ok(Reservoir { raw })
             })
             .collect()
     }

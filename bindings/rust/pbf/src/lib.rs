@@ -33,7 +33,7 @@ mod view;
 
 pub use batch::{Batch, World};
 pub use collider::Collider;
-pub use emission::Emitter;
+pub use emission::{Emitter, Reservoir};
 pub use error::{Error, Result, Status};
 pub use log::{Level, LogFn};
 pub use params::{Desc, Params};

@@ -1,8 +1,8 @@
 //! Shapes, queries, emitters, phases, loads and batches, against what geometry and mechanics say they
 //! must be; the backend is that of PBF_TEST_BACKEND, or "auto".
 use pbf::{
-    Anisotropy, Batch, Collider, Desc, Emitter, Error, Field, Params, Phase, Rows, SampleGrid,
-    Samples, Shape, Solver, Status, Volume,
+    Anisotropy, Batch, Collider, Desc, Emitter, Error, Field, Params, Phase, Reservoir, Rows,
+    SampleGrid, Samples, Shape, Solver, Status, Volume,
 };
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
@@ -284,6 +284,12 @@ fn as_much_comes_as_the_rate_says() {
     );
     assert_eq!(fluid.emitters().unwrap()[0].radius, 0.15);
     assert_eq!(fluid.drains().unwrap()[0].half_extents, [0.5, 0.1, 0.5]);
+    fluid
+        .set_reservoirs(&[Reservoir::cuboid([0.5; 3], [0.5; 3], 0.1)])
+        .unwrap();
+    fluid.step(1).unwrap();
+    assert!(fluid.reservoirs().unwrap()[0].added > 0);
+    fluid.set_reservoirs(&[]).unwrap();
     fluid.set_emitters(&[tap, slit]).unwrap();
     assert_eq!(fluid.emitters().unwrap()[1].half_height, 0.125);
     tap.rate = 100.;

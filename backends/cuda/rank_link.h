@@ -1,0 +1,339 @@
+/* Part of hold.h: what ranks ask each other by the functions of pbf/ranks.h, and how their devices
+ * come to see each other's memory. A failure is kept: nothing after it communicates, and the call
+ * fails when it ends. */
+#ifndef PBF_CUDA_RANK_LINK_H
+#define PBF_CUDA_RANK_LINK_H
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/digest.h"
+#include "common/number.h"
+#include "cuda/arrays.h"
+#include "cuda/rank_kernels.h"
+
+/* ---- Failures ------------------------------------------------------------------------------ */
+
+/* Of this call: nothing has changed. */
+static inline void refuse_on_ranks(solver *s, pbf_status status, const char *sentence) {
+  if (s->ranks.failed) return;
+  s->ranks.failed = status;
+  snprintf(s->ranks.reason, sizeof s->ranks.reason, "%s", sentence);
+}
+
+/* Of the others, or of a device while others wait for it: there is no way on. */
+static inline void lose_ranks(solver *s, pbf_status status, const char *sentence) {
+  refuse_on_ranks(s, status, sentence);
+  s->ranks.lost = true;
+}
+
+static inline bool begin_on_ranks(solver *s) {
+  if (!s->ranks.lost) s->ranks.failed = PBF_OK;
+  return !s->ranks.lost;
+}
+
+/* What the call returns. */
+static inline pbf_status end_on_ranks(solver *s) {
+  rank_state *r = &s->ranks;
+  if (!r->failed) return PBF_OK;
+  char text[sizeof r->reason + 96];
+  snprintf(text, sizeof text, "%s%s", r->reason,
+           r->told ? "; nothing but pbf_destroy is possible since" : "");
+  s->host->set_error(text);
+  const pbf_status status = r->told ? PBF_ERROR_STATE : r->failed;
+  r->told = r->lost;
+  return status;
+}
+
+/* ---- Questions ----------------------------------------------------------------------------- */
+
+static inline bool note_communication(solver *s, pbf_status status) {
+  if (status != PBF_OK) lose_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));
+  return !s->ranks.failed;
+}
+
+static inline bool gather_on_ranks(solver *s, const void *mine, void *all, uint64_t bytes) {
+  if (s->ranks.failed) return false;
+  return note_communication(s, s->ranks.link.all_gather(s->ranks.link.user, mine, all, bytes));
+}
+
+/* Whether it is so on all; false when that is not to be learnt. */
+static inline bool on_all_ranks(solver *s, bool yes) {
+  const uint32_t mine = yes;
+  uint32_t all[RANKS_OF_CUDA];
+  if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) yes = yes && all[k];
+  return yes;
+}
+
+/* ---- Agreement ----------------------------------------------------------------------------- */
+
+/* What ranks must have in common in a call, and whether one's memory has come to lie elsewhere. */
+struct rank_call {
+  char call[32];
+  uint64_t room, kind, params, colliders, particles, arguments;
+  uint64_t changed;
+};
+
+static inline const char *differing_part(const rank_call &a, const rank_call &b) {
+  if (a.room != b.room) return "desc.capacity, or local_capacity";
+  if (a.kind != b.kind) return "dimension, precision or shares";
+  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
+  if (a.params != b.params) return "the parameters";
+  if (a.colliders != b.colliders) return "the colliders";
+  if (a.particles != b.particles) return "the particles that were added, set or removed";
+  return a.arguments != b.arguments ? "the arguments of the call, or the time" : nullptr;
+}
+
+static inline rank_call rank_call_of(const solver *s, const char *call, const void *arguments,
+                                     uint64_t bytes) {
+  const uint32_t room[2] = {s->scene_capacity, s->capacity}, kind[2] = {PBF_DIM, sizeof(pbf_real)};
+  rank_call mine;
+  memset(&mine, 0, sizeof mine);
+  snprintf(mine.call, sizeof mine.call, "%s", call);
+  mine.room = digest(DIGEST_OF_NOTHING, room, sizeof room);
+  mine.kind = digest(DIGEST_OF_NOTHING, kind, sizeof kind);
+  mine.kind = digest(mine.kind, s->ranks.portions, s->ranks.count * sizeof(double));
+  mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
+  mine.colliders =
+      digest(DIGEST_OF_NOTHING, s->colliders, s->collider_count * sizeof *s->colliders);
+  mine.particles = s->ranks.particles;
+  mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
+  mine.changed = s->ranks.changed;
+  return mine;
+}
+
+/* ---- Each other's memory ------------------------------------------------------------------- */
+
+/* Where a rank's memory is. */
+struct rank_address {
+  uint64_t host, process;
+  int32_t device; /* as this process counts them */
+  uint32_t has_handles;
+  cudaUUID_t device_name;
+  char *room, *inbox;
+  cudaIpcMemHandle_t room_handle, inbox_handle;
+};
+
+/* Another process has another one. */
+static inline uint64_t process_token() {
+  static const char here = 0;
+  char space[64] = "";
+  if (readlink("/proc/self/ns/pid", space, sizeof space - 1) < 0) space[0] = 0;
+  const uint64_t parts[2] = {(uint64_t)getpid(), reinterpret_cast<uint64_t>(&here)};
+  return digest(digest(DIGEST_OF_NOTHING, parts, sizeof parts), space, sizeof space);
+}
+
+static inline uint64_t host_token() {
+  char text[64] = "";
+  if (FILE *file = fopen("/proc/sys/kernel/random/boot_id", "r")) {
+    if (!fgets(text, sizeof text, file)) text[0] = 0;
+    fclose(file);
+  }
+  return digest(DIGEST_OF_NOTHING, text, sizeof text);
+}
+
+/* Without handles it serves ranks of this process. */
+static inline rank_address address_of(solver *s) {
+  rank_address a = {};
+  a.host = host_token();
+  a.process = process_token();
+  a.device = s->device;
+  cudaDeviceProp properties;
+  if (cudaGetDeviceProperties(&properties, s->device) == cudaSuccess)
+    a.device_name = properties.uuid;
+  a.room = s->ranks.room;
+  a.inbox = static_cast<char *>(s->list_storage);
+  a.has_handles = cudaIpcGetMemHandle(&a.room_handle, a.room) == cudaSuccess &&
+                  cudaIpcGetMemHandle(&a.inbox_handle, a.inbox) == cudaSuccess;
+  cudaGetLastError();
+  return a;
+}
+
+static inline void close_handles(solver *s) {
+  for (auto &kind : s->ranks.opened)
+    for (char *&address : kind) {
+      if (address && cudaIpcCloseMemHandle(address) != cudaSuccess) cudaGetLastError();
+      address = nullptr;
+    }
+}
+
+/* Null: it sees it; else why not. */
+static inline const char *see_memory(solver *s, uint32_t r, const rank_address &mine,
+                                     const rank_address &other, char *seen[2]) {
+  if (other.host != mine.host) return "is on another host, which ranks of \"cuda\" can't be";
+  if (other.process == mine.process) {
+    int can = other.device == mine.device;
+    seen[0] = other.room;
+    seen[1] = other.inbox;
+    if (can) return nullptr;
+    if (cudaDeviceCanAccessPeer(&can, mine.device, other.device) != cudaSuccess || !can)
+      return "has device memory that is out of reach";
+    const cudaError_t error = cudaDeviceEnablePeerAccess(other.device, 0);
+    cudaGetLastError();
+    return error == cudaSuccess || error == cudaErrorPeerAccessAlreadyEnabled
+               ? nullptr
+               : "has device memory that is out of reach";
+  }
+  if (!other.has_handles) return "has a device that shares no memory with other processes";
+  const cudaIpcMemHandle_t handles[2] = {other.room_handle, other.inbox_handle};
+  for (int k = 0; k < 2; ++k) {
+    void *at = nullptr;
+    if (cudaIpcOpenMemHandle(&at, handles[k], cudaIpcMemLazyEnablePeerAccess) != cudaSuccess) {
+      cudaGetLastError();
+      return "has device memory that this process can't reach";
+    }
+    seen[k] = s->ranks.opened[k][r] = static_cast<char *>(at);
+  }
+  return nullptr;
+}
+
+/* Whether another rank has the device of rank r, by the name that it has everywhere. */
+static inline bool shares_device(const rank_address *all, uint32_t count, uint32_t r) {
+  for (uint32_t k = 0; k < count; ++k)
+    if (k != r && memcmp(&all[k].device_name, &all[r].device_name, sizeof all->device_name) == 0)
+      return true;
+  return false;
+}
+
+/* Has each see where the others' rooms are. All ranks call it. */
+static inline bool connect_ranks(solver *s) {
+  rank_state *r = &s->ranks;
+  rank_address all[RANKS_OF_CUDA], mine = address_of(s);
+  char *seen[2][RANKS_OF_CUDA] = {};
+  char text[160] = "a rank can't reach another's memory";
+  bool sees = cudaStreamSynchronize(s->stream) == cudaSuccess; /* what is new is empty by now */
+  close_handles(s);
+  if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
+  for (uint32_t k = 0; k < r->count; ++k) {
+    char *its[2] = {mine.room, mine.inbox};
+    const char *why = k == r->rank ? nullptr : see_memory(s, k, mine, all[k], its);
+    if (why && sees)
+      snprintf(text, sizeof text, "rank %u, as rank %u sees it, %s", k, r->rank, why);
+    sees = sees && !why;
+    r->one_by_one = r->one_by_one || shares_device(all, r->count, k);
+    seen[0][k] = its[0];
+    seen[1][k] = its[1];
+  }
+  if (!on_all_ranks(s, sees)) {
+    refuse_on_ranks(s, PBF_ERROR_UNSUPPORTED, text);
+    return false;
+  }
+  r->changed = false;
+  if (pbf_cuda_check(
+          cudaMemcpyAsync(r->control->rooms, seen, sizeof seen, cudaMemcpyHostToDevice, s->stream),
+          "cudaMemcpyAsync") != PBF_OK)
+    lose_ranks(s, PBF_ERROR_DEVICE, "a copy to the device of a rank has failed");
+  return !r->failed;
+}
+
+/* Begins a call that all ranks make alike; false where they do not, or one does not come. */
+static inline bool agree_on_call(solver *s, const char *call, const void *arguments,
+                                 uint64_t bytes) {
+  rank_call mine = rank_call_of(s, call, arguments, bytes), all[RANKS_OF_CUDA];
+  bool changed = false;
+  if (!begin_on_ranks(s) || !gather_on_ranks(s, &mine, all, sizeof mine)) return false;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) {
+    changed = changed || all[k].changed;
+    const char *part = differing_part(all[0], all[k]);
+    if (!part) continue;
+    char text[160];
+    snprintf(text, sizeof text, "ranks 0 and %u differ in %s", k, part);
+    if (!strcmp(part, "the call"))
+      snprintf(text, sizeof text, "ranks 0 and %u differ in the call: %s and %s", k, all[0].call,
+               all[k].call);
+    refuse_on_ranks(s, PBF_ERROR_INVALID_ARGUMENT, text);
+    return false;
+  }
+  return !changed || connect_ranks(s);
+}
+
+static inline bool agree_on_step(solver *s, const pbf_step_times &times, uint32_t steps) {
+  const double arguments[4] = {times.time, (double)times.before, times.time_step, (double)steps};
+  return agree_on_call(s, "pbf_step", arguments, sizeof arguments);
+}
+
+/* ---- Memory -------------------------------------------------------------------------------- */
+
+static inline pbf_status take_room(solver *s, uint32_t halo) {
+  rank_state *r = &s->ranks;
+  void *room = nullptr;
+  if (pbf_status status =
+          pbf_cuda_take(&s->memory, "exchanged with ranks", rank_room_bytes(r->count, halo), &room))
+    return status;
+  pbf_cuda_free(&s->memory, r->room);
+  r->room = static_cast<char *>(room);
+  r->halo_room = halo;
+  r->changed = true;
+  return PBF_OK;
+}
+
+static inline pbf_status take_cells(solver *s, uint32_t cells) {
+  void *memory = nullptr;
+  if (pbf_status status = pbf_cuda_take(&s->memory, "cell start",
+                                        ((uint64_t)cells + 2) * sizeof(uint32_t), &memory))
+    return status;
+  pbf_cuda_free(&s->memory, s->ranks.cell_memory);
+  s->ranks.cell_memory = static_cast<uint32_t *>(memory);
+  s->ranks.cell_room = cells;
+  return PBF_OK;
+}
+
+static inline pbf_status take_ranks(solver *s) {
+  rank_state *r = &s->ranks;
+  void *control = nullptr, *report = nullptr, *seen = nullptr;
+  if (pbf_status status = pbf_cuda_take(&s->memory, "of ranks", sizeof(rank_control), &control))
+    return status;
+  r->control = static_cast<rank_control *>(control);
+  if (pbf_status status = pbf_cuda_check(
+          cudaHostAlloc(&report, sizeof(rank_report), cudaHostAllocMapped), "cudaHostAlloc"))
+    return status;
+  memset(report, 0, sizeof(rank_report));
+  r->report = static_cast<rank_report *>(report);
+  if (pbf_status status =
+          pbf_cuda_check(cudaHostGetDevicePointer(&seen, report, 0), "cudaHostGetDevicePointer"))
+    return status;
+  r->device_report = static_cast<rank_report *>(seen);
+  int least, most;
+  cudaDeviceGetStreamPriorityRange(&least, &most);
+  if (pbf_status status = pbf_cuda_check(
+          cudaStreamCreateWithPriority(&r->edges, cudaStreamNonBlocking, most), "cudaStreamCreate"))
+    return status;
+  for (cudaEvent_t *event : {&r->inner_done, &r->edges_done[0], &r->edges_done[1]})
+    if (pbf_status status = pbf_cuda_check(cudaEventCreateWithFlags(event, cudaEventDisableTiming),
+                                           "cudaEventCreate"))
+      return status;
+  return take_room(s, 0);
+}
+
+static inline void free_ranks(solver *s) {
+  for (cudaEvent_t event : {s->ranks.inner_done, s->ranks.edges_done[0], s->ranks.edges_done[1]})
+    if (event) cudaEventDestroy(event);
+  if (s->ranks.edges) cudaStreamDestroy(s->ranks.edges);
+  close_handles(s);
+  if (s->ranks.report && cudaFreeHost(s->ranks.report) != cudaSuccess) cudaGetLastError();
+}
+
+/* Before a solver has anything else. */
+static inline pbf_status describe_ranks(solver *s, const pbf_ranks *ranks) {
+  rank_state *r = &s->ranks;
+  s->scene_capacity = s->capacity;
+  if (!ranks) return PBF_OK;
+  if (ranks->count > RANKS_OF_CUDA) {
+    s->host->set_error("\"cuda\" works on up to 64 ranks, those of one host");
+    return PBF_ERROR_UNSUPPORTED;
+  }
+  r->link = *ranks;
+  r->count = ranks->count;
+  r->rank = ranks->rank;
+  r->particles = DIGEST_OF_NOTHING;
+  for (uint32_t k = 0; k < r->count; ++k) r->portions[k] = ranks->shares ? ranks->shares[k] : 1;
+  r->link.shares = nullptr;
+  if (ranks->local_capacity) s->capacity = ranks->local_capacity;
+  s->capacity = (s->capacity + RANK_GROUP - 1) / RANK_GROUP * RANK_GROUP;
+  return PBF_OK;
+}
+
+#endif

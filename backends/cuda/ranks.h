@@ -1,0 +1,140 @@
+/* Part of solver.h: what a solver that is one of some ranks (pbf/ranks.h) knows of the others. Each
+ * rank has a device, all of one host. A rank's share is a run of the order of all particles by cell
+ * and id, and it holds copies of what is near before and behind it, as on CPUs: cpu/shares.h says
+ * why. Devices write into each other's memory, and tell each other by numbers that grow. */
+#ifndef PBF_CUDA_RANKS_H
+#define PBF_CUDA_RANKS_H
+
+#include <pbf/ranks.h>
+
+#include "cuda/particles.h"
+#include "cuda/plugin.h"
+#include "physics/features.h"
+
+enum {
+  RANKS_OF_CUDA = 64, /* at most */
+  RANK_BINS = 8192,   /* in which cells are counted, runs of their numbers */
+  RANK_GROUP = 32,    /* a share begins with a warp's particles: what a warp shares of its lists is
+                         as without ranks */
+  RANK_REALS = 8      /* of a particle, exchanged at once */
+};
+
+/* Places in the order of all particles, and the bins and cells of those that are held. */
+struct rank_share {
+  uint32_t own_first, own_last, held_first, held_last;
+  uint32_t bin_first, bin_last, cell_first, cell_last;
+};
+
+/* What each rank's device finds out of all ranks' bins. */
+struct rank_plan {
+  rank_share shares[RANKS_OF_CUDA];
+  uint32_t inbox_first[RANKS_OF_CUDA]; /* where its particles begin in those that each one gets */
+  uint32_t received;                   /* that it gets of the others */
+  uint32_t fits;                       /* each rank has room for what it is to hold */
+  unsigned long long sequence;         /* of this plan; written last */
+};
+
+/* Of the device, all in one piece. `sent` counts those that have been put for each rank. */
+struct rank_control {
+  rank_plan plan;
+  uint32_t bins[RANK_BINS]; /* of its own particles */
+  uint32_t sent[RANKS_OF_CUDA];
+  uint32_t arrived; /* blocks */
+  uint32_t lost;    /* a rank has not come within the time that there is */
+  char *rooms[RANKS_OF_CUDA], *inboxes[RANKS_OF_CUDA]; /* of all, as this device sees them */
+};
+
+/* What the device tells the host, in the host's memory. */
+struct rank_report {
+  rank_plan plan;
+  uint32_t lost;
+};
+
+/* A rank's room, into which the others write: how far each has come; its bins, in turns one of two;
+ * and what stages have changed of particles that this one holds, in turns one of two as well. */
+static inline __host__ __device__ uint64_t *rank_arrivals(char *room) {
+  return reinterpret_cast<uint64_t *>(room);
+}
+
+static inline __host__ __device__ uint32_t *rank_bins(char *room, uint32_t ranks, uint32_t turn,
+                                                      uint32_t of) {
+  uint32_t *all = reinterpret_cast<uint32_t *>(room + RANKS_OF_CUDA * sizeof(uint64_t));
+  return all + ((uint64_t)turn * ranks + of) * RANK_BINS;
+}
+
+static inline __host__ __device__ uint64_t rank_mail_begin(uint32_t ranks) {
+  return RANKS_OF_CUDA * sizeof(uint64_t) + 2ull * ranks * RANK_BINS * sizeof(uint32_t);
+}
+
+static inline __host__ __device__ uint64_t rank_mail_bytes(uint32_t halo) {
+  return (uint64_t)halo * RANK_REALS * sizeof(pbf_real);
+}
+
+static inline __host__ __device__ uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo) {
+  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo);
+}
+
+/* Particles that a rank gets, in the room of its lists: a field after another. */
+struct rank_inbox {
+  point *points;
+  pbf_vec *velocities;
+  uint32_t *ids;
+  pbf_real *overlap; /* null: none */
+};
+
+/* The capacity is a multiple of RANK_GROUP. */
+static inline __host__ __device__ uint64_t rank_inbox_bytes(uint32_t capacity, bool overlap) {
+  return (uint64_t)capacity *
+         (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) + (overlap ? sizeof(pbf_real) : 0));
+}
+
+static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t capacity,
+                                                           bool overlap) {
+  rank_inbox in;
+  in.points = reinterpret_cast<point *>(at);
+  in.velocities = reinterpret_cast<pbf_vec *>(in.points + capacity);
+  in.overlap = reinterpret_cast<pbf_real *>(in.velocities + capacity);
+  in.ids = reinterpret_cast<uint32_t *>(in.overlap + (overlap ? capacity : 0));
+  if (!overlap) in.overlap = nullptr;
+  return in;
+}
+
+/* Halves of the sort's scratch are of its own particles and of those that it gets. */
+static inline uint64_t rank_scratch_bytes(uint32_t capacity) {
+  return 5ull * capacity * sizeof(uint32_t);
+}
+
+struct rank_state {
+  pbf_ranks link;
+  uint32_t count, rank; /* count 0: it is alone */
+  uint32_t total;       /* particles of all */
+  double portions[RANKS_OF_CUDA];
+  pbf_status failed; /* of this call; PBF_OK: it goes on */
+  bool lost, told;   /* the others are out of reach; and the caller knows */
+  char reason[320];
+  uint64_t particles; /* a digest of what has come in */
+  uint64_t sequence;  /* of what all tell each other */
+  uint32_t turn;      /* of their rooms */
+  rank_control *control;
+  rank_report *report; /* the host's */
+  rank_report *device_report;
+  char *room;
+  uint32_t halo_room, cell_room; /* as on all ranks */
+  uint32_t *cell_memory;
+  bool one_by_one;        /* ranks share a device: none may wait there for another */
+  uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */
+  bool careful_once;      /* … as in a sort outside of steps */
+  bool careful;           /* the last sort, and what comes behind it, was so */
+  bool changed;           /* others do not know where its room is */
+  char *opened[2][RANKS_OF_CUDA];   /* by handles of other processes */
+  rank_share shares[RANKS_OF_CUDA]; /* of the last sort */
+  uint32_t pad;                     /* places before the first that is held */
+  uint32_t first, last;             /* its own among those that are held */
+  uint32_t held;                    /* the end of these */
+  uint32_t inner_first, inner_last; /* of its own, those that no other rank holds */
+  cudaStream_t edges;               /* where stages work on the others of its own, … */
+  cudaEvent_t inner_done, edges_done[2];
+  uint64_t bytes_sent; /* of stages' exchanges */
+};
+
+#endif

@@ -1,0 +1,194 @@
+/* Reservoirs as they are set. */
+#include "reservoir.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "error.h"
+#include "params.h"
+#include "particles/phases.h"
+#include "physics/spacing.h"
+#include "solver/handles.h"
+#include "solver/solver_time.h"
+#include "structs.h"
+#include "text.h"
+
+#define REAL(member, components, range) \
+  { #member, offsetof(pbf_reservoir, member), components, range, 0 }
+#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
+
+static const pbf_real_rule reals[] = {
+    REAL(depth, 1, PBF_ABOVE_ZERO),
+    REAL(pressure, 1, PBF_AT_LEAST_ZERO),
+};
+
+static pbf_volume box_of(const pbf_reservoir *r) {
+  pbf_volume box = {.struct_size = sizeof box, .shape = PBF_VOLUME_BOX};
+  memcpy(box.position, r->position, sizeof box.position);
+  memcpy(box.orientation, r->orientation, sizeof box.orientation);
+  memcpy(box.half_extents, r->half_extents, sizeof box.half_extents);
+  return box;
+}
+
+pbf_reservoir_frame pbf_reservoir_frame_of(const pbf_reservoir *r, uint32_t dimension,
+                                           double spacing) {
+  const pbf_volume box = box_of(r);
+  pbf_reservoir_frame f = {.box = pbf_volume_frame_of(&box, dimension),
+                           .spacing = spacing,
+                           .lower = -r->half_extents[1],
+                           .upper = -r->half_extents[1] + r->depth,
+                           .particles = r->depth / spacing};
+  for (uint32_t side = 0; side < 2; ++side) {
+    const double width = 2 * r->half_extents[2 * side];
+    /* A hair more, for widths that are whole numbers of spacings but for rounding. */
+    const double fit = floor(width / spacing + 0.01);
+    const int is_flat = side == 1 && dimension == 2;
+    f.cells[side] = is_flat || fit < 1 ? 1 : (uint32_t)fmin(fit, PBF_MAX_CAPACITY);
+    f.cell[side] = is_flat ? 0 : width / f.cells[side];
+    if (!is_flat) f.particles *= width / spacing;
+  }
+  f.particles = floor(f.particles + 0.5);
+  return f;
+}
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+pbf_status pbf_reservoir_check(const pbf_reservoir *r, uint32_t index, pbf_check_kind kind) {
+  char label[32];
+  const pbf_volume box = box_of(r);
+  snprintf(label, sizeof label, "reservoirs[%u]", index);
+  pbf_status status = pbf_volume_check(&box, label, kind.dimension);
+  if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, r, kind);
+  if (status == PBF_OK && r->depth > 2 * r->half_extents[1])
+    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "%s.depth is %.9g; it must be at most the height of its box, %.9g", label,
+                      r->depth, 2 * r->half_extents[1]);
+  return status;
+}
+
+/* The corners of the box are in the domain, but for rounding. */
+static pbf_status check_corners(const pbf_volume_frame *box, uint32_t index,
+                                const pbf_solver *solver) {
+  const uint32_t n = solver->kind.dimension;
+  const pbf_box domain = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  for (uint32_t corner = 0; corner < 1u << n; ++corner)
+    for (uint32_t k = 0; k < n; ++k) {
+      const double hair = 1e-6 * (domain.upper[k] - domain.lower[k]);
+      double at = box->position[k];
+      for (uint32_t axis = 0; axis < n; ++axis)
+        at += (corner >> axis & 1 ? 1 : -1) * box->half[axis] * box->axes[axis][k];
+      if (!(at >= domain.lower[k] - hair && at <= domain.upper[k] + hair))
+        return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                        "reservoirs[%u] reaches to %.9g along axis %u; it must be inside the "
+                        "domain, %.9g … %.9g",
+                        index, at, k, domain.lower[k], domain.upper[k]);
+    }
+  return PBF_OK;
+}
+
+static pbf_status check_place(const pbf_reservoir *r, uint32_t index, const pbf_solver *solver) {
+  const pbf_reservoir_frame f =
+      pbf_reservoir_frame_of(r, solver->kind.dimension, pbf_derive_spacing(&solver->params));
+  if (!(f.particles <= solver->capacity))
+    return pbf_fail(PBF_ERROR_CAPACITY, "reservoirs[%u] holds %.9g particles; desc.capacity is %u",
+                    index, f.particles, solver->capacity);
+  pbf_status status = check_corners(&f.box, index, solver);
+  if (status == PBF_OK && r->phase >= pbf_phases_count(solver->phases))
+    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "reservoirs[%u].phase is %u; it must be below the number of phases, %u",
+                      index, r->phase, pbf_phases_count(solver->phases));
+  return status;
+}
+
+/* ---- Calls ----------------------------------------------------------------------------------- */
+
+static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_reservoir *theirs,
+                          pbf_reservoir *ours) {
+  if (count > PBF_MAX_RESERVOIRS)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
+                    PBF_MAX_RESERVOIRS);
+  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "reservoirs is null");
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t first = pbf_struct_size(theirs);
+    const unsigned char *at = (const unsigned char *)theirs + (uint64_t)i * first;
+    if (pbf_struct_size(at) != first)
+      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
+                      "reservoirs[%u].struct_size is %u; it must be that of reservoirs[0], %u", i,
+                      pbf_struct_size(at), first);
+    pbf_status status = pbf_struct_in(&pbf_kind_reservoir, at, &ours[i]);
+    if (status == PBF_OK) status = pbf_reservoir_check(&ours[i], i, solver->kind);
+    if (status == PBF_OK) status = check_place(&ours[i], i, solver);
+    if (status != PBF_OK) return status;
+  }
+  return PBF_OK;
+}
+
+static pbf_status set_reservoirs(pbf_solver *solver, uint32_t count, const pbf_reservoir *theirs) {
+  pbf_reservoir ours[PBF_MAX_RESERVOIRS];
+  pbf_emission *e;
+  pbf_status status = copy_in(solver, count, theirs, ours);
+  if (status != PBF_OK || (count == 0 && !solver->emission)) return status;
+  status = pbf_emission_need(solver, &e);
+  if (status != PBF_OK) return status;
+  for (uint32_t i = 0; i < count; ++i) {
+    const int goes_on = i < e->head.reservoir_count;
+    ours[i].added = goes_on ? e->reservoirs[i].added : 0;
+    ours[i].removed = goes_on ? e->reservoirs[i].removed : 0;
+  }
+  memset(e->reservoirs, 0, sizeof e->reservoirs);
+  if (count > 0) memcpy(e->reservoirs, ours, count * sizeof *ours);
+  e->head.reservoir_count = count;
+  return PBF_OK;
+}
+
+pbf_status pbf_set_reservoirs(pbf_solver *solver, uint32_t count, const pbf_reservoir *reservoirs) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, set_reservoirs(solver, count, reservoirs));
+}
+
+static uint32_t count_of(const pbf_solver *solver) {
+  return solver->emission ? solver->emission->head.reservoir_count : 0;
+}
+
+static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  *count = count_of(solver);
+  return PBF_OK;
+}
+
+pbf_status pbf_get_reservoir_count(pbf_solver *solver, uint32_t *count) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_count(solver, count));
+}
+
+static pbf_status get_reservoir(const pbf_solver *solver, uint32_t index,
+                                pbf_reservoir *reservoir) {
+  pbf_status status = pbf_struct_check_out(&pbf_kind_reservoir, reservoir);
+  if (status == PBF_OK && index >= count_of(solver))
+    status = pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u reservoirs", index,
+                      count_of(solver));
+  if (status == PBF_OK)
+    pbf_struct_out(&pbf_kind_reservoir, &solver->emission->reservoirs[index], reservoir,
+                   reservoir->struct_size);
+  return status;
+}
+
+pbf_status pbf_get_reservoir(pbf_solver *solver, uint32_t index, pbf_reservoir *reservoir) {
+  pbf_status status = pbf_enter(solver);
+  if (status != PBF_OK) return status;
+  return pbf_leave(solver, get_reservoir(solver, index, reservoir));
+}
+
+pbf_status pbf_reservoir_init(pbf_reservoir *reservoir, uint32_t struct_size) {
+  const pbf_reservoir initial = {.struct_size = struct_size,
+                                 .orientation = {0, 0, 0, 1},
+                                 .half_extents = {1, 1, 1},
+                                 .depth = 1};
+  if (!reservoir) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "reservoir is null");
+  pbf_status status = pbf_struct_check_size(&pbf_kind_reservoir, struct_size);
+  if (status == PBF_OK) pbf_struct_out(&pbf_kind_reservoir, &initial, reservoir, struct_size);
+  return status;
+}

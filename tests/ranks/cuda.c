@@ -1,0 +1,290 @@
+/* Ranks of "cuda" give the bits of one solver, on as many devices as there are, of which ranks may
+ * share one; what they do not have they refuse, in words. */
+#include "support.h"
+
+#include <stdio.h>
+
+#include "thread_ranks.h"
+
+enum { COUNT = 3000, STEPS = 12 };
+
+/* A scene, and what one solver makes of it. */
+typedef struct scene {
+  uint32_t dimension, precision;
+  pbf_params params;
+  int comes_and_goes; /* particles, between steps */
+  uint64_t hash;
+  pbf_stats stats;
+  void *densities;
+  uint64_t hashes_seen[MAX_THREAD_RANKS];
+} scene;
+
+static int device_count = 1;
+
+/* With a stage that one launch of all steps does not have: its sums have another order
+ * (docs/notes/cuda.md). */
+static pbf_params params_of(uint32_t dimension) {
+  pbf_params params = test_params();
+  params.pressure_grid = 0;
+  params.smoothing_radius = 0.1;
+  params.drag = 0.1;
+  for (uint32_t k = 0; k < 3; ++k) params.domain_max[k] = k == 0 ? 3 : 1;
+  if (dimension == 2) params.domain_max[0] = 6, params.domain_max[1] = 5;
+  return params;
+}
+
+static scene scene_of(uint32_t dimension, uint32_t precision) {
+  return (scene){.dimension = dimension, .precision = precision, .params = params_of(dimension)};
+}
+
+static pbf_desc desc_of(const scene *c) {
+  pbf_desc desc = test_desc(c->dimension, c->precision, COUNT + 400);
+  desc.allocator = NULL; /* the counting one is one thread's */
+  return desc;
+}
+
+/* A block at the left, in which no particle lies on a lattice. */
+static void fill(const scene *c, pbf_solver *s, uint32_t count, double shift) {
+  const uint32_t d = c->dimension, wide = d == 3 ? 14 : 40;
+  void *x = calloc((size_t)count * d, c->precision), *v = calloc((size_t)count * d, c->precision);
+  EXPECT(x);
+  EXPECT(v);
+  uint32_t seed = 7;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t at[3] = {i % wide, i / wide % (d == 3 ? wide : count), i / wide / wide};
+    for (uint32_t k = 0; k < d; ++k) {
+      seed = seed * 1664525u + 1013904223u;
+      const double off = 0.4 * (seed / 4294967296.0);
+      test_put(x, (uint64_t)i * d + k, c->precision, shift + 0.05 * (0.3 + at[k] + off));
+      test_put(v, (uint64_t)i * d + k, c->precision, k == 0 ? 2 * off : -off);
+    }
+  }
+  EXPECT_OK(pbf_add_particles(s, count, x, v, NULL));
+  free(x);
+  free(v);
+}
+
+static void run_scene(const scene *c, pbf_solver *s) {
+  fill(c, s, COUNT, 0);
+  EXPECT_OK(pbf_step(s, STEPS / 2));
+  if (c->comes_and_goes) {
+    uint32_t ids[40];
+    double speed[3] = {0.5, 0.25, -0.5};
+    void *v = calloc(3, c->precision);
+    for (uint32_t k = 0; k < 40; ++k) ids[k] = 3 + 17 * k;
+    EXPECT_OK(pbf_remove_particles(s, 40, ids));
+    fill(c, s, 300, 0.03);
+    for (uint32_t k = 0; k < 3 && EXPECT(v); ++k) test_put(v, k, c->precision, speed[k]);
+    EXPECT_OK(pbf_set_velocities(s, 1700, 1, v));
+    free(v);
+  }
+  EXPECT_OK(pbf_step(s, STEPS - STEPS / 2));
+}
+
+static uint32_t count_of(pbf_solver *s) {
+  uint32_t count = 0;
+  EXPECT_OK(pbf_get_count(s, &count));
+  return count;
+}
+
+static void run_alone(scene *c) {
+  const pbf_desc desc = desc_of(c);
+  pbf_solver *s = test_create(&desc, &c->params);
+  run_scene(c, s);
+  assert_int_equal(ranks_failures(), 0);
+  c->hash = test_hash(s);
+  c->stats = (pbf_stats){.struct_size = sizeof c->stats};
+  assert_ok(pbf_get_stats(s, &c->stats));
+  c->densities = calloc(count_of(s), c->precision);
+  assert_ok(pbf_get_densities(s, 0, count_of(s), c->densities));
+  pbf_destroy(s);
+}
+
+/* A sum's terms come in the order of the ranks. */
+static int is_about(double a, double b) { return fabs(a - b) <= 1e-12 * (fabs(a) + fabs(b)); }
+
+static void expect_same_stats(const pbf_stats *a, const pbf_stats *b) {
+  EXPECT(a->count == b->count);
+  EXPECT(a->neighbors_max == b->neighbors_max);
+  EXPECT(a->speed_max == b->speed_max);
+  EXPECT(a->density_error_max == b->density_error_max);
+  EXPECT(is_about(a->density_mean, b->density_mean));
+  EXPECT(is_about(a->density_error_mean, b->density_error_mean));
+  EXPECT(is_about(a->neighbors_mean, b->neighbors_mean));
+  EXPECT(is_about(a->kinetic_energy, b->kinetic_energy));
+  for (int k = 0; k < 3; ++k) EXPECT(a->position_max[k] == b->position_max[k]);
+}
+
+static void run_on_ranks(const pbf_ranks *ranks, void *context) {
+  scene *c = context;
+  pbf_desc desc = desc_of(c);
+  pbf_solver *s;
+  pbf_stats stats = {.struct_size = sizeof stats};
+  desc.device = (int)ranks->rank % device_count;
+  if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
+  run_scene(c, s);
+  const uint32_t count = count_of(s);
+  void *values = calloc(count, c->precision);
+  EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  expect_same_stats(&stats, &c->stats);
+  EXPECT_OK(pbf_get_densities(s, 0, count, values));
+  EXPECT(memcmp(values, c->densities, (size_t)count * c->precision) == 0);
+  free(values);
+  pbf_destroy(s);
+}
+
+static void expect_same(const char *what, scene *c, uint32_t ranks, const double *shares) {
+  memset(c->hashes_seen, 0, sizeof c->hashes_seen);
+  thread_ranks_run(ranks, 0, shares, NULL, run_on_ranks, c);
+  assert_int_equal(ranks_failures(), 0);
+  for (uint32_t r = 0; r < ranks; ++r)
+    if (c->hashes_seen[r] != c->hash)
+      fail_msg("%s, %uD float%u, rank %u of %u: other bits", what, c->dimension, 8 * c->precision,
+               r, ranks);
+}
+
+static void check(const char *what, scene *c) {
+  run_alone(c);
+  for (uint32_t ranks = 1; ranks <= 3; ++ranks) expect_same(what, c, ranks, NULL);
+  free(c->densities);
+}
+
+static void check_plain(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  check("a dam break", &c);
+  c.comes_and_goes = 1;
+  check("particles that come and go", &c);
+}
+
+/* Every stage that ranks have. */
+static void check_stages(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.params.damping_compensation = 1;
+  c.params.angular_momentum_correction = 1;
+  c.params.shear_stress_correction = 0.7;
+  c.params.vorticity = 0.02;
+  c.params.viscosity = 0.002;
+  c.params.wall_no_slip = 1;
+  c.params.surface_tension = 0.002;
+  c.params.wall_adhesion = 0.4;
+  c.params.collide |= PBF_COLLIDE_AFTER_SOLVE;
+  c.params.time_step = 1.0 / 2000; /* there is a residual density, too */
+  check("all stages", &c);
+  c.params.time_step = 1.0 / 60;
+  c.params.max_substeps = 8;
+  check("divided steps", &c);
+}
+
+static void a_dam_break_is_the_same(void **state) {
+  (void)state;
+  test_for_each_kind(check_plain);
+}
+
+static void so_are_all_stages(void **state) {
+  (void)state;
+  test_for_each_kind(check_stages);
+}
+
+/* Walls of which each rank has some, and a grid whose cells wrap. */
+static void so_are_mirrors_and_sparse_particles(void **state) {
+  (void)state;
+  scene c = scene_of(3, PBF_FLOAT32);
+  c.params.spacing = 0.05;
+  c.params.smoothing_radius = 0.135;
+  check("walls that mirror", &c);
+  c = scene_of(3, PBF_FLOAT32);
+  for (uint32_t k = 0; k < 3; ++k) c.params.domain_max[k] = 200;
+  c.params.gravity[1] = 0;
+  c.params.attraction = -40; /* blows it apart */
+  check("sparse particles", &c);
+}
+
+/* Shares that have one warp, and nearly all. */
+static void it_does_not_matter_where_space_is_cut(void **state) {
+  static const double shares[][3] = {{1000, 1, 1}, {1, 3, 900}, {1, 2, 3}};
+  (void)state;
+  scene c = scene_of(3, PBF_FLOAT32);
+  run_alone(&c);
+  for (size_t k = 0; k < sizeof shares / sizeof shares[0]; ++k)
+    expect_same("uneven shares", &c, 3, shares[k]);
+  free(c.densities);
+}
+
+static void refuse(const pbf_ranks *ranks, void *context) {
+  scene *c = context;
+  pbf_params ends = c->params, turns = c->params, deep = c->params;
+  const pbf_desc desc = desc_of(c);
+  pbf_solver *s = NULL;
+  float pressure;
+  ends.tolerance = 0.01;
+  turns.periodic = PBF_PERIODIC_X;
+  deep.pressure_grid = 2;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &ends, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.tolerance is not 0");
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &turns, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.periodic is not 0");
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &deep, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.pressure_grid is -1 or above 0");
+  if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
+  fill(c, s, COUNT, 0);
+  EXPECT_FAILS(pbf_get_pressures(s, 0, 1, &pressure), PBF_ERROR_UNSUPPORTED, "on ranks");
+  EXPECT_FAILS(pbf_step(s, 1 + ranks->rank), PBF_ERROR_INVALID_ARGUMENT, "arguments of the call");
+  EXPECT_OK(pbf_step(s, 2));
+  pbf_destroy(s);
+}
+
+static void what_ranks_do_not_have_is_refused(void **state) {
+  (void)state;
+  scene c = scene_of(3, PBF_FLOAT32);
+  thread_ranks_run(2, 0, NULL, NULL, refuse, &c);
+  assert_int_equal(ranks_failures(), 0);
+}
+
+/* A step for which a rank has no room is none, and the state is what it was. */
+static void too_little_room(const pbf_ranks *ranks, void *context) {
+  scene *c = context;
+  const pbf_desc desc = desc_of(c);
+  pbf_solver *s = NULL;
+  uint64_t before = 0, after = 1;
+  if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
+  fill(c, s, COUNT, 0);
+  EXPECT_OK(pbf_hash(s, &before));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_CAPACITY, "local_capacity");
+  EXPECT_OK(pbf_hash(s, &after));
+  EXPECT(before == after);
+  pbf_destroy(s);
+}
+
+static void too_little_room_is_told(void **state) {
+  (void)state;
+  scene c = scene_of(3, PBF_FLOAT32);
+  c.params.prestabilization = 0;
+  thread_ranks_run(2, COUNT / 2 + 32, NULL, NULL, too_little_room, &c);
+  assert_int_equal(ranks_failures(), 0);
+}
+
+/* Devices are numbered without a gap. */
+static int count_devices(void **state) {
+  (void)state;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 64);
+  pbf_solver *s;
+  for (desc.device = 1; desc.device < MAX_THREAD_RANKS; ++desc.device) {
+    if (pbf_create(&desc, NULL, &s) != PBF_OK) break;
+    pbf_destroy(s);
+  }
+  device_count = desc.device;
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test_setup(a_dam_break_is_the_same, count_devices),
+      cmocka_unit_test(so_are_all_stages),
+      cmocka_unit_test(so_are_mirrors_and_sparse_particles),
+      cmocka_unit_test(it_does_not_matter_where_space_is_cut),
+      cmocka_unit_test(what_ranks_do_not_have_is_refused),
+      cmocka_unit_test(too_little_room_is_told),
+  };
+  return TEST_RUN(tests);
+}

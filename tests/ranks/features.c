@@ -1,0 +1,228 @@
+/* Ranks give the bits of one solver where sums go over all of the fluid, where particles differ,
+ * and where neighbours are across the domain: pressure grids, loads and friction, phases, periodic
+ * axes. */
+#include <pbf/phases.h>
+
+#include "scenes.h"
+
+/* Whether the plan has, or has not, this stage. */
+static void expect_stage(const scene *c, const char *name, int wanted) {
+  pbf_desc desc = test_desc(c->dimension, c->precision, c->count + 400);
+  pbf_solver *s = test_create(&desc, &c->params);
+  pbf_plan plan = {.struct_size = sizeof plan};
+  int has = 0;
+  if (c->set_up) c->set_up(c, s);
+  scene_fill(c, s, c->count, 0);
+  assert_ok(pbf_get_plan(s, &plan));
+  for (uint32_t k = 0; k < plan.stage_count; ++k) has |= !strcmp(plan.stages[k].name, name);
+  if (has != wanted) fail_msg("\"%s\" is %s the plan", name, has ? "in" : "not in");
+  pbf_destroy(s);
+}
+
+/* ---- Pressure grids ------------------------------------------------------------------------ */
+
+/* A plate that divides cells of the grid, and a ball on its way. */
+static void set_plate(const scene *c, pbf_solver *s) {
+  pbf_collider list[SCENE_COLLIDERS];
+  (void)c;
+  scene_colliders(list);
+  list[1].half_extents[0] = 0.012;
+  list[1].half_extents[1] = 0.4;
+  list[1].half_extents[2] = 0.4;
+  list[1].angular_velocity[2] = 0.4;
+  EXPECT_OK(pbf_set_colliders(s, SCENE_COLLIDERS, list));
+}
+
+static void add_more(const scene *c, pbf_solver *s) { scene_fill(c, s, 300, 0.03); }
+
+static void check_grid(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.pressure_grid = 2;
+  expect_stage(&c, "pressure grid", 1);
+  scene_check("a pressure grid", &c);
+  c.set_up = set_plate;
+  c.change = add_more;
+  scene_check("a pressure grid that a plate divides", &c);
+}
+
+/* Deep enough for a grid that the solver gives itself, with what else it then has. */
+static void check_deep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.pressure_grid = -1;
+  c.params.domain_max[0] = dimension == 3 ? 0.72 : 3;
+  c.params.domain_max[dimension - 1] = 6;
+  if (dimension == 3) {
+    c.count = 4000;
+    c.params.domain_max[1] = 0.72;
+    c.params.gravity[2] = c.params.gravity[1];
+    c.params.gravity[1] = 0;
+  }
+  expect_stage(&c, "pressure grid", 1);
+  expect_stage(&c, "shear stress", 1);
+  scene_check("deep water", &c);
+}
+
+static void a_pressure_grid_is_the_same(void **state) {
+  (void)state;
+  test_for_each_kind(check_grid);
+}
+
+static void so_is_deep_water(void **state) {
+  (void)state;
+  test_for_each_kind(check_deep);
+}
+
+/* ---- Loads and friction -------------------------------------------------------------------- */
+
+static void set_rough(const scene *c, pbf_solver *s) {
+  pbf_collider list[SCENE_COLLIDERS];
+  (void)c;
+  scene_colliders(list);
+  for (int k = 0; k < SCENE_COLLIDERS; ++k) list[k].friction = 0.4, list[k].static_friction = 0.6;
+  EXPECT_OK(pbf_set_colliders(s, SCENE_COLLIDERS, list));
+}
+
+static void check_loads(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.colliders = SCENE_COLLIDERS;
+  c.params.loads = 1;
+  scene_check("loads", &c);
+  c.params.pressure_grid = 2;
+  c.params.viscosity = 0.002;
+  c.params.wall_no_slip = 1;
+  scene_check("loads of a pressure grid, and of fluid that sticks", &c);
+  c.params.pressure_grid = 0;
+  c.params.surface_tension = 0.002;
+  c.params.wall_adhesion = 0.4;
+  scene_check("loads of adhesion", &c);
+}
+
+static void check_friction(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.set_up = set_rough;
+  c.params.wall_friction = 0.3;
+  scene_check("friction", &c);
+  c.params.loads = 1;
+  c.params.pressure_grid = 2;
+  scene_check("friction and its loads", &c);
+}
+
+static void loads_are_the_same(void **state) {
+  (void)state;
+  test_for_each_kind(check_loads);
+}
+
+static void so_is_friction(void **state) {
+  (void)state;
+  test_for_each_kind(check_friction);
+}
+
+/* ---- Phases -------------------------------------------------------------------------------- */
+
+static void set_fluids(const scene *c, pbf_solver *s) {
+  pbf_phase phases[3];
+  for (uint32_t k = 0; k < c->phases; ++k) EXPECT_OK(pbf_phase_init(&phases[k], sizeof phases[k]));
+  phases[1].rest_density = 0.6;
+  phases[1].viscosity = 0.5;
+  phases[2].rest_density = 3;
+  EXPECT_OK(pbf_set_phases(s, c->phases, phases));
+}
+
+static void check_fluids(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.phases = 3;
+  c.set_up = set_fluids;
+  c.change = add_more;
+  scene_check("phases", &c);
+  c.colliders = SCENE_COLLIDERS;
+  c.params.loads = 1;
+  c.params.wall_friction = 0.3;
+  c.params.viscosity = 0.002;
+  c.params.damping_compensation = 1;
+  c.params.angular_momentum_correction = 1;
+  scene_check("phases, and stages that know of mass", &c);
+}
+
+static void so_are_phases(void **state) {
+  (void)state;
+  test_for_each_kind(check_fluids);
+}
+
+/* ---- Sleep --------------------------------------------------------------------------------- */
+
+/* Something falls into what has fallen asleep. */
+static void wake_some(const scene *c, pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep > c->count / 10);
+  EXPECT(stats.asleep < c->count);
+  if (c->colliders) return;
+  pbf_collider list[SCENE_COLLIDERS];
+  scene_colliders(list);
+  EXPECT_OK(pbf_set_colliders(s, SCENE_COLLIDERS, list));
+  scene_fill(c, s, 30, 0.4);
+}
+
+static void check_sleep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.sleep_speed = dimension == 3 ? 1 : 1.5;
+  c.params.sleep_time = 0.02;
+  c.change = wake_some;
+  scene_check("sleep", &c);
+  c.colliders = SCENE_COLLIDERS;
+  c.params.loads = 1;
+  c.params.pressure_grid = 2;
+  scene_check("sleep around colliders", &c);
+}
+
+/* All sleep, until a collider comes. */
+static void check_deep_sleep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.sleep_speed = 100;
+  c.params.sleep_time = 0.01;
+  c.params.loads = 1;
+  scene_check("all asleep", &c);
+  assert_int_equal(c.stats.asleep, c.count);
+  c.colliders = 1;
+  scene_check("all asleep but near a ball", &c);
+}
+
+static void so_is_sleep(void **state) {
+  (void)state;
+  test_for_each_kind(check_sleep);
+  test_for_each_kind(check_deep_sleep);
+}
+
+/* ---- Periodic axes ------------------------------------------------------------------------- */
+
+/* Along which the block has no walls: in turns all, and those across which ranks are or are not
+ * cut. */
+static void check_periodic(uint32_t dimension, uint32_t precision) {
+  static const uint32_t sets[] = {PBF_PERIODIC_X, PBF_PERIODIC_Y, PBF_PERIODIC_X | PBF_PERIODIC_Y,
+                                  PBF_PERIODIC_X | PBF_PERIODIC_Y | PBF_PERIODIC_Z};
+  for (uint32_t k = 0; k < (dimension == 3 ? 4 : 3); ++k) {
+    scene c = scene_plain(dimension, precision);
+    c.params.periodic = sets[k];
+    c.params.gravity[0] = -30; /* across the face */
+    c.asks = 1;
+    scene_check("periodic axes", &c);
+  }
+}
+
+static void so_are_periodic_axes(void **state) {
+  (void)state;
+  test_for_each_kind(check_periodic);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_pressure_grid_is_the_same),
+      cmocka_unit_test(so_is_deep_water),
+      cmocka_unit_test(loads_are_the_same),
+      cmocka_unit_test(so_is_friction),
+      cmocka_unit_test(so_are_phases),
+      cmocka_unit_test(so_are_periodic_axes),
+      cmocka_unit_test(so_is_sleep),
+  };
+  return TEST_RUN(tests);
+}
