@@ -28,7 +28,7 @@ PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s,
 
 /* The same with what others leave of each, put among the planes of others. */
 template <class Each>
-PBF_FN_APART void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
+PBF_FN_SELDOM void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
                                   pbf_vec x, pbf_real reach, Each each, pbf_field_planes *planes) {
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);

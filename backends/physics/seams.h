@@ -13,7 +13,7 @@
 #include "physics/near_faces.h"
 
 /* Not on GPUs so far, where it has not been run: docs/notes/walls.md. */
-enum { PBF_FINDS_SEAMS = 1 };
+enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
 
 PBF_FN_SELDOM pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   int is_plane;
