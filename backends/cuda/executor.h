@@ -13,6 +13,7 @@
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
                  phases = s->phase != nullptr, solids = s->topology_memory != nullptr,
+                 boundary = s->boundary_densities != nullptr, collides = collides_after_moves(s),
                  loads = notes_pushes(s);
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
@@ -287,13 +288,14 @@ struct executor {
     const few_no_slip no_slip = no_slip_of(s);
     neighborhood starts = n;
     starts.particles.points = s->points;
-    with_surfaces(s, [&](auto surfaces) {
-      constexpr surfaces_met MET = decltype(surfaces)::value;
-      constexpr surfaces_met NONE_MET = serves_all<MET> ? MET : FEW_SURFACES;
-      launch(s->schedule.no_slip ? viscous_stress_kernel<true, MET>
-                                 : viscous_stress_kernel<false, NONE_MET>,
-             starts, n.particles.points, stage, extras.obstacles, no_slip);
-    });
+    const bool all = has_images_or_phases(s);
+    auto kernel = all ? viscous_stress_kernel<false, NO_SURFACES, true>
+                      : viscous_stress_kernel<false, NO_SURFACES, false>;
+    if (s->schedule.no_slip)
+      kernel = surfaces_of(s) == FIELD_SURFACES ? viscous_stress_kernel<true, FIELD_SURFACES, true>
+               : all                            ? viscous_stress_kernel<true, FEW_SURFACES, true>
+                                                : viscous_stress_kernel<true, FEW_SURFACES, false>;
+    launch(kernel, starts, n.particles.points, stage, extras.obstacles, no_slip);
     swap_arrays(&changes, &next_changes);
   }
 
@@ -429,7 +431,8 @@ struct executor {
         with_kernel(s->schedule.features,
                     [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
         launch_lambda(s, part, extras,
-                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts,
+                       boundary_sums_of(s, moved)});
       });
       if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
     });
@@ -460,10 +463,10 @@ struct executor {
             typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
             sum_ghosts<pass>(s, part, extras, domain(), ghost_moves);
           });
-        launch_move(
-            s, part, moved, extras,
-            {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
-             s->schedule.collide_after_solve, s->velocities, ghost_moves});
+        launch_move(s, part, moved, extras,
+                    {place, (pbf_real)pbf_per_time_step(&s->params),
+                     s->schedule.collide_in_iteration, s->schedule.collide_after_solve,
+                     s->velocities, ghost_moves, boundary_sums_of(s, moved)});
       });
       if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
     });

@@ -5,6 +5,7 @@
 
 #include "cuda/driver.h"
 #include "cuda/ghosts.h"
+#include "cuda/solids.h"
 #include "physics/passes/angular_momentum.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
@@ -22,16 +23,12 @@
 
 constexpr bool PBF_DAMPING_COMPENSATION = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) != 0;
 
-/* The place of an iteration among those of the step. */
-struct iteration_place {
-  bool first, second, last;
-};
-
 /* How an iteration's lambda comes about, other than from neighbours. */
 struct lambda_parts {
   bool first;
   const pbf_real *residual_density;    /* in very short steps; else null */
   const lambda_sums<pbf_real> *ghosts; /* where walls have them (ghosts.h); else null */
+  boundary_sums boundary;
 };
 
 /* How an iteration's move ends. */
@@ -42,17 +39,16 @@ struct move_end {
   int collide_last;                  /* and in the last iteration */
   pbf_vec *velocities;               /* with all moves so far, from the first on */
   const move_sums<pbf_real> *ghosts; /* where walls have them; else null */
+  boundary_sums boundary;
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
- * lets several loads of a thread be under way at once. Colliders need more registers. */
-constexpr int blocks_at_once(surfaces_met any) {
-  return sizeof(pbf_real) == sizeof(float) ? (any ? 4 : 5) : (any ? 2 : 4);
-}
+ * lets several loads of a thread be under way at once. */
+constexpr int PBF_BLOCKS_AT_ONCE = sizeof(pbf_real) == sizeof(float) ? 5 : 4;
 
-/* SURFACES and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
+/* ALL: for periodic axes and phases, too, which few scenes have. ALL and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
   uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
@@ -74,15 +70,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   pbf_real total = accelerated && !parts.first ? extras.total[own] : 0;
   const lambda_pass<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
-  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr),
-                          at_points_of<serves_all<SURFACES>>{});
+  auto sums =
+      sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr), at_points_of<ALL>{});
   if (i >= n.particles.count) return;
   pbf_real residual_density =
       EXTRAS && PBF_CHEBYSHEV && parts.residual_density ? parts.residual_density[i] : 0;
-  const bool with_ghosts = EXTRAS && PBF_GHOSTS && parts.ghosts;
-  pbf_real lambda =
-      finish_lambda<SURFACES>(pass, extras.obstacles, EXTRAS && extras.wall_density,
-                              residual_density, x, &sums, with_ghosts ? parts.ghosts + i : nullptr);
+  if (EXTRAS && PBF_GHOSTS && parts.ghosts) add_sums(&sums, parts.ghosts[i]);
+  const bool has_boundary = EXTRAS && parts.boundary.densities;
+  if (has_boundary) add_boundary_of(parts.boundary, i, &sums);
+  pbf_real lambda = finish_lambda<NO_SURFACES>(pass, extras.obstacles,
+                                               EXTRAS && extras.wall_density && !has_boundary,
+                                               residual_density, x, &sums);
   if (checks_convergence)
     add_error_units(
         extras.watch, min(32u, n.particles.count - i / 32 * 32),
@@ -173,9 +171,9 @@ static __device__ __forceinline__ void pass_idle(const iteration_extras &extras,
   store(moved, i, to);
 }
 
-/* From n.particles.points to `moved`. SURFACES and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
+/* From n.particles.points to `moved`. ALL and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
@@ -208,18 +206,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   pbf_vec x = position_of(own);
   const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
   auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr),
-                          at_points_of<serves_all<SURFACES>>{});
+                          at_points_of<ALL>{});
   if (i >= n.particles.count || (SLEEP && asleep)) return;
-  pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
-  if (SURFACES != NO_SURFACES && !end.place.first && end.inv_time_step > 0)
-    predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
-  const bool with_ghosts = EXTRAS && PBF_GHOSTS && end.ghosts;
-  x = finish_move<SURFACES>(
+  pbf_vec v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
+  if (EXTRAS && PBF_GHOSTS && end.ghosts) add_sums(&sums, end.ghosts[i]);
+  const bool has_boundary = EXTRAS && end.boundary.densities;
+  if (has_boundary) correct_by_boundary_of(end.boundary, i, own.lambda, &sums);
+  x = finish_move<NO_SURFACES>(
       pass, extras.obstacles,
-      {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step,
-       serves_all<SURFACES> && n.particles.mobility ? n.particles.mobility + i : nullptr},
-      own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], predicted,
-      x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
+      {EXTRAS && extras.wall_density && !has_boundary, end.collide + (last && end.collide_last),
+       end.inv_time_step, ALL && n.particles.mobility ? n.particles.mobility + i : nullptr},
+      own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], x, x, sums,
+      &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -567,9 +565,9 @@ struct few_no_slip {
   pbf_real walls, inv_time_step, of[PBF_FEW_COLLIDERS];
 };
 
-/* n's points are the starts. What fluid that sticks to solids needs is in an instance of its own.
- */
-template <bool NO_SLIP, surfaces_met SURFACES>
+/* n's points are the starts. What fluid that sticks to solids needs is in instances of its own, as
+ * is what few scenes have, ALL. */
+template <bool NO_SLIP, surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
                           step_obstacles obstacles, few_no_slip no_slip) {
@@ -580,11 +578,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), v = of[own], none = {{0}};
   const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of,
-                                at_moved_points<serves_all<SURFACES>>{{}, predicted});
+                                at_moved_points<ALL>{{}, predicted});
   if (i >= n.particles.count) return;
   const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
   const pbf_phase_constants *phases = &n.constants.phases;
-  const uint8_t *phase = serves_all<SURFACES> ? n.particles.phase : nullptr;
+  const uint8_t *phase = ALL ? n.particles.phase : nullptr;
   pbf_viscous_system system =
       pass.system(sums, begins ? none : pbf_sub(s.force[i], change),
                   phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);

@@ -8,8 +8,13 @@
 #include "cuda/solver.h"
 
 static inline surfaces_met surfaces_of(const solver *s) {
-  if (s->shapes.count || s->params.periodic || s->schedule.phases) return FIELD_SURFACES;
+  if (s->shapes.count) return FIELD_SURFACES;
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? surfaces_of(s->collider_count) : NO_SURFACES;
+}
+
+/* What is in kernels for ALL. */
+static inline bool has_images_or_phases(const solver *s) {
+  return s->params.periodic || s->schedule.phases;
 }
 
 template <surfaces_met SURFACES>
@@ -31,16 +36,15 @@ static inline void with_surfaces(const solver *s, Launch launch) {
 static inline void predict_into(const solver *s, const unsorted_particles &from,
                                 const cell_grid &grid, const prediction &p, uint32_t *cell_count,
                                 const sort_scratch &scratch) {
-  surfaces_met met = surfaces_of(s);
-  auto kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, false>
-                : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, false>
-                : met == FEW_SURFACES  ? predict_kernel<FEW_SURFACES, false>
-                                       : predict_kernel<NO_SURFACES, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.activity)
-      kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, true>
-               : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
-                                      : predict_kernel<FEW_SURFACES, true>;
+  const surfaces_met met = surfaces_of(s);
+  const bool all = from.activity || has_images_or_phases(s);
+  auto kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, true>
+                : met == MANY_SURFACES ? all ? predict_kernel<MANY_SURFACES, true>
+                                             : predict_kernel<MANY_SURFACES, false>
+                : met == FEW_SURFACES
+                    ? all ? predict_kernel<FEW_SURFACES, true> : predict_kernel<FEW_SURFACES, false>
+                : all ? predict_kernel<NO_SURFACES, true>
+                      : predict_kernel<NO_SURFACES, false>;
   if (from.count)
     kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, cell_count, scratch);
 }
@@ -68,16 +72,15 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
 static inline void place_from(const solver *s, const unsorted_particles &from,
                               const neighborhood &n, const prediction &p,
                               const sort_scratch &scratch) {
-  surfaces_met met = surfaces_of(s);
-  auto place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, false>
-               : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, false>
-               : met == FEW_SURFACES  ? place_kernel<FEW_SURFACES, false>
-                                      : place_kernel<NO_SURFACES, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.activity)
-      place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, true>
-              : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
-                                     : place_kernel<FEW_SURFACES, true>;
+  const surfaces_met met = surfaces_of(s);
+  const bool all = from.activity || has_images_or_phases(s);
+  auto place = met == FIELD_SURFACES ? place_kernel<FIELD_SURFACES, true>
+               : met == MANY_SURFACES
+                   ? all ? place_kernel<MANY_SURFACES, true> : place_kernel<MANY_SURFACES, false>
+               : met == FEW_SURFACES
+                   ? all ? place_kernel<FEW_SURFACES, true> : place_kernel<FEW_SURFACES, false>
+               : all ? place_kernel<NO_SURFACES, true>
+                     : place_kernel<NO_SURFACES, false>;
   if (from.count)
     place<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, scratch, n.particles);
 }
@@ -159,7 +162,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
 
 static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence ||
-         s->schedule.phases;
+         s->schedule.phases || s->params.periodic;
 }
 
 /* What ghosts in these walls add to the sums of the kernel that comes next. */
@@ -179,46 +182,81 @@ static inline lambda_sums<pbf_real> *ghosts_between(const solver *s, const pbf_d
   return domain.ghost_reach > 0 ? s->ghosts : nullptr;
 }
 
+/* Where there are colliders: what they and walls contribute, found where `moved` is free. */
+static inline boundary_sums boundary_sums_of(const solver *s, point *moved) {
+  return {s->boundary_densities, moved};
+}
+
+/* Calls launch(constant) with what a kernel for colliders meets, of which there are some. */
+template <class Launch>
+static inline void with_colliders(const solver *s, Launch launch) {
+  const surfaces_met met = surfaces_of(s);
+  if (met == FIELD_SURFACES)
+    launch(surfaces_constant<FIELD_SURFACES>{});
+  else if (met == MANY_SURFACES)
+    launch(surfaces_constant<MANY_SURFACES>{});
+  else
+    launch(surfaces_constant<FEW_SURFACES>{});
+}
+
+static inline void launch_boundary(solver *s, const neighborhood &n, const iteration_extras &extras,
+                                   const boundary_sums &found) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks || !found.densities) return;
+  with_colliders(s, [&](auto surfaces) {
+    boundary_kernel<decltype(surfaces)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, found);
+  });
+}
+
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
                                  const lambda_parts &parts) {
   uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
+  launch_boundary(s, n, extras, parts.boundary);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, false>
-                  : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, false>
-                  : !has_extras(s)       ? lambda_kernel<F, false, NO_SURFACES, false>
-                  : met == FEW_SURFACES  ? lambda_kernel<F, true, FEW_SURFACES, false>
-                                         : lambda_kernel<F, true, NO_SURFACES, false>;
+    auto kernel = has_images_or_phases(s) ? lambda_kernel<F, true, true, false>
+                  : has_extras(s)         ? lambda_kernel<F, true, false, false>
+                                          : lambda_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
-      if (s->activity)
-        kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, true>
-                 : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, true>
-                                        : lambda_kernel<F, true, FEW_SURFACES, true>;
+      if (s->activity) kernel = lambda_kernel<F, true, true, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
   });
 }
 
+/* Whether colliders push in iterations, by a kernel of their own. */
+static inline bool collides_after_moves(const solver *s) {
+  return surfaces_of(s) != NO_SURFACES &&
+         (s->schedule.collide_in_iteration || s->schedule.collide_after_solve);
+}
+
+static inline void launch_collide(solver *s, const neighborhood &n, point *moved,
+                                  const iteration_extras &extras, const move_end &end,
+                                  const pushes_by_solids &pushes) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  with_colliders(s, [&](auto surfaces) {
+    collide_kernel<decltype(surfaces)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+        n, moved, extras, end.place, pushes, end.inv_time_step, end.velocities);
+  });
+}
+
 static inline void launch_move(solver *s, const neighborhood &n, point *moved,
-                               const iteration_extras &extras, const move_end &end) {
+                               const iteration_extras &extras, move_end end) {
   uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
+  const pushes_by_solids pushes = {end.collide, end.collide_last};
+  if (collides_after_moves(s)) end.collide = end.collide_last = 0;
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, false>
-                  : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, false>
-                  : met == FEW_SURFACES  ? move_kernel<F, true, FEW_SURFACES, false>
-                  : has_extras(s)        ? move_kernel<F, true, NO_SURFACES, false>
-                                         : move_kernel<F, false, NO_SURFACES, false>;
+    auto kernel = has_images_or_phases(s) ? move_kernel<F, true, true, false>
+                  : has_extras(s)         ? move_kernel<F, true, false, false>
+                                          : move_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
-      if (s->activity)
-        kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, true>
-                 : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, true>
-                                        : move_kernel<F, true, FEW_SURFACES, true>;
+      if (s->activity) kernel = move_kernel<F, true, true, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
+  if (collides_after_moves(s)) launch_collide(s, n, moved, extras, end, pushes);
 }
 
 /* Those that move in the step that begins at a time. */

@@ -39,14 +39,9 @@ static __host__ __device__ __forceinline__ int lowest_of(surface_set set) {
 }
 static_assert(PBF_FEW_COLLIDERS <= 64, "a set has 64 bits");
 
-/* Kernels that are short of registers are built for each: colliders take half as many again,
- * looking for them takes more, and distances between the nodes of a field a stack. */
+/* Kernels that meet colliders are built for each: colliders take many registers, looking for them
+ * takes more, and distances between the nodes of a field a stack. */
 enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES, FIELD_SURFACES };
-
-/* Whether such a kernel is built for what few scenes have, too: periodic axes and phases. Theirs
- * are those for fields, whatever they meet; the others ask for neither. */
-template <surfaces_met SURFACES>
-constexpr bool serves_all = SURFACES == FIELD_SURFACES;
 
 /* What a kernel that is built for such surfaces sees of them. */
 template <surfaces_met SURFACES>

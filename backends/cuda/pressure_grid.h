@@ -89,7 +89,7 @@ static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays 
 /* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
  * these add, or null. */
 template <int FEATURES, bool TORN, surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
                    pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t i = thread_index();
