@@ -2,7 +2,7 @@
  * be within a reach of something in it, in the order of their numbers, so that asking those alone
  * gets the bits of asking all. How wide cells are follows from the surfaces: there is memory for so
  * many entries a surface, and where solids are larger or closer than that, cells are wider and
- * their lists longer; none is left out. Host only. */
+ * their lists longer; none is left out. The host builds it; a device may ask a copy. */
 #ifndef PBF_PHYSICS_SURFACES_NEAR_H
 #define PBF_PHYSICS_SURFACES_NEAR_H
 
@@ -72,7 +72,7 @@ static inline pbf_surface_box pbf_surface_box_of(const pbf_surface *s) {
 
 /* The cell of a coordinate: larger ones are in no earlier cell, and those beyond an end in the last
  * one before it. */
-static inline int pbf_grid_cell_along(const pbf_surface_grid *g, int k, double x) {
+PBF_FN int pbf_grid_cell_along(const pbf_surface_grid *g, int k, double x) {
   const double at = (x - g->lower[k]) * g->per_length[k];
   if (!(at > 0)) return 0;
   return at < g->cells[k] ? (int)at : g->cells[k] - 1;
@@ -82,7 +82,7 @@ typedef struct pbf_cell_range {
   int first[PBF_DIM], last[PBF_DIM];
 } pbf_cell_range;
 
-static inline pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const double *lower,
+PBF_FN_APART pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const double *lower,
                                                const double *upper, double beyond) {
   pbf_cell_range r;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -92,7 +92,7 @@ static inline pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const 
   return r;
 }
 
-static inline uint64_t pbf_cells_in(const pbf_cell_range *r) {
+PBF_FN uint64_t pbf_cells_in(const pbf_cell_range *r) {
   uint64_t cells = 1;
   for (int k = 0; k < PBF_DIM; ++k) cells *= (uint64_t)(r->last[k] - r->first[k] + 1);
   return cells;
@@ -200,14 +200,14 @@ static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf
 
 /* ---- Asking ---------------------------------------------------------------------------------- */
 
-static inline uint32_t pbf_cell_entries(const pbf_surface_grid *g, uint32_t cell,
+PBF_FN uint32_t pbf_cell_entries(const pbf_surface_grid *g, uint32_t cell,
                                         const uint16_t **numbers) {
   *numbers = g->entries + g->starts[cell];
   return g->starts[cell + 1] - g->starts[cell];
 }
 
 /* How many surfaces may be within reach of x, and which. */
-static inline uint32_t pbf_surfaces_at(const pbf_surface_grid *g, pbf_vec x,
+PBF_FN uint32_t pbf_surfaces_at(const pbf_surface_grid *g, pbf_vec x,
                                        const uint16_t **numbers) {
   uint32_t cell = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k)
