@@ -220,7 +220,8 @@ static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacle
   if constexpr (SURFACES == NO_SURFACES) {
     return pbf_keep_in_domain(&o.domain, x);
   } else if constexpr (SURFACES == LISTED_SURFACES) {
-    return resolve_among_listed(&o.domain, o.surfaces, o.count, with_obstacle_motion, from, x);
+    return resolve_among_listed(&o.domain, o.surfaces, grid_behind(o), with_obstacle_motion, from,
+                                x);
   } else if constexpr (SURFACES != MANY_SURFACES) {
     return pbf_resolve_collisions(met, with_obstacle_motion, from, x);
   } else {
