@@ -296,7 +296,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (extras.wall_density) {
     const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
     pbf_boundary boundary =
-        pbf_boundary_at_time(c, obstacles_near<SURFACES>(before, x, (double)c->h), x, x, 1);
+        pbf_boundary_at_time(constants_for<SURFACES == LISTED_SURFACES>(before, c),
+                             obstacles_near<SURFACES>(before, x, (double)c->h), x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
   }
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
@@ -347,9 +348,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (extras.wall_density) {
     const step_obstacles all = {domain, extras.obstacles.count, extras.obstacles.surfaces};
     const auto &before = asked_near<LISTED>(all, x, (double)c->h);
-    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    const pbf_constants *of_solids = constants_for<LISTED>(all, c);
+    pbf_boundary boundary = pbf_boundary_at_time(of_solids, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
-    by_placed += placed_boundary(c, before, found, LISTED ? found.more_colliders : nullptr, x, 1);
+    by_placed +=
+        placed_boundary(of_solids, before, found, LISTED ? found.more_colliders : nullptr, x, 1);
   }
   pbf_real *overlap = n.particles.overlap + i;
   *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
@@ -393,8 +396,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_real lacks = awake ? pass.finish(sums, 0) : 0;
   if (wall_density && lacks > 0)
     lacks = pass.finish(
-        sums, pbf_density_of_solids(
-                  &n.constants, obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x));
+        sums,
+        pbf_density_of_solids(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                              obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x));
   missing[i] = lacks;
 }
 
@@ -447,7 +451,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = change_near_obstacles(c, obstacles_near<SURFACES>(obstacles, x, (double)c->h), x, mean,
+    change = change_near_obstacles(constants_for<SURFACES == LISTED_SURFACES>(obstacles, c),
+                                   obstacles_near<SURFACES>(obstacles, x, (double)c->h), x, mean,
                                    here.lambda, vec_of(sums.end), vec_of(sums.start));
   if (n.particles.mobility) change = pbf_scaled(change, n.particles.mobility[i]);
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
@@ -470,8 +475,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_fabric fabric = fabric_of(sums);
   const bool counts =
       !wall_density ||
-      add_walls(&n.constants, obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x,
-                &fabric);
+      add_walls(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x, &fabric);
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   const pbf_deviator none = {{0}};
   deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;
@@ -608,9 +613,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                   phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);
   int with_solids = 0;
   if (NO_SLIP)
-    with_solids = add_no_slip(
-        &n.constants, obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), no_slip,
-        begins, x, v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
+    with_solids =
+        add_no_slip(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                    obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), no_slip, begins,
+                    x, v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
   if (begins) {
     s.force[i] = system.residual;
     s.changes[i] = none;

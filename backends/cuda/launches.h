@@ -47,14 +47,14 @@ static inline void predict_into(const solver *s, const unsorted_particles &from,
                                 const cell_grid &grid, const prediction &p, uint32_t *cell_count,
                                 const sort_scratch &scratch) {
   surfaces_met met = surfaces_of(s);
-  auto kernel = met == LISTED_SURFACES  ? predict_kernel<LISTED_SURFACES, false>
+  auto kernel = met == LISTED_SURFACES  ? predict_listed_kernel<false>
                 : met == FIELD_SURFACES ? predict_kernel<FIELD_SURFACES, false>
                 : met == MANY_SURFACES  ? predict_kernel<MANY_SURFACES, false>
                 : met == FEW_SURFACES   ? predict_kernel<FEW_SURFACES, false>
                                         : predict_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      kernel = met == LISTED_SURFACES  ? predict_kernel<LISTED_SURFACES, true>
+      kernel = met == LISTED_SURFACES  ? predict_listed_kernel<true>
                : met == FIELD_SURFACES ? predict_kernel<FIELD_SURFACES, true>
                : met == MANY_SURFACES  ? predict_kernel<MANY_SURFACES, true>
                                        : predict_kernel<FEW_SURFACES, true>;
@@ -86,14 +86,14 @@ static inline void place_from(const solver *s, const unsorted_particles &from,
                               const neighborhood &n, const prediction &p,
                               const sort_scratch &scratch) {
   surfaces_met met = surfaces_of(s);
-  auto place = met == LISTED_SURFACES  ? place_kernel<LISTED_SURFACES, false>
+  auto place = met == LISTED_SURFACES  ? place_listed_kernel<false>
                : met == FIELD_SURFACES ? place_kernel<FIELD_SURFACES, false>
                : met == MANY_SURFACES  ? place_kernel<MANY_SURFACES, false>
                : met == FEW_SURFACES   ? place_kernel<FEW_SURFACES, false>
                                        : place_kernel<NO_SURFACES, false>;
   if constexpr (PBF_SLEEP)
     if (from.activity)
-      place = met == LISTED_SURFACES  ? place_kernel<LISTED_SURFACES, true>
+      place = met == LISTED_SURFACES  ? place_listed_kernel<true>
               : met == FIELD_SURFACES ? place_kernel<FIELD_SURFACES, true>
               : met == MANY_SURFACES  ? place_kernel<MANY_SURFACES, true>
                                       : place_kernel<FEW_SURFACES, true>;

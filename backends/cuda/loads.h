@@ -197,7 +197,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
   p.lambda *= mobility;
   const pbf_vec change = friction_change(
-      &n.constants, scales, o, solids_near<LISTED>(o, p.x, scales.loads.reach), p,
+      constants_for<LISTED>(o, &n.constants), scales, o,
+      solids_near<LISTED>(o, p.x, scales.loads.reach), p,
       [&] { return grid_lambda_of(source, own); },
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
@@ -254,7 +255,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
   const pbf_vec x = position_of(load(n.particles.points, i));
   const pbf_vec change = adhesion_change(
-      &n.constants, scales, o, solids_near<LISTED>(o, x, (double)n.constants.h), x, missing[i],
+      constants_for<LISTED>(o, &n.constants), scales, o,
+      solids_near<LISTED>(o, x, (double)n.constants.h), x, missing[i],
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
           add_shared_part(&tally->sums[plane.solid],
@@ -276,7 +278,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_vec v = pbf_add_scaled(n.particles.velocities[i], 1, changes[i]);
   const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
   share_no_slip(
-      &n.constants, asked_near<LISTED>(o, x, (double)n.constants.h), no_slip, x, v,
+      constants_for<LISTED>(o, &n.constants), asked_near<LISTED>(o, x, (double)n.constants.h),
+      no_slip, x, v,
       [&](const pbf_load_plane &plane, const load_share &share) {
         add_shared_part(&tally->sums[plane.solid],
                         load_part_beside(&scales, o, x, plane, with_mass(share, mobility)), false);
@@ -301,15 +304,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     const point own = load(n.particles.points, i);
     p = load_particle_of(source, own, velocities[i], push[i]);
     if (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))
-      p = sleeping_load_particle(&n.constants, &scales, o,
+      p = sleeping_load_particle(constants_for<LISTED>(o, &n.constants), &scales, o,
                                  solids_near<LISTED>(o, p.x, scales.reach), p,
                                  [&] { return grid_lambda_of(source, own); });
     else if (n.particles.mobility)
       p = with_mass(p, n.particles.mobility[i]);
     int last = -1;
     share_push(
-        &n.constants, &scales, o, solids_near<LISTED>(o, p.x, scales.reach), p,
-        [&] { return grid_lambda_of(source, own); },
+        constants_for<LISTED>(o, &n.constants), &scales, o,
+        solids_near<LISTED>(o, p.x, scales.reach), p, [&] { return grid_lambda_of(source, own); },
         [&](const pbf_load_plane &plane, const load_share &share) {
           const load_part part = load_part_of(&scales, o, p.x, plane, share);
           pbf_load_sums *to =

@@ -5,13 +5,18 @@
 #define PBF_CUDA_MANY_H
 
 #include "common/collider_table.h"
+#include "cuda/listed.h"
 #include "cuda/memory.h"
 #include "physics/friction.h"
 
 /* Steps whose colliders are placed and uploaded at once, if they move. */
 enum { MANY_STEPS_AHEAD = 4 };
 
-/* Where things are in a step's block: the surfaces at its beginning, the grid behind the last. */
+/* Threads that find an empty list wait for none: cells are smaller than on a CPU. */
+enum { MANY_FINER = 8 };
+
+/* Where things are in a step's block: the surfaces at its beginning, what they are asked by behind
+ * the last. */
 struct many_layout {
   uint64_t starts, entries, friction, adhesion, no_slip, bytes;
 };
@@ -43,8 +48,9 @@ static inline uint64_t many_part(uint64_t *bytes, uint64_t more) {
 static inline many_layout many_layout_of(uint32_t room) {
   many_layout of = {};
   uint64_t *bytes = &of.bytes;
-  many_part(bytes, room * sizeof(pbf_surface) + sizeof(pbf_surface_grid));
-  of.starts = many_part(bytes, (pbf_grid_cell_room(room) + 1) * sizeof(uint32_t));
+  many_part(bytes, room * sizeof(pbf_surface) + sizeof(listed_scene));
+  of.starts =
+      many_part(bytes, (pbf_grid_cell_room(MANY_FINER * (uint64_t)room) + 1) * sizeof(uint32_t));
   of.entries = many_part(bytes, PBF_ENTRIES_A_SURFACE * (uint64_t)room * sizeof(uint16_t));
   of.friction = many_part(bytes, (PBF_WALLS + room) * sizeof(pbf_friction));
   of.adhesion = many_part(bytes, (PBF_WALLS + room) * sizeof(pbf_real));

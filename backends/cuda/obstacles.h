@@ -61,6 +61,13 @@ static __device__ __forceinline__ auto obstacles_near(const step_obstacles &o, p
     return obstacles_met<SURFACES>(o);
 }
 
+/* By which constants they are asked. */
+template <bool LISTED>
+static __device__ __forceinline__ const pbf_constants *constants_for(const step_obstacles &o,
+                                                                     const pbf_constants *c) {
+  return LISTED ? &scene_behind(o)->constants : c;
+}
+
 /* The same for kernels that have an instance for lists, and one for all others. */
 template <bool LISTED>
 static __device__ __forceinline__ decltype(auto) asked_near(const step_obstacles &o, pbf_vec x,
@@ -182,8 +189,10 @@ struct surface_subset {
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *c,
                                                            const step_obstacles &o, pbf_vec x) {
-  const auto met = obstacles_near<SURFACES>(o, x, (double)pbf_boundary_reach(c));
-  if constexpr (SURFACES != MANY_SURFACES) {
+  const auto met = obstacles_met<SURFACES>(o);
+  if constexpr (SURFACES == LISTED_SURFACES) {
+    return listed_boundary(c, o, x);
+  } else if constexpr (SURFACES != MANY_SURFACES) {
     return pbf_boundary_at(c, met, x);
   } else {
     pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
@@ -220,8 +229,8 @@ static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacle
   if constexpr (SURFACES == NO_SURFACES) {
     return pbf_keep_in_domain(&o.domain, x);
   } else if constexpr (SURFACES == LISTED_SURFACES) {
-    return resolve_among_listed(&o.domain, o.surfaces, grid_behind(o), with_obstacle_motion, from,
-                                x);
+    return resolve_among_listed(&scene_behind(o)->domain, o.surfaces, &scene_behind(o)->grid,
+                                with_obstacle_motion, from, x);
   } else if constexpr (SURFACES != MANY_SURFACES) {
     return pbf_resolve_collisions(met, with_obstacle_motion, from, x);
   } else {

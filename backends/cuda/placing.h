@@ -47,22 +47,23 @@ static inline void stage_scales(const solver *s, char *block) {
   for (uint32_t c = 0; c < s->collider_count; ++c) no_slip[c] = (pbf_real)s->colliders[c].no_slip;
 }
 
-/* A grid of the surfaces at the beginning of the block, as the device is to have it. */
-static inline void stage_grid(solver *s, double end, char *block, const char *on_device) {
+/* What the surfaces at the beginning of a block are asked by, which is to be `on_device`. */
+static inline void stage_scene(solver *s, double end, char *block, char *on_device) {
   const many_layout &of = s->many.layout;
-  pbf_surface_grid *grid = &s->many.table.grid;
   const pbf_surface *placed = reinterpret_cast<const pbf_surface *>(block);
   const pbf_domain domain = pbf_domain_at(&s->params, end);
-  for (uint32_t c = 0; c < s->collider_count; ++c) grid->boxes[c] = pbf_surface_box_of(&placed[c]);
-  pbf_grid_build(grid, s->collider_count, &domain, pbf_obstacles_reach(&s->params));
-  uint64_t cells = 1;
-  for (int k = 0; k < PBF_DIM; ++k) cells *= (uint64_t)grid->cells[k];
-  memcpy(block + of.starts, grid->starts, (cells + 1) * sizeof *grid->starts);
-  memcpy(block + of.entries, grid->entries, grid->starts[cells] * sizeof *grid->entries);
-  pbf_surface_grid there = *grid;
-  there.starts = reinterpret_cast<uint32_t *>(const_cast<char *>(on_device + of.starts));
-  there.entries = reinterpret_cast<uint16_t *>(const_cast<char *>(on_device + of.entries));
-  there.boxes = nullptr;
+  pbf_surface_grid grid = {};
+  grid.room = s->many.table.room;
+  grid.finer = MANY_FINER;
+  grid.boxes = s->many.table.grid.boxes;
+  grid.starts = reinterpret_cast<uint32_t *>(block + of.starts);
+  grid.entries = reinterpret_cast<uint16_t *>(block + of.entries);
+  for (uint32_t c = 0; c < s->collider_count; ++c) grid.boxes[c] = pbf_surface_box_of(&placed[c]);
+  pbf_grid_build(&grid, s->collider_count, &domain, pbf_obstacles_reach(&s->params));
+  listed_scene there = {grid, domain, s->constants};
+  there.grid.starts = reinterpret_cast<uint32_t *>(on_device + of.starts);
+  there.grid.entries = reinterpret_cast<uint16_t *>(on_device + of.entries);
+  there.grid.boxes = nullptr;
   memcpy(block + s->collider_count * sizeof(pbf_surface), &there, sizeof there);
 }
 
@@ -78,7 +79,7 @@ static inline pbf_status place_many_surfaces(solver *s, const pbf_step_times &ti
     const double end = pbf_time_after(&times, k + 1);
     pbf_surface *surfaces = reinterpret_cast<pbf_surface *>(block);
     place_at(s, end, surfaces);
-    stage_grid(s, end, block, m.steps + k * m.layout.bytes);
+    stage_scene(s, end, block, m.steps + k * m.layout.bytes);
     take_fields(s, surfaces);
     stage_scales(s, block);
   }

@@ -182,8 +182,8 @@ static __device__ __forceinline__ double free_volume_of(const pbf_pressure_grid 
     pbf_pressure_grid_place(&grid, cell, i);
     double free_volume = pbf_pressure_grid_inside(&grid, i);
     const pbf_vec middle = pbf_cell_middle(&grid, i);
-    const double reach = 0.51 * grid.width * grid_behind(o)->steepest;
-    surfaces_around(o.surfaces, grid_behind(o), middle, middle, reach)
+    const double reach = 0.51 * grid.width * scene_behind(o)->grid.steepest;
+    surfaces_around(o.surfaces, &scene_behind(o)->grid, middle, middle, reach)
         .each([&](const pbf_surface &s) { free_volume *= pbf_part_free_of(&grid, &s, middle); });
     return free_volume;
   }

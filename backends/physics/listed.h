@@ -14,8 +14,6 @@ struct surfaces_in_cells {
   int count;
   pbf_cell_range cells;
 
-  PBF_IN bool are_none() const { return numbers && count == 0; }
-
   template <class Visit>
   PBF_IN void each(Visit visit) const;
 };
@@ -116,21 +114,42 @@ PBF_FN_SELDOM pbf_vec resolve_touched(const pbf_domain *domain, const pbf_surfac
   return pbf_resolve_among(domain, met, with_obstacle_motion, from, x);
 }
 
-/* A particle on its way from `from` to x, see pbf_resolve_collisions. Nearly all find the list of
- * their own cell empty, or touch none that is in it. */
-PBF_FN pbf_vec resolve_among_listed(const pbf_domain *domain, const pbf_surface *all,
-                                    const pbf_surface_grid *grid, int with_obstacle_motion,
-                                    pbf_vec from, pbf_vec x) {
-  pbf_vec kept = pbf_keep_in_domain(domain, x);
-  pbf_real way = pbf_real_max(way_along_axes(from, x), way_along_axes(from, kept));
+/* The same for one that may meet some. */
+PBF_FN_SELDOM pbf_vec resolve_met(const pbf_domain *domain, const pbf_surface *all,
+                                  const pbf_surface_grid *grid, int with_obstacle_motion,
+                                  pbf_vec from, pbf_vec x, pbf_real way) {
   surfaces_in_cells near = surfaces_around_way(all, grid, from, from, way);
-  if (near.are_none()) return kept;
-  kept = pbf_keep_before(domain, near, with_obstacle_motion, from, x);
+  const pbf_vec kept = pbf_keep_before(domain, near, with_obstacle_motion, from, x);
   const pbf_real kept_way = way_along_axes(from, kept);
   if (kept_way > way) near = surfaces_around_way(all, grid, from, from, way = kept_way);
   const auto on_way = surfaces_on_way_of(near, with_obstacle_motion, from, way);
   if (!pbf_touches_any(on_way, with_obstacle_motion, from, kept)) return kept;
   return resolve_touched(domain, all, grid, with_obstacle_motion, from, x);
+}
+
+/* Whether a particle may meet one of them, by balls around them; a way that is long for the cells
+ * may. */
+PBF_FN bool may_meet_listed(const pbf_surface *all, const pbf_surface_grid *grid,
+                            int with_obstacle_motion, pbf_vec from, pbf_real way) {
+  const uint16_t *numbers;
+  if (!(grid->stretch * (1 + (double)bounds_rounding) * (double)way < grid->reach)) return true;
+  const int count = (int)pbf_surfaces_at(grid, from, &numbers);
+  const auto listed = surface_array_of(count, pbf_surface_list{all, numbers});
+  bool met = false;
+  surfaces_on_way_of(listed, with_obstacle_motion, from, way).each([&](const pbf_surface &) {
+    met = true;
+  });
+  return met;
+}
+
+/* A particle on its way from `from` to x, see pbf_resolve_collisions. Nearly all are near none. */
+PBF_FN pbf_vec resolve_among_listed(const pbf_domain *domain, const pbf_surface *all,
+                                    const pbf_surface_grid *grid, int with_obstacle_motion,
+                                    pbf_vec from, pbf_vec x) {
+  const pbf_vec kept = pbf_keep_in_domain(domain, x);
+  const pbf_real way = pbf_real_max(way_along_axes(from, x), way_along_axes(from, kept));
+  if (!may_meet_listed(all, grid, with_obstacle_motion, from, way)) return kept;
+  return resolve_met(domain, all, grid, with_obstacle_motion, from, x, way);
 }
 
 #endif
