@@ -243,7 +243,7 @@ struct executor {
       if (notes_pushes(s))
         launch(begin_push_kernel, state_of(s), prediction_inputs.forces, scratch_of(s), n.particles,
                pbf_units_of_momentum(&n.constants, &prediction_inputs.forces), s->push,
-               s->load_tally);
+               changes_of_all(s));
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
@@ -285,26 +285,27 @@ struct executor {
                                  s->viscous_force,
                                  changes,
                                  next_changes};
-    const few_no_slip no_slip = no_slip_of(s);
     neighborhood starts = n;
     starts.particles.points = s->points;
-    const bool all = has_images_or_phases(s);
-    auto kernel = all ? viscous_stress_kernel<false, NO_SURFACES, true>
-                      : viscous_stress_kernel<false, NO_SURFACES, false>;
-    if (s->schedule.no_slip)
-      kernel = surfaces_of(s) == FIELD_SURFACES ? viscous_stress_kernel<true, FIELD_SURFACES, true>
-               : all                            ? viscous_stress_kernel<true, FEW_SURFACES, true>
-                                                : viscous_stress_kernel<true, FEW_SURFACES, false>;
-    launch(kernel, starts, n.particles.points, stage, extras.obstacles, no_slip);
+    with_no_slip_met(s, [&](auto surfaces, auto all) {
+      constexpr surfaces_met MET = decltype(surfaces)::value;
+      launch(viscous_stress_kernel<MET != NO_SURFACES, MET, decltype(all)::value>, starts,
+             n.particles.points, stage, extras.obstacles,
+             no_slip_for<MET == LISTED_SURFACES>(s, extras.obstacles.surfaces));
+    });
     swap_arrays(&changes, &next_changes);
   }
 
   void move_by_viscosity() {
     if (status != PBF_OK) return;
     if (finds_loads(s) && s->schedule.no_slip)
-      launch(no_slip_loads_kernel, n, s->points, extras.obstacles,
-             pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params), no_slip_of(s),
-             extras.rest.activity, changes, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(no_slip_loads_kernel<LISTED>, n, s->points, extras.obstacles,
+               pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params),
+               no_slip_for<LISTED>(s, extras.obstacles.surfaces), extras.rest.activity, changes,
+               tally_for<LISTED>(s));
+      });
     launch_way(extras.rest.activity, changes, n.particles.velocities);
     moves_later = true;
     status = pbf_cuda_check_launch("way_kernel");
@@ -341,7 +342,10 @@ struct executor {
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(ghosts_at_start),
               at_start{time_step}, n.particles.velocities);
-        launch(overlap_kernel<F>, n, extras, before, time_step, ghosts_at_start, s->found);
+        with_lists(s, [&](auto listed) {
+          launch(overlap_kernel<F, decltype(listed)::value>, n, extras, before, time_step,
+                 ghosts_at_start, s->found);
+        });
       });
       launch_held(mark_placed_kernel, none);
     });
@@ -375,7 +379,8 @@ struct executor {
       place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       status = clear_pressure_grid(s, arrays);
-      const bool stand = !moving_obstacles_at(s, time - s->params.time_step).surfaces;
+      const pbf_moving_obstacles moving = moving_obstacles_at(s, time - s->params.time_step);
+      const bool stand = !moving.surfaces && !moving.others;
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
       if (status != PBF_OK) return;
       const bool torn = s->pressure_grid_solids > 0;
@@ -455,7 +460,10 @@ struct executor {
                                   place.first};
       if (notes_pushes(s))
         with_features(s->schedule.features, [&](auto features) {
-          launch(push_before_kernel<decltype(features)::value>, n, noting, s->velocities, s->push);
+          with_lists(s, [&](auto listed) {
+            launch(push_before_kernel<decltype(features)::value, decltype(listed)::value>, n,
+                   noting, s->velocities, s->push);
+          });
         });
       in_parts([&](const neighborhood &part) {
         if (ghosts)
@@ -468,7 +476,10 @@ struct executor {
                      s->schedule.collide_in_iteration, s->schedule.collide_after_solve,
                      s->velocities, ghost_moves, boundary_sums_of(s, moved)});
       });
-      if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
+      if (notes_pushes(s))
+        with_lists(s, [&](auto listed) {
+          launch(push_after_kernel<decltype(listed)::value>, n, noting, s->velocities, s->push);
+        });
     });
     swap_arrays(&n.particles.points, &moved);
     moves_later = true;
@@ -536,10 +547,11 @@ struct executor {
   /* By what velocities change by. */
   void launch_way(const pbf_real *activity, const pbf_vec *changes, pbf_vec *velocities) {
     const surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? way_kernel<FIELD_SURFACES>
-                  : met == MANY_SURFACES ? way_kernel<MANY_SURFACES>
-                  : met == FEW_SURFACES  ? way_kernel<FEW_SURFACES>
-                                         : way_kernel<NO_SURFACES>;
+    auto kernel = met == LISTED_SURFACES  ? way_kernel<LISTED_SURFACES>
+                  : met == FIELD_SURFACES ? way_kernel<FIELD_SURFACES>
+                  : met == MANY_SURFACES  ? way_kernel<MANY_SURFACES>
+                  : met == FEW_SURFACES   ? way_kernel<FEW_SURFACES>
+                                          : way_kernel<NO_SURFACES>;
     const uint32_t first = n.particles.first; /* above 0 on ranks, where nothing sleeps */
     launch(kernel, n.particles.points + first, own_count(n), activity, extras.obstacles,
            (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes + first,
@@ -580,12 +592,16 @@ struct executor {
   }
 
   void friction() {
-    const few_friction_scales scales = few_friction_scales_of(
-        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
-        s->collider_count);
+    const pbf_friction_scales scales =
+        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders);
     run(PBF_STAGE_FRICTION, [&] {
-      launch(friction_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
-             (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(friction_kernel<LISTED>, n, extras.obstacles,
+               friction_for<LISTED>(s, scales, extras.obstacles.surfaces), present_pressures(s),
+               s->activity, (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push,
+               tally_for<LISTED>(s));
+      });
     });
   }
 
@@ -593,10 +609,12 @@ struct executor {
     const pbf_load_scales scales =
         pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
     run(PBF_STAGE_LOADS, [&] {
-      launch(loads_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
-             extras.rest.all, s->velocities, s->push, s->load_tally);
-      end_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(extras.obstacles, scales,
-                                                            extras.rest.all, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(loads_kernel<LISTED>, n, extras.obstacles, scales, present_pressures(s), s->activity,
+               extras.rest.all, s->velocities, s->push, tally_for<LISTED>(s));
+      });
+      launch_end_loads(s, extras.obstacles, scales, extras.rest.all);
     });
   }
 
@@ -644,11 +662,14 @@ struct executor {
   }
 
   void adhere() {
-    const few_adhesion_scales scales = few_adhesion_scales_of(
-        pbf_adhesion_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
-        s->collider_count);
-    launch(adhesion_kernel, n, extras.obstacles, scales, missing(), s->activity, s->velocities,
-           s->load_tally);
+    const pbf_adhesion_scales scales =
+        pbf_adhesion_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders);
+    with_lists(s, [&](auto listed) {
+      constexpr bool LISTED = decltype(listed)::value;
+      launch(adhesion_kernel<LISTED>, n, extras.obstacles,
+             adhesion_for<LISTED>(s, scales, extras.obstacles.surfaces), missing(), s->activity,
+             s->velocities, tally_for<LISTED>(s));
+    });
   }
 
   void drag() {

@@ -3,6 +3,8 @@
 #ifndef PBF_CUDA_KERNELS_H
 #define PBF_CUDA_KERNELS_H
 
+#include <type_traits>
+
 #include "cuda/driver.h"
 #include "cuda/ghosts.h"
 #include "cuda/solids.h"
@@ -291,7 +293,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (with_ghosts) density += residual_density[i];
   if (extras.wall_density) {
     const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary = pbf_boundary_at_time(c, obstacles_met<SURFACES>(before), x, x, 1);
+    pbf_boundary boundary =
+        pbf_boundary_at_time(constants_for<SURFACES == LISTED_SURFACES>(before, c),
+                             obstacles_near<SURFACES>(before, x, (double)c->h), x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
   }
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
@@ -311,8 +315,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Adds the overlap that is found at the start of the step, between these walls, and the colliders,
- * of that time. `ghosts`: what these add to densities, or null. */
-template <int FEATURES>
+ * of that time. `ghosts`: what these add to densities, or null. Of listed colliders the device has
+ * found.more_colliders. */
+template <int FEATURES, bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     overlap_kernel(neighborhood n, iteration_extras extras, pbf_domain domain, pbf_real time_step,
                    const pbf_real *ghosts, pbf_overlap found) {
@@ -339,10 +344,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec gradient = {{0}};
   pbf_real density = sums.density + (ghosts ? ghosts[i] : 0), by_placed = placed_sums.density;
   if (extras.wall_density) {
-    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    const step_obstacles all = {domain, extras.obstacles.count, extras.obstacles.surfaces};
+    const auto &before = asked_near<LISTED>(all, x, (double)c->h);
+    const pbf_constants *of_solids = constants_for<LISTED>(all, c);
+    pbf_boundary boundary = pbf_boundary_at_time(of_solids, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
-    by_placed += placed_boundary(c, before, found, nullptr, x, 1);
+    by_placed +=
+        placed_boundary(of_solids, before, found, LISTED ? found.more_colliders : nullptr, x, 1);
   }
   pbf_real *overlap = n.particles.overlap + i;
   *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
@@ -385,8 +393,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   pbf_real lacks = awake ? pass.finish(sums, 0) : 0;
   if (wall_density && lacks > 0)
-    lacks = pass.finish(sums,
-                        pbf_density_of_solids(&n.constants, obstacles_met<SURFACES>(obstacles), x));
+    lacks = pass.finish(
+        sums,
+        pbf_density_of_solids(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                              obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x));
   missing[i] = lacks;
 }
 
@@ -439,8 +449,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = change_near_obstacles(c, obstacles_met<SURFACES>(obstacles), x, mean, here.lambda,
-                                   vec_of(sums.end), vec_of(sums.start));
+    change = change_near_obstacles(constants_for<SURFACES == LISTED_SURFACES>(obstacles, c),
+                                   obstacles_near<SURFACES>(obstacles, x, (double)c->h), x, mean,
+                                   here.lambda, vec_of(sums.end), vec_of(sums.start));
   if (n.particles.mobility) change = pbf_scaled(change, n.particles.mobility[i]);
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
@@ -461,7 +472,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (PBF_GHOSTS && ghosts) add_sums(&sums, ghosts[i]);
   pbf_fabric fabric = fabric_of(sums);
   const bool counts =
-      !wall_density || add_walls(&n.constants, obstacles_met<SURFACES>(obstacles), x, &fabric);
+      !wall_density ||
+      add_walls(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x, &fabric);
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   const pbf_deviator none = {{0}};
   deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;
@@ -565,12 +578,22 @@ struct few_no_slip {
   pbf_real walls, inv_time_step, of[PBF_FEW_COLLIDERS];
 };
 
+/* The same where colliders are listed: on the device. */
+struct many_no_slip {
+  pbf_real walls, inv_time_step;
+  const pbf_real *of;
+};
+
+template <bool LISTED>
+using no_slip_asked = std::conditional_t<LISTED, many_no_slip, few_no_slip>;
+
 /* n's points are the starts. What fluid that sticks to solids needs is in instances of its own, as
  * is what few scenes have, ALL. */
 template <bool NO_SLIP, surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
-                          step_obstacles obstacles, few_no_slip no_slip) {
+                          step_obstacles obstacles,
+                          no_slip_asked<SURFACES == LISTED_SURFACES> no_slip) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
   const bool begins = s.weights.first != 0;
@@ -588,8 +611,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                   phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);
   int with_solids = 0;
   if (NO_SLIP)
-    with_solids = add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, begins, x,
-                              v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
+    with_solids =
+        add_no_slip(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                    obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), no_slip, begins,
+                    x, v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
   if (begins) {
     s.force[i] = system.residual;
     s.changes[i] = none;

@@ -7,6 +7,10 @@
 
 #include "cuda/iteration.h"
 
+/* Few threads meet a solid: these are not to take the registers of all. Nor are arguments copied to
+ * the stack of all, for the sake of functions that take pointers to them. */
+enum { BLOCKS_WITH_SOLIDS = sizeof(pbf_real) == sizeof(float) ? 4 : 2 };
+
 /* Whether a particle takes no part in the iteration. */
 static __device__ __forceinline__ bool is_idle(const iteration_extras &extras, uint32_t i) {
   if (PBF_TOLERANCE && extras.watch.watch && is_converged(extras.watch)) return true;
@@ -17,8 +21,9 @@ static __device__ __forceinline__ bool is_idle(const iteration_extras &extras, u
 /* What walls and colliders contribute. Nobody reads what it leaves as it is: gradients where the
  * density is 0, and all of idle particles. */
 template <surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    boundary_kernel(neighborhood n, iteration_extras extras, boundary_sums found) {
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
+    boundary_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ iteration_extras extras, boundary_sums found) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || is_idle(extras, i)) return;
   const pbf_vec x = position_of(load(n.particles.points, i));
@@ -49,8 +54,9 @@ static __device__ __forceinline__ pbf_vec predicted_place(const neighborhood &n,
 
 /* Takes particles that the move has taken from n.particles.points to `moved` out of solids. */
 template <surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    collide_kernel(neighborhood n, point *moved, iteration_extras extras, iteration_place place,
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
+    collide_kernel(const __grid_constant__ neighborhood n, point *moved,
+                   const __grid_constant__ iteration_extras extras, iteration_place place,
                    pushes_by_solids pushes, pbf_real inv_time_step, pbf_vec *velocities) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || is_idle(extras, i)) return;

@@ -131,4 +131,23 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     place_particle<SURFACES, ALL>(from, p, scratch, to, i);
 }
 
+/* The same among listed surfaces, which few threads meet: these are not to take the registers of
+ * all. */
+enum { BLOCKS_OF_LISTED = 4 };
+
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_OF_LISTED)
+    predict_listed_kernel(unsorted_particles from, prediction p, cell_grid grid,
+                          uint32_t *cell_count, sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i < from.count) count_particle<LISTED_SURFACES, true>(from, p, grid, cell_count, scratch, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_OF_LISTED)
+    place_listed_kernel(unsorted_particles from, prediction p, sort_scratch scratch,
+                        sorted_particles to) {
+  uint32_t i = thread_index();
+  if (i < from.count && scratch.cell[i] != PBF_NO_CELL)
+    place_particle<LISTED_SURFACES, true>(from, p, scratch, to, i);
+}
+
 #endif

@@ -83,8 +83,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     s.density_max = larger(s.density_max, density);
     s.neighbors += neighbors;
     s.neighbors_max = max(s.neighbors_max, neighbors);
-    s.squeezed += pbf_is_squeezed_by(obstacles_met<SURFACES>(extras.obstacles),
-                                     position_of(load(state.points, i)));
+    const pbf_vec x = position_of(load(state.points, i));
+    s.squeezed += pbf_is_squeezed_by(obstacles_near<SURFACES>(extras.obstacles, x, 0), x);
   }
   /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
   for (uint32_t lane = 0; lane < 32; ++lane) {
