@@ -280,8 +280,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * what these add to it. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    residual_density_kernel(neighborhood n, iteration_extras extras, pbf_domain domain,
-                            pbf_real time_step, bool with_ghosts, pbf_real *residual_density) {
+    residual_density_kernel(const __grid_constant__ neighborhood n,
+                            const __grid_constant__ iteration_extras extras,
+                            const __grid_constant__ pbf_domain domain, pbf_real time_step,
+                            bool with_ghosts, pbf_real *residual_density) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};
@@ -319,7 +321,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * found.more_colliders. */
 template <int FEATURES, bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    overlap_kernel(neighborhood n, iteration_extras extras, pbf_domain domain, pbf_real time_step,
+    overlap_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras,
+                   const __grid_constant__ pbf_domain domain, pbf_real time_step,
                    const pbf_real *ghosts, pbf_overlap found) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
@@ -383,7 +387,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What each particle lacks of neighbours. `activity` is null where nothing sleeps. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    missing_neighbors_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    missing_neighbors_kernel(const __grid_constant__ neighborhood n,
+                             const __grid_constant__ step_obstacles obstacles, bool wall_density,
                              const pbf_real *activity, pbf_real *missing) {
   uint32_t i = own_index(n.particles);
   const missing_neighbors_pass pass = {&n.constants};
@@ -435,7 +440,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * them have an instance of their own. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    compensate_damping_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    compensate_damping_kernel(const __grid_constant__ neighborhood n,
+                              const __grid_constant__ step_obstacles obstacles, bool wall_density,
                               pbf_real inv_time_step, const point *flow, pbf_curl *torques,
                               pbf_vec *velocities) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
@@ -460,7 +466,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * `activity` is null where nothing sleeps, `ghosts` where there are none. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deviator_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    deviator_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ step_obstacles obstacles, bool wall_density,
                     const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
                     pbf_deviator *deviators, point *walls) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
@@ -518,9 +525,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * that is null. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    way_kernel(point *points, uint32_t count, const pbf_real *activity, step_obstacles obstacles,
-               pbf_real time_step, pbf_real inv_time_step, const pbf_vec *changes,
-               pbf_vec *velocities, pbf_vec *push) {
+    way_kernel(point *points, uint32_t count, const pbf_real *activity,
+               const __grid_constant__ step_obstacles obstacles, pbf_real time_step,
+               pbf_real inv_time_step, const pbf_vec *changes, pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = thread_index();
   if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   point here = load(points, i);
@@ -591,8 +598,8 @@ using no_slip_asked = std::conditional_t<LISTED, many_no_slip, few_no_slip>;
  * is what few scenes have, ALL. */
 template <bool NO_SLIP, surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
-                          step_obstacles obstacles,
+    viscous_stress_kernel(const __grid_constant__ neighborhood n, const point *predicted,
+                          viscous_stage s, const __grid_constant__ step_obstacles obstacles,
                           no_slip_asked<SURFACES == LISTED_SURFACES> no_slip) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};

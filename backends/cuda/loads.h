@@ -186,7 +186,8 @@ static inline few_friction_scales few_friction_scales_of(const pbf_friction_scal
  * null where loads are not wanted. */
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    friction_kernel(neighborhood n, step_obstacles o, friction_asked<LISTED> scales,
+    friction_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ step_obstacles o, friction_asked<LISTED> scales,
                     pressure_source source, const pbf_real *activity, pbf_real inv_time_step,
                     pbf_vec *velocities, pbf_vec *push, load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
@@ -247,7 +248,8 @@ static inline few_adhesion_scales few_adhesion_scales_of(const pbf_adhesion_scal
 /* Changes velocities. The tally is null where loads are not wanted. */
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    adhesion_kernel(neighborhood n, step_obstacles o, adhesion_asked<LISTED> scales,
+    adhesion_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ step_obstacles o, adhesion_asked<LISTED> scales,
                     const pbf_real *missing, const pbf_real *activity, pbf_vec *velocities,
                     load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
@@ -268,10 +270,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What solids take by viscosity, of what it leaves of the prediction's velocities. */
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    no_slip_loads_kernel(neighborhood n, const point *starts, step_obstacles o,
-                         pbf_load_scales scales, no_slip_asked<LISTED> no_slip,
-                         const pbf_real *activity, const pbf_vec *changes,
-                         load_tally_asked<LISTED> *tally) {
+    no_slip_loads_kernel(const __grid_constant__ neighborhood n, const point *starts,
+                         const __grid_constant__ step_obstacles o, pbf_load_scales scales,
+                         no_slip_asked<LISTED> no_slip, const pbf_real *activity,
+                         const pbf_vec *changes, load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   const pbf_vec x = position_of(load(starts, i));
@@ -290,9 +292,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* Walls have many particles at them, and are summed up by blocks first. */
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    loads_kernel(neighborhood n, step_obstacles o, pbf_load_scales scales, pressure_source source,
-                 const pbf_real *activity, const uint32_t *all_asleep, const pbf_vec *velocities,
-                 const pbf_vec *push, load_tally_asked<LISTED> *tally) {
+    loads_kernel(const __grid_constant__ neighborhood n, const __grid_constant__ step_obstacles o,
+                 pbf_load_scales scales, pressure_source source, const pbf_real *activity,
+                 const uint32_t *all_asleep, const pbf_vec *velocities, const pbf_vec *push,
+                 load_tally_asked<LISTED> *tally) {
   __shared__ pbf_load_sums walls[2 * PBF_DIM];
   const uint32_t i = own_index(n.particles);
   if (PBF_SLEEP && all_asleep && *all_asleep) return;

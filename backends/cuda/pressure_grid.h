@@ -90,8 +90,10 @@ static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays 
  * these add, or null. */
 template <int FEATURES, bool TORN, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
-    deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
-                   pbf_pressure_grid grid, pressure_grid_arrays a) {
+    deposit_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras,
+                   const lambda_sums<pbf_real> *ghosts, pbf_pressure_grid grid,
+                   pressure_grid_arrays a) {
   uint32_t i = thread_index();
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> pass = {c, {}};

@@ -70,8 +70,8 @@ static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v)
 /* `state` gives positions and velocities, `n` the same particles sorted. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    stats_kernel(unsorted_particles state, neighborhood n, iteration_extras extras,
-                 partial_stats *partial) {
+    stats_kernel(unsorted_particles state, const __grid_constant__ neighborhood n,
+                 const __grid_constant__ iteration_extras extras, partial_stats *partial) {
   __shared__ partial_stats shared[PBF_BLOCK / 32];
   partial_stats s = empty_stats();
   for (uint32_t i = own_index(n.particles); i < state.count; i += gridDim.x * blockDim.x) {
@@ -105,7 +105,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
+    density_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras, pbf_real *densities) {
   uint32_t i = own_index(n.particles), neighbors = 0;
   if (i < n.particles.count)
     densities[i] = full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
