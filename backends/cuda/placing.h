@@ -91,6 +91,15 @@ static inline pbf_status place_many_surfaces(solver *s, const pbf_step_times &ti
   return status;
 }
 
+/* The colliders, few, at the ends of `steps` steps. */
+static inline void write_surfaces(const solver *s, const pbf_step_times &times, uint32_t steps,
+                                  pbf_surface *placed) {
+  for (uint32_t k = 0; k < steps; ++k) {
+    place_at(s, pbf_time_after(&times, k + 1), placed + k * s->collider_count);
+    take_fields(s, placed + k * s->collider_count);
+  }
+}
+
 /* Places the colliders for the ends of `steps` steps, and uploads them in one go. */
 static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, uint32_t steps) {
   if (are_many(s->many)) return place_many_surfaces(s, times, steps);
@@ -102,10 +111,7 @@ static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, 
     pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
     return PBF_ERROR_OUT_OF_MEMORY;
   }
-  for (uint32_t k = 0; k < steps; ++k) {
-    place_at(s, pbf_time_after(&times, k + 1), placed + k * s->collider_count);
-    take_fields(s, placed + k * s->collider_count);
-  }
+  write_surfaces(s, times, steps, placed);
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
       pbf_cuda_check(cudaMemcpyAsync(s->surfaces, placed, bytes, cudaMemcpyHostToDevice, s->stream),
