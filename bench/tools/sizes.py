@@ -88,7 +88,7 @@ def measure(work, result, names):
         builds[name] = measured(name, work, commit)
         print(f"{name}: {builds[name]['bytes']:,} bytes", flush=True)
     compiler = run("cc", "--version").splitlines()[0]
-    result.write_text(json.dumps({"compiler": compiler, "builds": list(builds.values())}, indent=2) + "\n",
+    result.write_text(json.dumps({"compiler": compiler, "builds": [builds[name] for name in BUILDS if name in builds]}, indent=2) + "\n",
                       encoding="utf-8")
 
 
