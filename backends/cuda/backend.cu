@@ -9,11 +9,30 @@
 #include "cuda/rank_calls.h"
 #include "cuda/report.h"
 #include "cuda/small/host.h"
+#include "cuda/small/worlds.h"
+
+static pbf_status run_put_off(solver *s);
+
+static solver *entered(pbf_backend_solver *handle) {
+  solver *s = reinterpret_cast<solver *>(handle);
+  pbf_cuda_host = s->host;
+  return s;
+}
+
+/* Before anything else happens in the world's own stream. */
+static void settle(solver *s) {
+  if (s->put_off.steps || s->works_together) {
+    pbf_cuda_scope scope(s->context);
+    const pbf_status status = run_put_off(s);
+    if (!s->late_failure) s->late_failure = status;
+  }
+  s->works_alone = true;
+}
 
 /* Every call begins with it. */
 static solver *of(pbf_backend_solver *handle) {
-  solver *s = reinterpret_cast<solver *>(handle);
-  pbf_cuda_host = s->host;
+  solver *s = entered(handle);
+  settle(s);
   return s;
 }
 
@@ -22,6 +41,8 @@ static void destroy_solver(solver *s) {
     pbf_cuda_scope scope(s->context);
     clock_stop(&s->clock);
     if (s->stream) cudaStreamSynchronize(s->stream);
+    drop_team(s);
+    if (s->reached) cudaEventDestroy(s->reached);
     free_ranks(s);
     pbf_cuda_free_all(&s->memory);
     free_all_asleep(s);
@@ -31,7 +52,10 @@ static void destroy_solver(solver *s) {
   s->allocator.release(s->allocator.user, s, sizeof *s, alignof(solver));
 }
 
-static void destroy(pbf_backend_solver *handle) { destroy_solver(of(handle)); }
+static void destroy(pbf_backend_solver *handle) {
+  entered(handle)->put_off.steps = 0;
+  destroy_solver(of(handle));
+}
 
 /* Of some ranks, which are told, to where the call ends. */
 static pbf_status end_call(solver *s, pbf_status status) {
@@ -47,11 +71,13 @@ static uint32_t list_chunks(const pbf_params *params) {
 }
 
 /* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get. */
-static uint64_t list_storage_bytes(const solver *s, uint32_t chunks, bool small) {
+static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, uint32_t chunks,
+                                   bool small) {
   uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
            largest = padded * chunks * sizeof(uint4);
   for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
                          small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
+                         small ? (unsigned long long)world_list_room(s, params) : 0ull,
                          has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true) +
                                                              rank_scratch_bytes(s->capacity))
                                       : 0ull})
@@ -59,8 +85,8 @@ static uint64_t list_storage_bytes(const solver *s, uint32_t chunks, bool small)
   return largest;
 }
 
-static pbf_status take_lists(solver *s, uint32_t chunks, bool small) {
-  uint64_t bytes = list_storage_bytes(s, chunks, small);
+static pbf_status take_lists(solver *s, const pbf_params *params, uint32_t chunks, bool small) {
+  uint64_t bytes = list_storage_bytes(s, params, chunks, small);
   void *room = s->list_storage;
   if (bytes != s->list_bytes) {
     if (pbf_status status = pbf_cuda_take(&s->memory, "neighbor list", bytes, &room)) return status;
@@ -111,13 +137,13 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
        was_small = s->small_upload != nullptr;
   if (!schedule.runs[PBF_STAGE_GRID] || (s->topology_memory && !schedule.solids))
     if (pbf_status status = add_weight(s)) return status;
-  if (pbf_status status = take_lists(s, chunks, small || was_small)) return status;
+  if (pbf_status status = take_lists(s, params, chunks, small || was_small)) return status;
   if (pbf_status status = take_for_scene(s, schedule, *params, small)) {
     take_for_scene(s, s->schedule, s->params, was_small);
     return status;
   }
   if (was_small && !small)
-    take_lists(s, chunks, false); /* if that fails, it has more than it needs */
+    take_lists(s, params, chunks, false); /* if that fails, it has more than it needs */
   if (s->topology.memory != s->topology_memory) s->topology.memory = nullptr;
   bool slept = s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   bool changes = !pbf_only_time_step_differs(&s->params, params);
@@ -303,11 +329,8 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   return wake_near_colliders(s, changed, time);
 }
 
-static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before, uint32_t steps,
-                       uint32_t *done) {
-  solver *s = of(handle);
-  pbf_cuda_scope scope(s->context);
-  const pbf_step_times times = {time, before, s->params.time_step};
+static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t steps,
+                            uint32_t *done) {
   const uint32_t count = particles_of_all(s);
   *done = 0;
   if (has_ranks(s) && !agree_on_step(s, times, steps)) return end_on_ranks(s);
@@ -322,7 +345,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
       break;
     }
     uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
-    const pbf_step_times left = {time, before + *done, s->params.time_step};
+    const pbf_step_times left = {times.time, times.before + *done, times.time_step};
     if (pbf_status status = place_surfaces(s, left, ahead)) return end_call(s, status);
     if (small_serves(s)) {
       ahead = pbf_steps_alike(&s->params, s->count, s->schedule.min_volume, &left, ahead);
@@ -342,6 +365,100 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
   }
   s->found.struct_size = 0;
   return PBF_OK;
+}
+
+/* Notes the steps, for them to run together with those of other worlds. */
+static bool put_off(solver *s, const pbf_step_times &times, uint32_t steps) {
+  const pbf_step_times &first = s->put_off.times;
+  if (!s->puts_off || !steps || s->late_failure || !world_serves(s)) return false;
+  if (s->put_off.steps &&
+      (first.time != times.time || first.before + s->put_off.steps != times.before))
+    return false;
+  if (!s->put_off.steps) s->put_off.times = times;
+  s->put_off.steps += steps;
+  s->time = pbf_time_after(&times, steps);
+  s->pressure_scale = s->constants.pressure;
+  s->found.struct_size = 0;
+  return true;
+}
+
+/* All that the world has put off, alone. */
+static pbf_status run_put_off(solver *s) {
+  const steps_put_off noted = s->put_off;
+  uint32_t done = 0;
+  s->put_off.steps = 0;
+  if (s->works_together)
+    if (pbf_status status =
+            pbf_cuda_check(cudaStreamWaitEvent(s->stream, s->team->done, 0), "cudaStreamWaitEvent"))
+      return status;
+  s->works_together = false;
+  s->works_alone = true;
+  return noted.steps ? run_steps(s, noted.times, noted.steps, &done) : PBF_OK;
+}
+
+static pbf_status tell_late_failure(solver *s) {
+  const pbf_status status = s->late_failure;
+  s->late_failure = PBF_OK;
+  if (status) pbf_cuda_host->set_error("steps that had been put off failed on the device");
+  return status;
+}
+
+static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before, uint32_t steps,
+                       uint32_t *done) {
+  solver *s = entered(handle);
+  const pbf_step_times times = {time, before, s->params.time_step};
+  if (put_off(s, times, steps)) {
+    *done = steps;
+    return PBF_OK;
+  }
+  settle(s);
+  *done = 0;
+  if (pbf_status status = tell_late_failure(s)) return status;
+  pbf_cuda_scope scope(s->context);
+  return run_steps(s, times, steps, done);
+}
+
+/* ---- Worlds --------------------------------------------------------------------------------- */
+
+static void let_put_off(pbf_backend_solver *handle, uint32_t on) {
+  entered(handle)->puts_off = on != 0;
+}
+
+static pbf_status run_one_by_one(solver *const *worlds, uint32_t count) {
+  for (uint32_t k = 0; k < count; ++k)
+    if (pbf_status status = run_put_off(worlds[k])) return status;
+  return PBF_OK;
+}
+
+/* Solvers are those that have something to do; there is room for as many numbers of steps. */
+static pbf_status run_worlds_of(solver *leader, solver **worlds, uint32_t *steps, uint32_t count) {
+  pbf_cuda_scope scope(leader->context);
+  if (!worlds_fill(leader, count) || !team_of(leader)) return run_one_by_one(worlds, count);
+  const pbf_status status = run_together(leader, worlds, steps, count);
+  return status == PBF_ERROR_OUT_OF_MEMORY ? run_one_by_one(worlds, count) : status;
+}
+
+static pbf_status run_worlds(pbf_backend_solver *const *handles, uint32_t count) {
+  if (count == 0) return PBF_OK;
+  solver *leader = entered(handles[0]);
+  const pbf_allocator &allocator = leader->allocator;
+  const uint64_t bytes = count * (sizeof(solver *) + sizeof(uint32_t));
+  solver **worlds =
+      static_cast<solver **>(allocator.allocate(allocator.user, bytes, alignof(solver *)));
+  uint32_t some = 0;
+  pbf_status status = PBF_OK;
+  for (uint32_t k = 0; k < count; ++k) {
+    solver *s = reinterpret_cast<solver *>(handles[k]);
+    if (!s->put_off.steps) continue;
+    if (worlds)
+      worlds[some++] = s;
+    else
+      settle(s);
+  }
+  if (some)
+    status = run_worlds_of(leader, worlds, reinterpret_cast<uint32_t *>(worlds + count), some);
+  if (worlds) allocator.release(allocator.user, worlds, bytes, alignof(solver *));
+  return status;
 }
 
 /* A step of no time, without what only steps need. */
@@ -410,13 +527,21 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
 }
 
 static pbf_status synchronize(pbf_backend_solver *handle) {
-  solver *s = of(handle);
+  solver *s = entered(handle);
   pbf_cuda_scope scope(s->context);
-  if (pbf_status status = pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize"))
-    return status;
-  if (!has_ranks(s) || !s->ranks.report->lost) return PBF_OK;
-  lose_ranks(s, PBF_ERROR_UNAVAILABLE, "the device of another rank has not answered");
-  return end_on_ranks(s);
+  if (s->put_off.steps) settle(s);
+  /* Of a world that has done nothing else since, one event of its team tells. */
+  pbf_status status =
+      s->works_together
+          ? pbf_cuda_check(cudaEventSynchronize(s->team->done), "cudaEventSynchronize")
+          : pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
+  if (status != PBF_OK) return status;
+  s->works_together = s->works_alone = false;
+  if (has_ranks(s) && s->ranks.report->lost) {
+    lose_ranks(s, PBF_ERROR_UNAVAILABLE, "the device of another rank has not answered");
+    return end_on_ranks(s);
+  }
+  return tell_late_failure(s);
 }
 
 static pbf_status add_particles(pbf_backend_solver *handle, const pbf_particles *particles) {
@@ -570,10 +695,12 @@ static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) 
   return PBF_OK;
 }
 
-/* That it works on ranks: pbf_backend_desc.ranks. */
+/* That it works on ranks: pbf_backend_desc.ranks; and how worlds of a batch step together. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
-  return (PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0 ? &works : nullptr;
+  static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
+  if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
+  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : nullptr;
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API = {

@@ -237,16 +237,9 @@ static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving
   return pbf_cuda_check_launch("wake_near_kernel");
 }
 
-/* Places the colliders for the ends of `steps` steps, and uploads them in one go. */
-static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, uint32_t steps) {
-  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_surface);
-  if (!bytes) return PBF_OK;
-  pbf_surface *placed = static_cast<pbf_surface *>(
-      s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_surface)));
-  if (!placed) {
-    pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
-    return PBF_ERROR_OUT_OF_MEMORY;
-  }
+/* The colliders at the ends of `steps` steps. */
+static inline void write_surfaces(const solver *s, const pbf_step_times &times, uint32_t steps,
+                                  pbf_surface *placed) {
   for (uint32_t k = 0; k < steps; ++k) {
     const double end = pbf_time_after(&times, k + 1);
     const pbf_domain domain = pbf_domain_at(&s->params, end);
@@ -258,6 +251,19 @@ static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, 
       one->field = shape_on_device(s->shapes, one->field_id);
     }
   }
+}
+
+/* Places the colliders for the ends of `steps` steps, and uploads them in one go. */
+static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, uint32_t steps) {
+  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_surface);
+  if (!bytes) return PBF_OK;
+  pbf_surface *placed = static_cast<pbf_surface *>(
+      s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_surface)));
+  if (!placed) {
+    pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
+    return PBF_ERROR_OUT_OF_MEMORY;
+  }
+  write_surfaces(s, times, steps, placed);
   /* From pageable memory, which the copy has read when it returns. */
   pbf_status status =
       pbf_cuda_check(cudaMemcpyAsync(s->surfaces, placed, bytes, cudaMemcpyHostToDevice, s->stream),

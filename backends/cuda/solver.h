@@ -4,9 +4,8 @@
 
 #include <string.h>
 
-#include <type_traits>
-
 #include "cuda/context.h"
+#include "cuda/features.h"
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
 #include "cuda/kernels.h"
@@ -22,6 +21,27 @@
 
 /* Steps whose colliders are placed and uploaded at once. */
 enum { STEPS_AHEAD = SMALL_STEPS };
+
+/* Records of worlds on their way to the device. */
+struct world_upload {
+  void *host, *device;
+  uint64_t bytes;
+  cudaEvent_t read;
+};
+
+/* What worlds that step together have in common; it ends with the last of them. */
+struct world_team {
+  uint32_t users;
+  uint32_t turn;           /* of the uploads */
+  world_upload uploads[2]; /* the host writes one while the device reads the other */
+  cudaEvent_t done;        /* after their last launch */
+};
+
+/* Steps that a world is to do together with others. */
+struct steps_put_off {
+  pbf_step_times times;
+  uint32_t steps;
+};
 
 struct solver {
   pbf_allocator allocator;
@@ -89,6 +109,13 @@ struct solver {
   struct small_control *small_control;
   bool small_allowed; /* shared memory */
   uint16_t *owners;
+  world_team *team;    /* with which it has stepped; null: with none */
+  cudaEvent_t reached; /* in its stream, what its team follows */
+  bool puts_off;       /* steps may wait for those of other worlds */
+  bool works_together; /* its team's last launch may be under way, … */
+  bool works_alone;    /* … or something in its own stream */
+  steps_put_off put_off;
+  pbf_status late_failure;     /* of what had been put off, until a call can tell */
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
   uint32_t collider_count;
@@ -115,30 +142,6 @@ static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t block
       cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel), dim3(blocks),
                                   dim3(threads), pointers, shared, s->stream),
       name);
-}
-
-/* Calls launch(constant) with features as a compile-time constant. */
-template <class Launch>
-static void with_features(int features, Launch launch) {
-  static_assert(PBF_FEATURE_COUNT == 4, "every combination has a case");
-  switch (features) {
-    case 0:
-      return launch(std::integral_constant<int, 0>());
-    case 1:
-      return launch(std::integral_constant<int, 1 & PBF_BUILT>());
-    case 2:
-      return launch(std::integral_constant<int, 2 & PBF_BUILT>());
-    default:
-      return launch(std::integral_constant<int, 3 & PBF_BUILT>());
-  }
-}
-
-/* For what does not depend on the artificial pressure. */
-template <class Launch>
-static void with_kernel(int features, Launch launch) {
-  if (features & PBF_BUILT & PBF_FEATURE_POLY6)
-    return launch(std::integral_constant<int, PBF_BUILT & PBF_FEATURE_POLY6>());
-  launch(std::integral_constant<int, 0>());
 }
 
 static inline sort_scratch scratch_of(const solver *s) {

@@ -18,7 +18,7 @@ PBF_FN pbf_real pbf_wall_node(const pbf_constants *c, pbf_real distance) {
 /* From the slope of a plane's density to the gradient that it pushes with, t among the nodes. */
 PBF_FN pbf_real pbf_boundary_gradient_scale(const pbf_constants *c, pbf_real t) {
   pbf_real beyond = pbf_real_min(pbf_real_max(t - c->wall_first, 0), c->wall_layer);
-  return c->wall_gradient_scale + c->wall_gradient_rise * beyond;
+  return pbf_multiply_add(c->wall_gradient_rise, beyond, c->wall_gradient_scale);
 }
 
 /* A plane's density at the part s of the way between two nodes with these values and slopes, and
@@ -26,8 +26,10 @@ PBF_FN pbf_real pbf_boundary_gradient_scale(const pbf_constants *c, pbf_real t) 
 PBF_FN pbf_real pbf_wall_interpolated(pbf_real s, pbf_real v0, pbf_real v1, pbf_real g0,
                                       pbf_real g1, pbf_real *slope) {
   pbf_real s2 = s * s, rise = v1 - v0;
-  *slope = g0 + 6 * s * (1 - s) * rise - (4 * s - 3 * s2) * g0 - (2 * s - 3 * s2) * g1;
-  return v0 + s * g0 + s2 * ((3 - 2 * s) * rise - (2 - s) * g0 - (1 - s) * g1);
+  const pbf_real up = pbf_multiply_add(6 * s * (1 - s), rise, g0);
+  *slope = pbf_multiply_add(-(2 * s - 3 * s2), g1, pbf_multiply_add(-(4 * s - 3 * s2), g0, up));
+  const pbf_real bend = pbf_multiply_add(-(2 - s), g0, (3 - 2 * s) * rise);
+  return pbf_multiply_add(s2, pbf_multiply_add(-(1 - s), g1, bend), pbf_multiply_add(s, g0, v0));
 }
 
 /* A plane's density at a distance from it, and *slope, the gradient along the normal. */
@@ -58,11 +60,11 @@ PBF_FN pbf_real pbf_overlapping_part(const pbf_constants *c, pbf_real value, pbf
  * at right angles to it, `other` with `gradient`: what is free of both is about the product of what
  * is free of each, exactly so for a kernel that is a product over the axes. */
 PBF_FN pbf_real pbf_union_slope(pbf_real value, pbf_real slope, pbf_real other, pbf_real gradient) {
-  return gradient * (1 - value) + (1 - other) * slope;
+  return pbf_multiply_add(1 - other, slope, gradient * (1 - value));
 }
 
 PBF_FN pbf_real pbf_union_value(pbf_real value, pbf_real other) {
-  return other + (1 - other) * value;
+  return pbf_multiply_add(1 - other, value, other);
 }
 
 /* What surfaces contribute: the part of it that may overlap with others', and the part that adds

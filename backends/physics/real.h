@@ -29,6 +29,14 @@ PBF_FN pbf_real pbf_real_sqrt(pbf_real a) {
   return sizeof a == sizeof(float) ? (pbf_real)sqrtf((float)a) : (pbf_real)sqrt((double)a);
 }
 #endif
+/* a b + c, which a device rounds once, and a CPU as it is written. */
+#if defined(__CUDA_ARCH__)
+PBF_FN float pbf_fused(float a, float b, float c) { return fmaf(a, b, c); }
+PBF_FN double pbf_fused(double a, double b, double c) { return fma(a, b, c); }
+PBF_FN pbf_real pbf_multiply_add(pbf_real a, pbf_real b, pbf_real c) { return pbf_fused(a, b, c); }
+#else
+PBF_FN pbf_real pbf_multiply_add(pbf_real a, pbf_real b, pbf_real c) { return a * b + c; }
+#endif
 PBF_FN pbf_real pbf_real_max(pbf_real a, pbf_real b) { return a > b ? a : b; }
 PBF_FN pbf_real pbf_real_min(pbf_real a, pbf_real b) { return a < b ? a : b; }
 
@@ -47,7 +55,7 @@ PBF_FN pbf_real pbf_last_bit(pbf_real a) {
 
 PBF_FN pbf_real pbf_dot(pbf_vec a, pbf_vec b) {
   pbf_real sum = a.c[0] * b.c[0];
-  for (int k = 1; k < PBF_DIM; ++k) sum += a.c[k] * b.c[k];
+  for (int k = 1; k < PBF_DIM; ++k) sum = pbf_multiply_add(a.c[k], b.c[k], sum);
   return sum;
 }
 
@@ -63,7 +71,7 @@ PBF_FN pbf_vec pbf_scaled(pbf_vec a, pbf_real s) {
 
 /* a + s b */
 PBF_FN pbf_vec pbf_add_scaled(pbf_vec a, pbf_real s, pbf_vec b) {
-  for (int k = 0; k < PBF_DIM; ++k) a.c[k] += s * b.c[k];
+  for (int k = 0; k < PBF_DIM; ++k) a.c[k] = pbf_multiply_add(s, b.c[k], a.c[k]);
   return a;
 }
 

@@ -188,6 +188,19 @@ typedef struct pbf_overlap {
 } pbf_overlap;
 
 typedef struct pbf_backend_solver pbf_backend_solver;
+
+/* The extension of a backend that steps the worlds of a batch together. Between put_off(world, 1)
+ * and put_off(world, 0) `step` may say that steps are done which it has only noted: they are done
+ * once `run` has been called with the world, or any other call of it, which does them first. `run`
+ * takes worlds of one batch, the same first one each time; those with nothing noted stay as they
+ * are. A world has the same bits in any company. */
+#define PBF_BACKEND_WORLDS "pbf.worlds/1"
+typedef struct pbf_backend_worlds {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void (*put_off)(pbf_backend_solver *world, uint32_t on);
+  pbf_status (*run)(pbf_backend_solver *const *worlds, uint32_t count);
+} pbf_backend_worlds;
 typedef struct pbf_backend_api pbf_backend_api;
 
 /* All members must be set, except those marked optional. */

@@ -3,6 +3,7 @@
 #define PBF_LIB_BATCH_BATCH_H
 
 #include <pbf/batch.h>
+#include <pbf/pbf_backend.h>
 #include <stdatomic.h>
 
 #include "check.h"
@@ -21,6 +22,7 @@ typedef struct pbf_start {
 typedef struct pbf_world {
   pbf_solver *solver;
   pbf_start *start; /* null: it has none */
+  uint32_t entered; /* by a call that has to do with all worlds at once */
   pbf_status status;
   char sentence[PBF_SENTENCE_SIZE];
 } pbf_world;
@@ -38,6 +40,8 @@ struct pbf_batch {
   pbf_allocator allocator;
   pbf_check_kind kind;
   uint32_t device_type;
+  const pbf_backend_worlds *together; /* of a backend that steps worlds together, else null, … */
+  pbf_backend_solver **handles;       /* … and room for theirs */
   uint32_t world_count;
   pbf_world *worlds;
   pbf_thread_pool pool;

@@ -10,6 +10,7 @@
 #include "solver/create.h"
 #include "solver/handles.h"
 #include "os.h"
+#include "together.h"
 
 /* Of a world: one thread, which the batch has it stepped by. */
 static pbf_desc desc_of_world(const pbf_checked_desc *checked) {
@@ -66,7 +67,8 @@ static pbf_status fill(pbf_batch *batch, const pbf_checked_desc *checked, const 
   batch->pool.enqueue_task = checked->desc.enqueue_task;
   batch->pool.finish_task = checked->desc.finish_task;
   batch->pool.task_user = checked->desc.task_user;
-  return create_worlds(batch, &desc, params);
+  status = create_worlds(batch, &desc, params);
+  return status == PBF_OK ? pbf_batch_find_together(batch) : status;
 }
 
 static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,

@@ -3,6 +3,7 @@
 #include "memory.h"
 #include "solver/handles.h"
 #include "starts.h"
+#include "together.h"
 
 void pbf_batch_free(pbf_batch *batch) {
   const pbf_allocator allocator = batch->allocator;
@@ -14,6 +15,7 @@ void pbf_batch_free(pbf_batch *batch) {
     pbf_solver_set_in_batch(world->solver, 0);
     pbf_destroy(world->solver);
   }
+  pbf_batch_free_together(batch);
   pbf_memory_free(&allocator, batch->worlds, pbf_worlds_bytes(batch->world_count));
   pbf_memory_free(&allocator, batch, sizeof *batch);
 }

@@ -4,17 +4,22 @@
 #include "error.h"
 #include "handles.h"
 #include "starts.h"
+#include "together.h"
 #include "worlds.h"
 
 static pbf_status step_world(pbf_batch *batch, uint32_t world, void *context) {
   return pbf_step(batch->worlds[world].solver, *(const uint32_t *)context);
 }
 
+static pbf_status step(pbf_batch *batch, const uint8_t *mask, uint32_t steps) {
+  if (batch->together) return pbf_batch_step_together(batch, mask, steps);
+  return pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, step_world, &steps);
+}
+
 pbf_status pbf_batch_step(pbf_batch *batch, const uint8_t *mask, uint32_t steps) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  return pbf_batch_leave(batch,
-                         pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, step_world, &steps));
+  return pbf_batch_leave(batch, step(batch, mask, steps));
 }
 
 /* ---- Starts --------------------------------------------------------------------------------- */

@@ -14,12 +14,13 @@
 #include "snapshot_memory.h"
 #include "os.h"
 
-enum { BUCKETS = 64 };
+enum { BUCKET_BITS = 10, BUCKETS = 1 << BUCKET_BITS }; /* a batch has a thousand solvers */
 
 static pbf_solver *buckets[BUCKETS];
 
 static pbf_solver **bucket_of(const pbf_solver *solver) {
-  return &buckets[(uintptr_t)solver / 64 % BUCKETS];
+  const uint32_t mixed = (uint32_t)((uintptr_t)solver / 16) * 2654435761u; /* Knuth's hash */
+  return &buckets[mixed >> (32 - BUCKET_BITS)];
 }
 
 static int is_live(const pbf_solver *solver) {

@@ -348,6 +348,55 @@ static void backends_are_told_of_worlds(void **state) {
   assert_int_equal(control->worlds, 0);
 }
 
+/* A backend that steps worlds together only notes their steps, until all are known. */
+static void worlds_step_together(void **state) {
+  (void)state;
+  if (!test_is_stub()) return;
+  const uint8_t mask[WORLDS] = {1, 0, 1, 1};
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  uint64_t alone[WORLDS];
+  for (uint32_t k = 0; k < WORLDS; ++k) alone[k] = hash_alone(&desc, k, mask[k] ? 7 : 4);
+  ballistic_control *control = test_stub_control();
+  control->steps_together = 1;
+  pbf_batch *batch = furnished(&desc);
+  assert_ok(pbf_batch_step(batch, NULL, 3));
+  assert_int_equal(control->runs, 1);
+  assert_int_equal(control->run_worlds, WORLDS);
+  assert_ok(pbf_batch_step(batch, mask, 3));
+  assert_int_equal(control->runs, 2);
+  assert_int_equal(control->run_worlds, 3);
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_ok(pbf_step(world_of(batch, k), 1));
+  assert_int_equal(control->runs, 2);
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_true(test_hash(world_of(batch, k)) == alone[k]);
+  pbf_batch_destroy(batch);
+  assert_int_equal(test_count.live_blocks, 0);
+  test_stub_control();
+}
+
+static void what_fails_together_fails_in_all(void **state) {
+  (void)state;
+  if (!test_is_stub()) return;
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  pbf_status statuses[WORLDS];
+  ballistic_control *control = test_stub_control();
+  control->steps_together = 1;
+  pbf_batch *batch = furnished(&desc);
+  control->failure_status = PBF_ERROR_DEVICE;
+  control->calls_until_failure = 2; /* a world's step */
+  assert_fails(pbf_batch_step(batch, NULL, 1), PBF_ERROR_DEVICE, "world 1: the test ordered");
+  assert_ok(pbf_batch_get_statuses(batch, statuses));
+  for (uint32_t k = 0; k < WORLDS; ++k)
+    assert_int_equal(statuses[k], k == 1 ? PBF_ERROR_DEVICE : PBF_OK);
+  control->calls_until_failure = WORLDS + 1; /* the run */
+  assert_fails(pbf_batch_step(batch, NULL, 1), PBF_ERROR_DEVICE, "the test ordered");
+  assert_ok(pbf_batch_get_statuses(batch, statuses));
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_int_equal(statuses[k], PBF_ERROR_DEVICE);
+  assert_ok(pbf_batch_step(batch, NULL, 1));
+  pbf_batch_destroy(batch);
+  assert_int_equal(test_count.live_blocks, 0);
+  test_stub_control();
+}
+
 static void fields_stay_where_the_backend_has_them(void **state) {
   (void)state;
   enum { ROWS = COUNT + 2 };
@@ -427,6 +476,8 @@ int main(void) {
       cmocka_unit_test(a_second_call_is_refused),
       cmocka_unit_test(worlds_are_stepped_at_once),
       cmocka_unit_test(backends_are_told_of_worlds),
+      cmocka_unit_test(worlds_step_together),
+      cmocka_unit_test(what_fails_together_fails_in_all),
       cmocka_unit_test(fields_stay_where_the_backend_has_them),
       cmocka_unit_test(a_call_is_done_before_its_thread_is_cancelled),
   };

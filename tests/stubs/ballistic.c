@@ -41,6 +41,7 @@ struct pbf_backend_solver {
   uint32_t *ids;
   unsigned char *positions;
   unsigned char *velocities;
+  uint32_t puts_off, noted; /* steps may wait; those that do */
 };
 
 static pbf_status fail(pbf_status status, const char *sentence) {
@@ -151,18 +152,6 @@ static void probe(const pbf_workload *workload, pbf_probe_result *result) {
 #endif
 }
 
-static pbf_status set_params(pbf_backend_solver *s, const pbf_params *params) {
-  pbf_status status = ordered_failure();
-  if (status == PBF_OK) s->params = *params;
-  return status;
-}
-
-static pbf_status set_colliders(pbf_backend_solver *s, uint32_t count,
-                                const pbf_collider *colliders, double time) {
-  (void)s, (void)count, (void)colliders, (void)time;
-  return ordered_failure();
-}
-
 /* Symplectic Euler, as the predict stage has it. */
 static void fall(pbf_backend_solver *s) {
   double dt = s->params.time_step;
@@ -175,10 +164,35 @@ static void fall(pbf_backend_solver *s) {
   }
 }
 
+/* Before whatever else is done to the solver. */
+static void settle(pbf_backend_solver *s) {
+  for (; s->noted; --s->noted) fall(s);
+}
+
+static pbf_status set_params(pbf_backend_solver *s, const pbf_params *params) {
+  pbf_status status = ordered_failure();
+  settle(s);
+  if (status == PBF_OK) s->params = *params;
+  return status;
+}
+
+static pbf_status set_colliders(pbf_backend_solver *s, uint32_t count,
+                                const pbf_collider *colliders, double time) {
+  (void)s, (void)count, (void)colliders, (void)time;
+  return ordered_failure();
+}
+
 static pbf_status step(pbf_backend_solver *s, double time, uint64_t before, uint32_t steps,
                        uint32_t *done) {
   (void)time, (void)before;
   if (steps == 0) return ordered_failure();
+  if (s->puts_off) {
+    pbf_status status = ordered_failure();
+    *done = status == PBF_OK ? steps : 0;
+    s->noted += *done;
+    return status;
+  }
+  settle(s);
   for (*done = 0; *done < steps; ++*done) {
     pbf_status status = ordered_failure();
     if (status != PBF_OK) return status;
@@ -191,13 +205,34 @@ static pbf_status step(pbf_backend_solver *s, double time, uint64_t before, uint
 }
 
 static pbf_status synchronize(pbf_backend_solver *s) {
-  (void)s;
+  settle(s);
   return ordered_failure();
+}
+
+/* ---- Worlds together ---- */
+
+static void put_off(pbf_backend_solver *s, uint32_t on) { s->puts_off = on; }
+
+static pbf_status run(pbf_backend_solver *const *worlds, uint32_t count) {
+  pbf_status status = ordered_failure();
+  ++stub_control.runs;
+  stub_control.run_worlds = 0;
+  for (uint32_t k = 0; k < count && status == PBF_OK; ++k) {
+    stub_control.run_worlds += worlds[k]->noted > 0;
+    settle(worlds[k]);
+  }
+  return status;
+}
+
+static const void *get_extension(const char *name) {
+  static const pbf_backend_worlds together = {sizeof together, 0, put_off, run};
+  return stub_control.steps_together && strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &together : NULL;
 }
 
 static pbf_status add_particles(pbf_backend_solver *s, const pbf_particles *particles) {
   pbf_status status = ordered_failure();
   if (status != PBF_OK) return status;
+  settle(s);
   uint64_t bytes = particles->count * row_bytes(s);
   memcpy(s->ids + s->count, particles->ids, (uint64_t)particles->count * 4);
   memcpy(s->positions + s->count * row_bytes(s), particles->positions, bytes);
@@ -217,6 +252,7 @@ static void move_row(pbf_backend_solver *s, uint32_t to, uint32_t from) {
 static pbf_status remove_particles(pbf_backend_solver *s, uint32_t count, const uint32_t *ids) {
   pbf_status status = ordered_failure();
   if (status != PBF_OK) return status;
+  settle(s);
   uint32_t kept = 0, next = 0;
   for (uint32_t row = 0; row < s->count; ++row) {
     if (next < count && s->ids[row] == ids[next]) {
@@ -240,7 +276,8 @@ static unsigned char *field_of(const pbf_backend_solver *s, uint32_t field) {
 }
 
 /* The rows' ids must be what the host says, or the test has found a defect in the host. */
-static pbf_status check_rows(const pbf_backend_solver *s, const pbf_rows *rows) {
+static pbf_status check_rows(pbf_backend_solver *s, const pbf_rows *rows) {
+  settle(s);
   if (rows->total != s->count) return fail(PBF_ERROR_PLUGIN, "the host's total is wrong");
   for (uint32_t i = 0; i < s->count; ++i) {
     if (s->ids[i] != (rows->ids ? rows->ids[i] : i))
@@ -316,6 +353,7 @@ static void lie_about_view(pbf_view *view) {
 static pbf_status map(pbf_backend_solver *s, uint32_t field, pbf_view *view) {
   pbf_status status = ordered_failure();
   if (status != PBF_OK) return status;
+  settle(s);
   int is_id = field == PBF_FIELD_ID;
   view->device_type = PBF_DEVICE_CPU;
   view->element_type = is_id ? PBF_TYPE_UINT32 : s->desc.precision;
@@ -388,6 +426,7 @@ static const pbf_backend_api table = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
+    .get_extension = get_extension,
     .take_array = take_array,
     .release_array = release_array,
     .read_array = read_array,

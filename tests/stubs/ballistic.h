@@ -32,8 +32,11 @@ typedef struct ballistic_control {
   uint32_t failure_is_silent;
   void (*inside_step)(void *user); /* while a step runs; may be null */
   void *user;
-  uint32_t worlds; /* that the last solver was told of */
-  uint32_t arrays; /* taken, and not given back */
+  uint32_t worlds;         /* that the last solver was told of */
+  uint32_t arrays;         /* taken, and not given back */
+  uint32_t steps_together; /* 1: solvers created from now on have PBF_BACKEND_WORLDS, … */
+  uint32_t runs;           /* … which has run so often, … */
+  uint32_t run_worlds;     /* … the last time so many that had steps noted */
 } ballistic_control;
 
 #endif

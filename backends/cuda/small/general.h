@@ -14,11 +14,30 @@ struct general_buffers {
   pbf_real *total; /* accelerated: lambda that has added up; else null */
 };
 
-static __device__ __forceinline__ void scan_by_first_block(uint32_t *values, uint32_t count) {
+/* The threads that do a step together, and meet at barriers: those of all blocks, … */
+struct grid_team {
+  grid_counter *counter;
+  uint32_t turn; /* the last barrier's number */
+
+  __device__ __forceinline__ uint32_t first() const { return thread_index(); }
+  __device__ __forceinline__ uint32_t size() const { return gridDim.x * blockDim.x; }
+  __device__ __forceinline__ bool has_first_block() const { return blockIdx.x == 0; }
+  __device__ __forceinline__ void meet() { grid_barrier(counter, ++turn); }
+};
+
+/* … or of one. */
+struct block_team {
+  __device__ __forceinline__ uint32_t first() const { return threadIdx.x; }
+  __device__ __forceinline__ uint32_t size() const { return blockDim.x; }
+  __device__ __forceinline__ bool has_first_block() const { return true; }
+  __device__ __forceinline__ void meet() { __syncthreads(); }
+};
+
+/* By the threads of one block. */
+static __device__ __forceinline__ void scan_in_block(uint32_t *values, uint32_t count) {
   __shared__ uint32_t shared[SMALL_THREADS];
   uint32_t size = (count + blockDim.x - 1) / blockDim.x, sum = 0;
   uint32_t first = min(threadIdx.x * size, count), end = min(first + size, count);
-  if (blockIdx.x != 0) return;
   for (uint32_t k = first; k < end; ++k) sum += values[k];
   shared[threadIdx.x] = sum;
   __syncthreads();
@@ -47,37 +66,36 @@ static __device__ __forceinline__ typename Pass::template sums<pbf_real> general
   return sums;
 }
 
-/* One step of the particles in scene.points by all threads of the grid: every stage a loop over the
- * particles and a barrier, and no lists. Returns the number of the last barrier. */
-template <int FEATURES, surfaces_met SURFACES>
-static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
-                                                     const small_buffers &small,
-                                                     const general_buffers &buffers, uint32_t step,
-                                                     uint32_t turn) {
+/* One step of the particles in scene.points by all threads of the team: every stage a loop over the
+ * particles and a barrier, and no lists. */
+template <int FEATURES, surfaces_met SURFACES, class Team>
+static __device__ __noinline__ void general_step(const small_scene &scene,
+                                                 const general_buffers &buffers, uint32_t step,
+                                                 Team *team) {
   const pbf_constants *c = &scene.constants;
   const cell_grid grid = scene.table[step].grid;
-  uint32_t first = thread_index(), stride = gridDim.x * blockDim.x, n = scene.count;
+  uint32_t first = team->first(), stride = team->size(), n = scene.count;
   const sorted_particles &p = buffers.sorted;
   step_obstacles obstacles = {scene.table[step].domain, SURFACES ? scene.surface_count : 0,
                               scene.surfaces + step * scene.surface_count};
   prediction predict = {forces_at(scene, scene.table[step]), obstacles,
                         scene.collide_after_prediction};
   unsorted_particles from = {scene.points, scene.velocities, buffers.numbers, n};
-  grid_barrier(&small.control->general, ++turn);
+  team->meet();
   for (uint32_t k = first; k <= grid.count; k += stride) p.cell_start[k] = 0;
   for (uint32_t i = first; i < n; i += stride) buffers.numbers[i] = i;
-  grid_barrier(&small.control->general, ++turn);
+  team->meet();
   for (uint32_t i = first; i < n; i += stride)
     count_particle<SURFACES, false>(from, predict, grid, p.cell_start, buffers.scratch, i);
-  grid_barrier(&small.control->general, ++turn);
-  scan_by_first_block(p.cell_start, grid.count + 1);
-  grid_barrier(&small.control->general, ++turn);
+  team->meet();
+  if (team->has_first_block()) scan_in_block(p.cell_start, grid.count + 1);
+  team->meet();
   for (uint32_t i = first; i < n; i += stride)
     scatter_particle(from, p.cell_start, buffers.scratch, i);
-  grid_barrier(&small.control->general, ++turn);
+  team->meet();
   for (uint32_t i = first; i < n; i += stride)
     place_particle<SURFACES, false>(from, predict, buffers.scratch, p, i);
-  grid_barrier(&small.control->general, ++turn);
+  team->meet();
   point *points = p.points, *moved = buffers.moved[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
     bool last = k + 1 == scene.iterations;
@@ -97,7 +115,7 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       }
       points[i].lambda = lambda;
     }
-    grid_barrier(&small.control->general, ++turn);
+    team->meet();
     for (uint32_t i = first; i < n; i += stride) {
       point own = load(points, i);
       pbf_vec x = position_of(own);
@@ -118,11 +136,10 @@ static __device__ __noinline__ uint32_t general_step(const small_scene &scene,
       store(scene.points, p.ids[i], to);
       scene.velocities[p.ids[i]] = v;
     }
-    grid_barrier(&small.control->general, ++turn);
+    team->meet();
     points = buffers.moved[k % 2];
     moved = buffers.moved[(k + 1) % 2];
   }
-  return turn;
 }
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "cuda/arrays.h"
 #include "cuda/launches.h"
+#include "cuda/small/launch.h"
 #include "cuda/small/owners.h"
 #include "physics/overfull.h"
 
@@ -57,10 +58,18 @@ static inline size_t small_shared(const solver *s) {
 }
 
 /* Twice the neighbours of the rest lattice, and a few. */
-static inline double small_list_wanted(const solver *s) {
-  double q = small_reach(&s->params);
+static inline double small_list_wanted(const pbf_params *params, uint32_t lanes) {
+  double q = small_reach(params);
   double neighbors = PBF_DIM == 3 ? 4.0 / 3 * PBF_PI * q * q * q : PBF_PI * q * q;
-  return 2 * neighbors / small_lanes(s) + 16;
+  return 2 * neighbors / lanes + 16;
+}
+static inline double small_list_wanted(const solver *s) {
+  return small_list_wanted(&s->params, small_lanes(s));
+}
+
+/* Entries that there is room for where so many are wanted. */
+static inline uint32_t small_list_capacity(double wanted) {
+  return ((uint32_t)fmin(SMALL_MAX_LISTED, wanted) + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK;
 }
 
 /* Particles of a compact block of the rest lattice, and of the cells around it. */
@@ -76,9 +85,8 @@ static inline uint32_t small_cells_wanted(uint32_t own) {
 
 /* Four times the slots that are expected, and a few, if there is room: particles drift apart. */
 static inline small_layout small_layout_of(const solver *s, uint32_t own) {
-  double list_capacity = fmin(SMALL_MAX_LISTED, small_list_wanted(s));
   small_layout layout = {(small_cells(s->count) + 31) / 32, small_cells_wanted(own), 0,
-                         ((uint32_t)list_capacity + SMALL_CHUNK - 1) / SMALL_CHUNK * SMALL_CHUNK};
+                         small_list_capacity(small_list_wanted(s))};
   size_t none = layout.bytes();
   layout.slot_capacity = 2;
   double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s, own) + 512);
@@ -186,22 +194,36 @@ static inline pbf_status small_order(solver *s) {
   return pbf_cuda_check_launch("order_kernel");
 }
 
+/* What differs from step to step; a grid is the last one's where no wall has moved. */
+static inline void write_steps(const solver *s, const pbf_step_times &times, uint32_t steps,
+                               small_step *to) {
+  const pbf_periods none = {}; /* it serves no periodic domain */
+  for (uint32_t k = 0; k < steps; ++k) {
+    to[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1));
+    if (k && memcmp(&to[k].domain, &to[k - 1].domain, sizeof to[k].domain) == 0)
+      to[k].grid = to[k - 1].grid;
+    else
+      to[k].grid =
+          grid_over(&to[k].domain, &none, s->params.smoothing_radius, small_cells(s->count), 1);
+    to[k].rounding = pbf_rounding_of(pbf_time_after(&times, k), s->params.time_step);
+  }
+}
+
+/* And from iteration to iteration. */
+static inline void write_iterations(const solver *s, small_iteration *to) {
+  pbf_constants c = s->constants;
+  for (uint32_t k = 0; k < s->params.iterations; ++k) {
+    pbf_set_iteration(&c, k);
+    to[k] = {c.weight, c.scorr_k};
+  }
+}
+
 static inline pbf_status small_upload_table(solver *s, const pbf_step_times &times,
                                             uint32_t steps) {
   small_upload upload;
-  pbf_constants c = s->constants;
-  const pbf_periods none = {}; /* it serves no periodic domain */
   memset(static_cast<void *>(&upload), 0, sizeof upload);
-  for (uint32_t k = 0; k < steps; ++k) {
-    upload.steps[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1));
-    upload.steps[k].grid = grid_over(&upload.steps[k].domain, &none, s->params.smoothing_radius,
-                                     small_cells(s->count), 1);
-    upload.steps[k].rounding = pbf_rounding_of(pbf_time_after(&times, k), s->params.time_step);
-  }
-  for (uint32_t k = 0; k < s->params.iterations; ++k) {
-    pbf_set_iteration(&c, k);
-    upload.iterations[k] = {c.weight, c.scorr_k};
-  }
+  write_steps(s, times, steps, upload.steps);
+  write_iterations(s, upload.iterations);
   size_t bytes = s->schedule.accelerated ? sizeof upload : steps * sizeof(small_step);
   return pbf_cuda_check(
       cudaMemcpyAsync(s->small_upload, &upload, bytes, cudaMemcpyHostToDevice, s->stream),
@@ -233,6 +255,7 @@ static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t st
   return pbf_cuda_check_launch("place_owned_kernel");
 }
 
+/* But for how blocks share it out. */
 static inline small_scene small_scene_of(const solver *s, double time, uint32_t steps) {
   const pbf_schedule &has = s->schedule;
   small_scene scene = {};
@@ -240,12 +263,10 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.velocities = s->velocities;
   scene.owners = s->owners;
   scene.count = s->count;
-  scene.own = small_own(s);
   scene.cells = small_cells(s->count);
   scene.steps = steps;
   scene.iterations = s->params.iterations;
   scene.lanes = small_lanes(s);
-  scene.layout = small_layout_of(s, scene.own);
   scene.constants = s->constants;
   pbf_set_target_density(&scene.constants, &s->constants, &s->params, s->count, &has, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
@@ -262,25 +283,15 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   return scene;
 }
 
-/* In 64 bits there is nothing to compile. */
+/* In 64 bits there is nothing to launch. */
 template <class Real>
 static pbf_status small_launch(const solver *s, const small_scene &scene) {
-  pbf_status status = PBF_OK;
   if constexpr (sizeof(Real) == sizeof(float)) {
-    uint32_t blocks = (s->count + scene.own - 1) / scene.own;
-    small_buffers buffers = small_buffers_of(s);
-    general_buffers general = general_buffers_of(s);
-    with_features(s->schedule.features, [&](auto features) {
-      constexpr int FEATURES = decltype(features)::value;
-      auto kernel = scene.surface_count ? small_kernel<FEATURES, true, FEW_SURFACES>
-                    : scene.accelerated || scene.wall_density
-                        ? small_kernel<FEATURES, true, NO_SURFACES>
-                        : small_kernel<FEATURES, false, NO_SURFACES>;
-      status = launch_resident(s, kernel, blocks, SMALL_THREADS, scene.layout.bytes(),
-                               "small_kernel", scene, buffers, general);
-    });
+    const uint32_t blocks = (s->count + scene.own - 1) / scene.own;
+    return launch_small<Real, PBF_DIM>(s->stream, s->schedule.features, blocks, scene,
+                                       small_buffers_of(s), general_buffers_of(s));
   }
-  return status;
+  return PBF_OK;
 }
 
 /* Lets small_kernel have the shared memory that its lists take: before it is first launched, for
@@ -289,20 +300,8 @@ template <class Real>
 static pbf_status small_allow_shared(solver *s) {
   pbf_status status = PBF_OK;
   if (s->small_allowed) return status;
-  if constexpr (sizeof(Real) == sizeof(float)) {
-    for (int k = 0; k < PBF_FEATURE_COUNT && status == PBF_OK; ++k)
-      with_features(k, [&](auto features) {
-        constexpr int FEATURES = decltype(features)::value;
-        for (auto kernel :
-             {small_kernel<FEATURES, false, NO_SURFACES>, small_kernel<FEATURES, true, NO_SURFACES>,
-              small_kernel<FEATURES, true, FEW_SURFACES>})
-          if (status == PBF_OK)
-            status = pbf_cuda_check(
-                cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                     (int)small_shared(s)),
-                "cudaFuncSetAttribute");
-      });
-  }
+  if constexpr (sizeof(Real) == sizeof(float))
+    status = allow_small_shared<Real, PBF_DIM>(small_shared(s));
   s->small_allowed = status == PBF_OK;
   return status;
 }
@@ -320,7 +319,10 @@ static inline pbf_status small_steps(solver *s, const pbf_step_times &times, uin
           pbf_cuda_check(cudaMemsetAsync(s->small_control, 0, sizeof(small_control), s->stream),
                          "cudaMemsetAsync"))
     return status;
-  if (pbf_status status = small_launch<pbf_real>(s, small_scene_of(s, time, steps))) return status;
+  small_scene scene = small_scene_of(s, time, steps);
+  scene.own = small_own(s);
+  scene.layout = small_layout_of(s, scene.own);
+  if (pbf_status status = small_launch<pbf_real>(s, scene)) return status;
   if (pbf_status status = clock_end(&s->clock, s->stream, PBF_STAGE_PREDICT)) return status;
   s->time = pbf_time_after(&times, steps);
   return PBF_OK;

@@ -78,6 +78,30 @@ static __device__ __forceinline__ void fetch_positions(const small_tile &t,
     fetch_positions_of<2>(t, exchange, ghosts, pass);
 }
 
+/* Adds what obstacles contribute at x to lambda's sums; returns what the move at the same place
+ * needs of it: the gradient, and in place of lambda the part of a fluid at rest. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ point add_obstacles(const pbf_constants *c,
+                                                      const step_obstacles &obstacles, pbf_vec x,
+                                                      lambda_sums<pbf_real> *sums) {
+  const pbf_boundary boundary = boundary_at<SURFACES>(c, obstacles, x);
+  pbf_vec gradient = vec_of(sums->gradient), alone = {{0}};
+  pbf_real density = 0;
+  pbf_add_boundary(&boundary, &sums->density, &gradient);
+  sums->gradient = lanes_of(gradient);
+  pbf_add_boundary(&boundary, &density, &alone);
+  point kept = point_at(alone);
+  kept.lambda = boundary.rest;
+  return kept;
+}
+
+/* The move's part of it. */
+static __device__ __forceinline__ void correct_move(pbf_real lambda, const point &obstacles,
+                                                    move_sums<pbf_real> *sums) {
+  sums->change = lanes_of(pbf_boundary_correction(vec_of(sums->change), lambda, obstacles.lambda,
+                                                  position_of(obstacles)));
+}
+
 /* What the threads of a block tell each other. */
 struct small_board {
   uint32_t ghosts;
@@ -193,7 +217,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   const small_tile tile = tile_in(dynamic, scene.layout);
   const small_thread thread = thread_of(scene);
   const uint32_t i = thread.i;
-  uint32_t general_turn = 0, searches = 0, fill_failures = 0, search_failures = 0;
+  grid_team team = {&buffers.control->general, 0};
+  uint32_t searches = 0, fill_failures = 0, search_failures = 0;
   for (uint32_t k = threadIdx.x; k < scene.steps * (sizeof(small_step) / 4); k += blockDim.x)
     reinterpret_cast<uint32_t *>(table)[k] = reinterpret_cast<const uint32_t *>(scene.table)[k];
   pbf_vec x = {{0}}, v = {{0}}; /* the state, and once a step can't fail its prediction */
@@ -210,7 +235,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   }
   clear_counts(buffers, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});
-  grid_barrier(&buffers.control->general, ++general_turn);
+  team.meet();
   pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves */
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
@@ -250,6 +275,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       small_pairs<FEATURES> pairs;
       pairs.change = of_pairs.template begin<pbf_real>();
       pbf_real lambda = 0;
+      point boundary = {};
       if (thread.works) {
         lambda_sums<pbf_real> sums = {};
         pairs.meet(of_lambda, of_pairs, near, y, pass, &sums);
@@ -257,7 +283,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, thread.lanes);
         add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
         of_lambda.end(&sums);
-        lambda = finish_lambda<SURFACES>(of_lambda, obstacles, wall_density, 0, y, &sums, nullptr);
+        if (wall_density) boundary = add_obstacles<SURFACES>(c, obstacles, y, &sums);
+        lambda = of_lambda.finish(sums, 0);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
           lambda = change;
@@ -286,9 +313,10 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         __syncwarp();
         sum_lanes(&pairs.change, thread.lanes);
         of_pairs.end(&pairs.change);
+        if (wall_density) correct_move(lambda, boundary, &pairs.change);
         y = finish_move<SURFACES>(
             of_move, obstacles,
-            {wall_density, scene.collide_in_iteration + (last && scene.collide_after_solve),
+            {false, scene.collide_in_iteration + (last && scene.collide_after_solve),
              scene.inv_time_step},
             lambda, false, i, x, y, pairs.change, nullptr, &v);
       }
@@ -305,7 +333,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
       }
-      general_turn = general_step<FEATURES, SURFACES>(scene, buffers, general, step, general_turn);
+      general_step<FEATURES, SURFACES>(scene, general, step, &team);
       if (thread.leads) forget(buffers.exchange, i);
       if (thread.real) {
         point own = load(scene.points, i);
@@ -322,18 +350,6 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   own.lambda = total;
   store(scene.points, i, own);
   scene.velocities[i] = v;
-}
-
-/* Into the order of ids: a particle's place is the number of ids below its own. */
-static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
-                                    uint32_t *ids) {
-  uint32_t i = thread_index(), place = 0;
-  if (i >= from.count) return;
-  uint32_t id = from.ids[i];
-  for (uint32_t k = 0; k < from.count; ++k) place += from.ids[k] < id;
-  store(points, place, load(from.points, i));
-  velocities[place] = from.velocities[i];
-  ids[place] = id;
 }
 
 #endif

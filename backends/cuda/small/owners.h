@@ -8,6 +8,18 @@
 
 #include "cuda/small/kernel.h"
 
+/* Into the order of ids: a particle's place is the number of ids below its own. */
+static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
+                                    uint32_t *ids) {
+  uint32_t i = thread_index(), place = 0;
+  if (i >= from.count) return;
+  uint32_t id = from.ids[i];
+  for (uint32_t k = 0; k < from.count; ++k) place += from.ids[k] < id;
+  store(points, place, load(from.points, i));
+  velocities[place] = from.velocities[i];
+  ids[place] = id;
+}
+
 struct owner_grid {
   pbf_vec origin;
   pbf_real scale;

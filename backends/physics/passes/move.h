@@ -93,7 +93,7 @@ struct move_pass_of {
                      lane_vector<L> *v) const {
     const L omega = ops<L>::set(c->omega), push = ops<L>::set(inv_time_step * c->omega);
     for (int k = 0; k < PBF_DIM; ++k) {
-      x->c[k] = x->c[k] + omega * s.change.c[k];
+      x->c[k] = ops<L>::multiply_add(omega, s.change.c[k], x->c[k]);
       v->c[k] = ops<L>::multiply_add(push, s.change.c[k], v->c[k]);
     }
   }
