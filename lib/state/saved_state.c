@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "collider.h"
@@ -142,6 +143,7 @@ static void read_marks(const pbf_solver *solver, pbf_saved_state *in) {
 }
 
 static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) {
+  char label[32];
   read_marks(solver, in);
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
@@ -149,7 +151,9 @@ static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) 
     pbf_status status =
         read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
     if (status == PBF_OK) status = find_geometry(in, i);
-    if (status == PBF_OK) status = pbf_collider_check(&in->colliders[i], i, solver->kind);
+    snprintf(label, sizeof label, "colliders[%u]", i);
+    if (status == PBF_OK)
+      status = pbf_collider_check_moving(&in->colliders[i], label, solver->kind);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;
