@@ -100,7 +100,7 @@ static int is_overlap_sound(const pbf_snapshot_header *header) {
          isfinite(o->time_step) && o->time_step >= 0 &&
          (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
          (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
-                         o->found.part >= 0 && o->found.part <= 1));
+                         isfinite(o->found.part) && o->found.part <= 1));
 }
 
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
