@@ -1,7 +1,6 @@
 #include "collider.h"
 
 #include <math.h>
-#include <stdio.h>
 
 #include <pbf/pbf_backend.h>
 
@@ -46,23 +45,18 @@ static const pbf_real_rule turn_3d = REAL(angular_velocity, 3, PBF_ANY);
 static const pbf_real_rule turn_2d = {"angular_velocity[2]",
                                       offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY, 0};
 
-static const pbf_real_rule box_sizes = REAL(half_extents, 3, PBF_ABOVE_ZERO);
-static const pbf_real_rule round_size = REAL(radius, 1, PBF_ABOVE_ZERO);
-static const pbf_real_rule capsule_size = REAL(half_length, 1, PBF_AT_LEAST_ZERO);
-static const pbf_real_rule shape_size = REAL(scale, 1, PBF_ABOVE_ZERO);
-
-static pbf_status check_sizes(const pbf_collider *collider, const char *label,
-                              pbf_check_kind kind) {
-  pbf_status status = PBF_OK;
-  if (collider->shape == PBF_COLLIDER_BOX) {
-    status = pbf_check_real(&box_sizes, label, collider, kind);
-  } else if (collider->shape == PBF_COLLIDER_SHAPE) {
-    status = pbf_check_real(&shape_size, label, collider, kind);
-  } else if (collider->shape != PBF_COLLIDER_PLANE) {
-    status = pbf_check_real(&round_size, label, collider, kind);
-  }
+/* The sizes that the shape has, which are above 0, or, of one that has shrunk, at least that. */
+static pbf_status check_sizes(const pbf_collider *collider, const char *label, pbf_check_kind kind,
+                              pbf_range range) {
+  const pbf_real_rule box = REAL(half_extents, 3, range), scale = REAL(scale, 1, range),
+                      radius = REAL(radius, 1, range),
+                      half_length = REAL(half_length, 1, PBF_AT_LEAST_ZERO);
+  if (collider->shape == PBF_COLLIDER_PLANE) return PBF_OK;
+  if (collider->shape == PBF_COLLIDER_BOX) return pbf_check_real(&box, label, collider, kind);
+  if (collider->shape == PBF_COLLIDER_SHAPE) return pbf_check_real(&scale, label, collider, kind);
+  pbf_status status = pbf_check_real(&radius, label, collider, kind);
   if (status == PBF_OK && collider->shape == PBF_COLLIDER_CAPSULE)
-    status = pbf_check_real(&capsule_size, label, collider, kind);
+    status = pbf_check_real(&half_length, label, collider, kind);
   return status;
 }
 
@@ -123,18 +117,27 @@ static pbf_status check_axis(const pbf_collider *collider, const char *label, pb
                   label, length);
 }
 
-pbf_status pbf_collider_check(const pbf_collider *collider, uint32_t index, pbf_check_kind kind) {
-  char label[32];
-  snprintf(label, sizeof label, "colliders[%u]", index);
+static pbf_status check(const pbf_collider *collider, const char *label, pbf_check_kind kind,
+                        pbf_range sizes) {
   pbf_status status = pbf_check_counts(counts, LENGTH(counts), label, collider);
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, collider, kind);
   if (status == PBF_OK)
     status = pbf_check_real(kind.dimension == 2 ? &turn_2d : &turn_3d, label, collider, kind);
   if (status == PBF_OK) status = check_geometry(collider, label, kind);
-  if (status == PBF_OK) status = check_sizes(collider, label, kind);
+  if (status == PBF_OK) status = check_sizes(collider, label, kind, sizes);
   if (status == PBF_OK) status = check_orientation(collider, label, kind);
   if (status == PBF_OK) status = check_axis(collider, label, kind);
   return status;
+}
+
+pbf_status pbf_collider_check(const pbf_collider *collider, const char *label,
+                              pbf_check_kind kind) {
+  return check(collider, label, kind, PBF_ABOVE_ZERO);
+}
+
+pbf_status pbf_collider_check_moving(const pbf_collider *collider, const char *label,
+                                     pbf_check_kind kind) {
+  return check(collider, label, kind, PBF_AT_LEAST_ZERO);
 }
 
 pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dimension) {

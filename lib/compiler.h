@@ -20,6 +20,11 @@
   static void function(void); \
   __attribute__((constructor)) static void function(void)
 
+/* Runs when it is unloaded, or the program ends. */
+#define PBF_AT_UNLOAD(function) \
+  static void function(void);   \
+  __attribute__((destructor)) static void function(void)
+
 #else /* cl */
 
 #include <intrin.h>
@@ -33,6 +38,11 @@
 #define PBF_AT_LOAD(function)                                                       \
   static void function(void);                                                       \
   __declspec(allocate(".CRT$XCU")) void (*pbf_at_load_##function)(void) = function; \
+  static void function(void)
+
+#define PBF_AT_UNLOAD(function)                          \
+  static void function(void);                            \
+  PBF_AT_LOAD(register_##function) { atexit(function); } \
   static void function(void)
 
 #endif

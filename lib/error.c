@@ -1,31 +1,69 @@
 #include "error.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "compiler.h"
+#include "os.h"
 #include "text.h"
 
-static _Thread_local char last_message[PBF_MESSAGE_SIZE];
-static _Thread_local char plugin_message[PBF_MESSAGE_SIZE];
+/* Of each thread. */
+typedef struct messages {
+  char last[PBF_MESSAGE_SIZE];
+  char plugin[PBF_MESSAGE_SIZE];
+} messages;
+
+static pbf_per_thread own_messages;
+
+PBF_AT_LOAD(begin_messages) { pbf_per_thread_begin(&own_messages, sizeof(messages)); }
+PBF_AT_UNLOAD(end_messages) { pbf_per_thread_end(&own_messages); }
+
+/* Some thread had no memory for its messages. */
+static atomic_int is_one_lost;
+static const char lost[] = "there was no memory for the sentence that says what was wrong";
+
+static messages *take(void) {
+  messages *own = pbf_per_thread_take(&own_messages);
+  if (!own) atomic_store_explicit(&is_one_lost, 1, memory_order_relaxed);
+  return own;
+}
+
+/* What there is without memory. */
+static const char *none(void) {
+  return atomic_load_explicit(&is_one_lost, memory_order_relaxed) ? lost : "";
+}
 
 pbf_status pbf_fail(pbf_status status, const char *format, ...) {
   /* The arguments may point into the message that is about to be replaced. */
   char message[PBF_MESSAGE_SIZE];
+  messages *own = take();
   va_list arguments;
+  if (!own) return status;
   va_start(arguments, format);
   pbf_text_write_list(message, sizeof message, format, arguments);
   va_end(arguments);
-  memcpy(last_message, message, sizeof message);
+  memcpy(own->last, message, sizeof message);
   return status;
 }
 
-const char *pbf_last_error(void) { return last_message; }
-
-void pbf_plugin_message_set(const char *message) {
-  snprintf(plugin_message, sizeof plugin_message, "%s", message ? message : "");
+const char *pbf_last_error(void) {
+  const messages *own = pbf_per_thread_look(&own_messages);
+  return own ? own->last : none();
 }
 
-void pbf_plugin_message_clear(void) { plugin_message[0] = 0; }
+void pbf_plugin_message_set(const char *message) {
+  messages *own = take();
+  if (own) snprintf(own->plugin, sizeof own->plugin, "%s", message ? message : "");
+}
 
-const char *pbf_plugin_message(void) { return plugin_message; }
+void pbf_plugin_message_clear(void) {
+  messages *own = pbf_per_thread_look(&own_messages);
+  if (own) own->plugin[0] = 0;
+}
+
+const char *pbf_plugin_message(void) {
+  const messages *own = pbf_per_thread_look(&own_messages);
+  return own ? own->plugin : none();
+}

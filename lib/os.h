@@ -85,9 +85,13 @@ size_t pbf_os_page(void);
 
 typedef void (*pbf_os_function)(void);
 
+/* Whether an error is one of too few descriptors, or too little memory. */
+int pbf_os_is_shortage(int error);
+
 /* Loads it for the life of the process, with what it depends on: threads of a backend's runtime
- * may outlive a library that is closed. Null with a reason on failure. */
-void *pbf_os_load(const char *path, char *reason, size_t size);
+ * may outlive a library that is closed. Null with a reason on failure, and in *failed the error
+ * where it is known. */
+void *pbf_os_load(const char *path, char *reason, size_t size, int *failed);
 
 /* Null: it exports no such function. */
 pbf_os_function pbf_os_function_of(void *library, const char *name);

@@ -49,22 +49,31 @@ void pbf_uncancelled_end(int before) { pthread_setcancelstate(before, NULL); }
 
 #if defined(__linux__)
 
-static _Thread_local struct { uintptr_t lowest, size; } thread_stack;
+typedef struct stack_bounds {
+  uintptr_t lowest, size;
+} stack_bounds;
+
+static pbf_per_thread own_stack;
+
+PBF_AT_LOAD(begin_stacks) { pbf_per_thread_begin(&own_stack, sizeof(stack_bounds)); }
+PBF_AT_UNLOAD(end_stacks) { pbf_per_thread_end(&own_stack); }
 
 void pbf_os_find_stack(void) {
   pthread_attr_t attributes;
   void *lowest;
   size_t size;
-  if (thread_stack.size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+  stack_bounds *own = pbf_per_thread_take(&own_stack);
+  if (!own || own->size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
   if (pthread_attr_getstack(&attributes, &lowest, &size) == 0) {
-    thread_stack.lowest = (uintptr_t)lowest;
-    thread_stack.size = size;
+    own->lowest = (uintptr_t)lowest;
+    own->size = size;
   }
   pthread_attr_destroy(&attributes);
 }
 
 int pbf_os_is_on_stack(const volatile void *place) {
-  return (uintptr_t)place - thread_stack.lowest < thread_stack.size;
+  const stack_bounds *own = pbf_per_thread_look(&own_stack);
+  return own && (uintptr_t)place - own->lowest < own->size;
 }
 
 int pbf_os_on_signal_stack(void) {

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -106,10 +107,32 @@ size_t pbf_os_page(void) { return (size_t)sysconf(_SC_PAGESIZE); }
 
 /* ---- Libraries ------------------------------------------------------------------------------ */
 
-void *pbf_os_load(const char *path, char *reason, size_t size) {
+int pbf_os_is_shortage(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOMEM || error == EAGAIN;
+}
+
+/* Why a file can't be loaded at present that could at another time; the loader's words do not
+ * always say it. */
+static int shortage_for(const char *path) {
+  enum { OTHERS = 1 << 20 }; /* bytes: what it depends on */
+  int file;
+  uint64_t size;
+  const int failed = pbf_os_open(path, &file, &size);
+  if (failed) return failed;
+  pbf_os_close(file);
+  const size_t bytes = (size_t)size + OTHERS;
+  void *memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return errno;
+  munmap(memory, bytes);
+  return 0;
+}
+
+void *pbf_os_load(const char *path, char *reason, size_t size, int *failed) {
   void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!library) snprintf(reason, size, "%s", dlerror());
-  return library;
+  if (library) return library;
+  snprintf(reason, size, "%s", dlerror());
+  *failed = shortage_for(path);
+  return NULL;
 }
 
 pbf_os_function pbf_os_function_of(void *library, const char *name) {

@@ -183,13 +183,22 @@ static void name_missing(const wchar_t *path, char *reason, size_t size) {
   FreeLibrary(mapped);
 }
 
-void *pbf_os_load(const char *path, char *reason, size_t size) {
+int pbf_os_is_shortage(int error) { return error == EMFILE || error == ENOMEM; }
+
+static int is_shortage(DWORD error) {
+  return error == ERROR_TOO_MANY_OPEN_FILES || error == ERROR_NOT_ENOUGH_MEMORY ||
+         error == ERROR_OUTOFMEMORY || error == ERROR_NO_SYSTEM_RESOURCES ||
+         error == ERROR_COMMITMENT_LIMIT;
+}
+
+void *pbf_os_load(const char *path, char *reason, size_t size, int *failed) {
   wchar_t wide[PBF_OS_PATH_SIZE];
   HMODULE pinned;
   if (!to_wide(path, wide)) return snprintf(reason, size, "its path is no UTF-8"), NULL;
   HMODULE library = LoadLibraryExW(wide, NULL, SEARCH);
   if (!library) {
     const DWORD error = GetLastError();
+    if (is_shortage(error)) *failed = ENOMEM;
     describe_failure(error, reason, size);
     if (error == ERROR_MOD_NOT_FOUND) name_missing(wide, reason, size);
     return NULL;

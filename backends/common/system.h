@@ -24,6 +24,12 @@ typedef struct pbf_condition {
   void *variable; /* CONDITION_VARIABLE */
 } pbf_condition;
 
+typedef struct pbf_per_thread {
+  uint32_t index; /* of fiber-local storage */
+  int is_there;
+  size_t bytes;
+} pbf_per_thread;
+
 #define PBF_MUTEX_INITIALIZER \
   { 0 }
 #define PBF_CONDITION_INITIALIZER \
@@ -44,6 +50,12 @@ typedef struct pbf_mutex {
 typedef struct pbf_condition {
   pthread_cond_t condition;
 } pbf_condition;
+
+typedef struct pbf_per_thread {
+  pthread_key_t key;
+  int is_there;
+  size_t bytes;
+} pbf_per_thread;
 
 #define PBF_MUTEX_INITIALIZER \
   { PTHREAD_MUTEX_INITIALIZER }
@@ -96,12 +108,30 @@ void pbf_mutex_destroy(pbf_mutex *mutex);
 void pbf_mutex_lock(pbf_mutex *mutex);
 void pbf_mutex_unlock(pbf_mutex *mutex);
 
+/* 0: another holds it, or this thread does. */
+int pbf_mutex_try(pbf_mutex *mutex);
+
 /* A wait may end without a signal. */
 void pbf_condition_init(pbf_condition *condition);
 void pbf_condition_destroy(pbf_condition *condition);
 void pbf_condition_wait(pbf_condition *condition, pbf_mutex *mutex);
 void pbf_condition_signal(pbf_condition *condition);
 void pbf_condition_broadcast(pbf_condition *condition);
+
+/* ---- Memory of each thread's own ------------------------------------------------------------- */
+
+/* In place of thread-local variables: of a library that is loaded at run time their memory is taken
+ * when a thread first looks at one, and where there is none the C library prints so and ends the
+ * process. Static; begins when the library is loaded and ends when it is unloaded. */
+void pbf_per_thread_begin(pbf_per_thread *memory, size_t bytes);
+void pbf_per_thread_end(pbf_per_thread *memory);
+
+/* The calling thread's, all zero at first, until it ends. Null: there is no memory. Takes it by a
+ * call of the system alone, which a signal handler may make, too. */
+void *pbf_per_thread_take(const pbf_per_thread *memory);
+
+/* The same without taking any: null where the thread has none yet. */
+void *pbf_per_thread_look(const pbf_per_thread *memory);
 
 #ifdef __cplusplus
 }

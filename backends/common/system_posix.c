@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -69,6 +70,7 @@ void pbf_mutex_init(pbf_mutex *mutex) { pthread_mutex_init(&mutex->mutex, NULL);
 void pbf_mutex_destroy(pbf_mutex *mutex) { pthread_mutex_destroy(&mutex->mutex); }
 void pbf_mutex_lock(pbf_mutex *mutex) { pthread_mutex_lock(&mutex->mutex); }
 void pbf_mutex_unlock(pbf_mutex *mutex) { pthread_mutex_unlock(&mutex->mutex); }
+int pbf_mutex_try(pbf_mutex *mutex) { return pthread_mutex_trylock(&mutex->mutex) == 0; }
 
 void pbf_condition_init(pbf_condition *condition) {
   pthread_cond_init(&condition->condition, NULL);
@@ -86,4 +88,43 @@ void pbf_condition_signal(pbf_condition *condition) { pthread_cond_signal(&condi
 
 void pbf_condition_broadcast(pbf_condition *condition) {
   pthread_cond_broadcast(&condition->condition);
+}
+
+/* ---- Memory of each thread's own ------------------------------------------------------------- */
+
+/* Before what the thread has. */
+typedef union per_thread_block {
+  size_t bytes;
+  max_align_t aligned;
+} per_thread_block;
+
+static void free_per_thread(void *own) {
+  per_thread_block *whole = (per_thread_block *)own - 1;
+  munmap(whole, whole->bytes);
+}
+
+void pbf_per_thread_begin(pbf_per_thread *memory, size_t bytes) {
+  memory->bytes = sizeof(per_thread_block) + bytes;
+  memory->is_there = pthread_key_create(&memory->key, free_per_thread) == 0;
+}
+
+void pbf_per_thread_end(pbf_per_thread *memory) {
+  if (memory->is_there) pthread_key_delete(memory->key);
+  memory->is_there = 0;
+}
+
+void *pbf_per_thread_look(const pbf_per_thread *memory) {
+  return memory->is_there ? pthread_getspecific(memory->key) : NULL;
+}
+
+void *pbf_per_thread_take(const pbf_per_thread *memory) {
+  void *there = pbf_per_thread_look(memory);
+  if (there || !memory->is_there) return there;
+  per_thread_block *whole =
+      mmap(NULL, memory->bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (whole == MAP_FAILED) return NULL;
+  whole->bytes = memory->bytes;
+  if (pthread_setspecific(memory->key, whole + 1) == 0) return whole + 1;
+  munmap(whole, memory->bytes);
+  return NULL;
 }

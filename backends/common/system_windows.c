@@ -78,6 +78,7 @@ void pbf_mutex_init(pbf_mutex *mutex) { InitializeSRWLock(lock_of(mutex)); }
 void pbf_mutex_destroy(pbf_mutex *mutex) { (void)mutex; }
 void pbf_mutex_lock(pbf_mutex *mutex) { AcquireSRWLockExclusive(lock_of(mutex)); }
 void pbf_mutex_unlock(pbf_mutex *mutex) { ReleaseSRWLockExclusive(lock_of(mutex)); }
+int pbf_mutex_try(pbf_mutex *mutex) { return TryAcquireSRWLockExclusive(lock_of(mutex)) != 0; }
 
 void pbf_condition_init(pbf_condition *condition) {
   InitializeConditionVariable(variable_of(condition));
@@ -95,4 +96,34 @@ void pbf_condition_signal(pbf_condition *condition) {
 
 void pbf_condition_broadcast(pbf_condition *condition) {
   WakeAllConditionVariable(variable_of(condition));
+}
+
+/* ---- Memory of each thread's own ------------------------------------------------------------- */
+
+static void WINAPI free_per_thread(void *own) {
+  if (own) VirtualFree(own, 0, MEM_RELEASE);
+}
+
+void pbf_per_thread_begin(pbf_per_thread *memory, size_t bytes) {
+  memory->bytes = bytes;
+  memory->index = FlsAlloc(free_per_thread);
+  memory->is_there = memory->index != FLS_OUT_OF_INDEXES;
+}
+
+void pbf_per_thread_end(pbf_per_thread *memory) {
+  if (memory->is_there) FlsFree(memory->index);
+  memory->is_there = 0;
+}
+
+void *pbf_per_thread_look(const pbf_per_thread *memory) {
+  return memory->is_there ? FlsGetValue(memory->index) : NULL;
+}
+
+void *pbf_per_thread_take(const pbf_per_thread *memory) {
+  void *there = pbf_per_thread_look(memory);
+  if (there || !memory->is_there) return there;
+  there = VirtualAlloc(NULL, memory->bytes, MEM_RESERVE | MEM_COMMIT, PAGE_READWRITE);
+  if (!there || FlsSetValue(memory->index, there)) return there;
+  VirtualFree(there, 0, MEM_RELEASE);
+  return NULL;
 }

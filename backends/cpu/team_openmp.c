@@ -41,28 +41,39 @@ __attribute__((constructor)) static void remember_home(void) {
 /* Threads of the last run that this thread began, and their numbers: the runtime keeps them for the
  * next one, unless a loop of the program's own has wanted fewer. Most that there could be when it
  * wanted more; 0: it did not, or got them. */
-static _Thread_local uint32_t kept, max_threads;
-static _Thread_local long numbers[TEAM_MAX_THREADS];
+typedef struct last_run {
+  uint32_t kept, max_threads;
+  long numbers[TEAM_MAX_THREADS];
+} last_run;
+
+static pbf_per_thread last_runs;
+
+__attribute__((constructor)) static void begin_last_runs(void) {
+  pbf_per_thread_begin(&last_runs, sizeof(last_run));
+}
+
+__attribute__((destructor)) static void end_last_runs(void) { pbf_per_thread_end(&last_runs); }
 
 static uint32_t team_threads(uint32_t threads) {
+  const last_run *last = pbf_per_thread_look(&last_runs);
   if (pbf_process() != home) return 1;
-  return max_threads && max_threads < threads ? max_threads : threads;
+  return last && last->max_threads && last->max_threads < threads ? last->max_threads : threads;
 }
 
 /* The calling thread and those of the last run that have not ended. */
-static uint32_t threads_there(void) {
+static uint32_t threads_there(const last_run *last) {
   uint32_t there = 1;
-  while (there < kept && thread_is_there(numbers[there])) ++there;
+  while (there < last->kept && thread_is_there(last->numbers[there])) ++there;
   return there;
 }
 
-/* OpenMP's runtime ends the process when it can't start a thread. */
-static uint32_t threads_to_be_had(uint32_t threads) {
-  if (threads == 1 || pbf_process() != home) return 1;
-  uint32_t there = threads_there();
+/* OpenMP's runtime ends the process when it can't start a thread. `last` may be null. */
+static uint32_t threads_to_be_had(last_run *last, uint32_t threads) {
+  if (!last || threads == 1 || pbf_process() != home) return 1;
+  uint32_t there = threads_there(last);
   uint32_t had = threads > there ? there + startable_threads(threads - there) : threads;
-  max_threads = had < threads ? had : 0;
-  return kept = had;
+  last->max_threads = had < threads ? had : 0;
+  return last->kept = had;
 }
 
 static void run_alone(team *all, team_function function, void *context) {
@@ -73,13 +84,14 @@ static void run_alone(team *all, team_function function, void *context) {
 static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
                      void *context) {
   (void)tasks;
-  threads = threads_to_be_had(threads);
+  last_run *last = threads == 1 ? NULL : pbf_per_thread_take(&last_runs);
+  threads = threads_to_be_had(last, threads);
   team_reset(all, threads);
   if (threads == 1) {
     run_alone(all, function, context);
     return;
   }
-  long *into = numbers; /* of this thread, not of those that run it */
+  long *into = last->numbers; /* of this thread, not of those that run it */
 #pragma omp parallel num_threads((int)threads)
   {
     into[omp_get_thread_num()] = thread_number();

@@ -30,6 +30,9 @@ typedef struct region {
   void *context;
   uint32_t threads, come; /* members there may be, and have been */
   atomic_uint inside;     /* threads of the pool that are */
+  int is_waited_for;      /* until none is; both under the pool's lock */
+  /* Of each region one: a signal handler may wait in a thread that it has interrupted in a wait. */
+  pbf_condition empty;
 } region;
 
 /* How many threads a team may have, since cores were busy. */
@@ -40,34 +43,31 @@ typedef struct limit {
   double more_at;
 } limit;
 
-/* All but `opened` under the lock. */
+/* All but `opened` is changed under the lock. */
 static struct pool {
   pbf_mutex lock;
-  pbf_condition wake;  /* threads of the pool that sleep */
-  pbf_condition empty; /* callers that wait until no thread is inside */
-  atomic_uint opened;  /* changes with each region that is */
-  region *regions;     /* open */
-  uint32_t users;      /* solvers */
-  uint32_t size, sleeping;
-  uint32_t refused; /* 1: no more threads are to be had */
-  uint32_t era;     /* of the threads that there are: those of another one end */
+  pbf_condition wake; /* threads of the pool that sleep */
+  atomic_uint opened; /* changes with each region that is */
+  region *regions;    /* open */
+  uint32_t users;     /* solvers */
+  uint32_t sleeping;
+  atomic_uint size;    /* threads that there are */
+  atomic_uint refused; /* 1: no more are to be had */
+  uint32_t era;        /* of the threads that there are: those of another one end */
   uint32_t forks_are_watched;
   limit limit;
   pbf_thread threads[TEAM_MAX_THREADS];
-} pool = {.lock = PBF_MUTEX_INITIALIZER,
-          .wake = PBF_CONDITION_INITIALIZER,
-          .empty = PBF_CONDITION_INITIALIZER};
+} pool = {.lock = PBF_MUTEX_INITIALIZER, .wake = PBF_CONDITION_INITIALIZER};
 
 static uint32_t team_size(uint32_t wanted) {
   if (!wanted) wanted = pbf_processors();
   return wanted < TEAM_MAX_THREADS ? wanted : TEAM_MAX_THREADS;
 }
 
+/* Without the lock, which the thread may hold that a signal handler asks in. */
 static uint32_t team_threads(uint32_t threads) {
-  pbf_mutex_lock(&pool.lock);
-  const uint32_t had = pool.refused && pool.size + 1 < threads ? pool.size + 1 : threads;
-  pbf_mutex_unlock(&pool.lock);
-  return had;
+  const uint32_t had = atomic_load(&pool.size) + 1;
+  return atomic_load(&pool.refused) && had < threads ? had : threads;
 }
 
 /* ---- A thread of the pool ------------------------------------------------------------------ */
@@ -87,7 +87,8 @@ static void join(region *r) {
   pbf_mutex_unlock(&pool.lock);
   r->function(r->context, &self);
   pbf_mutex_lock(&pool.lock);
-  if (atomic_fetch_add(&r->inside, -1u) == 1) pbf_condition_broadcast(&pool.empty);
+  if (r->is_waited_for && atomic_load(&r->inside) == 1) pbf_condition_signal(&r->empty);
+  atomic_fetch_add(&r->inside, -1u);
 }
 
 /* Opens the lock for the while. */
@@ -127,7 +128,6 @@ static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
 static void in_child(void) {
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
-  pbf_condition_init(&pool.empty);
   pool.regions = NULL;
   pool.size = pool.sleeping = pool.refused = 0;
 }
@@ -206,9 +206,17 @@ static void note_run(uint32_t threads, double seconds, double waited, double now
 
 /* ---- A caller ------------------------------------------------------------------------------ */
 
-/* Returns how many members the team can have. */
+/* Whether it came soon. It does not in a signal handler that has interrupted this thread while it
+ * held it, nor where the system has stopped the one that does. */
+static int take_lock_soon(void) {
+  for (unsigned looks = 0; looks < LOOKS_BEFORE_SLEEP; wait_a_little(&looks))
+    if (pbf_mutex_try(&pool.lock)) return 1;
+  return 0;
+}
+
+/* Returns how many members the team can have: where the lock does not come, the caller alone. */
 static uint32_t open_region(region *r, double now) {
-  pbf_mutex_lock(&pool.lock);
+  if (!take_lock_soon()) return r->threads = 1;
   if (pool.size < r->threads - 1) grow(r->threads - 1);
   r->threads = limited(r->threads, now);
   if (pool.size < r->threads - 1) r->threads = pool.size + 1;
@@ -228,10 +236,13 @@ static uint32_t open_region(region *r, double now) {
 static void wait_until_empty(region *r) {
   for (unsigned looks = 0; looks < LOOKS_BEFORE_SLEEP; wait_a_little(&looks))
     if (!atomic_load_explicit(&r->inside, memory_order_acquire)) return;
+  pbf_condition_init(&r->empty);
   pbf_mutex_lock(&pool.lock);
+  r->is_waited_for = 1;
   while (atomic_load_explicit(&r->inside, memory_order_acquire))
-    pbf_condition_wait(&pool.empty, &pool.lock);
+    pbf_condition_wait(&r->empty, &pool.lock);
   pbf_mutex_unlock(&pool.lock);
+  pbf_condition_destroy(&r->empty);
 }
 
 static void close_region(region *r) {
@@ -275,6 +286,13 @@ static void close_task(region *r) {
   pbf_mutex_unlock(&pool.lock);
 }
 
+/* Items need the lock. */
+static int can_be_had(void) {
+  const int came = take_lock_soon();
+  if (came) pbf_mutex_unlock(&pool.lock);
+  return came;
+}
+
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
   void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
@@ -290,9 +308,9 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
                      void *context) {
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
   const double begin = pbf_seconds();
-  if (threads > 1 && tasks->enqueue) {
+  if (threads > 1 && tasks->enqueue && can_be_had()) {
     run_as_task(tasks, &r);
-  } else if (threads > 1 && open_region(&r, begin) > 1) {
+  } else if (threads > 1 && !tasks->enqueue && open_region(&r, begin) > 1) {
     run_many(&r, begin);
   } else {
     team_thread self = {.api = &cpu_team, .team = all, .thread = 0, .threads = 1};

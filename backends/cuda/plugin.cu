@@ -12,7 +12,7 @@ namespace {
 const pbf_backend_host *negotiated;
 
 #define VARIANT(dim, bits) {dim, bits / 8, &cuda_##dim##d_f##bits},
-const pbf_variant variants[] = {PBF_EACH_VARIANT(VARIANT){0, 0, nullptr}};
+const pbf_variant variants[] = {PBF_EACH_CUDA_VARIANT(VARIANT){0, 0, nullptr}};
 
 pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
                   pbf_backend_solver **solver, const pbf_backend_api **api) {

@@ -59,7 +59,7 @@ struct Destroy {
 using Handle = std::unique_ptr<pbf_solver, Destroy>;
 
 // A state says its dimension and precision to pbf_load alone: the solver that takes it has them.
-// Not every build has all four.
+// Not every build has all four. That other solvers refuse it says nothing of the state.
 Handle solver_of(const std::string &state) {
   std::string reason;
   for (const uint32_t precision : {PBF_FLOAT32, PBF_FLOAT64}) {
@@ -74,7 +74,9 @@ Handle solver_of(const std::string &state) {
       if (pbf_create(&desc, nullptr, &solver) != PBF_OK) continue;
       Handle handle(solver);
       if (pbf_load(solver, state.data(), state.size()) == PBF_OK) return handle;
-      reason = pbf_last_error();
+      const std::string refusal = pbf_last_error();
+      if (reason.empty() || refusal.find("; this solver is ") == std::string::npos)
+        reason = refusal;
     }
   }
   throw Error(exit_failure, reason.empty() ? pbf_last_error() : reason);

@@ -9,6 +9,7 @@ examples/hello.c has with the library in it.
 """
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -16,12 +17,14 @@ import sys
 from pages import ROOT, write_table
 
 FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
-FEATURES = ("poly6", "scorr", "vorticity", "viscosity", "colliders", "wall_density", "chebyshev", "timing", "stats",
-            "sleep", "tolerance", "pressure_grid")
+FEATURES = [name.lower() for name in re.findall(
+    r"^PBF_FEATURE\((\w+),", (ROOT / "backends" / "physics" / "features.def").read_text(encoding="utf-8"), re.MULTILINE)]
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
 SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel"}
 BUILDS = {
     "whole": {},
+    "whole, on CPUs": {"PBF_BACKENDS": "reference;serial;threads;openmp"},
+    "a game, on CPUs": {**GAME, "PBF_BACKENDS": "serial;threads"},
     "a game": GAME,
     "a game, static": {**GAME, "PBF_STATIC": "ON"},
     "smallest, any x86-64": {**SMALL, "PBF_ISAS": "sse2;avx2;avx512"},
@@ -38,7 +41,9 @@ def run(*command, **options):
 
 def configure_and_build(options, folder):
     common = {"CMAKE_BUILD_TYPE": "Release", "PBF_BUILD_BENCH": "OFF", "PBF_BUILD_TESTS": "OFF",
-              "PBF_BUILD_EXAMPLES": "OFF", "PBF_REQUIRE_CUDA": "ON", **options}
+              "PBF_BUILD_EXAMPLES": "OFF", **options}
+    if "cuda" in common.get("PBF_BACKENDS", "cuda"):
+        common["PBF_REQUIRE_CUDA"] = "ON"
     run("cmake", "-S", ROOT, "-B", folder, *(f"-D{key}={value}" for key, value in common.items()))
     run("cmake", "--build", folder, "--parallel", 2)
 
@@ -83,7 +88,7 @@ def measure(work, result, names):
         builds[name] = measured(name, work, commit)
         print(f"{name}: {builds[name]['bytes']:,} bytes", flush=True)
     compiler = run("cc", "--version").splitlines()[0]
-    result.write_text(json.dumps({"compiler": compiler, "builds": list(builds.values())}, indent=2) + "\n",
+    result.write_text(json.dumps({"compiler": compiler, "builds": [builds[name] for name in BUILDS if name in builds]}, indent=2) + "\n",
                       encoding="utf-8")
 
 

@@ -10,7 +10,10 @@ foreach(tool cc c++ ar ranlib) # CMake wants a program for each
   if(tool MATCHES "^c")
     set(target "-target aarch64-macos")
   endif()
-  file(WRITE ${folder}/${tool} "#!/bin/sh\nexec '${zig}' ${tool} ${target} \"$@\"\n")
+  # Zig makes no bundles, which CMake links modules as; a dynamic library is loaded alike.
+  file(WRITE ${folder}/${tool} "#!/bin/sh\n"
+    "for word; do shift; [ \"$word\" != -bundle ] || word=-dynamiclib; set -- \"$@\" \"$word\"; done\n"
+    "exec '${zig}' ${tool} ${target} \"$@\"\n")
   file(CHMOD ${folder}/${tool} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 endforeach()
 set(CMAKE_C_COMPILER ${folder}/cc)

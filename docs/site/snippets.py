@@ -5,7 +5,7 @@
     snippets.py --check    fails where a document has other code than its source
 
 In Markdown, before a fenced block:   <!-- code: examples/tutorial/1_dam.c create -->
-Around what it names: /* code: create */ … /* end */, in Lua --[[ code: create ]] … --[[ end ]]
+Around what it names: /* code: create */ … /* end */, in Lua --[[ code: create ]] … --[[ end ]], in Python # code: create … # end
 """
 import pathlib
 import re
@@ -13,13 +13,13 @@ import sys
 import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BEGINS, ENDS = r"(?:/\*|--\[\[)", r"(?:\*/|\]\])"
-BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```(?:c|cpp|rust|csharp|lua|js)\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
+BEGINS, ENDS = r"(?:/\*|--\[\[|#)", r"(?: \*/| \]\]|)"
+BLOCK = re.compile(r"(<!-- code: (\S+) (\w+) -->\n```(?:c|cpp|rust|csharp|lua|js|python)\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 
 
 def piece(name, label):
     text = (ROOT / name).read_text(encoding="utf-8")
-    found = re.findall(rf"^ *{BEGINS} code: {label} {ENDS}\n(.*?)^ *{BEGINS} end {ENDS}$", text, flags=re.MULTILINE | re.DOTALL)
+    found = re.findall(rf"^ *{BEGINS} code: {label}{ENDS}\n(.*?)^ *{BEGINS} end{ENDS}$", text, flags=re.MULTILINE | re.DOTALL)
     if len(found) != 1:
         sys.exit(f"{name}: the piece {label} stands there {len(found)} times")
     return textwrap.dedent(found[0])

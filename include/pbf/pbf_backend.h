@@ -182,7 +182,9 @@ typedef struct pbf_overlap {
   uint32_t walls;                 /* 1: walls have jumped into the fluid */
   uint32_t first_id, last_id;     /* particles placed; none: first_id > last_id */
   uint64_t colliders;             /* placed, a bit each of the first 64, … */
-  double part;                    /* of what all fluid is too dense by, 0 … 1 */
+  double part;                    /* of what all fluid is too dense by beyond what is
+                                     allowed for: so much more is, or less where it is below 0; at
+                                     most 1 */
   const uint64_t *more_colliders; /* … and of each 64 after them; null where there are no more, and
                                      valid during the call */
 } pbf_overlap;

@@ -47,7 +47,7 @@ pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind) {
 static pbf_status refuse(const char *name, double value) {
   return pbf_fail(PBF_ERROR_UNSUPPORTED,
                   "params.%s is %.9g and phases differ in rest_density or viscosity; %s knows of "
-                  "one fluid alone, and must be 0 or -1 with them",
+                  "one fluid alone, and must be 0 with them",
                   name, value, name);
 }
 

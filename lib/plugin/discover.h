@@ -5,8 +5,9 @@
 
 #include <pbf/pbf.h>
 
-/* Looks for a known backend and adds what it finds, or why there is none, to the entries. */
-void pbf_discover_name(const char *name);
+/* Looks for a known backend and adds what it finds, or why there is none, to the entries. 0: it
+ * could not be looked at for want of descriptors or memory, and is worth another look. */
+int pbf_discover_name(const char *name);
 
 /* After all known names. */
 void pbf_discover_end(void);

@@ -43,14 +43,15 @@ static int try_folder(const char *folder, const char *name, char reason[256]) {
   return 1;
 }
 
-void pbf_discover_name(const char *name) {
+int pbf_discover_name(const char *name) {
   char folder[PBF_OS_PATH_SIZE], tried[200] = "", reason[256];
-  int candidates = 0;
+  int candidates = 0, is_settled = pbf_os_own_folder(folder, sizeof folder);
   pbf_folder kind;
   for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
     if (kind != PBF_FOLDER_USABLE) continue;
     candidates += try_folder(folder, name, reason);
-    if (pbf_entries_usable(name)) return;
+    if (pbf_entries_usable(name)) return 1;
+    if (pbf_plugin_was_short()) is_settled = 0;
     const char separator[] = {pbf_os_list_separator, 0};
     if (tried[0]) pbf_text_append(tried, sizeof tried, separator);
     pbf_text_append(tried, sizeof tried, folder);
@@ -58,6 +59,7 @@ void pbf_discover_name(const char *name) {
   if (!candidates)
     snprintf(reason, sizeof reason, "no pbf_backend_%s" PBF_PLUGIN_SUFFIX " in %s", name, tried);
   if (!pbf_entries_name(name)) pbf_entries_append_failure(name, "", reason, PBF_ROOM_SEARCH);
+  return is_settled;
 }
 
 void pbf_discover_end(void) {

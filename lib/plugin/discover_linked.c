@@ -25,16 +25,17 @@ const pbf_backend_host pbf_plugin_host = {
     .set_error = pbf_plugin_message_set,
 };
 
-void pbf_discover_name(const char *name) {
+int pbf_discover_name(const char *name) {
   for (size_t i = 0; i < sizeof linked / sizeof linked[0]; ++i) {
     if (strcmp(linked[i].name, name) != 0) continue;
     pbf_plugin plugin = {0};
     snprintf(plugin.name, sizeof plugin.name, "%s", name);
     pbf_plugin_negotiate(&pbf_plugin_host, linked[i].entry, name, &plugin);
     pbf_entries_append(&plugin, PBF_ROOM_SEARCH);
-    return;
+    return 1;
   }
   pbf_entries_append_failure(name, "", "built without it", PBF_ROOM_SEARCH);
+  return 1;
 }
 
 void pbf_discover_end(void) {}

@@ -10,7 +10,13 @@
 #include "image.h"
 #include "os.h"
 
+/* With the registry's lock held. */
+static int was_short;
+
+int pbf_plugin_was_short(void) { return was_short; }
+
 static pbf_status refuse_to_open(pbf_plugin *plugin, int error) {
+  was_short |= pbf_os_is_shortage(error);
   return pbf_plugin_refuse(plugin, error == ENOENT ? PBF_ERROR_NOT_FOUND : PBF_ERROR_UNAVAILABLE,
                            "can't open it: %s", strerror(error));
 }
@@ -34,7 +40,9 @@ static pbf_status check_file(const char *path, pbf_plugin *plugin) {
 static pbf_status load_file(const char *path, pbf_plugin *plugin, void **library) {
   pbf_status status = check_file(path, plugin);
   if (status != PBF_OK) return status;
-  *library = pbf_os_load(path, plugin->reason, sizeof plugin->reason);
+  int error = 0;
+  *library = pbf_os_load(path, plugin->reason, sizeof plugin->reason, &error);
+  was_short |= pbf_os_is_shortage(error);
   return *library ? PBF_OK : PBF_ERROR_UNAVAILABLE;
 }
 
@@ -94,6 +102,7 @@ const pbf_backend_host pbf_plugin_host = {
 
 pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin) {
   void *library = NULL;
+  was_short = 0;
   memset(plugin, 0, sizeof *plugin);
   snprintf(plugin->name, sizeof plugin->name, "%s", expected ? expected : "");
   snprintf(plugin->path, sizeof plugin->path, "%s", path);

@@ -7,4 +7,8 @@
  * any. On failure plugin->reason says why. Leaves pbf_last_error alone. */
 pbf_status pbf_plugin_load(const char *path, const char *expected, pbf_plugin *plugin);
 
+/* Whether the last one that was loaded wanted descriptors or memory, which another time there may
+ * be. */
+int pbf_plugin_was_short(void);
+
 #endif

@@ -10,22 +10,24 @@
 
 static const char *const known_names[] = {"reference", "serial", "threads", "openmp", "cuda"};
 
-static int searched;
+enum { KNOWN = sizeof known_names / sizeof known_names[0] };
 
-/* Called with the lock held. */
-static void search_once(void) {
-  if (searched) return;
-  searched = 1;
-  for (size_t i = 0; i < sizeof known_names / sizeof known_names[0]; ++i) {
-    if (!pbf_entries_usable(known_names[i])) pbf_discover_name(known_names[i]);
+/* Once each, but for those that there were too few descriptors, or too little memory, to look at.
+ * Called with the lock held. */
+static void search(void) {
+  static int searched, settled[KNOWN];
+  for (size_t i = 0; i < KNOWN; ++i) {
+    if (settled[i]) continue;
+    settled[i] = pbf_entries_usable(known_names[i]) || pbf_discover_name(known_names[i]);
   }
-  pbf_discover_end();
+  if (!searched) pbf_discover_end();
+  searched = 1;
 }
 
 uint32_t pbf_registry_count(void) {
   const int cancellation = pbf_uncancelled_begin();
   pbf_lock_take(PBF_LOCK_BACKENDS);
-  search_once();
+  search();
   uint32_t count = pbf_entries_count();
   pbf_lock_release(PBF_LOCK_BACKENDS);
   pbf_uncancelled_end(cancellation);

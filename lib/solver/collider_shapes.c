@@ -4,11 +4,11 @@
 #include "colliders.h"
 #include "shape/registry.h"
 
-pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index) {
-  char label[40];
+pbf_status pbf_collider_hold(const pbf_collider *collider, const char *label) {
+  char geometry[40];
   if (!collider->geometry) return PBF_OK;
-  snprintf(label, sizeof label, "colliders[%u].geometry", index);
-  return pbf_shape_hold(collider->geometry, label);
+  snprintf(geometry, sizeof geometry, "%s.geometry", label);
+  return pbf_shape_hold(collider->geometry, geometry);
 }
 
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders) {

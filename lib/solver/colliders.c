@@ -2,6 +2,7 @@
 #include "colliders.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "backend_call.h"
@@ -15,39 +16,41 @@
 #include "solver_time.h"
 #include "structs.h"
 
-/* Every struct of the array has the size of the first; *held counts those that have their
- * references. */
-static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
-                          pbf_collider *ours, uint32_t *held) {
+/* Every struct of the array, which the message calls `name`, has the size of the first; *held
+ * counts those that have their references. */
+static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t count,
+                          const pbf_collider *theirs, pbf_collider *ours, uint32_t *held) {
+  char label[32];
   uint32_t stride = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
     const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
     uint32_t size = pbf_struct_size(one);
     if (size != stride) {
       return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "colliders[%u].struct_size is %u; it must be that of colliders[0], %u", i,
-                      size, stride);
+                      "%s[%u].struct_size is %u; it must be that of %s[0], %u", name, i, size, name,
+                      stride);
     }
     pbf_status status = pbf_struct_in(&pbf_kind_collider, one, &ours[i]);
-    if (status == PBF_OK) status = pbf_collider_hold(&ours[i], i);
+    snprintf(label, sizeof label, "%s[%u]", name, i);
+    if (status == PBF_OK) status = pbf_collider_hold(&ours[i], label);
     if (status != PBF_OK) return status;
     ++*held;
-    status = pbf_collider_check(&ours[i], i, solver->kind);
+    status = pbf_collider_check(&ours[i], label, solver->kind);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;
 }
 
 /* A copy of a caller's array, checked and with references of its own. */
-static pbf_status take(const pbf_solver *solver, uint32_t count, const pbf_collider *theirs,
-                       pbf_collider **ours) {
+static pbf_status take(const pbf_solver *solver, const char *name, uint32_t count,
+                       const pbf_collider *theirs, pbf_collider **ours) {
   void *memory = NULL;
   uint32_t held = 0;
   pbf_status status = pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(solver, count),
                                           "the colliders", &memory);
   if (status != PBF_OK) return status;
   memset(memory, 0, pbf_colliders_bytes(solver, count));
-  status = copy_in(solver, count, theirs, memory, &held);
+  status = copy_in(solver, name, count, theirs, memory, &held);
   *ours = memory;
   if (status == PBF_OK) return PBF_OK;
   pbf_colliders_let_go(held, memory);
@@ -227,7 +230,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   pbf_collider *memory = NULL;
   double now = pbf_solver_time(solver);
   pbf_status status = check_array(solver, count, theirs);
-  if (status == PBF_OK && count > 0) status = take(solver, count, theirs, &memory);
+  if (status == PBF_OK && count > 0) status = take(solver, "colliders", count, theirs, &memory);
   if (status != PBF_OK) return status;
   choose_paths(solver, count, memory, now);
   const jumps found = find_jumps(solver, count, memory);
@@ -290,6 +293,15 @@ static pbf_status check_target(const pbf_collider *collider, const pbf_collider 
                   what, index);
 }
 
+/* A way that is so far, or so short a time, that its velocities are more than one may set. */
+static pbf_status check_way(const pbf_solver *solver, const pbf_collider *moving, uint32_t index,
+                            double duration) {
+  pbf_status status = pbf_collider_check_moving(moving, "the collider", solver->kind);
+  if (status == PBF_OK) return status;
+  return pbf_fail(status, "targets[%u] can't be reached in a duration of %.9g: on the way %.1500s",
+                  index, duration, pbf_last_error());
+}
+
 static pbf_status aim(const pbf_solver *solver, uint32_t count, double duration,
                       pbf_collider *targets) {
   const uint32_t dimension = solver->kind.dimension;
@@ -300,6 +312,8 @@ static pbf_status aim(const pbf_solver *solver, uint32_t count, double duration,
     targets[i] = present_collider(solver, i);
     pbf_collider moving = pbf_collider_for_backend(&targets[i], dimension);
     pbf_motion_towards(&moving, &target, duration);
+    status = check_way(solver, &moving, i, duration);
+    if (status != PBF_OK) return status;
     targets[i] = moving;
   }
   return PBF_OK;
@@ -323,7 +337,7 @@ static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_c
   pbf_collider *memory = NULL;
   pbf_status status = check_move(solver, count, theirs, duration);
   if (status != PBF_OK || count == 0) return status;
-  status = take(solver, count, theirs, &memory);
+  status = take(solver, "targets", count, theirs, &memory);
   if (status != PBF_OK) return status;
   status = aim(solver, count, duration, memory);
   if (status == PBF_OK) return put_in_place(solver, count, memory);

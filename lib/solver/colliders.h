@@ -49,7 +49,7 @@ static inline pbf_collider_set pbf_colliders_set(const pbf_solver *solver, uint6
 pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count);
 
 /* A reference to the geometry of colliders[index], where it has one. Fails for what is none. */
-pbf_status pbf_collider_hold(const pbf_collider *collider, uint32_t index);
+pbf_status pbf_collider_hold(const pbf_collider *collider, const char *label);
 
 /* Gives the references of so many colliders back. */
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders);

@@ -32,17 +32,28 @@ void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *coll
   o->colliders = placed.first;
 }
 
-/* What a step leaves of a density error is as its length squared: of what a much longer one has
- * left the shorter ones are to make no velocity. */
-static double part_of_longer_step(double before, double now) {
-  double ratio = now / before;
-  return ratio < 0.75 ? 1 - ratio * ratio : 0;
+/* What steps leave of a density error at rest is as their length squared. Of what longer ones have
+ * left the shorter ones are to make no velocity, and what is allowed for of that is what the longer
+ * ones leave again. */
+static double part_of_other_step(double before, double now) {
+  const double ratio = now / before;
+  return 1 - ratio * ratio;
+}
+
+/* Steps that differ by less than a fourth are as good as equal. So many small changes add up to one
+ * that counts. */
+static int is_another_step(const pbf_solver *solver, double time_step) {
+  const double before = solver->overlap.time_step;
+  if (time_step > before) return !(solver->overlap.end > 0) || 0.75 * time_step > before;
+  return time_step < 0.75 * before;
 }
 
 void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
-  double before = solver->overlap.time_step;
-  double part = before > 0 ? part_of_longer_step(before, time_step) : 0;
-  if (solver->overlap.moved && part > 0) noted(solver)->part = fmax(noted(solver)->part, part);
+  const double before = solver->overlap.time_step;
+  if (before > 0 && !is_another_step(solver, time_step)) return;
+  const int allows = time_step < before || solver->overlap.end > 0;
+  if (before > 0 && solver->overlap.moved && allows)
+    noted(solver)->part = part_of_other_step(before, time_step);
   solver->overlap.time_step = time_step;
 }
 
@@ -51,9 +62,10 @@ void pbf_overlap_note_walls(pbf_solver *solver) {
 }
 
 /* When what is left is nothing, however much it was: a thousand times rest density falls to 1 in
- * seven times the time that 1 takes. */
+ * seven times the time that 1 would take evenly, which is five times that in which the last fifth
+ * falls by e. */
 static double time_apart(const pbf_solver *solver) {
-  return 8 / pbf_overlap_rate(&solver->params, (int)solver->kind.dimension);
+  return 10 / pbf_overlap_rate(&solver->params, (int)solver->kind.dimension);
 }
 
 static pbf_status tell(pbf_solver *solver, const pbf_overlap *overlap) {

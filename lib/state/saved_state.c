@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "collider.h"
@@ -99,7 +100,7 @@ static int is_overlap_sound(const pbf_snapshot_header *header) {
          isfinite(o->time_step) && o->time_step >= 0 &&
          (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
          (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
-                         o->found.part >= 0 && o->found.part <= 1));
+                         isfinite(o->found.part) && o->found.part <= 1));
 }
 
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
@@ -142,6 +143,7 @@ static void read_marks(const pbf_solver *solver, pbf_saved_state *in) {
 }
 
 static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) {
+  char label[32];
   read_marks(solver, in);
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
@@ -149,7 +151,9 @@ static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) 
     pbf_status status =
         read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
     if (status == PBF_OK) status = find_geometry(in, i);
-    if (status == PBF_OK) status = pbf_collider_check(&in->colliders[i], i, solver->kind);
+    snprintf(label, sizeof label, "colliders[%u]", i);
+    if (status == PBF_OK)
+      status = pbf_collider_check_moving(&in->colliders[i], label, solver->kind);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;

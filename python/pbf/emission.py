@@ -52,6 +52,8 @@ class Emitter:
 
 @dataclass
 class RectangleEmitter(Emitter):
+    """A rectangle across the stream, in 2D a line."""
+
     shape: ClassVar[int] = lib.PBF_EMITTER_RECTANGLE
     half_width: float = 1.0
     """Half of its first side; in 2D the only one."""
@@ -62,6 +64,8 @@ class RectangleEmitter(Emitter):
 
 @dataclass
 class DiscEmitter(Emitter):
+    """A disc across the stream, in 2D a line: `DiscEmitter((1, 0.5, 0.5), velocity=(0, 3, 0), radius=0.1)`."""
+
     shape: ClassVar[int] = lib.PBF_EMITTER_DISC
     radius: float = 1.0
 

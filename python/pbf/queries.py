@@ -42,18 +42,24 @@ class Volume:
 
 @dataclass
 class BoxVolume(Volume):
+    """A box: `BoxVolume((1, 0.5, 0.5), half_extents=(0.1, 0.2, 0.1))`."""
+
     shape: ClassVar[int] = lib.PBF_VOLUME_BOX
     half_extents: Vector = (1.0, 1.0, 1.0)
 
 
 @dataclass
 class BallVolume(Volume):
+    """A ball: `BallVolume((1, 0.5, 0.5), radius=0.1)`."""
+
     shape: ClassVar[int] = lib.PBF_VOLUME_SPHERE
     radius: float = 1.0
 
 
 @dataclass
 class CapsuleVolume(Volume):
+    """All within `radius` of a segment."""
+
     shape: ClassVar[int] = lib.PBF_VOLUME_CAPSULE
     axis: Vector = (0.0, 1.0, 0.0)
     """The direction, before `orientation` turns it."""

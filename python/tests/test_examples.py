@@ -23,6 +23,16 @@ def test_splash(tmp_path):
     assert (tmp_path / "splash-moving.png").stat().st_size > 500_000
 
 
+def test_fountain(tmp_path):
+    """The sea takes what the fountain adds, to what the overflow lets go: the level stays."""
+    lines = run("fountain.py", tmp_path).splitlines()
+    levels = [float(line.split()[3].rstrip(",")) for line in lines]
+    assert len(levels) == 4 and all(0.27 < level < 0.37 for level in levels)
+    assert " 1440 came" in lines[-1] or " 1441 came" in lines[-1]
+    assert int(lines[-1].split()[4]) > 20
+    assert (tmp_path / "fountain.png").stat().st_size > 50_000
+
+
 def test_environment(tmp_path):
     """The same start gives the same episode, and the policy brings the water to the middle."""
     lines = run("environment.py", tmp_path, "2").splitlines()

@@ -255,6 +255,53 @@ static void a_long_step_throws_nothing(void **state) {
   test_for_long_kinds(check_long_step);
 }
 
+/* ---- Steps that change ----------------------------------------------------------------------- */
+
+static void set_time_step(pbf_solver *s, double time_step) {
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(s, &params));
+  params.time_step = time_step;
+  assert_ok(pbf_set_params(s, &params));
+}
+
+/* The root mean square of all speeds, over sqrt(g d). */
+static double unrest_of(pbf_solver *s) {
+  return sqrt(2 * stats_of(s).kinetic_energy / (gravity * spacing));
+}
+
+/* Slow motion, frames of turning lengths, and steps as an adaptive time step chooses them: a tank
+ * at rest stays at rest (hydrostatics), within 0.02 sqrt(g d) or twice what it was before. */
+static void check_changing_steps(uint32_t dimension, uint32_t precision) {
+  static const double lengths[][4] = {
+      {0.1, 0.1, 0.1, 0.1}, {0.01, 0.01, 0.01, 0.01}, {0.25, 1, 0.25, 1}, {1, 0.25, 0.5, 0.3}};
+  const double dt = 1.0 / 120, seconds = 0.15;
+  pbf_solver *still = tank(dimension, precision, dt);
+  uint64_t size;
+  assert_ok(pbf_step(still, 600));
+  const double bar = fmax(0.02, 2 * unrest_of(still));
+  void *saved = test_save(still, &size);
+  for (size_t k = 0; k < sizeof lengths / sizeof *lengths; ++k) {
+    double time = 0, most = 0;
+    assert_ok(pbf_load(still, saved, size));
+    for (int step = 0; time < seconds && step < 400; ++step) {
+      const double now = dt * lengths[k][step % 4];
+      set_time_step(still, now);
+      assert_ok(pbf_step(still, 1));
+      most = fmax(most, unrest_of(still));
+      time += now;
+    }
+    if (!(most <= bar))
+      fail_msg("%uD, steps %zu: %g sqrt(g d), at most %g", dimension, k, most, bar);
+  }
+  free(saved);
+  pbf_destroy(still);
+}
+
+static void steps_that_change_stir_nothing(void **state) {
+  (void)state;
+  test_for_long_kinds(check_changing_steps);
+}
+
 /* ---- What is left of an overlap is part of the state ----------------------------------------- */
 
 /* In all, longer than any overlap lasts. */
@@ -289,6 +336,7 @@ int main(void) {
       cmocka_unit_test(a_hose_pours_a_parabola),
       cmocka_unit_test(what_is_added_upon_others_is_not_thrown),
       cmocka_unit_test(a_long_step_throws_nothing),
+      cmocka_unit_test(steps_that_change_stir_nothing),
       cmocka_unit_test(a_saved_overlap_goes_on),
   };
   return TEST_RUN(tests);

@@ -198,12 +198,84 @@ static void what_is_no_target_is_refused(void **state) {
   pbf_destroy(solver);
 }
 
+static void assert_saved_can_be_loaded(pbf_solver *solver, pbf_solver *other) {
+  uint64_t size = 0;
+  assert_ok(pbf_save(solver, NULL, &size));
+  void *state = malloc(size);
+  assert_non_null(state);
+  assert_ok(pbf_save(solver, state, &size));
+  assert_ok(pbf_load(other, state, size));
+  free(state);
+  assert_int_equal(test_hash(solver), test_hash(other));
+}
+
+/* A way that only velocities beyond those of pbf_set_colliders lead, or a time beyond numbers, is
+ * refused: a solver that took it could not be saved and loaded. */
+static void a_way_beyond_numbers_is_refused(void **state) {
+  (void)state;
+  static const struct {
+    double x, duration;
+    const char *words;
+  } bad[] = {{3e38, 1.0 / 60, "velocity[0]"},
+             {0.4, 1e-310, "velocity[0]"},
+             {0.5, 1e39, "duration"},
+             {0.5, 1e308, "duration"}};
+  const double at[3] = {0.5, 0.5, 0.5};
+  const pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  pbf_solver *solver = test_create(&desc, NULL), *other = test_create(&desc, NULL);
+  pbf_collider ball = collider_at(PBF_COLLIDER_SPHERE, at, 0);
+  ball.radius = 0.1;
+  assert_ok(pbf_set_colliders(solver, 1, &ball));
+  for (int k = 0; k < 4; ++k) {
+    ball.position[0] = bad[k].x;
+    assert_fails(pbf_move_colliders(solver, 1, &ball, bad[k].duration), PBF_ERROR_INVALID_ARGUMENT,
+                 "targets[0] can't be reached");
+    assert_non_null(strstr(pbf_last_error(), bad[k].words));
+    assert_saved_can_be_loaded(solver, other);
+  }
+  const pbf_collider still = get(solver, 0);
+  assert_true(still.position[0] == 0.5 && still.velocity[0] == 0);
+  pbf_destroy(solver);
+  pbf_destroy(other);
+}
+
+/* A collider that has shrunk to nothing, and grows again: its state is one as any other. */
+static void what_has_shrunk_to_nothing_can_be_saved(void **state) {
+  (void)state;
+  const double at[3] = {0.5, 0.5, 0.5};
+  const uint32_t shapes[] = {PBF_COLLIDER_SPHERE, PBF_COLLIDER_CAPSULE, PBF_COLLIDER_BOX};
+  const pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  pbf_solver *solver = test_create(&desc, NULL), *other = test_create(&desc, NULL);
+  const double four_steps = 4 * test_params().time_step;
+  for (int k = 0; k < 3; ++k) {
+    pbf_collider body = collider_at(shapes[k], at, 0);
+    body.radius = body.half_length = 0.1;
+    body.radius_rate = body.half_length_rate = -100;
+    for (int a = 0; a < 3; ++a) body.half_extents[a] = 0.1, body.half_extents_rate[a] = -100;
+    assert_ok(pbf_set_colliders(solver, 1, &body));
+    assert_ok(pbf_step(solver, 2));
+    assert_true(get(solver, 0).radius == 0 && get(solver, 0).half_extents[1] == 0);
+    assert_saved_can_be_loaded(solver, other);
+    assert_ok(pbf_move_colliders(solver, 1, &body, four_steps));
+    assert_saved_can_be_loaded(solver, other);
+    assert_ok(pbf_step(solver, 6));
+    assert_ok(pbf_step(other, 6));
+    assert_int_equal(test_hash(solver), test_hash(other));
+    assert_true(fabs(get(other, 0).half_extents[0] - 0.1) < 1e-12);
+    assert_saved_can_be_loaded(solver, other);
+  }
+  pbf_destroy(solver);
+  pbf_destroy(other);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(targets_are_reached),
       cmocka_unit_test(states_keep_the_motion),
       cmocka_unit_test(sizes_grow_at_a_rate),
       cmocka_unit_test(what_is_no_target_is_refused),
+      cmocka_unit_test(a_way_beyond_numbers_is_refused),
+      cmocka_unit_test(what_has_shrunk_to_nothing_can_be_saved),
   };
   return TEST_RUN(tests);
 }

@@ -285,7 +285,8 @@ test("the programs of all languages print what they print in the others", () => 
   const printed = execFileSync(process.execPath, [`${folder}/splash.mjs`], { encoding: "utf8" });
   assert.match(printed, /\n1\.0 s: front at 1\.99 m\n$/);
   const poured = execFileSync(process.execPath, [`${folder}/pour.mjs`], { encoding: "utf8" });
-  assert.match(poured, /^1919 came, 72 went, 0\.2[3-6] m high, 2[01]\d\d N on the floor, density 1\.0\n$/);
+  const page = readFileSync(new URL("../../docs/bindings.md", import.meta.url), "utf8");
+  assert.equal(poured, `${page.match(/`(\d+ came, .*)`/)[1]}\n`);
 });
 
 test("a worker has a module of its own, and the same bits", async () => {

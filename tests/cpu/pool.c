@@ -235,6 +235,62 @@ static void a_child_has_a_new_pool(void **state) {
   pbf_destroy(c.solver);
 }
 
+/* ---- Signal handlers ----------------------------------------------------------------------- */
+
+/* What the handler has: a solver of its own. */
+static pbf_solver *of_handler;
+static volatile sig_atomic_t steps_of_handler, refused_to_handler, over;
+
+static void step_in_handler(int number) {
+  pbf_info info = {.struct_size = sizeof info};
+  (void)number;
+  if (pbf_get_info(of_handler, &info) != PBF_OK || pbf_step(of_handler, 1) != PBF_OK)
+    ++refused_to_handler;
+  else
+    ++steps_of_handler;
+}
+
+static void *send_signals(void *to) {
+  const pthread_t thread = *(pthread_t *)to;
+  while (!over) {
+    const int before = steps_of_handler;
+    pthread_kill(thread, SIGUSR1);
+    while (!over && steps_of_handler == before && !refused_to_handler) usleep(50);
+    usleep(200); /* for the thread's own step */
+  }
+  return NULL;
+}
+
+/* One that interrupts a step where that holds the pool's lock does not wait for it. */
+static void a_handler_steps_another_solver(void **state) {
+  (void)state;
+  enum { ENOUGH = 500, PATIENCE = 60 /* seconds: for what waits for itself */ };
+  pbf_solver *solver = make("threads", 4), *twin = make("serial", 1), *small = make("serial", 1);
+  of_handler = make("threads", 4);
+  pthread_t sender, self = pthread_self();
+  const struct sigaction action = {.sa_handler = step_in_handler, .sa_flags = SA_RESTART};
+  struct sigaction before;
+  uint32_t steps = 0;
+  assert_ok(pbf_step(of_handler, 20)); /* what it allocates, it has then */
+  assert_int_equal(sigaction(SIGUSR1, &action, &before), 0);
+  alarm(PATIENCE);
+  assert_int_equal(pthread_create(&sender, NULL, send_signals, &self), 0);
+  for (; steps_of_handler < ENOUGH && steps < 4 * ENOUGH; ++steps) assert_ok(pbf_step(solver, 1));
+  over = 1;
+  pthread_join(sender, NULL);
+  alarm(0);
+  sigaction(SIGUSR1, &before, NULL);
+  assert_int_equal(refused_to_handler, 0);
+  assert_ok(pbf_step(twin, steps));
+  assert_ok(pbf_step(small, 20 + (uint32_t)steps_of_handler));
+  assert_true(test_hash(solver) == test_hash(twin));
+  assert_true(test_hash(of_handler) == test_hash(small));
+  pbf_destroy(solver);
+  pbf_destroy(twin);
+  pbf_destroy(small);
+  pbf_destroy(of_handler);
+}
+
 static void *begin(void *unused) { return unused; }
 
 int main(void) {
@@ -246,6 +302,7 @@ int main(void) {
       cmocka_unit_test(signals_are_blocked),
       cmocka_unit_test(without_threads_the_caller_does_it),
       cmocka_unit_test(a_child_has_a_new_pool),
+      cmocka_unit_test(a_handler_steps_another_solver),
   };
   /* A sanitizer's own thread comes with the first one. */
   pthread_t first;

@@ -65,19 +65,27 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
 
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
  * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
- * all of its error. */
+ * all of its error. Of all others it takes over what another length of the step adds to the error
+ * that is not allowed for: a part of that, below 0 where steps become longer, and as much comes
+ * back out of what had been allowed for. Allowance and error then stay together what they are, and
+ * fluid at rest has no reason to move. */
 PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found, uint32_t id,
                                   pbf_real density, pbf_real placed_density, pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
-  const pbf_real part = pbf_is_placed(found, id) ? 1 : (pbf_real)found.part;
-  return pbf_real_max(before,
-                      pbf_real_max(part * error, pbf_real_min(error, before + placed_density)));
+  if (pbf_is_placed(found, id)) return pbf_real_max(before, error);
+  const pbf_real shift = (pbf_real)found.part * pbf_real_max(error - before, 0);
+  const pbf_real shifted = pbf_real_max(before + shift, 0);
+  if (!(placed_density > 0)) return shifted;
+  return pbf_real_max(shifted, pbf_real_min(error, before + placed_density));
 }
 
-/* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay:
- * what exceeds 1 falls exponentially, the rest evenly. */
+/* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay: what
+ * exceeds 1 falls exponentially, from there to a fifth evenly, and the rest exponentially again.
+ * For what is small is small over all of a tank's height, as after a change of the step, and there
+ * the ways of all layers add up to the surface's. */
 PBF_FN pbf_real pbf_overlap_left(pbf_real decay, pbf_real overlap) {
-  return pbf_real_max(overlap - decay * pbf_real_max(overlap, 1), 0);
+  const pbf_real goes = pbf_real_min(pbf_real_max(overlap, 1), 5 * overlap);
+  return pbf_real_max(overlap - decay * goes, 0);
 }
 
 #endif
