@@ -173,6 +173,7 @@ static void team_end(void) {
 /* ---- Busy cores ---------------------------------------------------------------------------- */
 
 static const double min_pause = 0.016, max_pause = 0.5; /* seconds */
+static const double most_lost = 0.02, longest = 5;      /* by trying again, of the time; seconds */
 static const double much_waiting = 0.25;                /* of the runs' time */
 static const double window = 0.008;                     /* seconds: one long wait says nothing */
 
@@ -193,11 +194,13 @@ static void note_run(uint32_t threads, double seconds, double waited, double now
   l->seconds += seconds;
   l->waited += waited;
   if (l->waited > much_waiting * fmax(l->seconds, window)) {
-    l->seconds = l->waited = 0;
     l->threads = threads / 2;
-    l->pause = l->pause > min_pause ? l->pause : min_pause;
+    const int is_again = l->pause > min_pause;
+    l->pause = fmax(l->pause, min_pause);
     l->more_at = now + l->pause;
+    if (is_again) l->more_at = now + fmax(l->pause, fmin(l->waited / most_lost, longest));
     l->pause = 2 * l->pause < max_pause ? 2 * l->pause : max_pause;
+    l->seconds = l->waited = 0;
   } else {
     l->pause = fmax(l->pause - seconds, min_pause);
     if (l->seconds > window) l->seconds /= 2, l->waited /= 2;

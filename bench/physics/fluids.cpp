@@ -114,4 +114,51 @@ void rayleigh_taylor(Run &run) {
   }
 }
 
+// ---- Fronts ------------------------------------------------------------------------------------
+
+namespace {
+
+// Where of the heavy particles in the lowest two layers a fiftieth is farther.
+double front_of(Fluid &f, const std::vector<uint32_t> &phases) {
+  std::vector<double> low;
+  f.look();
+  for (uint32_t i = 0; i < f.count(); ++i)
+    if (!phases[i] && f.at(i)[1] < 2 * f.params.spacing) low.push_back(f.at(i)[0]);
+  std::sort(low.begin(), low.end());
+  return low.empty() ? 0 : low[low.size() * 49 / 50];
+}
+
+// Of a straight line through the fronts between the lock and the wall.
+double front_speed(Run &run, double support_over_spacing, double part_of_step) {
+  Scene scene = run.scene("lock-exchange");
+  scene.params.smoothing_radius = support_over_spacing * scene.params.spacing;
+  scene.params.time_step *= part_of_step;
+  Fluid f(run, scene);
+  const std::vector<uint32_t> phases = f.phases();
+  f.shake(0.04, 1);
+  const double length = f.params.domain_max[0], most = scene.steps * scene.params.time_step;
+  double n = 0, t = 0, x = 0, tt = 0, tx = 0;
+  while (f.time() < most / part_of_step) {
+    f.step(4);
+    const double front = front_of(f, phases);
+    if (front < 0.58 * length) continue;
+    if (front > 0.92 * length) break;
+    n += 1, t += f.time(), x += front, tt += f.time() * f.time(), tx += f.time() * front;
+  }
+  return (n * tx - t * x) / (n * tt - t * t);
+}
+
+}  // namespace
+
+void lock_exchange(Run &run) {
+  const Scene scene = run.scene("lock-exchange");
+  const double reduced = -scene.params.gravity[1] * (1 - density_of(scene, 1));
+  const double right = 0.5 * std::sqrt(reduced * scene.params.domain_max[1] / 2);
+  run.ratio("front over 0.5 sqrt(g' H), h = 3 d", front_speed(run, 3, 1) / right, 1, 0.1);
+  if (run.quick()) return;
+  run.ratio("front over 0.5 sqrt(g' H), h = 3 d, half of the step",
+            front_speed(run, 3, 0.5) / right, 1, 0.1);
+  run.ratio("front over 0.5 sqrt(g' H), h = 2 d", front_speed(run, 2, 1) / right, 1, 0.1);
+}
+
 }  // namespace bench::physics

@@ -36,6 +36,7 @@ const std::vector<Case> cases = {
     {"stokes-sphere", "Spheres that settle: Stokes, Hasimoto 1959", stokes},
     {"layers-sort", "Three fluids side by side become layers", layers},
     {"rayleigh-taylor", "Heavy fluid over light: Rayleigh, Taylor 1950", rayleigh_taylor},
+    {"lock-exchange", "Fluids side by side: Benjamin 1968", lock_exchange},
     {"taylor-green", "Vortices in a box without walls: Taylor & Green", taylor_green},
     {"volume-flow", "What comes from an opening", volume_flow},
     {"current-tank", "A current that keeps its level", current_tank},

@@ -66,6 +66,7 @@ void poiseuille(Run &run);
 void stokes(Run &run);
 void layers(Run &run);
 void rayleigh_taylor(Run &run);
+void lock_exchange(Run &run);
 void taylor_green(Run &run);
 void volume_flow(Run &run);
 void current_tank(Run &run);

@@ -20,6 +20,7 @@ CASES = {
     "layers-sort": {"particles out of their layer at the end": 0.15,
                     "weight on the floor over that of the fluids": 0.01},
     "rayleigh-taylor": {"growth over linear theory, 1 : 3, on a lattice": 0.1},
+    "lock-exchange": {"front over 0.5 sqrt(g' H), h = 3 d": 0.2},
     "taylor-green": {"viscosity that their decay tells, after three spacings": 0.12},
     "volume-flow": {"particles that have come": 1, "level less the volume over the area": 0.5},
     "current-tank": {"level, farthest": 1, "what goes over what comes": 0.02},

@@ -99,7 +99,8 @@ typedef struct pbf_reservoir {
 PBF_API pbf_status pbf_reservoir_init(pbf_reservoir *reservoir, uint32_t struct_size);
 
 /* Replaces all reservoirs. `reservoirs` is an array of `count` structs, each of the size of the
- * first. Where the solver is full, nothing comes. */
+ * first. Where the solver is full, nothing comes, nor where a spacing that has been made smaller
+ * since would have it hold more than desc.capacity. */
 PBF_API pbf_status pbf_set_reservoirs(pbf_solver *solver, uint32_t count,
                                       const pbf_reservoir *reservoirs);
 

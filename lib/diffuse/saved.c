@@ -70,9 +70,9 @@ static pbf_status read_desc(const pbf_solver *solver, const stored_head *stored,
 }
 
 static int is_sound(const pbf_diffuse_particle *p) {
-  double sum = fabs(p->born) + fabs(p->dies);
-  for (int k = 0; k < 3; ++k) sum += fabs(p->position[k]) + fabs(p->velocity[k]);
-  return isfinite(sum) && p->kind <= PBF_DIFFUSE_BUBBLE && p->reserved == 0;
+  int is_finite = isfinite(p->born) && isfinite(p->dies);
+  for (int k = 0; k < 3; ++k) is_finite &= isfinite(p->position[k]) && isfinite(p->velocity[k]);
+  return is_finite && p->kind <= PBF_DIFFUSE_BUBBLE && p->reserved == 0;
 }
 
 static pbf_status read_particles(const stored_head *stored, const unsigned char *at,

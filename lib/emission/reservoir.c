@@ -93,6 +93,11 @@ static pbf_status check_place(const pbf_reservoir *r, uint32_t index, const pbf_
   if (!(f.particles <= solver->capacity))
     return pbf_fail(PBF_ERROR_CAPACITY, "reservoirs[%u] holds %.9g particles; desc.capacity is %u",
                     index, f.particles, solver->capacity);
+  if ((uint64_t)f.cells[0] * f.cells[1] > solver->capacity)
+    return pbf_fail(
+        PBF_ERROR_CAPACITY,
+        "reservoirs[%u] has room for more particles in one layer than desc.capacity, %u", index,
+        solver->capacity);
   pbf_status status = check_corners(&f.box, index, solver);
   if (status == PBF_OK && r->phase >= pbf_phases_count(solver->phases))
     status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

@@ -242,7 +242,8 @@ static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
   const pbf_reservoir_frame f = frame_of(solver, r);
   const uint64_t cells = (uint64_t)f.cells[0] * f.cells[1];
   void *memory;
-  if (cells > PBF_MAX_CAPACITY) return PBF_OK; /* a spacing that has been made far smaller since */
+  /* A spacing that has been made smaller since, or a saved state of a larger solver. */
+  if (cells > solver->capacity || !(f.particles <= solver->capacity)) return PBF_OK;
   pbf_status status = pbf_memory_allocate(&solver->allocator, cells * sizeof(heap_cell),
                                           "the surface of a reservoir", &memory);
   if (status != PBF_OK) return status;

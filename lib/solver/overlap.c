@@ -36,8 +36,8 @@ void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *coll
  * left the shorter ones are to make no velocity, and what is allowed for of that is what the longer
  * ones leave again. */
 static double part_of_other_step(double before, double now) {
-  const double ratio = now / before;
-  return 1 - ratio * ratio;
+  const double ratio = now / before, all = -1e6;
+  return fmax(1 - ratio * ratio, all);
 }
 
 /* Steps that differ by less than a fourth are as good as equal. So many small changes add up to one

@@ -392,6 +392,25 @@ static void forged(void **state) {
   pbf_destroy(s);
 }
 
+/* With a spacing of a billionth it would hold more particles than there are numbers. */
+static void a_spacing_far_smaller_since(void **state) {
+  (void)state;
+  const uint32_t none[3] = {0, 0, 0};
+  pbf_params params = params_of(9.81);
+  pbf_solver *s = tank(2, PBF_FLOAT64, &params, none);
+  const pbf_reservoir r = reservoir_of(0.5);
+  assert_ok(pbf_set_reservoirs(s, 1, &r));
+  params.spacing = 1e-9;
+  params.smoothing_radius = 2e-9;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 2));
+  assert_int_equal(count_of(s), 0);
+  assert_fails(pbf_set_reservoirs(s, 1, &r), PBF_ERROR_CAPACITY, "reservoirs[0] holds");
+  const pbf_reservoir film = reservoir_of(1e-10);
+  assert_fails(pbf_set_reservoirs(s, 1, &film), PBF_ERROR_CAPACITY, "reservoirs[0]");
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_empty_one_is_filled),
@@ -404,6 +423,7 @@ int main(void) {
       cmocka_unit_test(failures),
       cmocka_unit_test(a_full_solver),
       cmocka_unit_test(refusals),
+      cmocka_unit_test(a_spacing_far_smaller_since),
       cmocka_unit_test(forged),
   };
   return TEST_RUN(tests);
