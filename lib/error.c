@@ -48,8 +48,10 @@ pbf_status pbf_fail(pbf_status status, const char *format, ...) {
   return status;
 }
 
+/* One place for all sentences of a thread: a program may ask before the call that it asks about, as
+ * where both are arguments of a function, which C evaluates in any order. */
 const char *pbf_last_error(void) {
-  const messages *own = pbf_per_thread_look(&own_messages);
+  const messages *own = pbf_per_thread_take(&own_messages);
   return own ? own->last : none();
 }
 

@@ -118,6 +118,11 @@ static pbf_status check_resolution(const pbf_params *params, uint32_t precision,
   double resolved = farthest * (single ? 0x1p-23 : 0x1p-52), spacing = rest_spacing(params);
   int parts = farthest > FAR * length ? 4000 : 50;
   if (resolved * parts <= spacing) return PBF_OK;
+  if (fabs(params->wall_amplitude[wall]) > fabs(bound))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "params.wall_amplitude[%d] is %.9g, where float%d resolves %.2g; it must be a "
+                    "%dth of the spacing (%.2g): the wall is to move less far",
+                    wall, params->wall_amplitude[wall], single ? 32 : 64, resolved, parts, spacing);
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                   "params.domain_%s[%d] is %.9g, where float%d resolves %.2g; it must be a %dth of "
                   "the spacing (%.2g): move the domain to the origin%s",

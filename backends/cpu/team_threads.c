@@ -129,7 +129,9 @@ static void in_child(void) {
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
   pool.regions = NULL;
-  pool.size = pool.sleeping = pool.refused = 0;
+  pool.sleeping = 0;
+  pool.size = 0;
+  pool.refused = 0;
 }
 
 /* With the lock held. */

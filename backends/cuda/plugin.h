@@ -7,9 +7,8 @@
 #include <pbf/pbf_backend.h>
 
 extern "C" {
-/* The libpbf whose call runs in this thread: there may be several in a process. Its memory is there
- * when the thread is: else the C library takes it at first use, and ends the process without. */
-extern __thread const pbf_backend_host *pbf_cuda_host __attribute__((tls_model("initial-exec")));
+/* The libpbf whose call runs in this thread: there may be several in a process. */
+extern __thread const pbf_backend_host *pbf_cuda_host;
 extern const pbf_backend_api cuda_2d_f32, cuda_2d_f64, cuda_3d_f32, cuda_3d_f64;
 }
 

@@ -9,7 +9,7 @@
 #include "worlds.h"
 
 static uint64_t handles_bytes(const pbf_batch *batch) {
-  return batch->world_count * sizeof *batch->handles;
+  return batch->world_count * sizeof(pbf_backend_solver *);
 }
 
 pbf_status pbf_batch_find_together(pbf_batch *batch) {

@@ -53,6 +53,36 @@ static double leave_cell(const pbf_query_place *place, const ray *r, double t) {
   return fmax(leaves, t) + 1e-6 * index->cell; /* into the next one, whatever is rounded */
 }
 
+/* Whether the cell is one of those that hold all that is farther out than cells are counted. Images
+ * beyond periodic faces are near others, and count as in cells of their own. */
+static int has_no_end(const pbf_query_place *place) {
+  const pbf_query_index *index = place->index;
+  int found = 0;
+  for (uint32_t k = 0; k < index->dimension; ++k) {
+    const int is_last = place->cell[k] + 1 + PBF_QUERY_REACH == index->cells[k];
+    if (index->period[k] > 0) return 0;
+    found |= is_last && index->lower[k] + index->cells[k] * index->cell < index->upper[k];
+  }
+  return found;
+}
+
+/* From how far on a particle near the cell can contribute to the density at the place. */
+static double gap_at(const pbf_query_place *place, const ray *r, double t) {
+  const pbf_query_index *index = place->index;
+  const uint32_t n = index->dimension;
+  double point[3], nearest = INFINITY;
+  point_at(r, t, point);
+  for (uint32_t run = 0; run < place->count; ++run)
+    for (uint32_t i = place->runs[run].begin; i < place->runs[run].end; ++i) {
+      double square = 0;
+      for (uint32_t k = 0; k < n; ++k)
+        square += pow(
+            pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k], 2);
+      nearest = fmin(nearest, square);
+    }
+  return sqrt(nearest) - index->radius;
+}
+
 static double density_at(pbf_query_place *place, const ray *r, double t) {
   double point[3];
   point_at(r, t, point);
@@ -81,16 +111,23 @@ static double refine(pbf_query_place *place, const ray *r, double a, double at_a
   return b;
 }
 
+/* Where to look next: by a step, or beyond where there is nothing. */
+static double next_look(const pbf_query_place *place, const ray *r, double t, double density) {
+  const pbf_query_index *index = place->index;
+  const double step = t + 0.5 * index->spacing;
+  if (place->is_set && place->count == 0) return leave_cell(place, r, t);
+  if (density > 0 || !has_no_end(place)) return step;
+  return fmax(step, t + gap_at(place, r, t));
+}
+
 /* The first meeting's distance, or INFINITY. */
 static double meet(pbf_query_place *place, ray *r) {
-  const double step = 0.5 * place->index->spacing;
   clip(place->index, r);
   double t = r->begin;
   if (!(t <= r->end)) return INFINITY;
   double beyond = density_at(place, r, t) - PBF_QUERY_SURFACE;
   while (t < r->end) {
-    const int is_far = place->is_set && place->count == 0;
-    const double next = fmin(is_far ? leave_cell(place, r, t) : t + step, r->end);
+    const double next = fmin(next_look(place, r, t, beyond + PBF_QUERY_SURFACE), r->end);
     const double beyond_next = density_at(place, r, next) - PBF_QUERY_SURFACE;
     if ((beyond_next < 0) != (beyond < 0)) return refine(place, r, t, beyond, next, beyond_next);
     if (!(next > t)) break; /* too far out for steps of this length */

@@ -116,7 +116,7 @@ static void wrong_actions_have_sentences(void **state) {
   assert_fails(pbf_batch_move_colliders(batch, NULL, 1, NULL, NULL, 1), PBF_ERROR_INVALID_ARGUMENT,
                "positions is null");
   assert_fails(pbf_batch_move_colliders(batch, NULL, 1, numbers[0][0], NULL, 1),
-               PBF_ERROR_INVALID_ARGUMENT, "world 2: colliders[0].position[0] is NaN");
+               PBF_ERROR_INVALID_ARGUMENT, "world 2: targets[0].position[0] is NaN");
   assert_fails(pbf_batch_move_colliders(batch, NULL, 2, numbers[0][0], NULL, 1),
                PBF_ERROR_INVALID_ARGUMENT, "world 0: count is 2; the solver has 1 colliders");
   assert_fails(pbf_batch_move_colliders(batch, NULL, 1, numbers[0][0], NULL, 0),

@@ -206,6 +206,41 @@ static void rays_at_a_flat_pool(void **state) {
   test_for_each_kind(check_rays);
 }
 
+/* Two blocks so far apart that cells are not counted between them: a ray from beside one meets the
+ * other's face, or passes both. */
+static void check_far_apart(uint32_t dimension, uint32_t precision) {
+  enum { ALONG = 6 };
+  if (precision == PBF_FLOAT32) return; /* such domains are refused */
+  const double far = 2e8, middle = 0.5 * ALONG * d;
+  const pbf_desc desc = test_desc(dimension, precision, 2 * ALONG * ALONG * ALONG);
+  pbf_params params = test_params();
+  for (uint32_t k = 0; k < 3; ++k) params.domain_min[k] = -1e9, params.domain_max[k] = 1e9;
+  pbf_solver *s = test_create(&desc, &params);
+  double x[2 * ALONG * ALONG * ALONG * 3], from[2 * 3], to[2 * 3] = {0}, distance[2];
+  const uint32_t count = dimension == 3 ? ALONG * ALONG * ALONG : ALONG * ALONG;
+  for (uint32_t i = 0; i < 2 * count; ++i) {
+    const uint32_t at[3] = {i % ALONG, i / ALONG % ALONG, i % count / (ALONG * ALONG)};
+    for (uint32_t k = 0; k < dimension; ++k)
+      x[i * dimension + k] = (i < count ? 0 : far) + d * (at[k] + 0.5);
+  }
+  assert_ok(pbf_add_particles(s, 2 * count, x, NULL, NULL));
+  for (uint32_t k = 0; k < dimension; ++k) {
+    from[k] = k == 0 ? far : middle;
+    from[dimension + k] = k == 0 ? far - 1 : far + middle;
+  }
+  to[0] = to[dimension] = -1;
+  assert_ok(pbf_cast_rays(s, 2, from, to, INFINITY, distance, NULL));
+  const double face = far - distance[0];
+  if (!(fabs(face - ALONG * d) < 0.25 * d)) fail_msg("the face is at %.9g", face);
+  assert_true(isinf(distance[1]));
+  pbf_destroy(s);
+}
+
+static void rays_past_nothing(void **state) {
+  (void)state;
+  test_for_each_kind(check_far_apart);
+}
+
 /* High above, the surface is met through cells without particles, however many. */
 static void check_levels(uint32_t dimension, uint32_t precision) {
   pool p = pool_of(dimension, precision, still, 1);
@@ -603,6 +638,7 @@ int main(void) {
       cmocka_unit_test(few_and_far),
       cmocka_unit_test(grids),
       cmocka_unit_test(rays_at_a_flat_pool),
+      cmocka_unit_test(rays_past_nothing),
       cmocka_unit_test(levels_of_a_pool),
       cmocka_unit_test(half_sunk),
       cmocka_unit_test(capsules),

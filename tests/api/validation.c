@@ -210,6 +210,10 @@ static void float32_has_its_limits(void **state) {
   assert_ok(pbf_set_params(single, &params));
   params.wall_amplitude[PBF_WALL_Y_MAX] = 1;
   refuse_params(single, &params, "must be a 50th of the spacing");
+  /* A way that is too long for its numbers is not the domain's fault. */
+  params.domain_max[1] = 2;
+  params.wall_amplitude[PBF_WALL_Y_MAX] = 1e8;
+  refuse_params(single, &params, "params.wall_amplitude[3] is 100000000, where float32 resolves");
   /* In float64 2^29 times as far. */
   params = test_params();
   params.domain_max[2] = 4.5e12;
