@@ -1,4 +1,4 @@
-/* Steps of worlds whose backend does those of all at once (PBF_BACKEND_WORLDS). */
+/* Steps of worlds by a backend that does those of all at once (PBF_BACKEND_WORLDS). */
 #ifndef PBF_LIB_BATCH_TOGETHER_H
 #define PBF_LIB_BATCH_TOGETHER_H
 

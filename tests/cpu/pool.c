@@ -1,8 +1,10 @@
 /* The pool of `threads`: how many threads there are, and what they come to when the system gives
  * none, when the process forks, and when its solvers are gone. */
 #include <dirent.h>
+#include <errno.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -239,15 +241,17 @@ static void a_child_has_a_new_pool(void **state) {
 
 /* What the handler has: a solver of its own. */
 static pbf_solver *of_handler;
-static volatile sig_atomic_t steps_of_handler, refused_to_handler, over;
+static atomic_int steps_of_handler, refused_to_handler, over;
 
 static void step_in_handler(int number) {
   pbf_info info = {.struct_size = sizeof info};
+  const int error = errno; /* of what it interrupts */
   (void)number;
   if (pbf_get_info(of_handler, &info) != PBF_OK || pbf_step(of_handler, 1) != PBF_OK)
     ++refused_to_handler;
   else
     ++steps_of_handler;
+  errno = error;
 }
 
 static void *send_signals(void *to) {

@@ -415,7 +415,7 @@ static __device__ __forceinline__ void world_lambda(const world_tile &t, const w
       t.totals[slot] = total;
       lambda = change;
     }
-    points[slot].lambda = lambda; /* which nobody reads in this pass */
+    points[slot].lambda = lambda; /* which is not read in this pass */
   }
 }
 
