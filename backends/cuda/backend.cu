@@ -48,12 +48,13 @@ static uint32_t list_chunks(const pbf_params *params) {
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
-/* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get. */
+/* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get, or
+ * statistics take. */
 static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, uint32_t chunks,
                                    bool small) {
   uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
            largest = padded * chunks * sizeof(uint4);
-  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
+  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
                          small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
                          small ? (unsigned long long)world_list_room(s, params) : 0ull,
                          has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true) +

@@ -365,10 +365,12 @@ struct executor {
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(s->residual_density),
               at_start{time_step}, n.particles.velocities);
-        with_surfaces(s, [&](auto surfaces) {
-          launch(residual_density_kernel<F, decltype(surfaces)::value>, n, extras, before,
-                 time_step, with_ghosts, s->residual_density);
-        });
+        launch(density_at_start_kernel<F>, n, time_step, with_ghosts, s->residual_density);
+      });
+      const step_obstacles then = {before, extras.obstacles.count, extras.obstacles.surfaces};
+      with_surfaces(s, [&](auto surfaces) {
+        launch(residual_density_kernel<decltype(surfaces)::value>, n, then,
+               s->schedule.wall_density, time_step, s->residual_density);
       });
     });
   }
@@ -384,22 +386,21 @@ struct executor {
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
       if (status != PBF_OK) return;
       const bool torn = s->pressure_grid_solids > 0;
+      pbf_real *densities = reinterpret_cast<pbf_real *>(moved); /* free before the first move */
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_ghosts_of_lambda<F>(n);
-        with_surfaces(s, [&](auto surfaces) {
-          constexpr surfaces_met SURFACES = decltype(surfaces)::value;
-          launch(torn ? deposit_kernel<F, true, SURFACES> : deposit_kernel<F, false, SURFACES>, n,
-                 extras, ghosts, s->pressure_grid, arrays);
-        });
+        launch(grid_density_kernel<F>, n, ghosts, densities);
+      });
+      with_surfaces(s, [&](auto surfaces) {
+        launch(deposit_kernel<decltype(surfaces)::value>, n, extras, densities, s->pressure_grid,
+               arrays, torn);
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
       with_surfaces(s, [&](auto surfaces) {
-        constexpr surfaces_met SURFACES = decltype(surfaces)::value;
-        launch(torn ? apply_correction_kernel<true, SURFACES>
-                    : apply_correction_kernel<false, SURFACES>,
-               n.particles, s->pressure_grid, arrays, extras.obstacles, collides_with_surfaces(),
+        launch(apply_correction_kernel<decltype(surfaces)::value>, n.particles, s->pressure_grid,
+               arrays, torn, extras.obstacles, collides_with_surfaces(),
                (pbf_real)(1 / s->params.time_step));
       });
     });
@@ -513,12 +514,14 @@ struct executor {
         constexpr int F = decltype(features)::value;
         if (with_ghosts)
           sum_ghosts<fabric_pass<fixed<F>>>(s, n, unwatched, domain(), s->fabric_ghosts);
-        with_surfaces(s, [&](auto surfaces) {
-          launch(deviator_kernel<F, decltype(surfaces)::value>, n, extras.obstacles,
-                 s->schedule.wall_density, s->activity, with_ghosts ? s->fabric_ghosts : nullptr,
-                 s->deviators, s->other);
-        });
+        launch(deviator_kernel<F>, n, domain(), s->schedule.wall_density, s->activity,
+               with_ghosts ? s->fabric_ghosts : nullptr, s->deviators, s->other);
       });
+      if (s->schedule.wall_density && surfaces_of(s) != NO_SURFACES)
+        with_surfaces(s, [&](auto surfaces) {
+          launch(leave_colliders_kernel<decltype(surfaces)::value>, n, extras.obstacles,
+                 s->deviators);
+        });
     });
   }
 

@@ -275,27 +275,37 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                 n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1);
 }
 
-/* What a very short step leaves of the density error where the particles were at its start, between
- * these walls, and the colliders, of that time. `with_ghosts`: `residual_density` holds
+/* The density where the particles were at the start of the step. `with_ghosts`: `densities` holds
  * what these add to it. */
-template <int FEATURES, surfaces_met SURFACES>
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    residual_density_kernel(const __grid_constant__ neighborhood n,
-                            const __grid_constant__ iteration_extras extras,
-                            const __grid_constant__ pbf_domain domain, pbf_real time_step,
-                            bool with_ghosts, pbf_real *residual_density) {
+    density_at_start_kernel(neighborhood n, pbf_real time_step, bool with_ghosts,
+                            pbf_real *densities) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  const density_pass<fixed<FEATURES>> pass = {c, {}};
+  const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const pbf_vec *velocities = n.particles.velocities;
   const at_start places = {time_step};
-  pbf_vec x = places.place(load(n.particles.points, own), velocities[own]), gradient = {{0}};
-  pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
+  const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
+  const pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
+  if (i < n.particles.count) densities[i] = density + (with_ghosts ? densities[i] : 0);
+}
+
+/* From that, and what solids of that time contribute, to what a very short step leaves of the
+ * density error. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    residual_density_kernel(const __grid_constant__ neighborhood n,
+                            const __grid_constant__ step_obstacles before, bool wall_density,
+                            pbf_real time_step, pbf_real *residual_density) {
+  const uint32_t i = own_index(n.particles);
+  const pbf_constants *c = &n.constants;
   if (i >= n.particles.count) return;
-  if (with_ghosts) density += residual_density[i];
-  if (extras.wall_density) {
-    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary =
+  const at_start places = {time_step};
+  const pbf_vec x = places.place(load(n.particles.points, i), n.particles.velocities[i]);
+  pbf_real density = residual_density[i];
+  pbf_vec gradient = {{0}};
+  if (wall_density) {
+    const pbf_boundary boundary =
         pbf_boundary_at_time(constants_for<SURFACES == LISTED_SURFACES>(before, c),
                              obstacles_near<SURFACES>(before, x, (double)c->h), x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
@@ -464,10 +474,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* lambda D of shear_stress.h, of particles awake, and what walls push with.
  * `activity` is null where nothing sleeps, `ghosts` where there are none. */
-template <int FEATURES, surfaces_met SURFACES>
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     deviator_kernel(const __grid_constant__ neighborhood n,
-                    const __grid_constant__ step_obstacles obstacles, bool wall_density,
+                    const __grid_constant__ pbf_domain domain, bool wall_density,
                     const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
                     pbf_deviator *deviators, point *walls) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
@@ -478,14 +488,26 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   if (PBF_GHOSTS && ghosts) add_sums(&sums, ghosts[i]);
   pbf_fabric fabric = fabric_of(sums);
-  const bool counts =
-      !wall_density ||
-      add_walls(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
-                obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x, &fabric);
+  if (wall_density) add_walls(&n.constants, domain, x, &fabric);
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   const pbf_deviator none = {{0}};
-  deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;
+  deviators[i] = awake ? pass.finish(fabric, here.lambda) : none;
   store(walls, i, point_at(fabric.wall));
+}
+
+/* … and none beside colliders. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    leave_colliders_kernel(const __grid_constant__ neighborhood n,
+                           const __grid_constant__ step_obstacles obstacles,
+                           pbf_deviator *deviators) {
+  const uint32_t i = own_index(n.particles);
+  if (i >= n.particles.count) return;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  const pbf_constants *c = constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants);
+  const pbf_deviator none = {{0}};
+  if (colliders_contribute(c, obstacles_near<SURFACES>(obstacles, x, (double)c->h), x))
+    deviators[i] = none;
 }
 
 /* From what walls push with to the pushes. */

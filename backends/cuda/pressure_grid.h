@@ -86,29 +86,37 @@ static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays 
     return static_cast<const pbf_closed_topology *>(&a.topology);
 }
 
-/* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
- * these add, or null. */
-template <int FEATURES, bool TORN, surfaces_met SURFACES>
+/* The density of particles without what solids contribute. `ghosts`: what these add, or null. */
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
-    deposit_kernel(const __grid_constant__ neighborhood n,
-                   const __grid_constant__ iteration_extras extras,
-                   const lambda_sums<pbf_real> *ghosts, pbf_pressure_grid grid,
-                   pressure_grid_arrays a) {
-  uint32_t i = thread_index();
-  const pbf_constants *c = &n.constants;
-  const density_pass<fixed<FEATURES>> pass = {c, {}};
-  pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
-  pbf_vec gradient = {{0}};
+    grid_density_kernel(neighborhood n, const lambda_sums<pbf_real> *ghosts, pbf_real *densities) {
+  const uint32_t i = thread_index();
+  const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   const no_value *nothing = nullptr;
-  pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
+  const pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
+  if (i < n.particles.count) densities[i] = density + (ghosts ? ghosts[i].density : 0);
+}
+
+/* Sums the particles up; sleepers out of reach of the awake pass for free of error. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    deposit_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras, const pbf_real *densities,
+                   const __grid_constant__ pbf_pressure_grid grid,
+                   const __grid_constant__ pressure_grid_arrays a, bool torn) {
+  const uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
   if (i >= n.particles.count) return;
-  if (ghosts) density += ghosts[i].density;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  pbf_vec gradient = {{0}};
+  pbf_real density = densities[i];
   if (extras.wall_density) add_boundary<SURFACES>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
-  if (TORN && cell == PBF_NO_INDEX) return;
+  if (torn) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
+  if (cell == PBF_NO_INDEX) return;
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
   atomicAdd(&a.sums[cell],
             (unsigned long long)pbf_pressure_grid_entry(c->target, density, overlap));
@@ -363,18 +371,20 @@ static __device__ __forceinline__ pbf_vec move_past_obstacles(const step_obstacl
 }
 
 /* What the grid adds to the moves. */
-template <bool TORN, surfaces_met SURFACES>
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
-                            step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
+    apply_correction_kernel(sorted_particles p, const __grid_constant__ pbf_pressure_grid grid,
+                            const __grid_constant__ pressure_grid_arrays a, bool torn,
+                            const __grid_constant__ step_obstacles obstacles, bool collide,
+                            pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
-  if (TORN && cell == PBF_NO_INDEX) return;
+  if (torn) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
+  if (cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
   if (collide) u = move_past_obstacles<SURFACES>(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
