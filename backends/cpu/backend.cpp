@@ -7,7 +7,7 @@
 #include "cpu/core.h"
 #include "cpu/particles.h"
 #include "cpu/step.h"
-#include "cpu/survey.h"
+#include "cpu/diagnostics.h"
 #include "pbf_build.h"
 
 #define PASTE(isa, dim, bits) cpu_##isa##_##dim##d_f##bits

@@ -16,11 +16,11 @@ extern "C" {
 
 typedef struct team team;
 
-/* In a loop that waits for another thread: `looks` counts its turns from 1. Who has looked often
- * offers the core to others. */
+/* In a loop that waits for another thread: `looks` counts its turns from 1. After many of
+ * them the core is offered to others. */
 static inline void wait_a_little(unsigned *looks) {
-  enum { PATIENCE = 2000 };
-  if (++*looks >= PATIENCE) {
+  enum { LOOKS_BEFORE_YIELD = 2000 };
+  if (++*looks >= LOOKS_BEFORE_YIELD) {
     pbf_yield();
     return;
   }

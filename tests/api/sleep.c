@@ -61,11 +61,11 @@ static uint32_t asleep_in(pbf_solver *s) { return stats_of(s).asleep; }
 
 /* Steps until all sleep; how many that took. */
 static uint32_t until_asleep(pbf_solver *s, uint32_t count) {
-  enum { PATIENCE = 1500 };
+  enum { STEP_LIMIT = 1500 };
   uint32_t steps = 0;
   while (asleep_in(s) < count) {
     assert_ok(pbf_step(s, 30));
-    if ((steps += 30) >= PATIENCE)
+    if ((steps += 30) >= STEP_LIMIT)
       fail_msg("%u of %u asleep after %u steps", asleep_in(s), count, steps);
   }
   return steps;

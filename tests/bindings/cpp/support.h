@@ -1,6 +1,7 @@
 /* What the tests of pbf.hpp share. They are built with exceptions and without, and run on the
  * backend PBF_TEST_BACKEND. */
-#pragma once
+#ifndef PBF_TESTS_BINDINGS_CPP_SUPPORT_H
+#define PBF_TESTS_BINDINGS_CPP_SUPPORT_H
 
 #include <array>
 #include <atomic>
@@ -110,3 +111,5 @@ int batches();
 int diffuse();
 int lifetimes();
 int logs();
+
+#endif
