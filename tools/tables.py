@@ -398,7 +398,7 @@ def anchor_of(name):
     for heading in re.findall(r"^### (`.*)$", read("docs/guide.md"), flags=re.MULTILINE):
         if code(name) in heading:
             return re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
-    raise ValueError(f"docs/guide.md has no heading for {name}")
+    sys.exit(f"docs/guide.md has no heading for {name}")
 
 
 # ---- all -----------------------------------------------------------------------------------------
