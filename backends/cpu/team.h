@@ -46,7 +46,7 @@ typedef void (*team_function)(void *context, team_thread *self);
 typedef void (*task_function)(void *context, uint32_t task);
 typedef void (*completion_function)(void *context);
 
-/* Most tasks of a loop. */
+/* Most tasks of a loop: a power of two less 1. */
 enum { TEAM_MAX_TASKS = 0xffff };
 
 /* Of the memory in which a team meets. */
