@@ -354,16 +354,10 @@ pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_coll
 
 /* ---- Asking --------------------------------------------------------------------------------- */
 
-static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = solver->collider_count;
-  return PBF_OK;
-}
-
 pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, get_count(solver, count));
+  return pbf_leave(solver, pbf_count_out(solver->collider_count, count));
 }
 
 static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_collider *theirs) {
