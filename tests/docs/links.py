@@ -6,7 +6,7 @@
 In Markdown files: the targets of relative links, and their anchors, which are those that GitHub makes of headings; and the
 paths in code (`lib/check.h`, `bench/tools/*.py`) that begin with a folder of the root. In all sources: each docs/….md that is
 named; in comments of C, C++ and CUDA each source file, by the end of its path (`physics/sleep.h`). In documents with tables
-that scripts write: markers come in pairs, each name once.
+that scripts write: markers come in pairs, each name once. docs/architecture.md names all folders of lib/ and backends/.
 """
 import pathlib
 import re
@@ -94,6 +94,16 @@ def wrong_files(endings, text):
                 yield f"{name}: no such file"
 
 
+def missing_folders(root, paths):
+    """Folders of lib/ and backends/ that docs/architecture.md does not name."""
+    text = (root / "docs/architecture.md").read_text(encoding="utf-8")
+    parts = [path.relative_to(root).parts for path in paths]
+    folders = {each[1] for each in parts if each[0] in {"lib", "backends"} and len(each) > 2}
+    for folder in sorted(folders):
+        if f"{folder}/" not in text:
+            yield f"docs/architecture.md: it does not say what {folder}/ holds"
+
+
 def endings_of(root, paths):
     """All that paths end with: lib/check.h and check.h."""
     parts = [path.relative_to(root).parts for path in paths]
@@ -110,7 +120,7 @@ def main(root):
             known[path] = anchors_of(path.read_text(encoding="utf-8")) if path.suffix == ".md" else set()
         return known[path]
 
-    wrong, links = [], 0
+    wrong, links = list(missing_folders(root, paths)), 0
     for path in paths:
         markdown = path.suffix == ".md"
         if not markdown and path.suffix not in SOURCES and path.name != "run":
