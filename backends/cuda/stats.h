@@ -70,8 +70,8 @@ static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v)
 /* `state` gives positions and velocities, `n` the same particles sorted. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    stats_kernel(unsorted_particles state, neighborhood n, iteration_extras extras,
-                 partial_stats *partial) {
+    stats_kernel(unsorted_particles state, const __grid_constant__ neighborhood n,
+                 const __grid_constant__ iteration_extras extras, partial_stats *partial) {
   __shared__ partial_stats shared[PBF_BLOCK / 32];
   partial_stats s = empty_stats();
   for (uint32_t i = own_index(n.particles); i < state.count; i += gridDim.x * blockDim.x) {
@@ -83,8 +83,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     s.density_max = larger(s.density_max, density);
     s.neighbors += neighbors;
     s.neighbors_max = max(s.neighbors_max, neighbors);
-    s.squeezed += pbf_is_squeezed_by(obstacles_met<SURFACES>(extras.obstacles),
-                                     position_of(load(state.points, i)));
+    const pbf_vec x = position_of(load(state.points, i));
+    s.squeezed += pbf_is_squeezed_by(obstacles_near<SURFACES>(extras.obstacles, x, 0), x);
   }
   /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
   for (uint32_t lane = 0; lane < 32; ++lane) {
@@ -105,7 +105,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
+    density_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras, pbf_real *densities) {
   uint32_t i = own_index(n.particles), neighbors = 0;
   if (i < n.particles.count)
     densities[i] = full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
