@@ -5,18 +5,22 @@
 
 long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
+int thread_has_ended(long number, double seconds) { return (void)number, (void)seconds, 0; }
 uint32_t startable_threads(uint32_t wanted) { return wanted; }
 
 #else
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <unistd.h>
 
 #if defined(__linux__)
 #include <sys/syscall.h>
 #endif
+
+#include "common/system.h"
 
 enum { MAX_PROBES = 256 };
 
@@ -40,6 +44,15 @@ long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
 
 #endif
+
+int thread_has_ended(long number, double seconds) {
+  const double begin = pbf_seconds();
+  while (thread_is_there(number)) {
+    if (pbf_seconds() - begin > seconds) return 0;
+    sched_yield();
+  }
+  return 1;
+}
 
 static void *wait_at_gate(void *user) {
   probe *own = (probe *)user;
