@@ -128,7 +128,8 @@ static void which_call_is_meant(void **state) {
   assert_fails(pbf_cancel(NULL), PBF_ERROR_INVALID_ARGUMENT, "solver is null");
 }
 
-/* Where something moves each step is looked at before it is made. It is not all of them that are. */
+/* Where something moves each step is looked at before it is made. It is not all of them that are.
+ */
 static void check_far_ahead(pbf_solver *s) {
   const uint64_t before = steps_of(s);
   step_until_cancelled(s);
@@ -182,12 +183,9 @@ static void slow_steps_are_few_at_once(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(steps_done_stand),
-      cmocka_unit_test(parts_of_steps_are_completed),
-      cmocka_unit_test(readers_see_what_was_done),
-      cmocka_unit_test(which_call_is_meant),
-      cmocka_unit_test(long_calls_begin_at_once),
-      cmocka_unit_test(slow_steps_are_few_at_once),
+      cmocka_unit_test(steps_done_stand),          cmocka_unit_test(parts_of_steps_are_completed),
+      cmocka_unit_test(readers_see_what_was_done), cmocka_unit_test(which_call_is_meant),
+      cmocka_unit_test(long_calls_begin_at_once),  cmocka_unit_test(slow_steps_are_few_at_once),
   };
   return TEST_RUN(tests);
 }
