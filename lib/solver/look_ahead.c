@@ -14,13 +14,22 @@ enum { AT_ONCE = 1024 };
 
 /* ---- Walls ----------------------------------------------------------------------------------- */
 
-static uint32_t before_walls_meet(const pbf_solver *solver, uint32_t steps) {
-  const uint32_t dimension = solver->kind.dimension;
-  if (!pbf_params_walls_move(&solver->params, dimension)) return steps;
-  for (uint32_t i = 0; i < steps; ++i) {
-    pbf_box box = pbf_params_box(&solver->params, dimension, pbf_time_of_step(solver, i + 1));
-    if (pbf_box_closed_axis(&box, dimension) != dimension) return i;
-  }
+/* Why the domain's walls can't be where they are when a step ends. */
+typedef enum closing { WALLS_STAND, WALLS_MEET, WALL_OVERFLOWS } closing;
+
+static closing closing_after(const pbf_solver *solver, uint32_t steps) {
+  const uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
+  const pbf_box box = pbf_params_box(&solver->params, dimension, pbf_time_of_step(solver, steps));
+  for (uint32_t k = 0; k < dimension; ++k)
+    if (pbf_check_finite(box.lower[k], precision) || pbf_check_finite(box.upper[k], precision))
+      return WALL_OVERFLOWS;
+  return pbf_box_closed_axis(&box, dimension) != dimension ? WALLS_MEET : WALLS_STAND;
+}
+
+static uint32_t before_walls_close(const pbf_solver *solver, uint32_t steps) {
+  if (!pbf_params_walls_move(&solver->params, solver->kind.dimension)) return steps;
+  for (uint32_t i = 0; i < steps; ++i)
+    if (closing_after(solver, i + 1) != WALLS_STAND) return i;
   return steps;
 }
 
@@ -86,10 +95,10 @@ uint32_t pbf_steps_to_look_at(const pbf_solver *solver, uint32_t steps) {
   return steps;
 }
 
-pbf_steps_possible pbf_look_ahead(const pbf_solver *solver, uint32_t steps) {
-  const uint32_t with_room = before_walls_meet(solver, steps);
+uint32_t pbf_steps_possible(const pbf_solver *solver, uint32_t steps) {
+  const uint32_t with_room = before_walls_close(solver, steps);
   const uint32_t count = before_overflow(solver, with_room);
-  return (pbf_steps_possible){count, count == with_room};
+  return count;
 }
 
 static pbf_status fail_to_place(const pbf_solver *solver, uint32_t step, uint32_t steps) {
@@ -103,11 +112,20 @@ static pbf_status fail_to_place(const pbf_solver *solver, uint32_t step, uint32_
                   8 * solver->kind.precision);
 }
 
-pbf_status pbf_fail_to_move(const pbf_solver *solver, const pbf_steps_possible *possible,
-                            uint32_t step, uint32_t steps) {
-  if (!possible->walls_meet) return fail_to_place(solver, step, steps);
-  return pbf_fail(PBF_ERROR_STATE,
-                  "step %u of %u would end at time %.9g, when the moving walls have left no room "
-                  "between them; change params.wall_… first",
-                  step, steps, pbf_time_of_step(solver, 1));
+pbf_status pbf_fail_to_move(const pbf_solver *solver, uint32_t step, uint32_t steps) {
+  const double time = pbf_time_of_step(solver, 1);
+  switch (closing_after(solver, 1)) {
+    case WALLS_MEET:
+      return pbf_fail(PBF_ERROR_STATE,
+                      "step %u of %u would end at time %.9g, when the moving walls have left no "
+                      "room between them; change params.wall_… first",
+                      step, steps, time);
+    case WALL_OVERFLOWS:
+      return pbf_fail(PBF_ERROR_STATE,
+                      "step %u of %u would end at time %.9g, when a moving wall is beyond what "
+                      "float%u holds; change params.wall_… first",
+                      step, steps, time, 8 * solver->kind.precision);
+    default:
+      return fail_to_place(solver, step, steps);
+  }
 }

@@ -174,7 +174,7 @@ static pbf_status advance_far(pbf_solver *solver, uint32_t *steps) {
     const uint32_t look = pbf_steps_to_look_at(solver, *steps);
     if (status != PBF_OK || look == *steps || is_cancelled(solver)) return status;
     const uint64_t before = solver->step;
-    if (pbf_look_ahead(solver, look).count < look) return status;
+    if (pbf_steps_possible(solver, look) < look) return status;
     pbf_previous_forget(solver);
     status = advance(solver, look - 1);
     *steps -= (uint32_t)(solver->step - before);
@@ -185,17 +185,17 @@ static pbf_status advance_far(pbf_solver *solver, uint32_t *steps) {
 static pbf_status run_to_end(pbf_solver *solver, uint32_t left, uint32_t of) {
   const uint32_t look = pbf_steps_to_look_at(solver, left);
   const uint64_t before = solver->step;
-  const pbf_steps_possible possible = pbf_look_ahead(solver, look);
+  const uint32_t possible = pbf_steps_possible(solver, look);
   pbf_status status = PBF_OK;
-  if (possible.count > 0) status = advance_and_keep(solver, possible.count);
-  if (status == PBF_OK && (possible.count > 0 || left < of)) status = pbf_snapshots_make(solver);
+  if (possible > 0) status = advance_and_keep(solver, possible);
+  if (status == PBF_OK && (possible > 0 || left < of)) status = pbf_snapshots_make(solver);
   if (status != PBF_OK) return status;
   left -= (uint32_t)(solver->step - before);
   if (left == 0) return PBF_OK;
   if (is_cancelled(solver))
     return pbf_fail(PBF_ERROR_CANCELLED, "pbf_cancel has ended the call after %u of %u steps",
                     of - left, of);
-  return pbf_fail_to_move(solver, &possible, of - left + 1, of);
+  return pbf_fail_to_move(solver, of - left + 1, of);
 }
 
 pbf_status pbf_run_steps(pbf_solver *solver, uint32_t steps) {

@@ -168,8 +168,31 @@ static void comes_back(uint32_t dimension, uint32_t precision) {
   }
 }
 
+/* Also away from the fluid. */
+static void walls_fly_away(uint32_t dimension, uint32_t precision) {
+  if (precision != PBF_FLOAT32) return; /* no speed that is taken leads so far */
+  for (int wall = 0; wall < 2; ++wall) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+    pbf_params params = test_params();
+    uint64_t size = 0;
+    params.time_step = 0.5;
+    params.wall_velocity[wall] = wall == PBF_WALL_X_MIN ? -3e38 : 3e38;
+    assert_ok(pbf_set_params(s, &params));
+    assert_fails(pbf_step(s, 5), PBF_ERROR_STATE,
+                 "step 3 of 5 would end at time 1.5, when a moving wall is beyond what float32");
+    void *saved = test_save(s, &size);
+    assert_ok(pbf_load(s, saved, size));
+    free(saved);
+    params.wall_velocity[wall] = 0;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 5));
+    pbf_destroy(s);
+  }
+}
+
 static void colliders_fly_away(void **state) {
   (void)state;
+  test_for_each_kind(walls_fly_away);
   test_for_each_kind(flies_away);
   test_for_each_kind(comes_back);
 }
