@@ -21,6 +21,7 @@ static const double thinnest_shell = 1.5;
 
 static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cell, double beyond,
                              double origin[3], uint32_t nodes[3]) {
+  double widest = 0;
   nodes[2] = 1;
   origin[2] = 0;
   for (uint32_t k = 0; k < mesh->dimension; ++k) {
@@ -30,10 +31,13 @@ static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cel
         lower = fmin(lower, mesh->vertices[mesh->faces[f][c]][k]);
         upper = fmax(upper, mesh->vertices[mesh->faces[f][c]][k]);
       }
+    widest = fmax(widest, upper - lower);
     const double wanted = ceil((upper - lower + 2 * beyond) / cell) + 2 * MARGIN + 1;
     origin[k] = 0.5 * (lower + upper - (wanted - 1) * cell);
     nodes[k] = wanted < PBF_MAX_SHAPE_NODES ? (uint32_t)wanted : PBF_MAX_SHAPE_NODES + 1;
   }
+  /* None of its nodes can be inside, nor may rounding leave a side to one far off. */
+  if (beyond == 0 && widest < cell) return pbf_shape_fail_without_inside(label);
   return pbf_shape_check_size(label, mesh->dimension, nodes);
 }
 
