@@ -65,11 +65,12 @@ struct executor {
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
       : s(of), time(end), nth(which) {
     const pbf_schedule &has = s->schedule;
-    extras = {{pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces},
-              has.wall_density,
-              s->total,
-              {},
-              {}};
+    extras = {
+        {pbf_domain_at(&s->params, time, s->schedule.phases), (int)s->collider_count, surfaces},
+        has.wall_density,
+        s->total,
+        {},
+        {}};
     if (PBF_SLEEP && s->activity)
       extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,
@@ -325,7 +326,8 @@ struct executor {
   /* Its ghosts' sums lie in the overlap's array as it was before the sort. */
   void overlap() {
     if (!s->found.struct_size) return;
-    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
+    const pbf_domain before =
+        pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
     const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0};
     pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
@@ -347,7 +349,8 @@ struct executor {
 
   /* Between the walls, and the colliders, of the step's start. */
   void residual_density() {
-    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
+    const pbf_domain before =
+        pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
     const bool with_ghosts = ghosts_between(s, before) != nullptr;
     run(PBF_STAGE_RESIDUAL_DENSITY, [&] {
