@@ -101,7 +101,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   constants.phases = pbf_phase_constants_of(&s->phases);
   pbf_schedule schedule =
       pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
-                      s->overlaps, s->phases.count > 0);
+                      s->overlaps, &s->phases);
   if (const char *why = refusal_on_ranks(s, params, schedule)) {
     s->host->set_error(why);
     return PBF_ERROR_UNSUPPORTED;
@@ -372,7 +372,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->scene_capacity, 0, s->phases.count > 0);
+                                s->planned, s->scene_capacity, 0, &s->phases);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
   s->params = params;
@@ -414,7 +414,7 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->scene_capacity, s->overlaps, s->phases.count > 0);
+                      s->scene_capacity, s->overlaps, &s->phases);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;

@@ -242,7 +242,7 @@ static inline void write_surfaces(const solver *s, const pbf_step_times &times, 
                                   pbf_surface *placed) {
   for (uint32_t k = 0; k < steps; ++k) {
     const double end = pbf_time_after(&times, k + 1);
-    const pbf_domain domain = pbf_domain_at(&s->params, end, s->schedule.phases);
+    const pbf_domain domain = pbf_domain_at(&s->params, end, s->schedule.close_phases);
     for (uint32_t c = 0; c < s->collider_count; ++c)
       placed[k * s->collider_count + c] =
           pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);

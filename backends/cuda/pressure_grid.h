@@ -333,11 +333,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index);
 }
 
-/* What the grid adds to the moves. */
+/* What the grid adds to the moves; of a fluid of the density `carried` where phases differ. */
 template <bool TORN, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
-                            step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
+                            step_obstacles obstacles, bool collide, pbf_real carried,
+                            pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
@@ -347,6 +348,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
+  if (p.mobility) u = pbf_scaled(u, carried * p.mobility[i]);
   if (collide) u = pbf_move_past_obstacles(obstacles_met<SURFACES>(obstacles), x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);

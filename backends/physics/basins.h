@@ -319,7 +319,7 @@ static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params,
 /* Those of a region that holds all of the domain, or what solids reach of it. */
 static inline void pbf_basins_find_in(pbf_basins *b, const pbf_params *params,
                                       const pbf_basin_region *region, pbf_region_basins *found) {
-  const pbf_domain domain = pbf_domain_at(params, 0, 0);
+  const pbf_domain domain = pbf_domain_at(params, 0);
   for (uint32_t k = 0; k < b->count; ++k) b->grid->boxes[k] = pbf_surface_box_of(&b->surfaces[k]);
   pbf_grid_build(b->grid, b->count, &domain, 1.0001 * pbf_basin_longest_way(region));
   pbf_region_basins_of(region, b->surfaces, b->grid, found);

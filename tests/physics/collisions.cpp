@@ -17,14 +17,14 @@ static void walls_move_as_said(void **state) {
   p.wall_amplitude[PBF_WALL_X_MAX] = 2;
   p.wall_frequency[PBF_WALL_X_MAX] = PBF_PI;
   p.wall_phase[PBF_WALL_X_MAX] = PBF_PI / 2;
-  pbf_domain w = pbf_domain_at(&p, 2.0, 0);
+  pbf_domain w = pbf_domain_at(&p, 2.0);
   assert_at(w.lower, 0, 1, 0);
   assert_at(w.upper, 12, 10, 10);
   assert_at(pbf_keep_in_domain(&w, point(-3, 0.2, 4)), 0, 1, 4);
   assert_at(pbf_keep_in_domain(&w, point(13, 11, 11)), 12, 10, 10);
   assert_at(pbf_keep_in_domain(&w, point(NAN, 5, 5)), 0, 5, 5); /* at either wall, but at one */
   p.solver = PBF_SOLVER_CHEBYSHEV;
-  w = pbf_domain_at(&p, 2.0, 0);
+  w = pbf_domain_at(&p, 2.0);
   assert_at(pbf_keep_in_domain(&w, point(NAN, 5, 5)), 12, 5, 5);
 }
 
@@ -340,7 +340,7 @@ static void no_way_leads_between_flush_boxes(void **state) {
   boxes[1].position[1] = 2;  /* … and a wall on it, from x = 0 on */
   boxes[1].position[0] = 1;
   boxes[0].half_extents[0] = 5;
-  pbf_place_obstacles(&p, 2, boxes, 0, 0, 0, surfaces, &o);
+  pbf_place_obstacles(&p, 2, boxes, 0, 0, surfaces, &o);
   for (double depth = -1e-6; depth < 2e-6; depth += 1e-7) {
     const pbf_vec x = pbf_resolve_collisions(o, 0, point(-0.5, 0, 0), point(1, -depth, 0));
     assert_true(x.c[0] < 0 && x.c[1] > 0);

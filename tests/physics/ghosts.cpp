@@ -23,22 +23,22 @@ static pbf_ghost_walls ghost_walls_at(const pbf_domain *domain, pbf_vec x) {
 static void wide_kernels_alone_have_mirrors(void **state) {
   (void)state;
   pbf_params p = wide_params(2.5, 100);
-  assert_true(pbf_domain_at(&p, 0, 0).ghost_reach == 0);
+  assert_true(pbf_domain_at(&p, 0).ghost_reach == 0);
   p = wide_params(2.6, 100);
-  assert_near(pbf_domain_at(&p, 0, 0).ghost_reach, p.smoothing_radius, 1e-12);
+  assert_near(pbf_domain_at(&p, 0).ghost_reach, p.smoothing_radius, 1e-12);
   p.wall_density = 0;
-  assert_true(pbf_domain_at(&p, 0, 0).ghost_reach == 0);
+  assert_true(pbf_domain_at(&p, 0).ghost_reach == 0);
   p = wide_params(3, 3.01);
-  assert_true(pbf_domain_at(&p, 0, 0).ghost_reach > 0);
+  assert_true(pbf_domain_at(&p, 0).ghost_reach > 0);
   p = wide_params(3, 2.99); /* images of images are in reach */
-  assert_true(pbf_domain_at(&p, 0, 0).ghost_reach == 0);
+  assert_true(pbf_domain_at(&p, 0).ghost_reach == 0);
 }
 
 static void as_many_images_as_walls_are_near(void **state) {
   (void)state;
   pbf_params p = wide_params(3, 100);
   const double d = p.spacing;
-  const pbf_domain domain = pbf_domain_at(&p, 0, 0);
+  const pbf_domain domain = pbf_domain_at(&p, 0);
   pbf_vec x = same(50 * d);
   assert_int_equal(ghost_walls_at(&domain, x).count, 0);
   x.c[1] = 97.5 * d;
@@ -51,7 +51,7 @@ static void as_many_images_as_walls_are_near(void **state) {
   x.c[0] = 2.5 * d, x.c[1] = 97.5 * d;
   assert_int_equal(ghost_walls_at(&domain, x).count, 2);
   p = wide_params(3, 4); /* opposite walls are near, and edges; corners in 3D are not */
-  const pbf_domain close = pbf_domain_at(&p, 0, 0);
+  const pbf_domain close = pbf_domain_at(&p, 0);
   assert_int_equal(ghost_walls_at(&close, same(2 * d)).count, PBF_DIM == 3 ? 18 : 8);
 }
 
@@ -92,7 +92,7 @@ static void a_lattice_in_a_corner_knows_of_no_wall(void **state) {
       for (int layer = 0; layer < 3; ++layer) {
         pbf_params p = wide_params(support, 100);
         const double d = p.spacing;
-        const pbf_domain domain = pbf_domain_at(&p, 0, 0);
+        const pbf_domain domain = pbf_domain_at(&p, 0);
         const pbf_constants c = pbf_constants_of(&p);
         pbf_vec x = same(upper ? (99.5 - layer) * d : (layer + 0.5) * d), gradient;
         x.c[1] = upper ? 99.5 * d : 0.5 * d;

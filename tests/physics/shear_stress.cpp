@@ -61,7 +61,7 @@ static void nor_have_they_at_walls(void **state) {
   for (int walls = 1; walls <= 2; ++walls) {
     pbf_obstacles o = {};
     const pbf_vec x = {{0}};
-    o.domain = pbf_domain_at(&p, 0, 0);
+    o.domain = pbf_domain_at(&p, 0);
     for (int k = 0; k < PBF_DIM; ++k) {
       o.domain.lower.c[k] = k < walls ? -d / 2 : -100;
       o.domain.upper.c[k] = 100;

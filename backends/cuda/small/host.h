@@ -29,7 +29,7 @@ static inline bool small_wanted(const pbf_params *params, const pbf_schedule &no
     for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
       has.runs[stage] = 0;
   return sizeof(pbf_real) == sizeof(float) && !params->periodic && has_only(has, SMALL_STAGES) &&
-         !has.checks_convergence && !has.phases && !pbf_may_have_ghosts(params, 0) &&
+         !has.checks_convergence && !has.phases && !pbf_may_have_ghosts(params) &&
          params->iterations <= SMALL_ITERATIONS;
 }
 
@@ -199,7 +199,7 @@ static inline void write_steps(const solver *s, const pbf_step_times &times, uin
                                small_step *to) {
   const pbf_periods none = {}; /* it serves no periodic domain */
   for (uint32_t k = 0; k < steps; ++k) {
-    to[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1), 0);
+    to[k].domain = pbf_domain_at(&s->params, pbf_time_after(&times, k + 1));
     if (k && memcmp(&to[k].domain, &to[k - 1].domain, sizeof to[k].domain) == 0)
       to[k].grid = to[k - 1].grid;
     else
@@ -237,7 +237,7 @@ static inline pbf_status small_own_neighbors(solver *s, double time, uint32_t st
     s->owned_steps -= steps;
     return PBF_OK;
   }
-  pbf_domain domain = pbf_domain_at(&s->params, time, 0);
+  pbf_domain domain = pbf_domain_at(&s->params, time);
   uint32_t bits = owner_bits(s->count), keys = 1u << (bits * PBF_DIM);
   owner_grid grid = owner_grid_over(&domain, s->params.smoothing_radius, bits);
   uint32_t *starts = reinterpret_cast<uint32_t *>(small_part(s, small_parts_of(s).cell_count));
