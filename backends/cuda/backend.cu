@@ -99,9 +99,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
   constants.phases = pbf_phase_constants_of(&s->phases);
-  pbf_schedule schedule =
-      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
-                      s->overlaps, &s->phases);
+  pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
+                                          s->planned, s->scene_capacity, s->overlaps, &s->phases);
   if (const char *why = refusal_on_ranks(s, params, schedule)) {
     s->host->set_error(why);
     return PBF_ERROR_UNSUPPORTED;

@@ -65,12 +65,12 @@ struct executor {
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
       : s(of), time(end), nth(which) {
     const pbf_schedule &has = s->schedule;
-    extras = {
-        {pbf_domain_at(&s->params, time, s->schedule.close_phases), (int)s->collider_count, surfaces},
-        has.wall_density,
-        s->total,
-        {},
-        {}};
+    extras = {{pbf_domain_at(&s->params, time, s->schedule.close_phases), (int)s->collider_count,
+               surfaces},
+              has.wall_density,
+              s->total,
+              {},
+              {}};
     if (PBF_SLEEP && s->activity)
       extras.rest = {s->other_activity, &s->tally->all, s->velocities, s->sleep};
     prediction_inputs = {pbf_forces_of(&s->params, time - s->params.time_step), extras.obstacles,

@@ -47,9 +47,9 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
     return PBF_OK;
   ++s->epoch;
   if (pbf_status status = place_surfaces(s, time)) return status;
-  return wake_near_moving(
-      s, moving_obstacles,
-      {pbf_domain_at(&s->params, time, s->schedule.close_phases), (int)s->collider_count, s->surfaces});
+  return wake_near_moving(s, moving_obstacles,
+                          {pbf_domain_at(&s->params, time, s->schedule.close_phases),
+                           (int)s->collider_count, s->surfaces});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */

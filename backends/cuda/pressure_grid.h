@@ -348,7 +348,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
   if (TORN && cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
-  if (p.mobility) u = pbf_scaled(u, carried * p.mobility[i]);
+  if (serves_all<SURFACES> && p.mobility) u = pbf_scaled(u, carried * p.mobility[i]);
   if (collide) u = pbf_move_past_obstacles(obstacles_met<SURFACES>(obstacles), x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);

@@ -23,7 +23,7 @@ static void *state_with(uint32_t dimension, uint32_t precision, int phases) {
   pbf_params params = params_of(size, 1);
   params.domain_max[0] += 0.3;
   params.shear_stress_correction = 0.5;
-  params.pressure_grid = 0;
+  params.pressure_grid = 2;
   params.damping_compensation = 0.5;
   params.loads = 1;
   fluid f = fluid_of(dimension, precision, &params, size, 0.2, density, mixed);
@@ -233,7 +233,8 @@ static void refusals(void **state) {
   assert_fails(pbf_get_phase(solver, 2, &phase), PBF_ERROR_NOT_FOUND, "2 phases");
   assert_ok(pbf_get_phase(solver, 1, &phase));
   assert_true(phase.rest_density == 0.1);
-  refuse_param(solver, offsetof(pbf_params, pressure_grid), 2, "pressure_grid is 2 and phases");
+  refuse_param(solver, offsetof(pbf_params, pressure_grid), 2,
+               "pressure_grid is 2 and a phase has");
   refuse_param(solver, offsetof(pbf_params, surface_tension), 1e-4, "and phases differ");
   pbf_emitter emitter;
   assert_ok(pbf_emitter_init(&emitter, sizeof emitter, PBF_EMITTER_DISC));
