@@ -19,8 +19,8 @@
  * once pairs carry no more than the difference to the lightest fluid. A grid that carries all
  * fluids alike, as if each had this density, leaves them the rest. It is never more than the
  * lightest one's, which its own weight would not hold down. Of that one pairs keep a third of what
- * they carry of the heaviest: with less the two stir each other, a tank of 1 : 2 at rest, 3D, at
- * 0.065 √(g d) instead of 0.010. */
+ * they carry of the heaviest: with less the two stir each other, a tank of 1 : 2 at rest, 3D, h = 2
+ * spacings, at 0.10 √(g d) with a fifth instead of 0.013, one of 1 : 0.8 with none at 0.05. */
 static inline double pbf_carried_density(const pbf_phase_table *table) {
   double lightest = 1e30, heaviest = 0;
   for (uint32_t k = 0; k < table->count; ++k) {
