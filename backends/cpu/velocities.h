@@ -12,8 +12,9 @@
 
 static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
   const pbf_vec x = field_at(&p->x, i);
-  return add_walls(p->constants, pbf_obstacles_near(*p->contributing, x, p->constants->h), x,
-                   fabric);
+  add_walls(p->constants, p->contributing->domain, x, fabric);
+  return !colliders_contribute(p->constants,
+                               pbf_obstacles_near(*p->contributing, x, p->constants->h), x);
 }
 
 /* Runs a pass of shear_stress.h for a task's particles that are awake. */

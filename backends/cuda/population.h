@@ -49,7 +49,7 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
   if (pbf_status status = place_surfaces(s, time)) return status;
   return wake_near_moving(s, moving_obstacles,
                           {pbf_domain_at(&s->params, time, s->schedule.close_phases),
-                           (int)s->collider_count, s->surfaces});
+                           (int)s->collider_count, surfaces_of_step(s, 0)});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */
@@ -145,7 +145,7 @@ static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range 
 static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
   extras->obstacles = {pbf_domain_at(&s->params, s->time, s->schedule.close_phases),
-                       (int)s->collider_count, s->surfaces};
+                       (int)s->collider_count, surfaces_of_step(s, 0)};
   extras->wall_density = s->schedule.wall_density;
   return place_surfaces(s, s->time);
 }
@@ -154,6 +154,22 @@ static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) 
   const pbf_periods periods = pbf_periods_of(&s->params);
   return grid_over(&domain, &periods, s->params.smoothing_radius,
                    grid_cell_limit(particles_of_all(s)), PBF_FINEST);
+}
+
+/* Of the sorted particles, at the places that they have. */
+static inline void launch_densities(const solver *s, const neighborhood &n,
+                                    const iteration_extras &extras, const found_densities &found) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks) return;
+  with_kernel(s->schedule.features, [&](auto features) {
+    density_kernel<decltype(features)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras.obstacles.domain, found);
+  });
+  if (!extras.wall_density) return;
+  with_surfaces(s, [&](auto surfaces) {
+    add_solid_density_kernel<decltype(surfaces)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras.obstacles, found.densities);
+  });
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
@@ -165,12 +181,7 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   pbf_real *densities = reinterpret_cast<pbf_real *>(s->other_velocities);
   pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
   if (pbf_status status = sort_present(s, grid)) return status;
-  with_kernel(s->schedule.features, [&](auto features) {
-    with_surfaces(s, [&](auto surfaces) {
-      density_kernel<decltype(features)::value, decltype(surfaces)::value>
-          <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), extras, densities);
-    });
-  });
+  launch_densities(s, neighborhood_of(s, grid), extras, {densities, nullptr});
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,
                                                           staged);

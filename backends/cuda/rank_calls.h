@@ -261,13 +261,7 @@ static inline pbf_status read_densities_on_ranks(solver *s, const pbf_rows *rows
   if (status != PBF_OK) return end_call_on_ranks(s, status);
   const neighborhood n = neighborhood_of(s, grid);
   const uint32_t own = n.particles.count - n.particles.first;
-  if (own)
-    with_kernel(s->schedule.features, [&](auto features) {
-      with_surfaces(s, [&](auto surfaces) {
-        density_kernel<decltype(features)::value, decltype(surfaces)::value>
-            <<<blocks_for(own), PBF_BLOCK, 0, s->stream>>>(n, extras, densities);
-      });
-    });
+  launch_densities(s, n, extras, {densities, nullptr});
   return share_rows(s, rows, s->other_ids + n.particles.first, densities + n.particles.first, own,
                     sizeof(pbf_real), out);
 }

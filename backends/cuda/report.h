@@ -58,7 +58,6 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);
   if (pbf_status status = sort_present(s, grid)) return status;
-  /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
   const neighborhood n = neighborhood_of(s, grid);
   unsorted_particles from = state_of(s);
   if (has_ranks(s)) { /* what is its own now, sorted */
@@ -68,12 +67,14 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   }
   uint32_t blocks = blocks_for(own_count(n));
   if (blocks > PBF_SUM_BLOCKS) blocks = PBF_SUM_BLOCKS;
-  partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_storage);
-  with_kernel(s->schedule.features, [&](auto features) {
-    with_surfaces(s, [&](auto surfaces) {
-      stats_kernel<decltype(features)::value, decltype(surfaces)::value>
-          <<<blocks ? blocks : 1, PBF_BLOCK, 0, s->stream>>>(from, n, extras, on_device);
-    });
+  const uint32_t padded = (n.particles.count + 31) / 32 * 32; /* in the room of the lists */
+  const found_densities found = found_densities_in(s->list_storage, padded);
+  partial_stats partial[PBF_SUM_BLOCKS],
+      *on_device = reinterpret_cast<partial_stats *>(found.neighbors + padded);
+  launch_densities(s, n, extras, found);
+  with_surfaces(s, [&](auto surfaces) {
+    stats_kernel<decltype(surfaces)::value><<<blocks ? blocks : 1, PBF_BLOCK, 0, s->stream>>>(
+        from, n.particles.first, found, extras.obstacles, on_device);
   });
   if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;

@@ -113,13 +113,17 @@ static __global__ void clear_convergence_kernel(convergence_state *watch,
   if (!tally->all) *watch = {};
 }
 
+template <bool LISTED>
 static __global__ void wake_near_moving_kernel(const point *points, uint32_t count, pbf_sleep sleep,
                                                pbf_moving_obstacles moving_obstacles,
                                                step_obstacles o, pbf_real reach, pbf_real *activity,
                                                sleep_tally *tally) {
   uint32_t i = thread_index();
   if (i >= count || !pbf_is_asleep(activity[i])) return;
-  if (!pbf_near_moving_obstacle(moving_obstacles, o, reach, position_of(load(points, i)))) return;
+  const pbf_vec x = position_of(load(points, i));
+  if (!pbf_near_moving_obstacle(moving_obstacles, asked_near<LISTED>(o, x, (double)reach), reach,
+                                x))
+    return;
   activity[i] = pbf_woken_activity(&sleep);
   tally->all = 0;
 }

@@ -33,6 +33,11 @@ static __device__ __forceinline__ bool is_converged(const convergence_check &w) 
   return done != 0 && done <= w.iteration;
 }
 
+/* Whether the move of this iteration, which is over, has ended the solve. */
+static __device__ __forceinline__ bool has_ended(const convergence_check &w) {
+  return *static_cast<const volatile uint32_t *>(&w.watch->done) == w.iteration + 1;
+}
+
 /* Adds up the errors of a warp's particles, of which the first `alive` lanes have one. */
 static __device__ __forceinline__ void add_error_units(const convergence_check &w, uint32_t alive,
                                                        int32_t error_units) {

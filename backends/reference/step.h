@@ -259,7 +259,8 @@ static inline void find_deviators(solver *s, const pbf_obstacles *o) {
     auto sums = sums_around(s, pass, s->moved, {}, {}, i);
     add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
     pbf_fabric fabric = fabric_of(sums);
-    if (!s->schedule.wall_density || add_walls(&s->constants, *o, s->moved[i], &fabric))
+    if (s->schedule.wall_density) add_walls(&s->constants, o->domain, s->moved[i], &fabric);
+    if (!s->schedule.wall_density || !colliders_contribute(&s->constants, *o, s->moved[i]))
       s->deviator[i] = pass.finish(fabric, s->lambda[i]);
     s->change[i] = fabric.wall;
   }

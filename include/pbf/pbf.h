@@ -674,8 +674,9 @@ typedef struct pbf_collider {
   double adhesion;                           /* as pbf_params.wall_adhesion */
 } pbf_collider;
 
-/* Of a solver; on a GPU 64. What a step takes goes by how many are near the fluid, and memory by
- * how many there are, about 2 KB each. */
+/* Of a solver. What a step takes goes by how many are near the fluid, and memory by how many there
+ * are, about 2 KB each; of more than 64 on a GPU up to 2.6 KB on the device and 4 KB on the host.
+ */
 #define PBF_MAX_COLLIDERS 4096u
 
 /* Fills *collider: the shape at rest at the origin, axis +y, sizes and scale 1, half_length 1. */

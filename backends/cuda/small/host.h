@@ -102,6 +102,7 @@ static inline bool small_fits(const solver *s, uint32_t own) {
 
 /* Of what determines the state's bits, only parameters and the particle count enter. */
 static inline bool small_serves(const solver *s) {
+  if (are_listed(s)) return false;
   return s->small_upload && !s->shapes.count && !s->schedule.runs[PBF_STAGE_GRID] &&
          !s->schedule.runs[PBF_STAGE_SHEAR_STRESS] && s->count > 0 &&
          s->count <= small_max_particles(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&
