@@ -404,7 +404,7 @@ struct executor {
       if (status != PBF_OK) return;
       with_surfaces(s, [&](auto surfaces) {
         launch(apply_correction_kernel<decltype(surfaces)::value>, n.particles, s->pressure_grid,
-               arrays, torn, extras.obstacles, collides_with_surfaces(),
+               arrays, torn, extras.obstacles, collides_with_surfaces(), (pbf_real)carried,
                (pbf_real)(1 / s->params.time_step));
       });
     });
