@@ -6,7 +6,6 @@
 #include "cuda/loads.h"
 #include "cuda/pressure_grid_host.h"
 #include "physics/overfull.h"
-#include "physics/passes/drag.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
@@ -22,10 +21,10 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   return launches[stage];
 }
 
-/* Internal linkage: its functions have the same names in the units of other variants. */
-/* Of particles awake; `activity` is null where nothing sleeps. */
+/* A pass over particles alone, of those awake; `activity` is null where nothing sleeps. */
+template <class Pass>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    drag_kernel(drag_pass pass, uint32_t count, const pbf_real *activity, pbf_vec *velocities) {
+    particles_kernel(Pass pass, uint32_t count, const pbf_real *activity, pbf_vec *velocities) {
   const uint32_t i = thread_index();
   if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   velocities[i] = pass.finish(velocities[i]);
@@ -679,9 +678,10 @@ struct executor {
     });
   }
 
-  void drag() {
-    run(PBF_STAGE_DRAG, [&] {
-      launch(drag_kernel, drag_of(&s->params), own_count(n), s->activity,
+  template <class Pass>
+  void over_particles(pbf_stage stage) {
+    run(stage, [&] {
+      launch(particles_kernel<Pass>, Pass::of(&s->params), own_count(n), s->activity,
              s->velocities + n.particles.first);
     });
   }

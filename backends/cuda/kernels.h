@@ -143,10 +143,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* The sleeping boundary's move: its place, with the lambda that others read, and in the state the
  * one that it keeps. No later stage asks for its neighbours. */
-static __device__ __forceinline__ void pass_shore(const neighborhood &n,
-                                                  const iteration_extras &extras, const point &own,
-                                                  const move_end &end, bool last, point *moved,
-                                                  uint32_t i) {
+static __device__ __forceinline__ void keep_sleeping_boundary(const neighborhood &n,
+                                                              const iteration_extras &extras,
+                                                              const point &own, const move_end &end,
+                                                              bool last, point *moved, uint32_t i) {
   point to = own;
   if (last) {
     to.lambda = extras.rest.kept[i].c[0];
@@ -158,9 +158,9 @@ static __device__ __forceinline__ void pass_shore(const neighborhood &n,
 
 /* That of other sleepers: both buffers hold the place. Where lambda adds up, they have none from
  * the first iteration on, and in the state all that they hold. */
-static __device__ __forceinline__ void pass_idle(const iteration_extras &extras, const point &own,
-                                                 const move_end &end, bool last, point *moved,
-                                                 uint32_t i) {
+static __device__ __forceinline__ void keep_inactive(const iteration_extras &extras,
+                                                     const point &own, const move_end &end,
+                                                     bool last, point *moved, uint32_t i) {
   point to = own;
   if (end.place.first) end.velocities[i] = {{0}};
   if (!extras.total) {
@@ -200,9 +200,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
   bool asleep = SLEEP && pbf_is_asleep(activity);
   if (asleep && i < n.particles.count) {
     if (pbf_is_inactive(activity))
-      pass_idle(extras, own, end, last, moved, i);
+      keep_inactive(extras, own, end, last, moved, i);
     else
-      pass_shore(n, extras, own, end, last, moved, i);
+      keep_sleeping_boundary(n, extras, own, end, last, moved, i);
   }
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);

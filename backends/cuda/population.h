@@ -21,7 +21,7 @@ static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
 
-/* ---- Who wakes between steps --------------------------------------------------------------- */
+/* ---- What wakes between steps -------------------------------------------------------------- */
 
 /* `count` particles from `first` on are new. */
 static inline pbf_status init_new(solver *s, uint32_t first, uint32_t count) {

@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_REPORT_H
 #define PBF_CUDA_REPORT_H
 
+#include "common/report.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/small/host.h"
@@ -118,10 +119,8 @@ static inline pbf_status report_max_speed(solver *s, double *speed) {
 static inline void report_plan(const solver *s, pbf_plan *plan) {
   for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
     if (!s->schedule.runs[k]) continue;
-    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->runs_per_step = s->schedule.runs[k];
-    stage->launches_per_step = s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
+    pbf_plan_stage *stage = pbf_plan_add_stage(plan, k, s->schedule.runs[k]);
+    stage->launches_per_step += s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
     /* Crowding, and where particles go. */
     if (k == PBF_STAGE_VISCOSITY && s->schedule.accelerated)
       stage->launches_per_step += 2 + (finds_loads(s) && s->schedule.no_slip);
@@ -136,13 +135,9 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
 }
 
 static inline void report_timings(const solver *s, pbf_timings *timings) {
-  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
-    if (!s->schedule.runs[k]) continue;
-    pbf_stage_time *stage = &timings->stages[timings->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->milliseconds = s->clock.milliseconds[k];
-    stage->runs = s->clock.runs[k];
-  }
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k)
+    if (s->schedule.runs[k])
+      pbf_timings_add(timings, k, s->clock.milliseconds[k], s->clock.runs[k]);
 }
 
 #endif

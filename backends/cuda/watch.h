@@ -10,7 +10,7 @@
 /* Whether the build has them. */
 constexpr bool PBF_TOLERANCE = (PBF_BUILT & PBF_FEATURE_TOLERANCE) != 0;
 
-/* How a checked for convergence solve stands: one whose density error ends it. An iteration's
+/* The state of a solve that ends by its density error. An iteration's
  * lambda adds the error to its own of the two sums, and its move looks at it and clears the other
  * one. */
 struct convergence_state {

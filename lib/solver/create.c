@@ -155,7 +155,7 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
 /* Of callers that know of no exchange in two calls. */
 static const uint32_t size_without_overlap = offsetof(pbf_ranks, begin_exchange);
 
-/* The first thing that is wrong with them. */
+/* Checks all members; the sentence is about the first that is wrong. */
 static pbf_status check_ranks(const pbf_ranks *ranks) {
   if (ranks->struct_size != sizeof *ranks && ranks->struct_size != size_without_overlap)
     return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",

@@ -89,7 +89,7 @@ static inline small_layout small_layout_of(const solver *s, uint32_t own) {
                          small_list_capacity(small_list_wanted(s))};
   size_t none = layout.bytes();
   layout.slot_capacity = 2;
-  double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s, own) + 512);
+  double wanted = fmin(SMALL_NO_PARTICLE - 3, 4 * small_slots_expected(s, own) + 512);
   double buffers = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
   layout.slot_capacity =
       (uint32_t)fmin(wanted, 2 * buffers / (double)(layout.bytes() - none)) / 2 * 2;
