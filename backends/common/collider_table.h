@@ -79,8 +79,8 @@ static inline const void *pbf_colliders_extension(const char *name) {
 /* Where colliders stand at a time, for a caller that is alone with the solver. */
 static inline void pbf_place_all_obstacles(const pbf_params *params, pbf_collider_table *t,
                                            uint32_t count, double set_at, double time,
-                                           pbf_obstacles *o) {
-  pbf_place_obstacles(params, count, t->list, set_at, time, t->surfaces, o);
+                                           int close_phases, pbf_obstacles *o) {
+  pbf_place_obstacles(params, count, t->list, set_at, time, close_phases, t->surfaces, o);
   o->room = t->numbers;
   if (count <= PBF_ASKED_COLLIDERS) return;
   for (uint32_t k = 0; k < count; ++k) t->grid.boxes[k] = pbf_surface_box_of(&t->surfaces[k]);

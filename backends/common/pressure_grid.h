@@ -14,6 +14,7 @@ typedef struct pbf_pressure_grid_run {
 
 typedef struct pbf_pressure_grid_storage {
   pbf_pressure_grid grid; /* of this step */
+  double carried;         /* density, pbf_carried_density's: lambda is of a fluid of density 1 */
   int64_t *sums;          /* of cells: pbf_pressure_grid_entry; the first of all arrays */
   int64_t *places;        /* of cells: pbf_pressure_grid_place_entry */
   double *free_volumes;   /* of cells */
@@ -352,7 +353,8 @@ static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid
   if (cell == PBF_NO_INDEX) return 0;
   double lambda =
       pbf_pressure_grid_lambda(&storage->grid, &storage->topology, storage->lambda, cell, at);
-  return (pbf_real)(lambda * (double)inv_time_step * (double)inv_time_step / (double)pressure);
+  return (pbf_real)(storage->carried * lambda * (double)inv_time_step * (double)inv_time_step /
+                    (double)pressure);
 }
 
 #endif

@@ -35,7 +35,7 @@ template <class Solver>
 static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_derived *derived,
                                 uint32_t colliders, const pbf_collider *list, int overlaps) {
   return pbf_schedule_of(params, derived, &s->basins, colliders, list, s->planned, s->capacity,
-                         overlaps, s->phases.count > 0);
+                         overlaps, &s->phases);
 }
 
 /* ---- Room for colliders ---------------------------------------------------------------------- */

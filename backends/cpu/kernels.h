@@ -246,7 +246,8 @@ typedef struct kernels {
                   const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
                   uint32_t last);
   void (*apply_correction)(const pbf_pressure_grid_storage *storage, const pbf_obstacles *obstacles,
-                           pbf_real inv_time_step, field x, field v, uint32_t first, uint32_t last);
+                           const pbf_real *mobility, pbf_real inv_time_step, field x, field v,
+                           uint32_t first, uint32_t last);
   /* … and over nodes: kernels_pressure_grid.h. */
   void (*equations)(const pbf_pressure_grid_storage *storage,
                     const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],

@@ -113,11 +113,13 @@ static __attribute__((noinline)) pbf_vec move_past_obstacles(const pbf_obstacles
   return pbf_move_past_obstacles(candidates, x, move);
 }
 
-/* Past these obstacles, unless null. */
+/* Past these obstacles, unless null; by mobilities where phases differ. */
 static void apply_correction(const pbf_pressure_grid_storage *storage,
-                             const pbf_obstacles *obstacles, pbf_real inv_time_step, field x,
-                             field v, uint32_t first, uint32_t last) {
+                             const pbf_obstacles *obstacles, const pbf_real *mobility,
+                             pbf_real inv_time_step, field x, field v, uint32_t first,
+                             uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
+  const pbf_real carried = (pbf_real)storage->carried;
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
     pressure_grid_corners corners;
@@ -131,6 +133,7 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
       for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
       for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
       pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at);
+      if (mobility) u = pbf_scaled(u, carried * mobility[first + l]);
       if (obstacles) u = move_past_obstacles(obstacles, field_at(&x, first + l), u);
       for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
     }

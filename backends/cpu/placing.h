@@ -9,14 +9,14 @@ static void place_few(const worker *w, double time, pbf_surface *surfaces, uint1
                       pbf_obstacles *o) {
   const solver *s = w->s;
   pbf_place_obstacles(&s->params, s->collider_count, s->table.list, s->collider_time, time,
-                      surfaces, o);
+                      s->schedule.close_phases, surfaces, o);
   o->room = numbers;
 }
 
 /* Views of what the team places. */
 static void view_many(const worker *w, double time, pbf_surface *surfaces, pbf_obstacles *o) {
   solver *s = w->s;
-  o->domain = pbf_domain_at(&s->params, time);
+  o->domain = pbf_domain_at(&s->params, time, s->schedule.close_phases);
   o->count = (int)s->collider_count;
   o->surfaces = {surfaces, NULL};
   o->grid = &s->table.grid;

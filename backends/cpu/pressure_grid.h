@@ -17,10 +17,11 @@ static void end_search_with_grid(void *context) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   end_search(w);
-  if (!s->wanted.lacking)
-    pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                            s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles,
-                            s->table.divided);
+  if (s->wanted.lacking) return;
+  pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
+                          s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles,
+                          s->table.divided);
+  s->pressure_grid.carried = w->constants.phases.carried;
 }
 
 /* Sleepers out of reach of the awake pass for free of error. */
@@ -53,10 +54,10 @@ static void apply_correction_task(void *context, uint32_t task) {
   const bool collides = s->schedule.collide_after_prediction && pbf_surface_count(w->obstacles);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    s->kernels->apply_correction(&s->pressure_grid, collides ? &w->obstacles : NULL,
+    s->kernels->apply_correction(&s->pressure_grid, collides ? &w->obstacles : NULL, s->mobility,
                                  w->forces.inv_time_step, w->b.sorted_predicted,
                                  w->b.sorted_velocity, r.first, r.last);
-  fill_packed(s, packed_positions(s), &w->b.sorted_predicted, NULL, all);
+  fill_packed(s, packed_positions(s), &w->b.sorted_predicted, s->mobility, all);
 }
 
 /* What the weight presses together is undone. */

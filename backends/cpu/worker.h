@@ -154,7 +154,8 @@ static inline void stage_end(worker *w, pbf_stage stage) {
 
 /* Walls and colliders where they stand at a time, for a caller that is alone with the solver. */
 static inline void place_obstacles(solver *s, double time, pbf_obstacles *o) {
-  pbf_place_all_obstacles(&s->params, &s->table, s->collider_count, s->collider_time, time, o);
+  pbf_place_all_obstacles(&s->params, &s->table, s->collider_count, s->collider_time, time,
+                          s->schedule.close_phases, o);
 }
 
 /* Those that move in the step that begins at a time; of more than a few once they are noted. */

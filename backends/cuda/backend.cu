@@ -104,9 +104,8 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
   constants.phases = pbf_phase_constants_of(&s->phases);
-  pbf_schedule schedule =
-      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
-                      s->overlaps, s->phases.count > 0);
+  pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
+                                          s->planned, s->scene_capacity, s->overlaps, &s->phases);
   if (const char *why = refusal_on_ranks(s, params, schedule)) {
     s->host->set_error(why);
     return PBF_ERROR_UNSUPPORTED;
@@ -398,7 +397,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->scene_capacity, 0, s->phases.count > 0);
+                                s->planned, s->scene_capacity, 0, &s->phases);
   note_standing(s);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, surfaces_of_step(s, 0));
@@ -443,7 +442,7 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->scene_capacity, s->overlaps, s->phases.count > 0);
+                      s->scene_capacity, s->overlaps, &s->phases);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;

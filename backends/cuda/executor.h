@@ -65,7 +65,8 @@ struct executor {
   executor(solver *of, double end, uint64_t which, const pbf_surface *surfaces)
       : s(of), time(end), nth(which) {
     const pbf_schedule &has = s->schedule;
-    extras = {{pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces},
+    extras = {{pbf_domain_at(&s->params, time, s->schedule.close_phases), (int)s->collider_count,
+               surfaces},
               has.wall_density,
               s->total,
               {},
@@ -327,7 +328,8 @@ struct executor {
   /* Its ghosts' sums lie in the overlap's array as it was before the sort. */
   void overlap() {
     if (!s->found.struct_size) return;
-    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
+    const pbf_domain before =
+        pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.close_phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
     const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0};
     pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
@@ -352,7 +354,8 @@ struct executor {
 
   /* Between the walls, and the colliders, of the step's start. */
   void residual_density() {
-    const pbf_domain before = pbf_domain_at(&s->params, time - s->params.time_step);
+    const pbf_domain before =
+        pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.close_phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
     const bool with_ghosts = ghosts_between(s, before) != nullptr;
     run(PBF_STAGE_RESIDUAL_DENSITY, [&] {
@@ -376,7 +379,8 @@ struct executor {
 
   void pressure_grid() {
     run(PBF_STAGE_GRID, [&] {
-      s->pressure_grid_scale = 1 / (s->params.time_step * s->params.time_step);
+      const double carried = s->constants.phases.carried;
+      s->pressure_grid_scale = carried / (s->params.time_step * s->params.time_step);
       place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       status = clear_pressure_grid(s, arrays);
@@ -399,7 +403,7 @@ struct executor {
       if (status != PBF_OK) return;
       with_surfaces(s, [&](auto surfaces) {
         launch(apply_correction_kernel<decltype(surfaces)::value>, n.particles, s->pressure_grid,
-               arrays, torn, extras.obstacles, collides_with_surfaces(),
+               arrays, torn, extras.obstacles, collides_with_surfaces(), (pbf_real)carried,
                (pbf_real)(1 / s->params.time_step));
       });
     });

@@ -20,7 +20,7 @@ static inline pbf_surface *surfaces_of_step(const solver *s, uint32_t k) {
 
 /* At `end`, to `placed`. */
 static inline void place_at(const solver *s, double end, pbf_surface *placed) {
-  const pbf_domain domain = pbf_domain_at(&s->params, end);
+  const pbf_domain domain = pbf_domain_at(&s->params, end, s->schedule.close_phases);
   for (uint32_t c = 0; c < s->collider_count; ++c)
     placed[c] = pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);
 }
@@ -51,7 +51,7 @@ static inline void stage_scales(const solver *s, char *block) {
 static inline void stage_scene(solver *s, double end, char *block, char *on_device) {
   const many_layout &of = s->many.layout;
   const pbf_surface *placed = reinterpret_cast<const pbf_surface *>(block);
-  const pbf_domain domain = pbf_domain_at(&s->params, end);
+  const pbf_domain domain = pbf_domain_at(&s->params, end, s->schedule.close_phases);
   pbf_surface_grid grid = {};
   grid.room = s->many.table.room;
   grid.finer = MANY_FINER;

@@ -47,9 +47,9 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
     return PBF_OK;
   ++s->epoch;
   if (pbf_status status = place_surfaces(s, time)) return status;
-  return wake_near_moving(
-      s, moving_obstacles,
-      {pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces_of_step(s, 0)});
+  return wake_near_moving(s, moving_obstacles,
+                          {pbf_domain_at(&s->params, time, s->schedule.close_phases),
+                           (int)s->collider_count, surfaces_of_step(s, 0)});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */
@@ -144,8 +144,8 @@ static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range 
 /* Walls and colliders where the last step left them. */
 static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
-  extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count,
-                       surfaces_of_step(s, 0)};
+  extras->obstacles = {pbf_domain_at(&s->params, s->time, s->schedule.close_phases),
+                       (int)s->collider_count, surfaces_of_step(s, 0)};
   extras->wall_density = s->schedule.wall_density;
   return place_surfaces(s, s->time);
 }
@@ -290,7 +290,7 @@ static inline pbf_status population_read_array(solver *s, uint32_t field, const 
 
 /* In the order of the particles. */
 static inline pbf_status find_pressures(solver *s, pbf_real *out) {
-  cell_grid grid = present_grid(s, pbf_domain_at(&s->params, s->time));
+  cell_grid grid = present_grid(s, pbf_domain_at(&s->params, s->time, s->schedule.close_phases));
   uint32_t blocks = blocks_for(s->count), *present = static_cast<uint32_t *>(s->list_storage);
   neighborhood n = neighborhood_of(s, grid);
   if (pbf_status status = sort_present(s, grid)) return status;

@@ -370,13 +370,13 @@ static __device__ __forceinline__ pbf_vec move_past_obstacles(const step_obstacl
     return pbf_move_past_obstacles(obstacles_met<SURFACES>(o), x, move);
 }
 
-/* What the grid adds to the moves. */
+/* What the grid adds to the moves; of a fluid of the density `carried` where phases differ. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, const __grid_constant__ pbf_pressure_grid grid,
                             const __grid_constant__ pressure_grid_arrays a, bool torn,
                             const __grid_constant__ step_obstacles obstacles, bool collide,
-                            pbf_real inv_time_step) {
+                            pbf_real carried, pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
@@ -386,6 +386,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (torn) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
   if (cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
+  if (p.mobility) u = pbf_scaled(u, carried * p.mobility[i]);
   if (collide) u = move_past_obstacles<SURFACES>(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);

@@ -379,7 +379,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
                    ? (pbf_real)pbf_density_rounding(params, (double)c.residual_density, d.diagonal)
                    : 0;
   c.tension = c.accelerated ? 1 : (pbf_real)params->cohesion;
-  c.phases.heaviest = 1;
+  c.phases.heaviest = c.phases.carried = 1;
   return c;
 }
 

@@ -103,14 +103,23 @@ static inline int pbf_may_have_pressure_grid(const pbf_params *params) {
   return params->pressure_grid != 0 && !params->periodic;
 }
 
+static inline int pbf_depth_has_weight(const pbf_params *params) {
+  double most = fabs(params->attraction);
+  for (int k = 0; k < PBF_DIM; ++k) most = fmax(most, fabs(params->gravity[k]));
+  return most > 0;
+}
+
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
- * have one where fewer have. */
+ * have one where fewer have. Phases that are close (phases.h) have one however deep they are. */
 static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
-                                    uint32_t colliders, const pbf_collider *list, uint32_t count) {
+                                    uint32_t colliders, const pbf_collider *list, uint32_t count,
+                                    int close_phases = 0) {
   if (!pbf_may_have_pressure_grid(params)) return 0;
   if (params->pressure_grid > 0) return params->pressure_grid;
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
-             pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count);
+             (close_phases
+                  ? pbf_depth_has_weight(params)
+                  : pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count));
   return deep ? PBF_DEPTH_WIDTH : 0;
 }
 

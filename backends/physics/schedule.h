@@ -29,7 +29,8 @@ typedef struct pbf_schedule {
   int adhesion;           /* of fluid with a tension to walls or colliders: adhesion.h */
   int no_slip;            /* fluid sticks to walls or colliders: no_slip.h */
   int checks_convergence; /* the solve ends when its density error is small enough */
-  int phases;             /* that differ: phases.h */
+  int phases;             /* that differ: phases.h, … */
+  int close_phases;       /* … and a pressure grid carries: pbf_phases_are_close */
   int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
@@ -58,11 +59,12 @@ static inline int pbf_phases_correct_shear(const pbf_params *params) {
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
  * `derived` is of the same parameters; `basins` are looked for where they are others than before.
- */
+ * `table`: of phases that differ, or null. */
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_derived *derived,
                                            pbf_basins *basins, uint32_t colliders,
                                            const pbf_collider *list, uint32_t count,
-                                           uint32_t capacity, int overlaps = 0, int phases = 0) {
+                                           uint32_t capacity, int overlaps = 0,
+                                           const pbf_phase_table *table = NULL) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
@@ -71,7 +73,8 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
-  s.phases = phases;
+  const int phases = s.phases = table && table->count > 0;
+  s.close_phases = phases && pbf_phases_are_close(table);
   s.no_slip = params->viscosity > 0 && params->wall_no_slip > 0;
   for (uint32_t k = 0; k < colliders; ++k)
     s.no_slip |= params->viscosity > 0 && list[k].no_slip > 0;
@@ -84,11 +87,13 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
                      (phases ? pbf_phases_correct_shear(params)
                              : pbf_depth_corrects_shear(params, basins, colliders, list, count));
   const int accelerated = s.accelerated, corrects_shear = s.corrects_shear;
+  const int close_phases = s.close_phases;
 #define PBF_STAGE(ID, name, feature, times, launches) \
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity)) > 0;
+                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity),
+                                   s.close_phases) > 0;
   s.may_correct_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
                         (phases ? pbf_phases_correct_shear(params)
                                 : pbf_depth_corrects_shear(params, basins, colliders, list,

@@ -9,7 +9,7 @@
 static inline pbf_obstacles obstacles_at(const solver *s, double time, pbf_surface *surfaces) {
   pbf_obstacles o;
   pbf_place_obstacles(&s->params, s->collider_count, s->table.list, s->collider_time, time,
-                      surfaces, &o);
+                      s->schedule.close_phases, surfaces, &o);
   o.room = s->table.numbers;
   return o;
 }

@@ -131,6 +131,7 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
                           s->schedule.corrects_shear, s->capacity, s->planned, o, s->table.divided);
+  s->pressure_grid.carried = s->constants.phases.carried;
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
     pressure_grid_add(&s->pressure_grid, s->moved[i], target,
@@ -141,6 +142,7 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (asleep(s, i)) continue;
     pbf_vec u = pressure_grid_move(&s->pressure_grid, s->moved[i]);
+    if (s->phase) u = pbf_scaled(u, (pbf_real)s->pressure_grid.carried * s->mobility[i]);
     if (s->schedule.collide_after_prediction && pbf_surface_count(*o))
       u = pbf_move_past_obstacles(*o, s->moved[i], u);
     s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);

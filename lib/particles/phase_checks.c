@@ -1,6 +1,7 @@
 /* What phases may be, by themselves and with what parameters. */
 #include "phases.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #include "check.h"
@@ -44,6 +45,28 @@ pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind) {
                   phases->of[lightest].rest_density);
 }
 
+/* Of so many phases; of none both are 1. */
+static void find_extremes(const pbf_phases *phases, double *lightest, double *heaviest) {
+  *lightest = *heaviest = phases->count ? phases->of[0].rest_density : 1;
+  for (uint32_t i = 1; i < phases->count; ++i) {
+    *lightest = fmin(*lightest, phases->of[i].rest_density);
+    *heaviest = fmax(*heaviest, phases->of[i].rest_density);
+  }
+}
+
+/* What a grid carries of all fluids is more than nothing: physics/phases.h of the backends. */
+static int has_grid(const pbf_phases *phases) {
+  double lightest, heaviest;
+  find_extremes(phases, &lightest, &heaviest);
+  return 3 * lightest > heaviest;
+}
+
+static int has_one_density(const pbf_phases *phases) {
+  double lightest, heaviest;
+  find_extremes(phases, &lightest, &heaviest);
+  return lightest >= heaviest;
+}
+
 static pbf_status refuse(const char *name, double value) {
   return pbf_fail(PBF_ERROR_UNSUPPORTED,
                   "params.%s is %.9g and phases differ in rest_density or viscosity; %s knows of "
@@ -53,7 +76,11 @@ static pbf_status refuse(const char *name, double value) {
 
 pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params) {
   if (!phases || !phases->differ) return PBF_OK;
-  if (params->pressure_grid > 0) return refuse("pressure_grid", params->pressure_grid);
+  if (params->pressure_grid > 0 && !has_grid(phases))
+    return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                    "params.pressure_grid is %.9g and a phase has a rest_density of a third of the "
+                    "heaviest one's or less; a grid carries none of that, and must be 0 or -1",
+                    params->pressure_grid);
   if (params->surface_tension > 0) return refuse("surface_tension", params->surface_tension);
   if (params->viscosity > 0 && params->solver == PBF_SOLVER_JACOBI)
     return pbf_fail(
@@ -68,6 +95,7 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
   pbf_params theirs = *params;
   if (!phases || !phases->differ) return theirs;
-  theirs.pressure_grid = 0;
+  if (!(params->pressure_grid > 0) && (has_one_density(phases) || !has_grid(phases)))
+    theirs.pressure_grid = 0;
   return theirs;
 }

@@ -19,6 +19,9 @@ typedef struct fluid {
   double *x, *v; /* read back */
 } fluid;
 
+/* In place of the backend that is tested. */
+static const char *other_backend;
+
 /* Of a place in the block, 0 or 1. */
 typedef uint32_t (*phase_of)(const fluid *f, const double x[3]);
 
@@ -54,7 +57,8 @@ static inline fluid fluid_of(uint32_t dimension, uint32_t precision, const pbf_p
   fluid f = {.dimension = dimension, .precision = precision, .density = {density[0], density[1]}};
   memcpy(f.size, size, sizeof f.size);
   f.count = size[0] * size[1] * (dimension == 3 ? size[2] : 1);
-  const pbf_desc desc = test_desc(dimension, precision, f.count + 8);
+  pbf_desc desc = test_desc(dimension, precision, f.count + 8);
+  if (other_backend) desc.backend = other_backend;
   f.solver = test_create(&desc, params);
   f.phase = calloc(f.count, sizeof *f.phase);
   f.x = calloc((size_t)f.count * dimension, sizeof *f.x);

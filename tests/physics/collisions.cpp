@@ -340,7 +340,7 @@ static void no_way_leads_between_flush_boxes(void **state) {
   boxes[1].position[1] = 2;  /* … and a wall on it, from x = 0 on */
   boxes[1].position[0] = 1;
   boxes[0].half_extents[0] = 5;
-  pbf_place_obstacles(&p, 2, boxes, 0, 0, surfaces, &o);
+  pbf_place_obstacles(&p, 2, boxes, 0, 0, 0, surfaces, &o);
   for (double depth = -1e-6; depth < 2e-6; depth += 1e-7) {
     const pbf_vec x = pbf_resolve_collisions(o, 0, point(-0.5, 0, 0), point(1, -depth, 0));
     assert_true(x.c[0] < 0 && x.c[1] > 0);

@@ -19,14 +19,18 @@ typedef struct pbf_domain {
 /* From here on they have; in spacings. Up to 2.5 tanks rest without them, too, in half the time. */
 #define PBF_WIDE_KERNEL 2.55
 
-static inline int pbf_may_have_ghosts(const pbf_params *params) {
+/* And where phases are close (phases.h), whatever the width: what a wall contributes by the
+ * distance alone holds a first layer that is denser along the wall than the fluid is, and does not
+ * shear off it. Light fluid in it then stays on the floor when heavier fluid has come down. */
+static inline int pbf_may_have_ghosts(const pbf_params *params, int close_phases = 0) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && params->wall_density > 0 &&
-         params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params);
+         (close_phases || params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params));
 }
 
-static inline pbf_real pbf_ghost_reach(const pbf_params *params, pbf_vec lower, pbf_vec upper) {
+static inline pbf_real pbf_ghost_reach(const pbf_params *params, int close_phases, pbf_vec lower,
+                                       pbf_vec upper) {
   pbf_real h = (pbf_real)params->smoothing_radius;
-  int have = pbf_may_have_ghosts(params);
+  int have = pbf_may_have_ghosts(params, close_phases);
   for (int k = 0; k < PBF_DIM; ++k) have = have && upper.c[k] - lower.c[k] >= h;
   return have ? h : 0;
 }
@@ -45,7 +49,8 @@ static inline double pbf_domain_rounding(const pbf_domain *domain) {
   return pbf_rounding_within(extent);
 }
 
-static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
+static inline pbf_domain pbf_domain_at(const pbf_params *params, double time,
+                                       int close_phases = 0) {
   pbf_domain domain;
   int bounces = params->solver == PBF_SOLVER_CHEBYSHEV;
   domain.bounce_depth = bounces ? (pbf_real)(0.5 * params->smoothing_radius) : 0;
@@ -53,7 +58,7 @@ static inline pbf_domain pbf_domain_at(const pbf_params *params, double time) {
     domain.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     domain.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
   }
-  domain.ghost_reach = pbf_ghost_reach(params, domain.lower, domain.upper);
+  domain.ghost_reach = pbf_ghost_reach(params, close_phases, domain.lower, domain.upper);
   domain.rounding = (pbf_real)pbf_domain_rounding(&domain);
   for (int k = 0; k < PBF_DIM; ++k)
     if (pbf_is_periodic(params, k)) {

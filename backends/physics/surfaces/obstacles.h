@@ -90,8 +90,8 @@ static inline __attribute__((noinline)) pbf_surface pbf_obstacle_at(const pbf_pa
 /* At `time`, of colliders that were set at `set_at`, to `surfaces`. */
 static inline void pbf_place_obstacles(const pbf_params *params, uint32_t count,
                                        const pbf_collider *colliders, double set_at, double time,
-                                       pbf_surface *surfaces, pbf_obstacles *o) {
-  o->domain = pbf_domain_at(params, time);
+                                       int close_phases, pbf_surface *surfaces, pbf_obstacles *o) {
+  o->domain = pbf_domain_at(params, time, close_phases);
   o->count = (int)count;
   o->surfaces = {surfaces, NULL};
   o->grid = NULL;
