@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "error.h"
+#include "params.h"
 
 static const double max_ratio = 1000;
 
@@ -67,6 +68,14 @@ static int has_one_density(const pbf_phases *phases) {
   return lightest >= heaviest;
 }
 
+/* Whether they have a grid unless pressure_grid says otherwise: with wide kernels, whose walls have
+ * mirrors in any case, fluids part without one, and are quieter at rest. */
+static int has_grid_by_default(const pbf_phases *phases, const pbf_params *params) {
+  static const double wide_kernel = 2.55; /* spacings, as for walls */
+  return has_grid(phases) && !has_one_density(phases) &&
+         params->smoothing_radius < wide_kernel * pbf_derive_spacing(params);
+}
+
 static pbf_status refuse(const char *name, double value) {
   return pbf_fail(PBF_ERROR_UNSUPPORTED,
                   "params.%s is %.9g and phases differ in rest_density or viscosity; %s knows of "
@@ -95,7 +104,7 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
   pbf_params theirs = *params;
   if (!phases || !phases->differ) return theirs;
-  if (!(params->pressure_grid > 0) && (has_one_density(phases) || !has_grid(phases)))
+  if (!(params->pressure_grid > 0) && !has_grid_by_default(phases, params))
     theirs.pressure_grid = 0;
   return theirs;
 }
