@@ -154,7 +154,7 @@ class Emission(Handle):
         return dataclass_of(InOut, struct)
 
     @property
-    def emitters(self) -> list[Emitter]:
+    def emitters(self) -> tuple[Emitter, ...]:
         """Copies. Assign a list to replace them all; each goes on where the one before it was."""
         found = []
         for index in range(self.in_out.emitters):
@@ -163,7 +163,7 @@ class Emission(Handle):
             made = _made(EMITTERS[struct.shape], struct)
             made.recycle = bool(made.recycle)
             found.append(made)
-        return found
+        return tuple(found)
 
     @emitters.setter
     def emitters(self, emitters: Iterable[Emitter] | Emitter) -> None:
@@ -174,14 +174,14 @@ class Emission(Handle):
         self._call(lib.pbf_set_emitters, len(listed), structs)
 
     @property
-    def drains(self) -> list[Volume]:
+    def drains(self) -> tuple[Volume, ...]:
         """Volumes that particles vanish in: copies. Assign a list to replace them all."""
         found = []
         for index in range(self.in_out.drains):
             struct = new_struct("pbf_volume")
             self._call(lib.pbf_get_drain, index, struct)
             found.append(_made(VOLUMES[struct.shape], struct))
-        return found
+        return tuple(found)
 
     @drains.setter
     def drains(self, drains: Iterable[Volume] | Volume) -> None:
@@ -192,7 +192,7 @@ class Emission(Handle):
         self._call(lib.pbf_set_drains, len(listed), structs)
 
     @property
-    def reservoirs(self) -> list[Reservoir]:
+    def reservoirs(self) -> tuple[Reservoir, ...]:
         """Open boundaries of given level or pressure: copies. Assign a list to replace them all."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_reservoir_count, count)
@@ -201,7 +201,7 @@ class Emission(Handle):
             struct = new_struct("pbf_reservoir")
             self._call(lib.pbf_get_reservoir, index, struct)
             found.append(_made(Reservoir, struct))
-        return found
+        return tuple(found)
 
     @reservoirs.setter
     def reservoirs(self, reservoirs: Iterable[Reservoir] | Reservoir) -> None:

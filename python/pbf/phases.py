@@ -31,7 +31,7 @@ class Phases(Handle):
     """The fluids of a solver."""
 
     @property
-    def phases(self) -> list[Phase]:
+    def phases(self) -> tuple[Phase, ...]:
         """Copies. Assign a list to replace them all; particles keep their number."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_phase_count, count)
@@ -40,11 +40,11 @@ class Phases(Handle):
             struct = new_struct("pbf_phase")
             self._call(lib.pbf_get_phase, index, struct)
             found.append(dataclass_of(Phase, struct))
-        return found
+        return tuple(found)
 
     @phases.setter
-    def phases(self, phases: Iterable[Phase]) -> None:
-        listed = list(phases)
+    def phases(self, phases: Iterable[Phase] | Phase) -> None:
+        listed = [phases] if isinstance(phases, Phase) else list(phases)
         structs = ffi.new("pbf_phase[]", max(len(listed), 1))
         for i, phase in enumerate(listed):
             if not isinstance(phase, Phase):

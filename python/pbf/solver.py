@@ -76,8 +76,9 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
     # ---- Colliders -----------------------------------------------------------------------------
 
     @property
-    def colliders(self) -> list[Collider]:
-        """As they stand and move now: copies. Assign a list to replace them all."""
+    def colliders(self) -> tuple[Collider, ...]:
+        """As they stand and move now: copies. Assign a list to replace them all, as
+        `fluid.colliders = [*fluid.colliders, ball]` to add one."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_collider_count, count)
         found = []
@@ -85,7 +86,7 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
             struct = new_struct("pbf_collider")
             self._call(lib.pbf_get_collider, index, struct)
             found.append(collider_of(struct))
-        return found
+        return tuple(found)
 
     @colliders.setter
     def colliders(self, colliders: Iterable[Collider] | Collider) -> None:

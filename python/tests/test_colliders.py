@@ -118,3 +118,33 @@ def test_a_solid_keeps_its_geometry():
     assert back.geometry.distance((0, 0, 0)) == distance and back.scale == 0.5
     with pytest.raises(pbf.InvalidArgumentError, match="geometry is null"):
         fluid.colliders = [pbf.Solid()]
+
+
+def test_a_geometry_comes_back_from_a_file(tmp_path):
+    box = pbf.Geometry.from_mesh(*_box_mesh(0.2), cell=0.02)
+    saved = box.save(tmp_path / "box.pbfshape")
+    assert (tmp_path / "box.pbfshape").read_bytes() == saved
+    for again in (pbf.Geometry.load(tmp_path / "box.pbfshape"), pbf.Geometry.load(saved)):
+        assert again.distance((0.1, 0.23, 0)) == box.distance((0.1, 0.23, 0))
+        assert again.cell == 0.02 and again.bounds == box.bounds
+    values = box.values
+    middle = tuple(round(-at / box.cell) for at in box.origin)
+    assert values[middle] == pytest.approx(-0.2, abs=box.cell)
+    assert pbf.Geometry.from_grid(values, box.origin, box.cell).save() == saved
+    with pytest.raises(pbf.DataError, match="cut short"):
+        pbf.Geometry.load(b"PBFSHAPE")
+    with pytest.raises(pbf.DataError, match="another hash"):
+        pbf.Geometry.load(saved[:64] + bytes(8) + saved[72:])
+
+
+def test_lists_that_are_read_are_copies():
+    """What would change a copy alone is an error, not nothing."""
+    fluid = pbf.Solver(capacity=10)
+    ball = pbf.Sphere((0.5, 0.5, 0.5), radius=0.1)
+    fluid.colliders = ball
+    with pytest.raises(AttributeError, match="append"):
+        fluid.colliders.append(ball)
+    fluid.colliders = [*fluid.colliders, ball]
+    assert len(fluid.colliders) == 2
+    for name in ("colliders", "emitters", "drains", "reservoirs", "phases"):
+        assert isinstance(getattr(fluid, name), tuple)
