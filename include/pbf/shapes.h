@@ -128,7 +128,8 @@ PBF_API pbf_status pbf_get_shape_values(pbf_shape *shape, uint64_t count, float 
  * of meshes. */
 PBF_API pbf_status pbf_save_shape(pbf_shape *shape, void *buffer, uint64_t *size);
 
-/* The same shape again, with the same hash: a tenth of a microsecond a node. PBF_ERROR_DATA for anything that pbf_save_shape did not write. */
+/* The same shape again, with the same hash: a tenth of a microsecond a node. PBF_ERROR_DATA for
+ * anything that pbf_save_shape did not write. */
 PBF_API pbf_status pbf_load_shape(const void *buffer, uint64_t size, pbf_shape **shape);
 
 #ifdef __cplusplus
