@@ -66,7 +66,8 @@ int main(void) {
   atomic_store(&running, 0);
   /* end */
   pthread_join(thread, NULL);
-  printf("%s, the front at %.2f m\n", r.frames > 0 ? "drawn beside the steps" : "never drawn", r.front);
+  printf("%s, the front at %.2f m\n", r.frames > 0 ? "drawn beside the steps" : "never drawn",
+         r.front);
   pbf_destroy(fluid);
   return r.frames > 0 ? 0 : 1;
 }

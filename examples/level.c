@@ -33,12 +33,12 @@ static pbf_status add_solid(level *l, const pbf_collider *solid, uint32_t *numbe
 /* Those behind it move up by one. */
 static void remove_solid(level *l, uint32_t number) {
   --l->count;
-  memmove(l->solids + number, l->solids + number + 1,
-          (l->count - number) * sizeof *l->solids);
+  memmove(l->solids + number, l->solids + number + 1, (l->count - number) * sizeof *l->solids);
   check(pbf_set_colliders(l->fluid, l->count, l->solids));
 }
 
-/* While the mouse drags it: over the time of a frame, so that it pushes water instead of jumping. */
+/* While the mouse drags it: over the time of a frame, so that it pushes water instead of jumping.
+ */
 static void drag_solid(level *l, uint32_t number, double x, double y, double z, double time) {
   const double place[3] = {x, y, z};
   memcpy(l->solids[number].position, place, sizeof place);

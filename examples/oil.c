@@ -25,7 +25,8 @@ static void make_two_fluids(pbf_solver *fluid, uint32_t count, const uint32_t *k
   phases[OIL].rest_density = 0.5;
   phases[OIL].user = 0xffc040; /* yours: a colour */
   check(pbf_set_phases(fluid, 2, phases));
-  check(pbf_set_particle_phases(fluid, 0, count, kinds)); /* a number each, in the order of adding */
+  check(
+      pbf_set_particle_phases(fluid, 0, count, kinds)); /* a number each, in the order of adding */
 }
 /* end */
 

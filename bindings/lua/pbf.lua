@@ -7,7 +7,7 @@
 --   fluid:step(10)
 --   local x, count = fluid:positions()   -- float *, x[3 * i + c], or double *
 --
--- Beside solvers there are pbf.shape_from_points and its like, and pbf.batch.
+-- Beside solvers there are pbf.shape_from_points and its like, pbf.load_shape, and pbf.batch.
 --
 -- A call that fails is a Lua error: a table with status, name and message, the library's sentence. A
 -- solver is destroyed when it is collected, or by close().
