@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -154,7 +155,7 @@ class Emission(Handle):
         return dataclass_of(InOut, struct)
 
     @property
-    def emitters(self) -> tuple[Emitter, ...]:
+    def emitters(self) -> list[Emitter]:
         """Copies. Assign a list to replace them all; each goes on where the one before it was."""
         found = []
         for index in range(self.in_out.emitters):
@@ -163,7 +164,7 @@ class Emission(Handle):
             made = _made(EMITTERS[struct.shape], struct)
             made.recycle = bool(made.recycle)
             found.append(made)
-        return tuple(found)
+        return Copies(found)
 
     @emitters.setter
     def emitters(self, emitters: Iterable[Emitter] | Emitter) -> None:
@@ -174,14 +175,14 @@ class Emission(Handle):
         self._call(lib.pbf_set_emitters, len(listed), structs)
 
     @property
-    def drains(self) -> tuple[Volume, ...]:
+    def drains(self) -> list[Volume]:
         """Volumes that particles vanish in: copies. Assign a list to replace them all."""
         found = []
         for index in range(self.in_out.drains):
             struct = new_struct("pbf_volume")
             self._call(lib.pbf_get_drain, index, struct)
             found.append(_made(VOLUMES[struct.shape], struct))
-        return tuple(found)
+        return Copies(found)
 
     @drains.setter
     def drains(self, drains: Iterable[Volume] | Volume) -> None:
@@ -192,7 +193,7 @@ class Emission(Handle):
         self._call(lib.pbf_set_drains, len(listed), structs)
 
     @property
-    def reservoirs(self) -> tuple[Reservoir, ...]:
+    def reservoirs(self) -> list[Reservoir]:
         """Open boundaries of given level or pressure: copies. Assign a list to replace them all."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_reservoir_count, count)
@@ -201,7 +202,7 @@ class Emission(Handle):
             struct = new_struct("pbf_reservoir")
             self._call(lib.pbf_get_reservoir, index, struct)
             found.append(_made(Reservoir, struct))
-        return tuple(found)
+        return Copies(found)
 
     @reservoirs.setter
     def reservoirs(self, reservoirs: Iterable[Reservoir] | Reservoir) -> None:

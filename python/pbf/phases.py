@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import AnyArray, ids_of, pointer
+from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -31,7 +32,7 @@ class Phases(Handle):
     """The fluids of a solver."""
 
     @property
-    def phases(self) -> tuple[Phase, ...]:
+    def phases(self) -> list[Phase]:
         """Copies. Assign a list to replace them all; particles keep their number."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_phase_count, count)
@@ -40,7 +41,7 @@ class Phases(Handle):
             struct = new_struct("pbf_phase")
             self._call(lib.pbf_get_phase, index, struct)
             found.append(dataclass_of(Phase, struct))
-        return tuple(found)
+        return Copies(found)
 
     @phases.setter
     def phases(self, phases: Iterable[Phase] | Phase) -> None:

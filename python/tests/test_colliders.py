@@ -1,4 +1,7 @@
 """Colliders."""
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -142,9 +145,27 @@ def test_lists_that_are_read_are_copies():
     fluid = pbf.Solver(capacity=10)
     ball = pbf.Sphere((0.5, 0.5, 0.5), radius=0.1)
     fluid.colliders = ball
-    with pytest.raises(AttributeError, match="append"):
-        fluid.colliders.append(ball)
-    fluid.colliders = [*fluid.colliders, ball]
+    for change in (lambda: fluid.colliders.append(ball), lambda: fluid.colliders.pop(),
+                   lambda: fluid.colliders.__setitem__(0, ball), lambda: fluid.drains.extend([])):
+        with pytest.raises(TypeError, match=r"fluid\.colliders, ball"):
+            change()
+    fluid.colliders += [ball]
     assert len(fluid.colliders) == 2
-    for name in ("colliders", "emitters", "drains", "reservoirs", "phases"):
-        assert isinstance(getattr(fluid, name), tuple)
+    mine = list(fluid.colliders)
+    mine.append(ball)
+    fluid.colliders = mine
+    assert len(copy.deepcopy(fluid.colliders)) == len(pickle.loads(pickle.dumps(fluid.colliders))) == 3
+    assert fluid.emitters == fluid.drains == fluid.reservoirs == fluid.phases == []
+
+
+def test_a_single_phase_may_stand_alone():
+    fluid = pbf.Solver(capacity=10)
+    fluid.phases = pbf.Phase(rest_density=0.5)
+    assert fluid.phases == [pbf.Phase(rest_density=0.5)]
+
+
+def test_snapshots_that_are_not_kept_say_how():
+    fluid = pbf.Solver(capacity=10)
+    with pytest.raises(pbf.StateError, match=r"keep_snapshots\(3\)"):
+        fluid.snapshot()
+    assert fluid.sample_on_grid((2, 2, 2), (0, 0, 0), 0.5).densities.shape == (2, 2, 2)

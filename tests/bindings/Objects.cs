@@ -84,7 +84,7 @@ internal static partial class Binding
             Equal((long)info.Nodes.X * info.Nodes.Y * info.Nodes.Z, values.LongLength);
             var o = info.Origin;
             Near(Math.Sqrt(Math.Pow(o.X + .2, 2) + Math.Pow(o.Y + .1, 2) + Math.Pow(o.Z + .3, 2)), values[0], 1e-3);
-            Refused(Status.ErrorData, "does not begin as one", () => Shape.Load(new byte[100]));
+            Refused(Status.Data, "does not begin as one", () => Shape.Load(new byte[100]));
         }
     }
 
