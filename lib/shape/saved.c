@@ -10,7 +10,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "saved shapes are little-endian");
 
-static const char mark[8] = {'P', 'B', 'F', 'S', 'H', 'A', 'P', 'E'};
+static const char shape_mark[8] = {'P', 'B', 'F', 'S', 'H', 'A', 'P', 'E'};
 enum { FORMAT = 1 };
 
 /* The distances follow it, x fastest. */
@@ -30,7 +30,7 @@ _Static_assert(sizeof(saved_header) == 72, "docs/shapes.md says where its member
 static saved_header header_of(const pbf_shape *s) {
   saved_header header = {
       .format = FORMAT, .dimension = s->dimension, .cell = s->cell, .hash = pbf_shape_hash(s)};
-  memcpy(header.mark, mark, sizeof mark);
+  memcpy(header.mark, shape_mark, sizeof shape_mark);
   memcpy(header.nodes, s->nodes, sizeof header.nodes);
   memcpy(header.origin, s->origin, sizeof header.origin);
   return header;
@@ -82,7 +82,7 @@ pbf_status pbf_get_shape_values(pbf_shape *shape, uint64_t count, float *values)
 /* ---- Loading -------------------------------------------------------------------------------- */
 
 static pbf_status check_header(const saved_header *header, uint64_t size) {
-  if (memcmp(header->mark, mark, sizeof mark) != 0)
+  if (memcmp(header->mark, shape_mark, sizeof shape_mark) != 0)
     return pbf_fail(PBF_ERROR_DATA,
                     "the saved shape does not begin as one; pbf_load_shape takes what "
                     "pbf_save_shape or pbf-bake wrote");
@@ -113,7 +113,8 @@ static pbf_status load(const saved_header *header, const void *values, pbf_shape
     return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for a shape of %" PRIu64 " nodes",
                     pbf_shape_nodes(header->nodes));
   }
-  memcpy(made->shape.origin, header->origin, header->dimension * sizeof *header->origin);
+  memcpy(made->shape.origin, header->origin,
+         sizeof header->origin); /* the hash is over all three */
   made->shape.cell = header->cell;
   memcpy(made->values, values, bytes_of(header->nodes));
   if (pbf_shape_finish(made, "the saved shape's distances", &loaded) != PBF_OK)

@@ -145,6 +145,16 @@ static void other_bytes_are_refused(void **state) {
   value += near_by;
   changed(bytes, size, size - 4, &value, 4, "has another hash");
 
+  /* What has no meaning in 2D is not another number, either. */
+  pbf_shape *flat = small_ball(2);
+  uint64_t flat_size;
+  unsigned char *flat_bytes = bytes_of(flat, &flat_size);
+  const double one = 1;
+  changed(flat_bytes, flat_size, 48, &one, 8, "has another hash");
+  changed(flat_bytes, flat_size, 24, &two, 4, "header has what it can't have");
+  pbf_release_shape(flat);
+  free(flat_bytes);
+
   pbf_shape *none_made = NULL;
   assert_fails(pbf_load_shape(NULL, size, &none_made), PBF_ERROR_INVALID_ARGUMENT,
                "buffer is null");
