@@ -16,7 +16,7 @@ class Copies(list[T]):
                         "fluid.colliders = [*fluid.colliders, ball], or change list(…) of it")
 
     append = extend = insert = pop = remove = clear = sort = reverse = _refuse
-    __setitem__ = __delitem__ = __imul__ = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __imul__ = _refuse
 
     def __iadd__(self, more: Iterable[T]) -> list[T]:  # type: ignore[misc, override]
         return [*self, *more]

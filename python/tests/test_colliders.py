@@ -169,3 +169,17 @@ def test_snapshots_that_are_not_kept_say_how():
     with pytest.raises(pbf.StateError, match=r"keep_snapshots\(3\)"):
         fluid.snapshot()
     assert fluid.sample_on_grid((2, 2, 2), (0, 0, 0), 0.5).densities.shape == (2, 2, 2)
+
+
+def test_a_solid_is_filled_with_particles():
+    box = pbf.Geometry.from_mesh(*_box_mesh(0.2), cell=0.02)
+    points = pbf.fill_geometry(box, 0.05, position=(1, 0, 0))
+    assert 8**3 - 8 <= len(points) <= 8**3  # of a lattice that fits; corners are rounded off
+    assert np.allclose(points.min(axis=0), (0.825, -0.175, -0.175), atol=1e-6)
+    cell = 0.02
+    axes = np.meshgrid(*[np.arange(-0.4, 0.41, cell)] * 3, indexing="ij")
+    ball = pbf.Geometry.from_grid(np.sqrt(sum(a * a for a in axes)) - 0.3, (-0.4,) * 3, cell)
+    points = pbf.fill_geometry(ball, 0.02)
+    assert len(points) * 0.02**3 == pytest.approx(4 / 3 * np.pi * 0.295**3, rel=0.01)
+    with pytest.raises(pbf.InvalidArgumentError, match="must be a Geometry"):
+        pbf.fill_geometry(3, 0.05)
