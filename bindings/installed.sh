@@ -190,7 +190,7 @@ try() { # NAME ROW
 }
 
 try "install, and move the tree" installed
-try "ABI description against pbf.h" abi
+try "ABI description against the headers" abi
 try "C++ (CMake, pkg-config)" cpp
 try "Rust crates" rust
 try "C# package (Mono)" csharp

@@ -9,7 +9,7 @@ typedef struct pbf_checked_desc {
   pbf_allocator allocator;
   char backend[PBF_NAME_SIZE];
   char isa[PBF_NAME_SIZE];     /* empty: the best */
-  uint32_t isa_by_environment; /* 1: by PBF_ISA, for want of another */
+  uint32_t isa_by_environment; /* 1: PBF_ISA asked for it, not the description */
   uint32_t worlds;             /* of the batch that the solver is for; 0: of none */
 } pbf_checked_desc;
 

@@ -28,12 +28,12 @@ pbf_status pbf_lock_check(void) {
 
 /* Most calls hold one for nanoseconds, and a search for backends for milliseconds. */
 static void wait_a_little(unsigned looks) {
-  enum { PATIENCE = 100, NAP = 50 /* microseconds */ };
-  if (looks < PATIENCE) {
+  enum { LOOKS_BEFORE_SLEEP = 100, PAUSE = 50 /* microseconds */ };
+  if (looks < LOOKS_BEFORE_SLEEP) {
     pbf_yield();
   } else {
     const int cancellation = pbf_uncancelled_begin();
-    pbf_os_sleep(NAP);
+    pbf_os_sleep(PAUSE);
     pbf_uncancelled_end(cancellation);
   }
 }

@@ -22,7 +22,7 @@ static void default_release(void *user, void *memory, uint64_t size, uint64_t al
 const pbf_allocator pbf_default_allocator = {sizeof(pbf_allocator), 0, NULL, default_allocate,
                                              default_release};
 
-/* Allocators need not know what an allocation of 0 bytes means. */
+/* Callers' allocators are never asked for 0 bytes. */
 static uint64_t at_least_one(uint64_t size) { return size ? size : 1; }
 
 pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,

@@ -88,3 +88,9 @@ void pbf_struct_out(const pbf_struct_kind *kind, const void *ours, void *theirs,
   memset((unsigned char *)theirs + common, 0, size - common);
   memcpy(theirs, &size, sizeof size);
 }
+
+pbf_status pbf_count_out(uint32_t number, uint32_t *count) {
+  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
+  *count = number;
+  return PBF_OK;
+}

@@ -55,6 +55,9 @@ pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);
 /* Copies a caller's struct of its own size into one of ours; what it lacks becomes zero. */
 pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours);
 
+/* Gives a caller a number; fails where `count` is null. */
+pbf_status pbf_count_out(uint32_t number, uint32_t *count);
+
 /* The caller's struct as an output: not null, with a usable struct_size. */
 pbf_status pbf_struct_check_out(const pbf_struct_kind *kind, const void *theirs);
 

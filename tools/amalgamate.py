@@ -16,6 +16,8 @@ import re
 import shutil
 import sys
 
+from public_headers import public_headers
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FOLDERS = [ROOT / "lib", ROOT / "backends", ROOT / "include", ROOT / "third_party"]
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"].*$', re.MULTILINE)
@@ -139,9 +141,8 @@ def main():
     (folder / "pbf_all.c").write_text(c_file(generated), encoding="utf-8")
     (folder / "pbf_all.cpp").write_text(cpp_file(generated, dimension, bits), encoding="utf-8")
     (folder / "pbf").mkdir(exist_ok=True)
-    everything = (ROOT / "include/pbf/all.h").read_text(encoding="utf-8")
-    for name in ["all.h", *re.findall(r"#include <pbf/(\w+\.h)>", everything)]:
-        shutil.copyfile(ROOT / "include/pbf" / name, folder / "pbf" / name)
+    for header in [ROOT / "include/pbf/all.h", *public_headers(ROOT)]:
+        shutil.copyfile(header, folder / "pbf" / header.name)
 
 
 if __name__ == "__main__":

@@ -101,7 +101,7 @@ def constants_of(param, header):
     constants = [prefix + name.upper() for name in names_of(param)]
     for constant in constants:
         if not re.search(rf"\b{constant} =", header):
-            raise ValueError(f"{param['name']}: pbf.h has no {constant}")
+            raise ValueError(f"{param['name']}: params.h has no {constant}")
     return constants
 
 
@@ -141,7 +141,7 @@ def schema_of(param):
 # What the objects are called, the key that tells their kind, and keys that are no member.
 WORDS = {
     "phase": "an object of fields of pbf_phase (phases.h): a fluid of its own",
-    "collider": "an object of fields of pbf_collider (pbf.h), those of its shape, and, when it moves in "
+    "collider": "an object of fields of pbf_collider (colliders.h), those of its shape, and, when it moves in "
                 "stretches, motion",
     "emitter": "an object of fields of pbf_emitter (emit.h), those of its shape",
     "drain": "an object of fields of pbf_volume (query.h), those of its shape",
@@ -316,7 +316,7 @@ def python_text(params, header):
 
 REFERENCE = """# Parameters
 
-The members of `pbf_params`, in its order; [pbf.h](../include/pbf/pbf.h) says more of each. Scene files and `--set` of
+The members of `pbf_params`, in its order; [params.h](../include/pbf/params.h) says more of each. Scene files and `--set` of
 `pbf-bench` have the same names. Units are the caller's own, as long as they are consistent; h is `smoothing_radius`. In 2D
 every third component is ignored.
 
@@ -398,7 +398,7 @@ def anchor_of(name):
     for heading in re.findall(r"^### (`.*)$", read("docs/guide.md"), flags=re.MULTILINE):
         if code(name) in heading:
             return re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
-    raise ValueError(f"docs/guide.md has no heading for {name}")
+    sys.exit(f"docs/guide.md has no heading for {name}")
 
 
 # ---- all -----------------------------------------------------------------------------------------
@@ -413,13 +413,13 @@ def outputs():
     """Path → what it should hold."""
     params, features = read_table("backends/physics/params.def"), read_table("backends/physics/features.def")
     return {
-        "docs/parameters.md": reference_text(params, read("include/pbf/pbf.h")),
+        "docs/parameters.md": reference_text(params, read("include/pbf/params.h")),
         "docs/defaults.md": defaults_text(params, read("docs/defaults.md")),
         "docs/building.md": building_text(features, read("docs/building.md")),
         "bench/scenes/scene.schema.json":
             objects_text(read_table("bench/scene/objects.def"),
                          schema_text(params, read("bench/scenes/scene.schema.json"))),
-        "python/pbf/_param_fields.py": python_text(params, read("include/pbf/pbf.h")),
+        "python/pbf/_param_fields.py": python_text(params, read("include/pbf/params.h")),
     }
 
 

@@ -4,7 +4,7 @@
     tools/version.py            writes it
     tools/version.py --check    fails where it is another one
 
-tools/bindings.py wants to run afterwards: the description of the ABI has the numbers of pbf.h.
+tools/bindings.py wants to run afterwards: the description of the ABI has the numbers of the headers.
 """
 import pathlib
 import re

@@ -4,8 +4,10 @@
 
 #include <pbf/pbf_backend.h>
 
+#include "physics/features.h"
+
 /* Position of `id` in ascending ids[0 … count - 1], or count where it is not among them. */
-static inline uint32_t pbf_find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
+PBF_FN uint32_t pbf_find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
   uint32_t low = 0, high = count;
   while (low < high) {
     uint32_t middle = low + (high - low) / 2;

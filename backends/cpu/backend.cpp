@@ -7,7 +7,7 @@
 #include "cpu/core.h"
 #include "cpu/particles.h"
 #include "cpu/step.h"
-#include "cpu/survey.h"
+#include "cpu/diagnostics.h"
 #include "pbf_build.h"
 
 #define PASTE(isa, dim, bits) cpu_##isa##_##dim##d_f##bits
@@ -300,10 +300,8 @@ static pbf_status set_timing(solver *s, uint32_t enabled) {
 static pbf_status get_timings(solver *s, pbf_timings *timings) {
   for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
     if (!s->schedule.runs[k]) continue;
-    pbf_stage_time *t = &timings->stages[timings->stage_count++];
-    snprintf(t->name, sizeof t->name, "%s", pbf_stage_name((pbf_stage)k));
-    t->milliseconds = 1000 * s->seconds[k];
-    t->runs = s->runs[k] - (k == PBF_STAGE_LAMBDA || k == PBF_STAGE_MOVE ? s->skipped : 0);
+    const uint64_t skipped = k == PBF_STAGE_LAMBDA || k == PBF_STAGE_MOVE ? s->skipped : 0;
+    pbf_timings_add(timings, k, 1000 * s->seconds[k], s->runs[k] - skipped);
   }
   return PBF_OK;
 }

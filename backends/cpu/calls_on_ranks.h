@@ -1,9 +1,10 @@
-/* Part of survey.h: calls of a solver that is one of some ranks: joining, refusals, what comes
+/* Part of diagnostics.h: calls of a solver that is one of some ranks: joining, refusals, what comes
  * in, which all are given whole, and what goes out, which all get whole. */
 #ifndef PBF_CPU_CALLS_ON_RANKS_H
 #define PBF_CPU_CALLS_ON_RANKS_H
 
 #include "common/report.h"
+#include "common/rank_shares.h"
 #include "common/rows.h"
 #include "cpu/arrays.h"
 #include "cpu/halo.h"
@@ -75,44 +76,22 @@ static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps
 
 /* ---- In ------------------------------------------------------------------------------------ */
 
-static uint64_t digest_of_added(const solver *s, const pbf_particles *p) {
-  const uint64_t bytes = (uint64_t)p->count * PBF_DIM * sizeof(pbf_real);
-  uint64_t hash = digest(s->ranks.particles, p->ids, (uint64_t)p->count * sizeof *p->ids);
-  hash = digest(hash, p->positions, bytes);
-  hash = digest(hash, &p->phase, sizeof p->phase);
-  return p->velocities ? digest(hash, p->velocities, bytes) : hash;
-}
-
-/* Those of new particles that this rank has until the next step: so many that all have about as
- * many then. */
+/* Leaves of new particles those that this rank has until the next step. */
 static bool share_of_added(solver *s, pbf_particles *p) {
   ranks_state *r = &s->ranks;
-  uint32_t *counts = static_cast<uint32_t *>(r->gathered), first = 0;
-  range mine = {0, 0};
-  const uint64_t all = (uint64_t)r->total + p->count;
-  const uint32_t each = (uint32_t)((all + r->count - 1) / r->count);
-  const uint64_t hash = digest_of_added(s, p);
+  uint32_t *counts = static_cast<uint32_t *>(r->gathered);
+  const uint64_t total = (uint64_t)r->total + p->count;
+  const uint64_t hash = pbf_digest_of_added(r->particles, p);
   if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
       !gather_on_ranks(s, &s->count, counts, sizeof s->count))
     return false;
-  for (uint32_t k = 0; k < r->count; ++k) {
-    const uint32_t room = counts[k] < each ? each - counts[k] : 0, left = p->count - first;
-    const uint32_t share = room < left ? room : left;
-    if (counts[k] + share > s->local_capacity) {
-      refuse_on_ranks(s, PBF_ERROR_CAPACITY,
-                      "the particles do not fit into the local_capacity of all ranks");
-      return false;
-    }
-    if (k == r->rank) mine = {first, first + share};
-    first += share;
+  if (!pbf_take_share_of_added(counts, r->count, r->rank, s->local_capacity, total, p)) {
+    refuse_on_ranks(s, PBF_ERROR_CAPACITY,
+                    "the particles do not fit into the local_capacity of all ranks");
+    return false;
   }
-  const uint64_t before = (uint64_t)mine.first * PBF_DIM * sizeof(pbf_real);
-  p->ids += mine.first;
-  p->positions = static_cast<const char *>(p->positions) + before;
-  if (p->velocities) p->velocities = static_cast<const char *>(p->velocities) + before;
   r->particles = hash;
-  r->total = (uint32_t)all;
-  p->count = mine.last - mine.first;
+  r->total = (uint32_t)total;
   return true;
 }
 

@@ -191,7 +191,10 @@ struct executor {
     if (w->s->schedule.adhesion) over_pairs(adhesion_task);
     stage_end(w, PBF_STAGE_SURFACE_TENSION);
   }
-  void drag() { over_pairs(drag_task, PBF_STAGE_DRAG); }
+  template <class Pass>
+  void over_particles(pbf_stage stage) {
+    over_pairs(particles_task<Pass>, stage);
+  }
   bool update_sleep() { return ::update_sleep(w); }
   void end() {
     if (has_ranks(w->s)) keep_own(w);

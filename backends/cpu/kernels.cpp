@@ -5,7 +5,7 @@
 #include "cpu/kernels_particles.h"
 #include "cpu/kernels_search.h"
 
-/* Who asks for the mean of the velocities around a particle. */
+/* What needs the mean of the velocities around a particle. */
 enum {
   VELOCITY_MEANS = PBF_FEATURE_VISCOSITY | PBF_FEATURE_SLEEP | PBF_FEATURE_DAMPING_COMPENSATION
 };

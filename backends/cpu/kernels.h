@@ -26,8 +26,8 @@ typedef struct lists {
   uint32_t count; /* particles */
 } lists;
 
-/* Memory for lists: the units next … end - 1, and who knows of more when these are used up (and
- * then sets both, or returns 0). */
+/* Memory for lists: the units next … end - 1, and a function that provides more when these are
+ * used up: it sets both, or returns 0. */
 typedef struct list_arena {
   uint64_t next, end;
   int (*more)(void *context, struct list_arena *space);
@@ -92,9 +92,9 @@ typedef struct pair_pass {
   const pbf_real *vectors;           /* and of what else a pass looks up */
   const pbf_obstacles *contributing; /* density; null: none do */
   const pbf_real *residual_density;  /* null: none */
-  int64_t *error_units;     /* lambda adds the density error to it; null: the sentinel asks */
-  const pbf_real *activity; /* null: the sentinel sleeps */
-  boundary_cache boundary;  /* lambda leaves it for move, at the same places */
+  int64_t *error_units;              /* lambda adds the density error to it; null: none is wanted */
+  const pbf_real *activity;          /* null: nothing sleeps */
+  boundary_cache boundary;           /* lambda leaves it for move, at the same places */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */
@@ -141,7 +141,8 @@ struct shear_pass {
   pbf_real *rest[2]; /* … and of its components those that no vector has room for */
   field push;        /* and before that what walls push with; over masses, where these differ */
   field change;      /* of the velocity */
-  /* add_walls for particle i: the same for all instruction sets. */
+  /* add_walls for particle i, and whether no colliders contribute: the same for all instruction
+   * sets. */
   int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
   const pbf_real *mobility, *mass; /* null: phases do not differ */
 };
@@ -228,7 +229,7 @@ typedef struct kernels {
   /* What crowding leaves out of viscosity, and a stage of that. */
   void (*crowding)(const pair_pass *p, pbf_real *left_out, uint32_t first, uint32_t last);
   void (*viscous_stress)(const pair_pass *p, const viscous_pass *s, uint32_t first, uint32_t last);
-  /* `neighbors` null: the sentinel counts them. */
+  /* `neighbors` null: they are not counted. */
   void (*density)(const pair_pass *p, pbf_real *density, uint32_t *neighbors, uint32_t first,
                   uint32_t last);
   /* What passes/pressure_fit.h makes of numbers that the particles have. */

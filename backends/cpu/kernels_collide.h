@@ -12,42 +12,6 @@ static __attribute__((noinline)) pbf_vec resolve_collisions(const pbf_obstacles 
   return pbf_resolve_collisions(*o, with_obstacle_motion, from, x);
 }
 
-namespace {
-
-/* Candidates that a particle on a way no longer than `way` may have something to do with. */
-struct surfaces_on_way {
-  const pbf_obstacles *of;
-  int with_obstacle_motion;
-  pbf_vec from;
-  pbf_real way;
-
-  /* By the ball around it, as it asks itself but with more room. */
-  PBF_IN bool may_meet(const pbf_surface &s) const {
-    const pbf_real reach = s.steepest * way + 2 * s.skin;
-    if (pbf_surface_is_unbounded(&s)) return true;
-    if (!with_obstacle_motion) return !pbf_surface_is_beyond(&s, from, reach);
-    const pbf_vec arm = pbf_sub(from, s.start_center);
-    const pbf_real far = s.bound + reach + s.step;
-    return s.turn > 0 || !(pbf_dot(arm, arm) > far * far);
-  }
-
-  template <class Visit>
-  PBF_IN void each(Visit visit) const {
-    for (int k = 0; k < of->count; ++k)
-      if (may_meet(of->surfaces[k])) visit(of->surfaces[k]);
-  }
-};
-
-}  // namespace
-
-/* No shorter than the way, and found without a root. */
-PBF_FN pbf_real way_along_axes(pbf_vec from, pbf_vec x) {
-  pbf_real way = 0;
-  for (int k = 0; k < PBF_DIM; ++k)
-    way += x.c[k] < from.c[k] ? from.c[k] - x.c[k] : x.c[k] - from.c[k];
-  return way;
-}
-
 /* The same between all of many, of which `first` are those that it may meet first. Most particles
  * meet none; for one that does those are looked for to which it may be pushed. */
 static __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles *all,
@@ -56,7 +20,8 @@ static __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles 
                                                             pbf_vec x) {
   const auto surfaces = surface_array_of(first->count, first->surfaces);
   const pbf_vec kept = pbf_keep_before(&all->domain, surfaces, with_obstacle_motion, from, x);
-  const surfaces_on_way near = {first, with_obstacle_motion, from, way_along_axes(from, kept)};
+  const auto near =
+      surfaces_on_way_of(surfaces, with_obstacle_motion, from, way_along_axes(from, kept));
   if (!pbf_touches_any(near, with_obstacle_motion, from, kept)) return kept;
   pbf_obstacles rest = *all, candidates;
   const group_bounds alone = bounds_of_way(from, x);

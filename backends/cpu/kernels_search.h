@@ -93,7 +93,7 @@ typedef struct builder {
   neighbor_window windows[PARTS];
 } builder;
 
-/* A group's list is in one task: what there is of it moves to where there is room for the next
+/* A group's list is in one piece: what there is of it moves to where there is room for the next
  * block too. */
 static __attribute__((noinline)) void move_list(builder *b, uint32_t units) {
   list_arena *arena = b->arena;

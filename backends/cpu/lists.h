@@ -63,7 +63,7 @@ static void list_size_add(list_size *all, list_size more) {
 /* `quads` are of x, and of what the pass looks up. */
 static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
   static const uint8_t none[LIST_UNIT] = {
-      0}; /* where the sentinel has a neighbour there are no lists */
+      0}; /* where no particle has a neighbour there are no lists */
   const solver *s = w->s;
   return (pair_pass){
       .constants = &w->constants,
@@ -100,7 +100,7 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 static void find_sleeping_boundary(const worker *w, range groups) {
   const solver *s = w->s;
   pair_pass pairs = pairs_at(w, *w->sorted_positions, packed_positions(s));
-  s->kernels->wake_neighbors(&pairs, w->activity, s->has_sleepers, stirred_in_search(s),
+  s->kernels->wake_neighbors(&pairs, w->activity, s->has_sleepers, awakened_in_search(s),
                              groups.first, groups.last);
 }
 
@@ -125,7 +125,7 @@ static void sleeping_boundary_task(void *context, uint32_t task) {
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < own_places(s).last; ++i)
-    if (stirred_in_search(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
+    if (awakened_in_search(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
       w->activity[i] = pbf_sleeping_boundary();
   for (uint32_t g = r.first; g < r.last; ++g)
     if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_sleeping_boundary()))
@@ -183,7 +183,7 @@ static int find_neighbors(worker *w, completion_function last) {
   w->arena = (list_arena){.more = next_slab, .context = w};
   parallel_for(w->self, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
   if (has_ranks(w->s) && sleep_is_on(w) && w->s->asleep)
-    exchange_marks(w->s, stirred_in_search(w->s));
+    exchange_marks(w->s, awakened_in_search(w->s));
   if (sleep_is_on(w)) parallel_for(w->self, search_task_count(w), sleeping_boundary_task, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);

@@ -101,12 +101,12 @@ static void write_phases(solver *s, const pbf_rows *rows, const uint8_t *in) {
   }
 }
 
-/* After a diagnostics. */
+/* After diagnose. */
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
   const range own = own_places(s);
   for (uint32_t k = own.first; k < own.last; ++k) {
     uint32_t row = wanted_row(rows, s->buffers.sorted_ids[k]);
-    if (row < rows->count) out[row] = surveyed_densities(s)[k];
+    if (row < rows->count) out[row] = diagnosed_densities(s)[k];
   }
 }
 

@@ -197,8 +197,8 @@ static void solve_alone(solver *s) {
 /* ---- Iterations by several threads --------------------------------------------------------- */
 
 /* How many iterations there are is known at their end, when a thread may be late for any number of
- * loops of the team: so all of them are in one. Who comes first leads, and who comes later helps.
- * The leader waits for no help that has not begun. */
+ * loops of the team: so all of them are in one. The first thread that comes leads, and later ones
+ * help. The leader waits for no help that has not begun. */
 
 /* A grid of fewer nodes is solved faster than it is shared out; and nodes in a part, at least. */
 enum { PRESSURE_GRID_SHARED = 4096, PRESSURE_GRID_PART = 1024 };

@@ -5,6 +5,7 @@
 #ifndef PBF_CPU_SHARES_H
 #define PBF_CPU_SHARES_H
 
+#include "common/rank_shares.h"
 #include "cpu/ranks.h"
 
 /* Cells are counted in bins, runs of their numbers. */
@@ -34,18 +35,6 @@ static inline void sum_up(uint32_t *histogram) {
   }
 }
 
-static inline uint32_t bin_of_place(const uint32_t *before, uint32_t place) {
-  uint32_t low = 0, high = RANK_BINS;
-  while (low + 1 < high) {
-    const uint32_t middle = low + (high - low) / 2;
-    if (before[middle] <= place)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /* Where the share of rank k begins. */
 static inline uint32_t share_begin(const solver *s, uint32_t k) {
   const uint32_t total = s->ranks.total, width = s->kernels->width;
@@ -69,8 +58,9 @@ static inline void hold_neighbors(const solver *s, rank_share *share) {
   const grid *g = &s->grid;
   const uint32_t *before = s->ranks.histogram, each = cells_a_bin(g);
   const uint64_t reach = cells_in_reach(g), total = g->total, bins = (total + each - 1) / each;
-  const uint64_t own = (uint64_t)bin_of_place(before, share->own_first) * each;
-  const uint64_t own_end = ((uint64_t)bin_of_place(before, share->own_last - 1) + 1) * each;
+  const uint64_t own = (uint64_t)pbf_bin_of_place(before, RANK_BINS, share->own_first) * each;
+  const uint64_t own_end =
+      ((uint64_t)pbf_bin_of_place(before, RANK_BINS, share->own_last - 1) + 1) * each;
   const uint64_t end = (own_end + reach + each - 1) / each;
   const bool periodic = g->up[PBF_DIM - 1] != 0, all = periodic && reach >= total;
   uint64_t first = own > reach ? (own - reach) / each : 0, last = end < bins ? end : bins;

@@ -1,5 +1,5 @@
-/* Who falls asleep and who wakes (physics/sleep.h): at the end of a step, at the start of one where
- * something moves, and between steps at the caller's word. */
+/* Which particles fall asleep and which wake (physics/sleep.h): at the end of a step, at the start
+ * of one where something moves, and between steps where the caller changes something. */
 #ifndef PBF_CPU_SLEEP_H
 #define PBF_CPU_SLEEP_H
 
@@ -13,7 +13,7 @@ static void activity_task(void *context, uint32_t task) {
   const field &around = w->b.mean_velocity();
   range all = task_sorted(w, task);
   uint32_t near_sleep_count = 0;
-  memset(stirred_at_end(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
+  memset(awakened_at_end(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
   smooth_velocities(w, task, 1, around);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
@@ -30,8 +30,7 @@ static void activity_task(void *context, uint32_t task) {
   atomic_fetch_add_explicit(&s->near_sleep_count, near_sleep_count, memory_order_relaxed);
 }
 
-/* Where the sentinel sleeps nor is about to, the sentinel need know of what wakes its neighbours.
- */
+/* Where no particle sleeps or is about to, none has to be told of what wakes its neighbours. */
 static void wake_neighbors_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
@@ -40,7 +39,7 @@ static void wake_neighbors_task(void *context, uint32_t task) {
   if (atomic_load_explicit(&s->near_sleep_count, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    s->kernels->wake_neighbors(&pairs, w->b.wakes(), s->has_sleepers, stirred_at_end(s), g.first,
+    s->kernels->wake_neighbors(&pairs, w->b.wakes(), s->has_sleepers, awakened_at_end(s), g.first,
                                g.last);
 }
 
@@ -50,7 +49,7 @@ static void update_sleep_task(void *context, uint32_t task) {
   range all = task_sorted(w, task);
   uint32_t sleepers = 0;
   for (uint32_t i = all.first; i < all.last; ++i) {
-    w->activity[i] = pbf_update_sleep(&s->sleep, w->activity[i], stirred_at_end(s)[i] != 0);
+    w->activity[i] = pbf_update_sleep(&s->sleep, w->activity[i], awakened_at_end(s)[i] != 0);
     sleepers += (uint32_t)pbf_is_asleep(w->activity[i]);
     if (i % ACTIVITY_CHUNK == 0 || i == all.first) mark_has_sleepers(s, i, 0);
   }
@@ -72,13 +71,13 @@ static void end_settling(void *context) {
 static void note_still(const worker *w, range others) {
   solver *s = w->s;
   for (uint32_t i = others.first; i < others.last; ++i) {
-    stirred_at_end(s)[i] = 0;
+    awakened_at_end(s)[i] = 0;
     if (w->activity[i] < s->sleep.still2) mark_has_sleepers(s, i, 1);
   }
 }
 
-/* On ranks: which of the others' particles are still, and whether any of all is. */
-static void hear_of_still(worker *w) {
+/* On ranks: which of the other ranks' particles are still, and whether any particle is. */
+static void exchange_still(worker *w) {
   solver *s = w->s;
   const range own = own_places(s), held = held_places(s);
   const uint32_t near_sleep_count =
@@ -95,9 +94,9 @@ static void hear_of_still(worker *w) {
 /* 1 when now all sleep. */
 static int update_sleep(worker *w) {
   parallel_for(w->self, pair_task_count(w), activity_task, NULL, w);
-  if (has_ranks(w->s)) hear_of_still(w);
+  if (has_ranks(w->s)) exchange_still(w);
   parallel_for(w->self, pair_task_count(w), wake_neighbors_task, NULL, w);
-  if (has_ranks(w->s)) exchange_marks(w->s, stirred_at_end(w->s));
+  if (has_ranks(w->s)) exchange_marks(w->s, awakened_at_end(w->s));
   parallel_for(w->self, pair_task_count(w), update_sleep_task, end_settling, w);
   stage_end(w, PBF_STAGE_SLEEP);
   return atomic_load_explicit(&w->s->all_asleep, memory_order_acquire) &&
@@ -180,7 +179,7 @@ static bool wakes_any_near_moving(solver *s, const pbf_moving_obstacles &moving,
   return s->asleep < before || !on_all_ranks(s, !woken);
 }
 
-/* How many of `steps` steps after the first `done` pass without anybody awake, when all sleep. */
+/* How many of `steps` steps after the first `done` pass with no particle awake, when all sleep. */
 static uint32_t steps_asleep(solver *s, const pbf_step_times *times, uint32_t done,
                              uint32_t steps) {
   if (!sleeps(s) || s->asleep < particles_of_all(s)) return 0;

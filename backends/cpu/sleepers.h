@@ -1,4 +1,4 @@
-/* What the stages of a step ask about sleepers. Where nothing sleeps all groups are awake. Once
+/* Which particles and groups sleep. Where nothing sleeps all groups are awake. Once
  * neighbours are known, some sleepers are the sleeping boundary (physics/sleep.h). */
 #ifndef PBF_CPU_SLEEPERS_H
 #define PBF_CPU_SLEEPERS_H
@@ -98,7 +98,7 @@ static inline void zero_woken_velocity(const worker *w, range r, const field *v)
     if (pbf_just_woke(&w->s->sleep, w->activity[i])) field_set(v, i, (pbf_vec){{0}});
 }
 
-/* Out of reach of the awake the sentinel pushes. Returns how many these are. */
+/* Sleepers out of reach of the awake push nothing. Returns how many these are. */
 static inline uint32_t clear_inactive(const worker *w, range r) {
   pbf_real *acts = w->s->added ? w->s->added : w->s->lambda;
   uint32_t inactive = 0;

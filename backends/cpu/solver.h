@@ -231,15 +231,15 @@ static inline pbf_real *crowding_of(const solver *s) { return scratch_reals(s); 
 static inline pbf_real *curl_sizes(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *missing_neighbors_of(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *sorted_lambda(const solver *s) { return scratch_reals(s); }
-static inline pbf_real *surveyed_densities(const solver *s) { return scratch_reals(s); }
+static inline pbf_real *diagnosed_densities(const solver *s) { return scratch_reals(s); }
 
 /* What the pressure grid makes its sums of, before lambda is known. */
 static inline pbf_real *grid_densities(const solver *s) { return s->lambda; }
 
 /* A number of each particle that the sort no longer needs: AWAKENED once something near it wakes
- * its neighbours, at the end of a step and in the search; neighbours in a diagnostics. */
-static inline uint32_t *stirred_at_end(const solver *s) { return s->cells; }
-static inline uint32_t *stirred_in_search(const solver *s) { return s->order; }
+ * its neighbours, at the end of a step and in the search; neighbours in diagnose. */
+static inline uint32_t *awakened_at_end(const solver *s) { return s->cells; }
+static inline uint32_t *awakened_in_search(const solver *s) { return s->order; }
 static inline uint32_t *neighbor_counts(const solver *s) { return s->cells; }
 
 #endif

@@ -5,18 +5,22 @@
 
 long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
+int thread_has_ended(long number, double seconds) { return (void)number, (void)seconds, 0; }
 uint32_t startable_threads(uint32_t wanted) { return wanted; }
 
 #else
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <unistd.h>
 
 #if defined(__linux__)
 #include <sys/syscall.h>
 #endif
+
+#include "common/system.h"
 
 enum { MAX_PROBES = 256 };
 
@@ -30,14 +34,27 @@ typedef struct probe {
 
 long thread_number(void) { return syscall(SYS_gettid); }
 
-int thread_is_there(long number) {
-  return syscall(SYS_tgkill, getpid(), number, 0) == 0 || errno != ESRCH;
+typedef enum presence { GONE, THERE, UNTOLD /* a sandbox does not let one ask */ } presence;
+
+static presence presence_of(long number) {
+  if (syscall(SYS_tgkill, getpid(), number, 0) == 0) return THERE;
+  return errno == ESRCH ? GONE : UNTOLD;
+}
+
+int thread_is_there(long number) { return presence_of(number) != GONE; }
+
+int thread_has_ended(long number, double seconds) {
+  const double begin = pbf_seconds();
+  presence now = THERE;
+  while ((now = presence_of(number)) == THERE && pbf_seconds() - begin < seconds) sched_yield();
+  return now == GONE;
 }
 
 #else
 
 long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
+int thread_has_ended(long number, double seconds) { return (void)seconds, number != 0; }
 
 #endif
 
@@ -47,15 +64,6 @@ static void *wait_at_gate(void *user) {
   pthread_mutex_lock(own->gate);
   pthread_mutex_unlock(own->gate);
   return NULL;
-}
-
-/* A thread counts until the kernel has forgotten it, a little after it can be joined. */
-static void wait_until_forgotten(const probe *gone) {
-#if defined(__linux__)
-  while (thread_is_there(gone->number)) sched_yield();
-#else
-  (void)gone;
-#endif
 }
 
 static uint32_t start_and_end(uint32_t wanted) {
@@ -70,7 +78,9 @@ static uint32_t start_and_end(uint32_t wanted) {
   }
   pthread_mutex_unlock(&gate);
   for (uint32_t k = 0; k < here; ++k) pthread_join(probes[k].thread, NULL);
-  for (uint32_t k = 0; k < here; ++k) wait_until_forgotten(&probes[k]);
+  /* A thread counts until the kernel has forgotten it, a little after it can be joined. */
+  for (uint32_t k = 0; k < here; ++k)
+    if (!thread_has_ended(probes[k].number, 1)) break;
   return here;
 }
 

@@ -13,4 +13,7 @@ uint32_t startable_threads(uint32_t wanted);
 long thread_number(void);
 int thread_is_there(long number);
 
+/* Waits until none has it; 0: one still has, after so many seconds. */
+int thread_has_ended(long number, double seconds);
+
 #endif

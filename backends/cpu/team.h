@@ -16,11 +16,11 @@ extern "C" {
 
 typedef struct team team;
 
-/* In a loop that waits for another thread: `looks` counts its turns from 1. Who has looked often
- * offers the core to others. */
+/* In a loop that waits for another thread: `looks` counts its turns from 1. After many of
+ * them the core is offered to others. */
 static inline void wait_a_little(unsigned *looks) {
-  enum { PATIENCE = 2000 };
-  if (++*looks >= PATIENCE) {
+  enum { LOOKS_BEFORE_YIELD = 2000 };
+  if (++*looks >= LOOKS_BEFORE_YIELD) {
     pbf_yield();
     return;
   }
@@ -46,7 +46,7 @@ typedef void (*team_function)(void *context, team_thread *self);
 typedef void (*task_function)(void *context, uint32_t task);
 typedef void (*completion_function)(void *context);
 
-/* Most tasks of a loop. */
+/* Most tasks of a loop: a power of two less 1. */
 enum { TEAM_MAX_TASKS = 0xffff };
 
 /* Of the memory in which a team meets. */

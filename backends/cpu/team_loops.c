@@ -9,25 +9,25 @@
 
 #include "cpu/atomics.h"
 
-/* How often it looks before it counts the tasks done itself, in case thread 0 can't. */
-enum { TRUST = 64 };
+/* Looks of a thread that waits before it counts the tasks done itself, in case thread 0 can't. */
+enum { LOOKS_BEFORE_COUNT = 64 };
 
 /* After so many looks a wait is long: a thread has a task in hand, and no core to do it on. */
-enum { LONG = 1000 };
+enum { LOOKS_OF_LONG_WAIT = 1000 };
 
 /* Pieces of a loop that are still to be taken from a part. */
 typedef struct left {
   uint32_t loop, first, last; /* up to last - 1 */
 } left;
 
-/* Each on cache lines of its own; processors fetch them in pairs. */
+/* What threads write is on cache lines of its own each; processors fetch them in pairs. */
 enum { LINES = 2 * TEAM_ALIGNMENT };
-typedef struct desk {
+typedef struct thread_tasks {
   _Alignas(TEAM_ALIGNMENT) atomic_ullong left; /* of the thread's part: packed */
   char apart[LINES - sizeof(atomic_ullong)];
   atomic_ullong done; /* tasks in all loops, by this thread */
   char apart_too[LINES - sizeof(atomic_ullong)];
-} desk;
+} thread_tasks;
 
 struct team {
   _Alignas(TEAM_ALIGNMENT) atomic_uint over; /* loops that are */
@@ -36,18 +36,18 @@ struct team {
   char apart_too[LINES - sizeof(atomic_uint)];
   atomic_ullong alone; /* nanoseconds in all `last`, when one thread works */
   char apart_as_well[LINES - sizeof(atomic_ullong)];
-  desk desks[];
+  thread_tasks of_thread[];
 };
 
-uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(desk); }
+uint64_t team_bytes(uint32_t threads) { return sizeof(team) + threads * sizeof(thread_tasks); }
 
 void team_reset(team *all, uint32_t threads) {
   atomic_init(&all->over, 0);
   atomic_init(&all->ending, 0);
   atomic_init(&all->alone, 0);
   for (uint32_t t = 0; t < threads; ++t) {
-    atomic_init(&all->desks[t].left, 0);
-    atomic_init(&all->desks[t].done, 0);
+    atomic_init(&all->of_thread[t].left, 0);
+    atomic_init(&all->of_thread[t].done, 0);
   }
 }
 
@@ -59,13 +59,14 @@ static unsigned long long pack(left l) {
 }
 
 static left unpack(unsigned long long word) {
-  return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & 0xffff, (uint32_t)word & 0xffff};
+  return (left){(uint32_t)(word >> 32), (uint32_t)(word >> 16) & TEAM_MAX_TASKS,
+                (uint32_t)word & TEAM_MAX_TASKS};
 }
 
 /* Takes a task of the loop from a thread's part; 0 when none is left there. The first thread that
  * comes divides the part up. */
 static int take_task(const team_thread *self, uint32_t thread, uint32_t tasks, uint32_t *task) {
-  atomic_ullong *word = &self->team->desks[thread].left;
+  atomic_ullong *word = &self->team->of_thread[thread].left;
   unsigned long long seen = atomic_load_explicit(word, memory_order_relaxed), next;
   do {
     left l = unpack(seen);
@@ -86,10 +87,11 @@ static void work_on(team_thread *self, uint32_t thread, uint32_t tasks, task_fun
   uint64_t done = self->done;
   for (uint32_t k; take_task(self, thread, tasks, &k); ++self->done) task(context, k);
   if (self->done > done)
-    atomic_store_explicit(&self->team->desks[self->thread].done, self->done, memory_order_release);
+    atomic_store_explicit(&self->team->of_thread[self->thread].done, self->done,
+                          memory_order_release);
 }
 
-static int is_converged(const team_thread *self) {
+static int loop_is_over(const team_thread *self) {
   return !is_before(atomic_load_explicit(&self->team->over, memory_order_acquire), self->loops);
 }
 
@@ -97,7 +99,7 @@ static int is_converged(const team_thread *self) {
 static int all_done(const team_thread *self) {
   uint64_t done = 0;
   for (uint32_t t = 0; t < self->threads; ++t)
-    done += atomic_load_explicit(&self->team->desks[t].done, memory_order_acquire);
+    done += atomic_load_explicit(&self->team->of_thread[t].done, memory_order_acquire);
   return done >= self->tasks;
 }
 
@@ -126,9 +128,10 @@ static double seconds_alone(const team_thread *self) {
 static void wait_for_end(team_thread *self, completion_function last, void *context) {
   const double alone = seconds_alone(self);
   double since = 0;
-  for (unsigned looks = 1; !is_converged(self); wait_a_little(&looks)) {
-    if ((self->thread == 0 || looks % TRUST == 0) && all_done(self)) end_loop(self, last, context);
-    if (looks == LONG) since = pbf_seconds();
+  for (unsigned looks = 1; !loop_is_over(self); wait_a_little(&looks)) {
+    if ((self->thread == 0 || looks % LOOKS_BEFORE_COUNT == 0) && all_done(self))
+      end_loop(self, last, context);
+    if (looks == LOOKS_OF_LONG_WAIT) since = pbf_seconds();
   }
   if (since == 0) return;
   const double waited = pbf_seconds() - since - (seconds_alone(self) - alone);
@@ -144,7 +147,7 @@ void team_parallel_for(team_thread *self, uint32_t tasks, task_function task,
     if (last) last(context);
     return;
   }
-  for (uint32_t k = 0; k < self->threads && !is_converged(self); ++k)
+  for (uint32_t k = 0; k < self->threads && !loop_is_over(self); ++k)
     work_on(self, (self->thread + self->threads - k) % self->threads, tasks, task, context);
   wait_for_end(self, last, context);
 }

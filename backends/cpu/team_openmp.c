@@ -76,6 +76,19 @@ static uint32_t threads_to_be_had(last_run *last, uint32_t threads) {
   return last->kept = had;
 }
 
+/* Where a team is smaller than the last one of this thread, GCC's runtime ends the threads that it
+ * has no use for. They read the memory of the pool until they have ended, and that goes when this
+ * thread ends, without waiting for those. Other runtimes keep theirs, which shows once. */
+static void wait_for_surplus(const last_run *last, uint32_t kept_before) {
+#if defined(__linux__) && !defined(__clang__)
+  static _Atomic int keeps_threads;
+  for (uint32_t k = last->kept; k < kept_before && !keeps_threads; ++k)
+    if (!thread_has_ended(last->numbers[k], 1)) keeps_threads = 1;
+#else
+  (void)last, (void)kept_before;
+#endif
+}
+
 static void run_alone(team *all, team_function function, void *context) {
   team_thread alone = {.api = &cpu_team, .team = all, .thread = 0, .threads = 1};
   function(context, &alone);
@@ -85,6 +98,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
                      void *context) {
   (void)tasks;
   last_run *last = threads == 1 ? NULL : pbf_per_thread_take(&last_runs);
+  const uint32_t kept_before = last ? last->kept : 0;
   threads = threads_to_be_had(last, threads);
   team_reset(all, threads);
   if (threads == 1) {
@@ -103,6 +117,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
     function(context, &self);
     pbf_fp_end(before);
   }
+  wait_for_surplus(last, kept_before);
 }
 
 const team_api cpu_team = {.ignores_tasks = 1,

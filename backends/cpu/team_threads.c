@@ -53,7 +53,7 @@ static struct pool {
   uint32_t sleeping;
   atomic_uint size;    /* threads that there are */
   atomic_uint refused; /* 1: no more are to be had */
-  uint32_t era;        /* of the threads that there are: those of another one end */
+  uint32_t generation; /* of the present threads: those of another generation end */
   uint32_t forks_are_watched;
   limit limit;
   pbf_thread threads[TEAM_MAX_THREADS];
@@ -79,8 +79,8 @@ static region *region_to_join(void) {
   return r;
 }
 
-/* Opens the lock for the while. After the count has gone down its caller may be gone, and with it
- * the region. */
+/* The lock is open meanwhile. After the count has gone down the region's caller may have returned,
+ * and the region with it. */
 static void join(region *r) {
   team_thread self = {.api = &cpu_team, .team = r->all, .thread = r->come++, .threads = r->threads};
   atomic_fetch_add(&r->inside, 1);
@@ -91,7 +91,7 @@ static void join(region *r) {
   atomic_fetch_add(&r->inside, -1u);
 }
 
-/* Opens the lock for the while. */
+/* The lock is open meanwhile. */
 static void wait_for_region(void) {
   unsigned seen = atomic_load_explicit(&pool.opened, memory_order_relaxed), looks = 0;
   pbf_mutex_unlock(&pool.lock);
@@ -105,11 +105,11 @@ static void wait_for_region(void) {
   --pool.sleeping;
 }
 
-/* Its era may be over before it begins. */
-static void *work(void *era) {
+/* The pool may be of another generation before the thread begins. */
+static void *work(void *generation) {
   pbf_fp_begin();
   pbf_mutex_lock(&pool.lock);
-  while (pool.era == (uintptr_t)era) {
+  while (pool.generation == (uintptr_t)generation) {
     region *r = region_to_join();
     if (r)
       join(r);
@@ -122,7 +122,7 @@ static void *work(void *era) {
 
 /* ---- The pool ------------------------------------------------------------------------------ */
 
-/* A child has none of the threads, and nothing that they were in. */
+/* A child process has none of the threads, and none of the regions that they were in. */
 static void before_fork(void) { pbf_mutex_lock(&pool.lock); }
 static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
 static void in_child(void) {
@@ -136,8 +136,8 @@ static void in_child(void) {
 
 /* With the lock held. */
 static int add_thread(void) {
-  const int runs =
-      pbf_thread_start(&pool.threads[pool.size], STACK_BYTES, work, (void *)(uintptr_t)pool.era);
+  const int runs = pbf_thread_start(&pool.threads[pool.size], STACK_BYTES, work,
+                                    (void *)(uintptr_t)pool.generation);
   pool.size += runs;
   return runs;
 }
@@ -164,7 +164,7 @@ static void team_end(void) {
   if (--pool.users == 0) {
     for (; count < pool.size; ++count) threads[count] = pool.threads[count];
     pool.size = 0;
-    ++pool.era;
+    ++pool.generation;
     atomic_fetch_add(&pool.opened, 1);
     pbf_condition_broadcast(&pool.wake);
   }

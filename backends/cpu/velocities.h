@@ -5,15 +5,15 @@
 
 #include "cpu/viscosity.h"
 #include "physics/passes/damping_compensation.h"
-#include "physics/passes/drag.h"
 #include "physics/passes/shear_stress.h"
 #include "physics/passes/surface_tension.h"
 #include "physics/passes/viscosity.h"
 
 static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
   const pbf_vec x = field_at(&p->x, i);
-  return add_walls(p->constants, pbf_obstacles_near(*p->contributing, x, p->constants->h), x,
-                   fabric);
+  add_walls(p->constants, p->contributing->domain, x, fabric);
+  return !colliders_contribute(p->constants,
+                               pbf_obstacles_near(*p->contributing, x, p->constants->h), x);
 }
 
 /* Runs a pass of shear_stress.h for a task's particles that are awake. */
@@ -219,10 +219,11 @@ static void surface_tension_task(void *context, uint32_t task) {
   zero_sleeping(w, task_sorted(w, task), w->b.v.c, PBF_DIM);
 }
 
-static void drag_task(void *context, uint32_t task) {
+template <class Pass>
+static void particles_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const range all = task_sorted(w, task);
-  const drag_pass pass = drag_of(&w->s->params);
+  const Pass pass = Pass::of(&w->s->params);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i)

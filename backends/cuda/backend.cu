@@ -4,6 +4,7 @@
 #include "cuda/plugin.h"
 
 #include "cuda/arrays.h"
+#include "cuda/collider_room.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/rank_calls.h"
@@ -19,6 +20,8 @@ static void destroy_solver(solver *s) {
     drop_team(s);
     if (s->reached) cudaEventDestroy(s->reached);
     free_ranks(s);
+    free_shape_table(s->allocator, s->shapes);
+    free_many_host(s);
     pbf_cuda_free_all(&s->memory);
     free_all_asleep(s);
     if (s->owns_stream) cudaStreamDestroy(s->stream);
@@ -45,12 +48,13 @@ static uint32_t list_chunks(const pbf_params *params) {
   return (uint32_t)ceil(room / PBF_CHUNK);
 }
 
-/* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get. */
+/* Room for lists, before them the sort's scratch, or for what a small scene has, or ranks get, or
+ * statistics take. */
 static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, uint32_t chunks,
                                    bool small) {
   uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
            largest = padded * chunks * sizeof(uint4);
-  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t),
+  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
                          small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
                          small ? (unsigned long long)world_list_room(s, params) : 0ull,
                          has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true) +
@@ -78,14 +82,15 @@ static pbf_status take_lists(solver *s, const pbf_params *params, uint32_t chunk
 static pbf_status take_for_scene(solver *s, const pbf_schedule &has, const pbf_params &params,
                                  bool small) {
   if (pbf_status status = take_for_small(s, small)) return status;
-  return keep_arrays(s, has, params);
+  if (pbf_status status = keep_arrays(s, has, params)) return status;
+  return keep_many_loads(s, has.runs[PBF_STAGE_LOADS] != 0);
 }
 
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */
 static pbf_status allow_sleep(solver *s, bool changes, bool before) {
   s->sleep = pbf_sleep_of(&s->params);
   s->moving_obstacles =
-      pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders, nullptr);
+      pbf_moving_obstacles_of(&s->params, s->collider_count, s->colliders, s->many.table.moving);
   if (!before) return init_new(s, 0, s->count);
   return changes ? wake_all(s) : PBF_OK;
 }
@@ -128,6 +133,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   s->derived = derived;
   s->params = *params;
   s->schedule = schedule;
+  note_standing(s);
   if (!schedule.accelerated) s->pressure_scale = 0;
   return schedule.runs[PBF_STAGE_SLEEP] ? allow_sleep(s, changes, slept) : PBF_OK;
 }
@@ -247,6 +253,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->host = desc->host;
   s->capacity = desc->capacity;
   s->worlds = desc->worlds;
+  s->colliders = s->few_colliders;
   pbf_place_few_basins(&s->basins, &s->basins_memory);
   pbf_status status = describe_ranks(s, desc->ranks);
   if (status == PBF_OK) status = pbf_cuda_context_find(desc->device, desc->stream, &s->context);
@@ -265,25 +272,30 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
 
 /* Once no kernel that reads those before is to come. */
 static void keep_shapes(solver *s, const device_shapes &next) {
-  if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, s->shapes.memory);
+  if (s->shapes.memory != next.memory) {
+    pbf_cuda_free(&s->memory, s->shapes.memory);
+    free_shape_table(s->allocator, s->shapes);
+  }
   s->shapes = next;
 }
 
 static void drop_shapes(solver *s, const device_shapes &next) {
-  if (s->shapes.memory != next.memory) pbf_cuda_free(&s->memory, next.memory);
+  if (s->shapes.memory == next.memory) return;
+  pbf_cuda_free(&s->memory, next.memory);
+  free_shape_table(s->allocator, next);
 }
 
-static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
-                                const pbf_collider *colliders, double time) {
-  solver *s = of(handle);
-  pbf_cuda_scope scope(s->context);
+/* Once there is room for them. */
+static pbf_status replace_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
+                                    double time) {
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;
-  const pbf_moving_obstacles changed = pbf_changed_surfaces(
-      s->collider_count, s->colliders, count, colliders, s->moving_obstacles, nullptr);
+  const pbf_moving_obstacles changed =
+      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders, s->moving_obstacles,
+                           s->many.table.changed);
   device_shapes shapes;
-  pbf_status status = take_shapes(&s->memory, s->shapes, count, colliders, &shapes);
+  pbf_status status = take_shapes(s->allocator, &s->memory, s->shapes, count, colliders, &shapes);
   if (status) return status;
   status = apply_params(s, &s->params, room, first);
   if (!status) status = wake_near_colliders(s, changed, s->time);
@@ -300,8 +312,23 @@ static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
   s->collider_time = s->time = time;
   if (room != count)
     if ((status = apply_params(s, &s->params, count, s->colliders))) return status;
-  s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, s->colliders, nullptr);
+  s->moving_obstacles =
+      pbf_moving_obstacles_of(&s->params, count, s->colliders, s->many.table.moving);
+  note_standing(s);
   return wake_near_colliders(s, changed, time);
+}
+
+static pbf_status set_colliders(pbf_backend_solver *handle, uint32_t count,
+                                const pbf_collider *colliders, double time) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status =
+          pbf_refuse_without(pbf_cuda_host, pbf_features_wanted(&s->params, count, colliders)))
+    return status;
+  pbf_status status = make_room_for(s, count);
+  if (status == PBF_OK) status = replace_colliders(s, count, colliders, time);
+  const pbf_status left = leave_room_of_many(s);
+  return status == PBF_OK ? left : status;
 }
 
 static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t steps,
@@ -319,7 +346,7 @@ static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t ste
       *done = steps;
       break;
     }
-    uint32_t ahead = steps - *done < STEPS_AHEAD ? steps - *done : (uint32_t)STEPS_AHEAD;
+    uint32_t ahead = steps - *done < steps_ahead(s) ? steps - *done : steps_ahead(s);
     const pbf_step_times left = {times.time, times.before + *done, times.time_step};
     if (pbf_status status = place_surfaces(s, left, ahead)) return end_call(s, status);
     if (small_serves(s)) {
@@ -330,9 +357,8 @@ static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t ste
       continue;
     }
     for (uint32_t k = 0; k < ahead && !all_asleep(s, pbf_time_after(&times, *done)); ++k, ++*done) {
-      if (pbf_status status =
-              step_once(s, pbf_time_after(&left, k + 1), pbf_nth_after(&left, k + 1),
-                        s->surfaces + k * s->collider_count))
+      if (pbf_status status = step_once(s, pbf_time_after(&left, k + 1),
+                                        pbf_nth_after(&left, k + 1), surfaces_of_step(s, k)))
         return end_call(s, status);
       s->pressure_scale = s->constants.pressure;
       s->found.struct_size = 0;
@@ -373,11 +399,13 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
                                 s->planned, s->scene_capacity, 0, s->phases.count > 0);
+  note_standing(s);
   pbf_status status = place_surfaces(s, time);
-  if (status == PBF_OK) status = step_once(s, time, 1, s->surfaces);
+  if (status == PBF_OK) status = step_once(s, time, 1, surfaces_of_step(s, 0));
   s->params = params;
   s->schedule = schedule;
   s->constants = constants;
+  note_standing(s);
   s->pressure_scale = 0;
   s->time = time;
   return end_call(s, status);
@@ -390,8 +418,9 @@ static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *ove
   s->overlaps = overlap != nullptr;
   pbf_status status = apply_params(s, &s->params, s->collider_count, s->colliders);
   if (status != PBF_OK) s->overlaps = before;
-  if (status == PBF_OK && overlap) s->found = *overlap;
-  return status;
+  if (status != PBF_OK || !overlap) return status;
+  s->found = *overlap;
+  return upload_placed(s);
 }
 
 static pbf_status set_phases(pbf_backend_solver *handle, const pbf_phase_table *table) {
@@ -591,12 +620,13 @@ static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) 
   return PBF_OK;
 }
 
-/* That it works on ranks: pbf_backend_desc.ranks; and how worlds of a batch step together. */
+/* That it works on ranks: pbf_backend_desc.ranks; how worlds of a batch step together; and how many
+ * colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
-  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : nullptr;
+  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : pbf_colliders_extension(name);
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API = {

@@ -6,13 +6,13 @@
 #include "cuda/loads.h"
 #include "cuda/pressure_grid_host.h"
 #include "physics/overfull.h"
-#include "physics/passes/drag.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
 static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
                  phases = s->phase != nullptr, solids = s->topology_memory != nullptr,
+                 boundary = s->boundary_densities != nullptr, collides = collides_after_moves(s),
                  loads = notes_pushes(s);
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
@@ -21,10 +21,10 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   return launches[stage];
 }
 
-/* Internal linkage: its functions have the same names in the units of other variants. */
-/* Of particles awake; `activity` is null where nothing sleeps. */
+/* A pass over particles alone, of those awake; `activity` is null where nothing sleeps. */
+template <class Pass>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    drag_kernel(drag_pass pass, uint32_t count, const pbf_real *activity, pbf_vec *velocities) {
+    particles_kernel(Pass pass, uint32_t count, const pbf_real *activity, pbf_vec *velocities) {
   const uint32_t i = thread_index();
   if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   velocities[i] = pass.finish(velocities[i]);
@@ -242,7 +242,7 @@ struct executor {
       if (notes_pushes(s))
         launch(begin_push_kernel, state_of(s), prediction_inputs.forces, scratch_of(s), n.particles,
                pbf_units_of_momentum(&n.constants, &prediction_inputs.forces), s->push,
-               s->load_tally);
+               changes_of_all(s));
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
@@ -284,15 +284,13 @@ struct executor {
                                  s->viscous_force,
                                  changes,
                                  next_changes};
-    const few_no_slip no_slip = no_slip_of(s);
     neighborhood starts = n;
     starts.particles.points = s->points;
-    with_surfaces(s, [&](auto surfaces) {
+    with_no_slip_met(s, [&](auto surfaces, auto all) {
       constexpr surfaces_met MET = decltype(surfaces)::value;
-      constexpr surfaces_met NONE_MET = serves_all<MET> ? MET : FEW_SURFACES;
-      launch(s->schedule.no_slip ? viscous_stress_kernel<true, MET>
-                                 : viscous_stress_kernel<false, NONE_MET>,
-             starts, n.particles.points, stage, extras.obstacles, no_slip);
+      launch(viscous_stress_kernel<MET != NO_SURFACES, MET, decltype(all)::value>, starts,
+             n.particles.points, stage, extras.obstacles,
+             no_slip_for<MET == LISTED_SURFACES>(s, extras.obstacles.surfaces));
     });
     swap_arrays(&changes, &next_changes);
   }
@@ -300,9 +298,13 @@ struct executor {
   void move_by_viscosity() {
     if (status != PBF_OK) return;
     if (finds_loads(s) && s->schedule.no_slip)
-      launch(no_slip_loads_kernel, n, s->points, extras.obstacles,
-             pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params), no_slip_of(s),
-             extras.rest.activity, changes, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(no_slip_loads_kernel<LISTED>, n, s->points, extras.obstacles,
+               pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params),
+               no_slip_for<LISTED>(s, extras.obstacles.surfaces), extras.rest.activity, changes,
+               tally_for<LISTED>(s));
+      });
     launch_way(extras.rest.activity, changes, n.particles.velocities);
     moves_later = true;
     status = pbf_cuda_check_launch("way_kernel");
@@ -339,7 +341,10 @@ struct executor {
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(ghosts_at_start),
               at_start{time_step}, n.particles.velocities);
-        launch(overlap_kernel<F>, n, extras, before, time_step, ghosts_at_start, s->found);
+        with_lists(s, [&](auto listed) {
+          launch(overlap_kernel<F, decltype(listed)::value>, n, extras, before, time_step,
+                 ghosts_at_start, s->found);
+        });
       });
       launch_held(mark_placed_kernel, none);
     });
@@ -359,10 +364,12 @@ struct executor {
               s, n, extras, before,
               reinterpret_cast<typename pass::template sums<pbf_real> *>(s->residual_density),
               at_start{time_step}, n.particles.velocities);
-        with_surfaces(s, [&](auto surfaces) {
-          launch(residual_density_kernel<F, decltype(surfaces)::value>, n, extras, before,
-                 time_step, with_ghosts, s->residual_density);
-        });
+        launch(density_at_start_kernel<F>, n, time_step, with_ghosts, s->residual_density);
+      });
+      const step_obstacles then = {before, extras.obstacles.count, extras.obstacles.surfaces};
+      with_surfaces(s, [&](auto surfaces) {
+        launch(residual_density_kernel<decltype(surfaces)::value>, n, then,
+               s->schedule.wall_density, time_step, s->residual_density);
       });
     });
   }
@@ -373,26 +380,26 @@ struct executor {
       place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       status = clear_pressure_grid(s, arrays);
-      const bool stand = !moving_obstacles_at(s, time - s->params.time_step).surfaces;
+      const pbf_moving_obstacles moving = moving_obstacles_at(s, time - s->params.time_step);
+      const bool stand = !moving.surfaces && !moving.others;
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
       if (status != PBF_OK) return;
       const bool torn = s->pressure_grid_solids > 0;
+      pbf_real *densities = reinterpret_cast<pbf_real *>(moved); /* free before the first move */
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         sum_ghosts_of_lambda<F>(n);
-        with_surfaces(s, [&](auto surfaces) {
-          constexpr surfaces_met SURFACES = decltype(surfaces)::value;
-          launch(torn ? deposit_kernel<F, true, SURFACES> : deposit_kernel<F, false, SURFACES>, n,
-                 extras, ghosts, s->pressure_grid, arrays);
-        });
+        launch(grid_density_kernel<F>, n, ghosts, densities);
+      });
+      with_surfaces(s, [&](auto surfaces) {
+        launch(deposit_kernel<decltype(surfaces)::value>, n, extras, densities, s->pressure_grid,
+               arrays, torn);
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
       with_surfaces(s, [&](auto surfaces) {
-        constexpr surfaces_met SURFACES = decltype(surfaces)::value;
-        launch(torn ? apply_correction_kernel<true, SURFACES>
-                    : apply_correction_kernel<false, SURFACES>,
-               n.particles, s->pressure_grid, arrays, extras.obstacles, collides_with_surfaces(),
+        launch(apply_correction_kernel<decltype(surfaces)::value>, n.particles, s->pressure_grid,
+               arrays, torn, extras.obstacles, collides_with_surfaces(),
                (pbf_real)(1 / s->params.time_step));
       });
     });
@@ -429,7 +436,8 @@ struct executor {
         with_kernel(s->schedule.features,
                     [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
         launch_lambda(s, part, extras,
-                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts});
+                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts,
+                       boundary_sums_of(s, moved)});
       });
       if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
     });
@@ -452,7 +460,10 @@ struct executor {
                                   place.first};
       if (notes_pushes(s))
         with_features(s->schedule.features, [&](auto features) {
-          launch(push_before_kernel<decltype(features)::value>, n, noting, s->velocities, s->push);
+          with_lists(s, [&](auto listed) {
+            launch(push_before_kernel<decltype(features)::value, decltype(listed)::value>, n,
+                   noting, s->velocities, s->push);
+          });
         });
       in_parts([&](const neighborhood &part) {
         if (ghosts)
@@ -460,12 +471,15 @@ struct executor {
             typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
             sum_ghosts<pass>(s, part, extras, domain(), ghost_moves);
           });
-        launch_move(
-            s, part, moved, extras,
-            {place, (pbf_real)pbf_per_time_step(&s->params), s->schedule.collide_in_iteration,
-             s->schedule.collide_after_solve, s->velocities, ghost_moves});
+        launch_move(s, part, moved, extras,
+                    {place, (pbf_real)pbf_per_time_step(&s->params),
+                     s->schedule.collide_in_iteration, s->schedule.collide_after_solve,
+                     s->velocities, ghost_moves, boundary_sums_of(s, moved)});
       });
-      if (notes_pushes(s)) launch(push_after_kernel, n, noting, s->velocities, s->push);
+      if (notes_pushes(s))
+        with_lists(s, [&](auto listed) {
+          launch(push_after_kernel<decltype(listed)::value>, n, noting, s->velocities, s->push);
+        });
     });
     swap_arrays(&n.particles.points, &moved);
     moves_later = true;
@@ -499,12 +513,14 @@ struct executor {
         constexpr int F = decltype(features)::value;
         if (with_ghosts)
           sum_ghosts<fabric_pass<fixed<F>>>(s, n, unwatched, domain(), s->fabric_ghosts);
-        with_surfaces(s, [&](auto surfaces) {
-          launch(deviator_kernel<F, decltype(surfaces)::value>, n, extras.obstacles,
-                 s->schedule.wall_density, s->activity, with_ghosts ? s->fabric_ghosts : nullptr,
-                 s->deviators, s->other);
-        });
+        launch(deviator_kernel<F>, n, domain(), s->schedule.wall_density, s->activity,
+               with_ghosts ? s->fabric_ghosts : nullptr, s->deviators, s->other);
       });
+      if (s->schedule.wall_density && surfaces_of(s) != NO_SURFACES)
+        with_surfaces(s, [&](auto surfaces) {
+          launch(leave_colliders_kernel<decltype(surfaces)::value>, n, extras.obstacles,
+                 s->deviators);
+        });
     });
   }
 
@@ -533,10 +549,11 @@ struct executor {
   /* By what velocities change by. */
   void launch_way(const pbf_real *activity, const pbf_vec *changes, pbf_vec *velocities) {
     const surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? way_kernel<FIELD_SURFACES>
-                  : met == MANY_SURFACES ? way_kernel<MANY_SURFACES>
-                  : met == FEW_SURFACES  ? way_kernel<FEW_SURFACES>
-                                         : way_kernel<NO_SURFACES>;
+    auto kernel = met == LISTED_SURFACES  ? way_kernel<LISTED_SURFACES>
+                  : met == FIELD_SURFACES ? way_kernel<FIELD_SURFACES>
+                  : met == MANY_SURFACES  ? way_kernel<MANY_SURFACES>
+                  : met == FEW_SURFACES   ? way_kernel<FEW_SURFACES>
+                                          : way_kernel<NO_SURFACES>;
     const uint32_t first = n.particles.first; /* above 0 on ranks, where nothing sleeps */
     launch(kernel, n.particles.points + first, own_count(n), activity, extras.obstacles,
            (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes + first,
@@ -577,12 +594,16 @@ struct executor {
   }
 
   void friction() {
-    const few_friction_scales scales = few_friction_scales_of(
-        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
-        s->collider_count);
+    const pbf_friction_scales scales =
+        pbf_friction_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders);
     run(PBF_STAGE_FRICTION, [&] {
-      launch(friction_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
-             (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(friction_kernel<LISTED>, n, extras.obstacles,
+               friction_for<LISTED>(s, scales, extras.obstacles.surfaces), present_pressures(s),
+               s->activity, (pbf_real)pbf_per_time_step(&s->params), s->velocities, s->push,
+               tally_for<LISTED>(s));
+      });
     });
   }
 
@@ -590,10 +611,12 @@ struct executor {
     const pbf_load_scales scales =
         pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
     run(PBF_STAGE_LOADS, [&] {
-      launch(loads_kernel, n, extras.obstacles, scales, present_pressures(s), s->activity,
-             extras.rest.all, s->velocities, s->push, s->load_tally);
-      end_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(extras.obstacles, scales,
-                                                            extras.rest.all, s->load_tally);
+      with_lists(s, [&](auto listed) {
+        constexpr bool LISTED = decltype(listed)::value;
+        launch(loads_kernel<LISTED>, n, extras.obstacles, scales, present_pressures(s), s->activity,
+               extras.rest.all, s->velocities, s->push, tally_for<LISTED>(s));
+      });
+      launch_end_loads(s, extras.obstacles, scales, extras.rest.all);
     });
   }
 
@@ -641,16 +664,20 @@ struct executor {
   }
 
   void adhere() {
-    const few_adhesion_scales scales = few_adhesion_scales_of(
-        pbf_adhesion_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders),
-        s->collider_count);
-    launch(adhesion_kernel, n, extras.obstacles, scales, missing(), s->activity, s->velocities,
-           s->load_tally);
+    const pbf_adhesion_scales scales =
+        pbf_adhesion_scales_of(&n.constants, &prediction_inputs.forces, &s->params, s->colliders);
+    with_lists(s, [&](auto listed) {
+      constexpr bool LISTED = decltype(listed)::value;
+      launch(adhesion_kernel<LISTED>, n, extras.obstacles,
+             adhesion_for<LISTED>(s, scales, extras.obstacles.surfaces), missing(), s->activity,
+             s->velocities, tally_for<LISTED>(s));
+    });
   }
 
-  void drag() {
-    run(PBF_STAGE_DRAG, [&] {
-      launch(drag_kernel, drag_of(&s->params), own_count(n), s->activity,
+  template <class Pass>
+  void over_particles(pbf_stage stage) {
+    run(stage, [&] {
+      launch(particles_kernel<Pass>, Pass::of(&s->params), own_count(n), s->activity,
              s->velocities + n.particles.first);
     });
   }

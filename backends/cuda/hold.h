@@ -151,15 +151,16 @@ static inline sort_scratch rank_scratch_of(const solver *s, uint32_t from) {
   return {room + from, room + 2 * n + from, room + 4 * n};
 }
 
+/* Laid out as by send_particles_kernel, which is given the same of `own` on each rank. */
 static inline unsorted_particles inbox_of(const solver *s, const unsorted_particles &own,
                                           uint32_t count) {
   const rank_inbox in =
-      rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity, s->overlap != nullptr);
+      rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity, own.overlap != nullptr);
   unsorted_particles from = own;
   from.points = in.points;
   from.velocities = in.velocities;
   from.ids = in.ids;
-  from.overlap = own.overlap ? in.overlap : nullptr;
+  from.overlap = in.overlap;
   from.count = count;
   return from;
 }

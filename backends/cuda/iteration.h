@@ -16,6 +16,11 @@ constexpr bool PBF_CHEBYSHEV = (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) != 0;
 /* Whether it has walls with ghosts. */
 constexpr bool PBF_GHOSTS = (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) != 0;
 
+/* The place of an iteration among those of the step. */
+struct iteration_place {
+  bool first, second, last;
+};
+
 /* What an iteration knows of sleepers. */
 struct sleep_pass {
   const pbf_real *activity; /* null: nothing sleeps */
@@ -37,15 +42,37 @@ struct iteration_extras {
 static_assert(sizeof(pbf_real) > sizeof(float) || sizeof(iteration_extras) <= 128,
               "of larger arguments the compiler holds no part in registers");
 
-/* Lambda of a particle at x, with what obstacles contribute. `ghosts` are part of the sums unless
- * null. */
+/* What walls and colliders contribute to particles where there are colliders: a kernel of its own
+ * finds it before lambda (solids.h), so that the loops over pairs keep their registers. */
+struct boundary_sums {
+  pbf_real *densities; /* null: lambda and move look at the walls themselves */
+  point *gradients;    /* with the part of a fluid at rest in place of lambda; nothing where the
+                        * density is 0 */
+};
+
+static __device__ __forceinline__ void add_boundary_of(const boundary_sums &found, uint32_t i,
+                                                       lambda_sums<pbf_real> *sums) {
+  const pbf_real density = found.densities[i];
+  if (density == 0) return;
+  sums->density += density;
+  sums->gradient.add_scaled(1, lanes_of(position_of(load(found.gradients, i))));
+}
+
+static __device__ __forceinline__ void correct_by_boundary_of(const boundary_sums &found,
+                                                              uint32_t i, pbf_real lambda,
+                                                              move_sums<pbf_real> *sums) {
+  if (found.densities[i] == 0) return;
+  const point kept = load(found.gradients, i);
+  sums->change = lanes_of(
+      pbf_boundary_correction(vec_of(sums->change), lambda, kept.lambda, position_of(kept)));
+}
+
+/* Lambda of a particle at x, with what obstacles contribute. */
 template <surfaces_met SURFACES, class Pass>
 static __device__ __forceinline__ pbf_real finish_lambda(const Pass &pass, const step_obstacles &o,
                                                          bool wall_density,
                                                          pbf_real residual_density, pbf_vec x,
-                                                         lambda_sums<pbf_real> *sums,
-                                                         const lambda_sums<pbf_real> *ghosts) {
-  if (ghosts) add_sums(sums, *ghosts);
+                                                         lambda_sums<pbf_real> *sums) {
   if (wall_density) {
     pbf_vec gradient = vec_of(sums->gradient);
     add_boundary<SURFACES>(pass.c, o, x, &sums->density, &gradient);
@@ -63,13 +90,13 @@ struct move_finish {
 };
 
 /* Where a move takes a particle from x, and its velocity with it; `predicted` counts where there
- * are colliders. `ghosts` push, too, unless null. */
+ * are colliders. */
 template <surfaces_met SURFACES, class Pass>
-static __device__ __forceinline__ pbf_vec
-finish_move(const Pass &pass, const step_obstacles &o, const move_finish &end, pbf_real lambda,
-            bool overlaps, const uint32_t &id, pbf_vec predicted, pbf_vec x,
-            move_sums<pbf_real> sums, const move_sums<pbf_real> *ghosts, pbf_vec *velocity) {
-  if (ghosts) add_sums(&sums, *ghosts);
+static __device__ __forceinline__ pbf_vec finish_move(const Pass &pass, const step_obstacles &o,
+                                                      const move_finish &end, pbf_real lambda,
+                                                      bool overlaps, const uint32_t &id,
+                                                      pbf_vec predicted, pbf_vec x,
+                                                      move_sums<pbf_real> sums, pbf_vec *velocity) {
   if (end.wall_density) {
     pbf_boundary boundary = boundary_at<SURFACES>(pass.c, o, x);
     sums.change = lanes_of(pbf_boundary_correction(vec_of(sums.change), lambda, &boundary));

@@ -3,8 +3,11 @@
 #ifndef PBF_CUDA_KERNELS_H
 #define PBF_CUDA_KERNELS_H
 
+#include <type_traits>
+
 #include "cuda/driver.h"
 #include "cuda/ghosts.h"
+#include "cuda/solids.h"
 #include "physics/passes/angular_momentum.h"
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
@@ -22,16 +25,12 @@
 
 constexpr bool PBF_DAMPING_COMPENSATION = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) != 0;
 
-/* The place of an iteration among those of the step. */
-struct iteration_place {
-  bool first, second, last;
-};
-
 /* How an iteration's lambda comes about, other than from neighbours. */
 struct lambda_parts {
   bool first;
   const pbf_real *residual_density;    /* in very short steps; else null */
   const lambda_sums<pbf_real> *ghosts; /* where walls have them (ghosts.h); else null */
+  boundary_sums boundary;
 };
 
 /* How an iteration's move ends. */
@@ -42,17 +41,16 @@ struct move_end {
   int collide_last;                  /* and in the last iteration */
   pbf_vec *velocities;               /* with all moves so far, from the first on */
   const move_sums<pbf_real> *ghosts; /* where walls have them; else null */
+  boundary_sums boundary;
 };
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
- * lets several loads of a thread be under way at once. Colliders need more registers. */
-constexpr int blocks_at_once(surfaces_met any) {
-  return sizeof(pbf_real) == sizeof(float) ? (any ? 4 : 5) : (any ? 2 : 4);
-}
+ * lets several loads of a thread be under way at once. */
+constexpr int PBF_BLOCKS_AT_ONCE = sizeof(pbf_real) == sizeof(float) ? 5 : 4;
 
-/* SURFACES and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
+/* ALL: for periodic axes and phases, too, which few scenes have. ALL and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     lambda_kernel(neighborhood n, iteration_extras extras, lambda_parts parts) {
   uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
@@ -74,15 +72,17 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   pbf_real total = accelerated && !parts.first ? extras.total[own] : 0;
   const lambda_pass<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
-  auto sums = sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr),
-                          at_points_of<serves_all<SURFACES>>{});
+  auto sums =
+      sums_around(pass, n, i, x, {}, static_cast<const no_value *>(nullptr), at_points_of<ALL>{});
   if (i >= n.particles.count) return;
   pbf_real residual_density =
       EXTRAS && PBF_CHEBYSHEV && parts.residual_density ? parts.residual_density[i] : 0;
-  const bool with_ghosts = EXTRAS && PBF_GHOSTS && parts.ghosts;
-  pbf_real lambda =
-      finish_lambda<SURFACES>(pass, extras.obstacles, EXTRAS && extras.wall_density,
-                              residual_density, x, &sums, with_ghosts ? parts.ghosts + i : nullptr);
+  if (EXTRAS && PBF_GHOSTS && parts.ghosts) add_sums(&sums, parts.ghosts[i]);
+  const bool has_boundary = EXTRAS && parts.boundary.densities;
+  if (has_boundary) add_boundary_of(parts.boundary, i, &sums);
+  pbf_real lambda = finish_lambda<NO_SURFACES>(pass, extras.obstacles,
+                                               EXTRAS && extras.wall_density && !has_boundary,
+                                               residual_density, x, &sums);
   if (checks_convergence)
     add_error_units(
         extras.watch, min(32u, n.particles.count - i / 32 * 32),
@@ -143,10 +143,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* The sleeping boundary's move: its place, with the lambda that others read, and in the state the
  * one that it keeps. No later stage asks for its neighbours. */
-static __device__ __forceinline__ void pass_shore(const neighborhood &n,
-                                                  const iteration_extras &extras, const point &own,
-                                                  const move_end &end, bool last, point *moved,
-                                                  uint32_t i) {
+static __device__ __forceinline__ void keep_sleeping_boundary(const neighborhood &n,
+                                                              const iteration_extras &extras,
+                                                              const point &own, const move_end &end,
+                                                              bool last, point *moved, uint32_t i) {
   point to = own;
   if (last) {
     to.lambda = extras.rest.kept[i].c[0];
@@ -158,9 +158,9 @@ static __device__ __forceinline__ void pass_shore(const neighborhood &n,
 
 /* That of other sleepers: both buffers hold the place. Where lambda adds up, they have none from
  * the first iteration on, and in the state all that they hold. */
-static __device__ __forceinline__ void pass_idle(const iteration_extras &extras, const point &own,
-                                                 const move_end &end, bool last, point *moved,
-                                                 uint32_t i) {
+static __device__ __forceinline__ void keep_inactive(const iteration_extras &extras,
+                                                     const point &own, const move_end &end,
+                                                     bool last, point *moved, uint32_t i) {
   point to = own;
   if (end.place.first) end.velocities[i] = {{0}};
   if (!extras.total) {
@@ -173,9 +173,9 @@ static __device__ __forceinline__ void pass_idle(const iteration_extras &extras,
   store(moved, i, to);
 }
 
-/* From n.particles.points to `moved`. SURFACES and SLEEP are EXTRAS, too. */
-template <int FEATURES, bool EXTRAS, surfaces_met SURFACES, bool SLEEP>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
+/* From n.particles.points to `moved`. ALL and SLEEP are EXTRAS, too. */
+template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     move_kernel(neighborhood n, point *moved, iteration_extras extras, move_end end) {
   uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
@@ -200,26 +200,26 @@ static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(SURFACES))
   bool asleep = SLEEP && pbf_is_asleep(activity);
   if (asleep && i < n.particles.count) {
     if (pbf_is_inactive(activity))
-      pass_idle(extras, own, end, last, moved, i);
+      keep_inactive(extras, own, end, last, moved, i);
     else
-      pass_shore(n, extras, own, end, last, moved, i);
+      keep_sleeping_boundary(n, extras, own, end, last, moved, i);
   }
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
   const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {c, {}};
   auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr),
-                          at_points_of<serves_all<SURFACES>>{});
+                          at_points_of<ALL>{});
   if (i >= n.particles.count || (SLEEP && asleep)) return;
-  pbf_vec predicted = x, v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
-  if (SURFACES != NO_SURFACES && !end.place.first && end.inv_time_step > 0)
-    predicted = pbf_add_scaled(x, -1 / end.inv_time_step, pbf_sub(v, n.particles.velocities[i]));
-  const bool with_ghosts = EXTRAS && PBF_GHOSTS && end.ghosts;
-  x = finish_move<SURFACES>(
+  pbf_vec v = end.place.first ? n.particles.velocities[i] : end.velocities[i];
+  if (EXTRAS && PBF_GHOSTS && end.ghosts) add_sums(&sums, end.ghosts[i]);
+  const bool has_boundary = EXTRAS && end.boundary.densities;
+  if (has_boundary) correct_by_boundary_of(end.boundary, i, own.lambda, &sums);
+  x = finish_move<NO_SURFACES>(
       pass, extras.obstacles,
-      {EXTRAS && extras.wall_density, end.collide + (last && end.collide_last), end.inv_time_step,
-       serves_all<SURFACES> && n.particles.mobility ? n.particles.mobility + i : nullptr},
-      own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], predicted,
-      x, sums, with_ghosts ? end.ghosts + i : nullptr, &v);
+      {EXTRAS && extras.wall_density && !has_boundary, end.collide + (last && end.collide_last),
+       end.inv_time_step, ALL && n.particles.mobility ? n.particles.mobility + i : nullptr},
+      own.lambda, n.particles.overlap && n.particles.overlap[i] > 0, n.particles.ids[i], x, x, sums,
+      &v);
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
@@ -275,25 +275,39 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                 n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1);
 }
 
-/* What a very short step leaves of the density error where the particles were at its start, between
- * these walls, and the colliders, of that time. `with_ghosts`: `residual_density` holds
+/* The density where the particles were at the start of the step. `with_ghosts`: `densities` holds
  * what these add to it. */
-template <int FEATURES, surfaces_met SURFACES>
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    residual_density_kernel(neighborhood n, iteration_extras extras, pbf_domain domain,
-                            pbf_real time_step, bool with_ghosts, pbf_real *residual_density) {
+    density_at_start_kernel(neighborhood n, pbf_real time_step, bool with_ghosts,
+                            pbf_real *densities) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
-  const pbf_constants *c = &n.constants;
-  const density_pass<fixed<FEATURES>> pass = {c, {}};
+  const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const pbf_vec *velocities = n.particles.velocities;
   const at_start places = {time_step};
-  pbf_vec x = places.place(load(n.particles.points, own), velocities[own]), gradient = {{0}};
-  pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
+  const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
+  const pbf_real density = sums_around(pass, n, i, x, {}, velocities, places).density;
+  if (i < n.particles.count) densities[i] = density + (with_ghosts ? densities[i] : 0);
+}
+
+/* From that, and what solids of that time contribute, to what a very short step leaves of the
+ * density error. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    residual_density_kernel(const __grid_constant__ neighborhood n,
+                            const __grid_constant__ step_obstacles before, bool wall_density,
+                            pbf_real time_step, pbf_real *residual_density) {
+  const uint32_t i = own_index(n.particles);
+  const pbf_constants *c = &n.constants;
   if (i >= n.particles.count) return;
-  if (with_ghosts) density += residual_density[i];
-  if (extras.wall_density) {
-    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary = pbf_boundary_at_time(c, obstacles_met<SURFACES>(before), x, x, 1);
+  const at_start places = {time_step};
+  const pbf_vec x = places.place(load(n.particles.points, i), n.particles.velocities[i]);
+  pbf_real density = residual_density[i];
+  pbf_vec gradient = {{0}};
+  if (wall_density) {
+    const pbf_boundary boundary =
+        pbf_boundary_at_time(constants_for<SURFACES == LISTED_SURFACES>(before, c),
+                             obstacles_near<SURFACES>(before, x, (double)c->h), x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
   }
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
@@ -313,10 +327,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Adds the overlap that is found at the start of the step, between these walls, and the colliders,
- * of that time. `ghosts`: what these add to densities, or null. */
-template <int FEATURES>
+ * of that time. `ghosts`: what these add to densities, or null. Of listed colliders the device has
+ * found.more_colliders. */
+template <int FEATURES, bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    overlap_kernel(neighborhood n, iteration_extras extras, pbf_domain domain, pbf_real time_step,
+    overlap_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras,
+                   const __grid_constant__ pbf_domain domain, pbf_real time_step,
                    const pbf_real *ghosts, pbf_overlap found) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
@@ -341,10 +358,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   pbf_vec gradient = {{0}};
   pbf_real density = sums.density + (ghosts ? ghosts[i] : 0), by_placed = placed_sums.density;
   if (extras.wall_density) {
-    const step_obstacles before = {domain, extras.obstacles.count, extras.obstacles.surfaces};
-    pbf_boundary boundary = pbf_boundary_at_time(c, before, x, x, 1);
+    const step_obstacles all = {domain, extras.obstacles.count, extras.obstacles.surfaces};
+    const auto &before = asked_near<LISTED>(all, x, (double)c->h);
+    const pbf_constants *of_solids = constants_for<LISTED>(all, c);
+    pbf_boundary boundary = pbf_boundary_at_time(of_solids, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
-    by_placed += placed_boundary(c, before, found, nullptr, x, 1);
+    by_placed +=
+        placed_boundary(of_solids, before, found, LISTED ? found.more_colliders : nullptr, x, 1);
   }
   pbf_real *overlap = n.particles.overlap + i;
   *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
@@ -377,7 +397,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 /* What each particle lacks of neighbours. `activity` is null where nothing sleeps. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    missing_neighbors_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    missing_neighbors_kernel(const __grid_constant__ neighborhood n,
+                             const __grid_constant__ step_obstacles obstacles, bool wall_density,
                              const pbf_real *activity, pbf_real *missing) {
   uint32_t i = own_index(n.particles);
   const missing_neighbors_pass pass = {&n.constants};
@@ -387,8 +408,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   pbf_real lacks = awake ? pass.finish(sums, 0) : 0;
   if (wall_density && lacks > 0)
-    lacks = pass.finish(sums,
-                        pbf_density_of_solids(&n.constants, obstacles_met<SURFACES>(obstacles), x));
+    lacks = pass.finish(
+        sums,
+        pbf_density_of_solids(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                              obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), x));
   missing[i] = lacks;
 }
 
@@ -427,7 +450,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * them have an instance of their own. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    compensate_damping_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    compensate_damping_kernel(const __grid_constant__ neighborhood n,
+                              const __grid_constant__ step_obstacles obstacles, bool wall_density,
                               pbf_real inv_time_step, const point *flow, pbf_curl *torques,
                               pbf_vec *velocities) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
@@ -441,17 +465,19 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
-    change = change_near_obstacles(c, obstacles_met<SURFACES>(obstacles), x, mean, here.lambda,
-                                   vec_of(sums.end), vec_of(sums.start));
+    change = change_near_obstacles(constants_for<SURFACES == LISTED_SURFACES>(obstacles, c),
+                                   obstacles_near<SURFACES>(obstacles, x, (double)c->h), x, mean,
+                                   here.lambda, vec_of(sums.end), vec_of(sums.start));
   if (n.particles.mobility) change = pbf_scaled(change, n.particles.mobility[i]);
   velocities[i] = pass.finish(inv_time_step, velocities[i], change);
 }
 
 /* lambda D of shear_stress.h, of particles awake, and what walls push with.
  * `activity` is null where nothing sleeps, `ghosts` where there are none. */
-template <int FEATURES, surfaces_met SURFACES>
+template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    deviator_kernel(neighborhood n, step_obstacles obstacles, bool wall_density,
+    deviator_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ pbf_domain domain, bool wall_density,
                     const pbf_real *activity, const fabric_sums<pbf_real> *ghosts,
                     pbf_deviator *deviators, point *walls) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
@@ -462,12 +488,26 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i >= n.particles.count) return;
   if (PBF_GHOSTS && ghosts) add_sums(&sums, ghosts[i]);
   pbf_fabric fabric = fabric_of(sums);
-  const bool counts =
-      !wall_density || add_walls(&n.constants, obstacles_met<SURFACES>(obstacles), x, &fabric);
+  if (wall_density) add_walls(&n.constants, domain, x, &fabric);
   const bool awake = !(PBF_SLEEP && activity && pbf_is_asleep(activity[i]));
   const pbf_deviator none = {{0}};
-  deviators[i] = counts && awake ? pass.finish(fabric, here.lambda) : none;
+  deviators[i] = awake ? pass.finish(fabric, here.lambda) : none;
   store(walls, i, point_at(fabric.wall));
+}
+
+/* … and none beside colliders. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    leave_colliders_kernel(const __grid_constant__ neighborhood n,
+                           const __grid_constant__ step_obstacles obstacles,
+                           pbf_deviator *deviators) {
+  const uint32_t i = own_index(n.particles);
+  if (i >= n.particles.count) return;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  const pbf_constants *c = constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants);
+  const pbf_deviator none = {{0}};
+  if (colliders_contribute(c, obstacles_near<SURFACES>(obstacles, x, (double)c->h), x))
+    deviators[i] = none;
 }
 
 /* From what walls push with to the pushes. */
@@ -507,9 +547,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * that is null. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    way_kernel(point *points, uint32_t count, const pbf_real *activity, step_obstacles obstacles,
-               pbf_real time_step, pbf_real inv_time_step, const pbf_vec *changes,
-               pbf_vec *velocities, pbf_vec *push) {
+    way_kernel(point *points, uint32_t count, const pbf_real *activity,
+               const __grid_constant__ step_obstacles obstacles, pbf_real time_step,
+               pbf_real inv_time_step, const pbf_vec *changes, pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = thread_index();
   if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   point here = load(points, i);
@@ -567,12 +607,22 @@ struct few_no_slip {
   pbf_real walls, inv_time_step, of[PBF_FEW_COLLIDERS];
 };
 
-/* n's points are the starts. What fluid that sticks to solids needs is in an instance of its own.
- */
-template <bool NO_SLIP, surfaces_met SURFACES>
+/* The same where colliders are listed: on the device. */
+struct many_no_slip {
+  pbf_real walls, inv_time_step;
+  const pbf_real *of;
+};
+
+template <bool LISTED>
+using no_slip_asked = std::conditional_t<LISTED, many_no_slip, few_no_slip>;
+
+/* n's points are the starts. What fluid that sticks to solids needs is in instances of its own, as
+ * is what few scenes have, ALL. */
+template <bool NO_SLIP, surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    viscous_stress_kernel(neighborhood n, const point *predicted, viscous_stage s,
-                          step_obstacles obstacles, few_no_slip no_slip) {
+    viscous_stress_kernel(const __grid_constant__ neighborhood n, const point *predicted,
+                          viscous_stage s, const __grid_constant__ step_obstacles obstacles,
+                          no_slip_asked<SURFACES == LISTED_SURFACES> no_slip) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const viscous_stress_pass pass = {&n.constants};
   const bool begins = s.weights.first != 0;
@@ -580,18 +630,20 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), v = of[own], none = {{0}};
   const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(v)}, of,
-                                at_moved_points<serves_all<SURFACES>>{{}, predicted});
+                                at_moved_points<ALL>{{}, predicted});
   if (i >= n.particles.count) return;
   const pbf_vec change = begins ? none : v, before = begins ? none : s.next[i];
   const pbf_phase_constants *phases = &n.constants.phases;
-  const uint8_t *phase = serves_all<SURFACES> ? n.particles.phase : nullptr;
+  const uint8_t *phase = ALL ? n.particles.phase : nullptr;
   pbf_viscous_system system =
       pass.system(sums, begins ? none : pbf_sub(s.force[i], change),
                   phase ? pbf_viscous_scale(phases, phase[i]) : (pbf_real)1);
   int with_solids = 0;
   if (NO_SLIP)
-    with_solids = add_no_slip(&n.constants, obstacles_met<SURFACES>(obstacles), no_slip, begins, x,
-                              v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
+    with_solids =
+        add_no_slip(constants_for<SURFACES == LISTED_SURFACES>(obstacles, &n.constants),
+                    obstacles_near<SURFACES>(obstacles, x, (double)n.constants.h), no_slip, begins,
+                    x, v, &system, phase ? phases->viscosity[phase[i]] : (pbf_real)1);
   if (begins) {
     s.force[i] = system.residual;
     s.changes[i] = none;

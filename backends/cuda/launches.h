@@ -4,12 +4,19 @@
 #define PBF_CUDA_LAUNCHES_H
 
 #include "cuda/hold.h"
+#include "cuda/placing.h"
 #include "cuda/search.h"
 #include "cuda/solver.h"
 
 static inline surfaces_met surfaces_of(const solver *s) {
-  if (s->shapes.count || s->params.periodic || s->schedule.phases) return FIELD_SURFACES;
+  if (are_listed(s)) return LISTED_SURFACES;
+  if (s->shapes.count) return FIELD_SURFACES;
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? surfaces_of(s->collider_count) : NO_SURFACES;
+}
+
+/* What is in kernels for ALL. */
+static inline bool has_images_or_phases(const solver *s) {
+  return s->params.periodic || s->schedule.phases;
 }
 
 template <surfaces_met SURFACES>
@@ -17,30 +24,43 @@ struct surfaces_constant {
   static constexpr surfaces_met value = SURFACES;
 };
 
-/* Calls launch(constant) with what kernels that are built for fields, and for what has none, are to
- * meet. */
+/* Calls launch(constant) with what kernels that are built for lists, for fields, and for what has
+ * neither, are to meet. */
 template <class Launch>
 static inline void with_surfaces(const solver *s, Launch launch) {
-  if (surfaces_of(s) == FIELD_SURFACES)
-    launch(surfaces_constant<FIELD_SURFACES>{});
+  switch (surfaces_of(s)) {
+    case LISTED_SURFACES:
+      return launch(surfaces_constant<LISTED_SURFACES>{});
+    case FIELD_SURFACES:
+      return launch(surfaces_constant<FIELD_SURFACES>{});
+    default:
+      launch(surfaces_constant<FEW_SURFACES>{});
+  }
+}
+
+/* … with whether kernels that are built for lists, and for all else, are to meet the former. */
+template <class Launch>
+static inline void with_lists(const solver *s, Launch launch) {
+  if (are_listed(s))
+    launch(std::true_type());
   else
-    launch(surfaces_constant<FEW_SURFACES>{});
+    launch(std::false_type());
 }
 
 /* Of these particles; each learns its cell, and is counted there unless `cell_count` is null. */
 static inline void predict_into(const solver *s, const unsorted_particles &from,
                                 const cell_grid &grid, const prediction &p, uint32_t *cell_count,
                                 const sort_scratch &scratch) {
-  surfaces_met met = surfaces_of(s);
-  auto kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, false>
-                : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, false>
-                : met == FEW_SURFACES  ? predict_kernel<FEW_SURFACES, false>
-                                       : predict_kernel<NO_SURFACES, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.activity)
-      kernel = met == FIELD_SURFACES  ? predict_kernel<FIELD_SURFACES, true>
-               : met == MANY_SURFACES ? predict_kernel<MANY_SURFACES, true>
-                                      : predict_kernel<FEW_SURFACES, true>;
+  const surfaces_met met = surfaces_of(s);
+  const bool all = from.activity || has_images_or_phases(s);
+  auto kernel = met == LISTED_SURFACES  ? predict_listed_kernel
+                : met == FIELD_SURFACES ? predict_kernel<FIELD_SURFACES, true>
+                : met == MANY_SURFACES  ? all ? predict_kernel<MANY_SURFACES, true>
+                                              : predict_kernel<MANY_SURFACES, false>
+                 : met == FEW_SURFACES
+                    ? all ? predict_kernel<FEW_SURFACES, true> : predict_kernel<FEW_SURFACES, false>
+                : all ? predict_kernel<NO_SURFACES, true>
+                      : predict_kernel<NO_SURFACES, false>;
   if (from.count)
     kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, cell_count, scratch);
 }
@@ -68,16 +88,16 @@ static inline pbf_status launch_predict(solver *s, const unsorted_particles &fro
 static inline void place_from(const solver *s, const unsorted_particles &from,
                               const neighborhood &n, const prediction &p,
                               const sort_scratch &scratch) {
-  surfaces_met met = surfaces_of(s);
-  auto place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, false>
-               : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, false>
-               : met == FEW_SURFACES  ? place_kernel<FEW_SURFACES, false>
-                                      : place_kernel<NO_SURFACES, false>;
-  if constexpr (PBF_SLEEP)
-    if (from.activity)
-      place = met == FIELD_SURFACES  ? place_kernel<FIELD_SURFACES, true>
-              : met == MANY_SURFACES ? place_kernel<MANY_SURFACES, true>
-                                     : place_kernel<FEW_SURFACES, true>;
+  const surfaces_met met = surfaces_of(s);
+  const bool all = from.activity || has_images_or_phases(s);
+  auto place = met == LISTED_SURFACES  ? place_listed_kernel
+               : met == FIELD_SURFACES ? place_kernel<FIELD_SURFACES, true>
+               : met == MANY_SURFACES
+                   ? all ? place_kernel<MANY_SURFACES, true> : place_kernel<MANY_SURFACES, false>
+               : met == FEW_SURFACES
+                   ? all ? place_kernel<FEW_SURFACES, true> : place_kernel<FEW_SURFACES, false>
+               : all ? place_kernel<NO_SURFACES, true>
+                     : place_kernel<NO_SURFACES, false>;
   if (from.count)
     place<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, scratch, n.particles);
 }
@@ -159,7 +179,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
 
 static inline bool has_extras(const solver *s) {
   return s->schedule.wall_density || s->schedule.accelerated || s->schedule.checks_convergence ||
-         s->schedule.phases;
+         s->schedule.phases || s->params.periodic;
 }
 
 /* What ghosts in these walls add to the sums of the kernel that comes next. */
@@ -179,102 +199,139 @@ static inline lambda_sums<pbf_real> *ghosts_between(const solver *s, const pbf_d
   return domain.ghost_reach > 0 ? s->ghosts : nullptr;
 }
 
+/* Where there are colliders: what they and walls contribute, found where `moved` is free. */
+static inline boundary_sums boundary_sums_of(const solver *s, point *moved) {
+  return {s->boundary_densities, moved};
+}
+
+/* Calls launch(constant) with what a kernel for colliders meets, of which there are some. */
+template <class Launch>
+static inline void with_colliders(const solver *s, Launch launch) {
+  switch (surfaces_of(s)) {
+    case LISTED_SURFACES:
+      return launch(surfaces_constant<LISTED_SURFACES>{});
+    case FIELD_SURFACES:
+      return launch(surfaces_constant<FIELD_SURFACES>{});
+    case MANY_SURFACES:
+      return launch(surfaces_constant<MANY_SURFACES>{});
+    default:
+      launch(surfaces_constant<FEW_SURFACES>{});
+  }
+}
+
+/* Calls launch(constant, all) with what a kernel of viscosity meets that fluid sticks to. */
+template <class Launch>
+static inline void with_no_slip_met(const solver *s, Launch launch) {
+  const bool all = has_images_or_phases(s);
+  const surfaces_met met = s->schedule.no_slip ? surfaces_of(s) : NO_SURFACES;
+  if (met == LISTED_SURFACES)
+    launch(surfaces_constant<LISTED_SURFACES>{}, std::true_type{});
+  else if (met == FIELD_SURFACES)
+    launch(surfaces_constant<FIELD_SURFACES>{}, std::true_type{});
+  else if (s->schedule.no_slip && all)
+    launch(surfaces_constant<FEW_SURFACES>{}, std::true_type{});
+  else if (s->schedule.no_slip)
+    launch(surfaces_constant<FEW_SURFACES>{}, std::false_type{});
+  else if (all)
+    launch(surfaces_constant<NO_SURFACES>{}, std::true_type{});
+  else
+    launch(surfaces_constant<NO_SURFACES>{}, std::false_type{});
+}
+
+static inline void launch_boundary(solver *s, const neighborhood &n, const iteration_extras &extras,
+                                   const boundary_sums &found) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks || !found.densities) return;
+  with_colliders(s, [&](auto surfaces) {
+    boundary_kernel<decltype(surfaces)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, found);
+  });
+}
+
 static inline void launch_lambda(solver *s, const neighborhood &n, const iteration_extras &extras,
                                  const lambda_parts &parts) {
   uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
+  launch_boundary(s, n, extras, parts.boundary);
   with_kernel(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, false>
-                  : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, false>
-                  : !has_extras(s)       ? lambda_kernel<F, false, NO_SURFACES, false>
-                  : met == FEW_SURFACES  ? lambda_kernel<F, true, FEW_SURFACES, false>
-                                         : lambda_kernel<F, true, NO_SURFACES, false>;
+    auto kernel = has_images_or_phases(s) ? lambda_kernel<F, true, true, false>
+                  : has_extras(s)         ? lambda_kernel<F, true, false, false>
+                                          : lambda_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
-      if (s->activity)
-        kernel = met == FIELD_SURFACES  ? lambda_kernel<F, true, FIELD_SURFACES, true>
-                 : met == MANY_SURFACES ? lambda_kernel<F, true, MANY_SURFACES, true>
-                                        : lambda_kernel<F, true, FEW_SURFACES, true>;
+      if (s->activity) kernel = lambda_kernel<F, true, true, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
   });
 }
 
+/* Whether colliders push in iterations, by a kernel of their own. */
+static inline bool collides_after_moves(const solver *s) {
+  return surfaces_of(s) != NO_SURFACES &&
+         (s->schedule.collide_in_iteration || s->schedule.collide_after_solve);
+}
+
+static inline void launch_collide(solver *s, const neighborhood &n, point *moved,
+                                  const iteration_extras &extras, const move_end &end,
+                                  const pushes_by_solids &pushes) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  with_colliders(s, [&](auto surfaces) {
+    collide_kernel<decltype(surfaces)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+        n, moved, extras, end.place, pushes, end.inv_time_step, end.velocities);
+  });
+}
+
 static inline void launch_move(solver *s, const neighborhood &n, point *moved,
-                               const iteration_extras &extras, const move_end &end) {
+                               const iteration_extras &extras, move_end end) {
   uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
+  const pushes_by_solids pushes = {end.collide, end.collide_last};
+  if (collides_after_moves(s)) end.collide = end.collide_last = 0;
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
-    surfaces_met met = surfaces_of(s);
-    auto kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, false>
-                  : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, false>
-                  : met == FEW_SURFACES  ? move_kernel<F, true, FEW_SURFACES, false>
-                  : has_extras(s)        ? move_kernel<F, true, NO_SURFACES, false>
-                                         : move_kernel<F, false, NO_SURFACES, false>;
+    auto kernel = has_images_or_phases(s) ? move_kernel<F, true, true, false>
+                  : has_extras(s)         ? move_kernel<F, true, false, false>
+                                          : move_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
-      if (s->activity)
-        kernel = met == FIELD_SURFACES  ? move_kernel<F, true, FIELD_SURFACES, true>
-                 : met == MANY_SURFACES ? move_kernel<F, true, MANY_SURFACES, true>
-                                        : move_kernel<F, true, FEW_SURFACES, true>;
+      if (s->activity) kernel = move_kernel<F, true, true, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
+  if (collides_after_moves(s)) launch_collide(s, n, moved, extras, end, pushes);
 }
 
 /* Those that move in the step that begins at a time. */
 static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double time) {
-  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders,
-                          time - s->collider_time, nullptr);
+  const double elapsed = time - s->collider_time;
+  if (are_many(s->many))
+    pbf_note_still_moving(s->moving_obstacles, s->collider_count, s->colliders, elapsed,
+                          s->many.table.still_moving);
+  return pbf_still_moving(s->moving_obstacles, s->collider_count, s->colliders, elapsed,
+                          s->many.table.still_moving);
+}
+
+/* Of the sets of many colliders, to the device; `more` is where it has it. */
+static inline pbf_status upload_set(solver *s, many_set which, const uint64_t **more) {
+  uint64_t *there = many_set_of(s->many, which);
+  const uint64_t bytes = (pbf_words_of(s->collider_count) - 1) * sizeof *there;
+  pbf_status status =
+      pbf_cuda_check(cudaMemcpyAsync(there, *more, bytes, cudaMemcpyHostToDevice, s->stream),
+                     "cudaMemcpyAsync of a set of colliders");
+  *more = there;
+  return status;
 }
 
 static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles,
                                           const step_obstacles &obstacles) {
   if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(moving_obstacles))
     return PBF_OK;
-  wake_near_moving_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->points, s->count, s->sleep, moving_obstacles, obstacles, s->constants.h, s->activity,
-      s->tally);
+  if (are_listed(s))
+    if (pbf_status status = upload_set(s, MANY_MOVING, &moving_obstacles.more)) return status;
+  with_lists(s, [&](auto listed) {
+    wake_near_moving_kernel<decltype(listed)::value>
+        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, s->sleep,
+                                                            moving_obstacles, obstacles,
+                                                            s->constants.h, s->activity, s->tally);
+  });
   return pbf_cuda_check_launch("wake_near_kernel");
-}
-
-/* The colliders at the ends of `steps` steps. */
-static inline void write_surfaces(const solver *s, const pbf_step_times &times, uint32_t steps,
-                                  pbf_surface *placed) {
-  for (uint32_t k = 0; k < steps; ++k) {
-    const double end = pbf_time_after(&times, k + 1);
-    const pbf_domain domain = pbf_domain_at(&s->params, end);
-    for (uint32_t c = 0; c < s->collider_count; ++c)
-      placed[k * s->collider_count + c] =
-          pbf_obstacle_at(&s->params, &domain, &s->colliders[c], end - s->collider_time);
-    for (uint32_t c = 0; c < s->collider_count && s->shapes.count; ++c) {
-      pbf_surface *one = &placed[k * s->collider_count + c];
-      one->field = shape_on_device(s->shapes, one->field_id);
-    }
-  }
-}
-
-/* Places the colliders for the ends of `steps` steps, and uploads them in one go. */
-static inline pbf_status place_surfaces(solver *s, const pbf_step_times &times, uint32_t steps) {
-  uint64_t bytes = (uint64_t)steps * s->collider_count * sizeof(pbf_surface);
-  if (!bytes) return PBF_OK;
-  pbf_surface *placed = static_cast<pbf_surface *>(
-      s->allocator.allocate(s->allocator.user, bytes, alignof(pbf_surface)));
-  if (!placed) {
-    pbf_cuda_host->set_error("no host memory to place the colliders; fewer of them would do");
-    return PBF_ERROR_OUT_OF_MEMORY;
-  }
-  write_surfaces(s, times, steps, placed);
-  /* From pageable memory, which the copy has read when it returns. */
-  pbf_status status =
-      pbf_cuda_check(cudaMemcpyAsync(s->surfaces, placed, bytes, cudaMemcpyHostToDevice, s->stream),
-                     "cudaMemcpyAsync of the colliders");
-  s->allocator.release(s->allocator.user, placed, bytes, alignof(pbf_surface));
-  return status;
-}
-
-/* … and for one moment. */
-static inline pbf_status place_surfaces(solver *s, double time) {
-  return place_surfaces(s, {time, 0, 0}, 1);
 }
 
 #endif

@@ -22,7 +22,7 @@ static __device__ __forceinline__ void add_wide(pbf_wide_sum *to, const pbf_wide
 }
 
 /* Adds a change of each thread to the sum of all, by way of its block's. All threads call it. */
-static __device__ __forceinline__ void add_changes(pbf_few_load_tally *tally, double units,
+static __device__ __forceinline__ void add_changes(pbf_wide_sum *all, double units,
                                                    const pbf_vec &change, bool counts) {
   __shared__ pbf_wide_sum sums[PBF_DIM];
   if (threadIdx.x < PBF_DIM) sums[threadIdx.x] = {0, 0};
@@ -30,13 +30,14 @@ static __device__ __forceinline__ void add_changes(pbf_few_load_tally *tally, do
   for (int k = 0; k < PBF_DIM && counts; ++k)
     add_wide(&sums[k], pbf_wide_of(units * (double)change.c[k]));
   __syncthreads();
-  if (threadIdx.x < PBF_DIM) add_wide(&tally->change[threadIdx.x], sums[threadIdx.x]);
+  if (threadIdx.x < PBF_DIM) add_wide(&all[threadIdx.x], sums[threadIdx.x]);
 }
 
 /* ---- What solids do to particles ------------------------------------------------------------- */
 
 /* Whether one of them may have something to do with a particle at x. */
-static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pbf_vec x,
+template <class Obstacles>
+static __device__ __forceinline__ bool is_near_solid(const Obstacles &o, pbf_vec x,
                                                      pbf_real reach) {
   if (pbf_domain_distance(&o.domain, x) < reach) return true;
   for (int k = 0; k < pbf_surface_count(o); ++k) {
@@ -50,7 +51,7 @@ static __device__ __forceinline__ bool is_near_solid(const step_obstacles &o, pb
 /* In the prediction, once particles are sorted; the sort's scratch is as it was. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
-                      sorted_particles to, double units, pbf_vec *push, pbf_few_load_tally *tally) {
+                      sorted_particles to, double units, pbf_vec *push, pbf_wide_sum *changes) {
   const uint32_t i = thread_index();
   pbf_vec forced = {{0}};
   if (i < from.count) {
@@ -67,7 +68,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     push[place] = pbf_sub(v, forced);
     if (to.mobility) forced = pbf_scaled(forced, 1 / to.mobility[place]);
   }
-  if (tally) add_changes(tally, -units, forced, i < from.count);
+  if (changes) add_changes(changes, -units, forced, i < from.count);
 }
 
 /* What an iteration is to be noted by. */
@@ -77,22 +78,23 @@ struct push_noting {
   bool first; /* iteration */
 };
 
+template <bool LISTED>
 static __device__ __forceinline__ bool notes_push(const push_noting &p, const neighborhood &n,
                                                   uint32_t i, pbf_vec x) {
   if (i >= n.particles.count) return false;
   if (PBF_SLEEP && p.extras.rest.activity && pbf_is_asleep(p.extras.rest.activity[i])) return false;
-  return is_near_solid(p.extras.obstacles, x, p.reach);
+  return is_near_solid(asked_near<LISTED>(p.extras.obstacles, x, (double)p.reach), x, p.reach);
 }
 
 /* Takes from pushes the velocities that pairs alone would make in the move that comes. */
-template <int FEATURES>
+template <int FEATURES, bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     push_before_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = own_index(n.particles);
   if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
   const point own = load(n.particles.points, min(i, n.particles.count - 1));
   const pbf_vec x = position_of(own);
-  const bool notes = notes_push(p, n, i, x);
+  const bool notes = notes_push<LISTED>(p, n, i, x);
   if (__all_sync(~0u, !notes)) return;
   const move_pass_of<fixed<FEATURES>, SCALED_SUMS> pass = {&n.constants, {}};
   auto sums = sums_around(pass, n, i, x, {own.lambda}, static_cast<const no_value *>(nullptr));
@@ -103,12 +105,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* And adds those that it has made. */
+template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     push_after_kernel(neighborhood n, push_noting p, const pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = own_index(n.particles);
   if (PBF_TOLERANCE && p.extras.watch.watch && is_converged(p.extras.watch)) return;
   const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
-  if (notes_push(p, n, i, x)) push[i] = pbf_add_scaled(push[i], 1, velocities[i]);
+  if (notes_push<LISTED>(p, n, i, x)) push[i] = pbf_add_scaled(push[i], 1, velocities[i]);
 }
 
 /* ---- Shares --------------------------------------------------------------------------------- */
@@ -134,11 +137,42 @@ static __device__ __forceinline__ void add_shared_part(pbf_load_sums *to, const 
               static_cast<unsigned long long>(part.depth));
 }
 
+/* Of few solids kernels take what is known by value, of many the device has it. */
+template <bool LISTED>
+using load_tally_asked = std::conditional_t<LISTED, pbf_load_tally, pbf_few_load_tally>;
+
+/* The solids that may be within `reach` of x. */
+struct listed_numbers {
+  listed_obstacles near;
+
+  template <class Obstacles, class Visit>
+  PBF_IN void each(const Obstacles &, Visit visit) const {
+    for (int k = 0; k < near.count; ++k) visit(near.surfaces.number(k));
+  }
+};
+
+template <bool LISTED>
+static __device__ __forceinline__ auto solids_near(const step_obstacles &o, pbf_vec x,
+                                                   double reach) {
+  if constexpr (LISTED)
+    return listed_numbers{listed_near(o, x, reach)};
+  else
+    return all_surfaces{};
+}
+
 /* As pbf_friction_scales, for kernels. */
 struct few_friction_scales {
   pbf_load_scales loads;
   pbf_friction of[PBF_FEW_SOLIDS];
 };
+
+struct many_friction_scales {
+  pbf_load_scales loads;
+  const pbf_friction *of;
+};
+
+template <bool LISTED>
+using friction_asked = std::conditional_t<LISTED, many_friction_scales, few_friction_scales>;
 
 static inline few_friction_scales few_friction_scales_of(const pbf_friction_scales &scales,
                                                          uint32_t colliders) {
@@ -150,10 +184,12 @@ static inline few_friction_scales few_friction_scales_of(const pbf_friction_scal
 
 /* Changes velocities, and moves by that. Each thread writes to its particle alone; the tally is
  * null where loads are not wanted. */
+template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    friction_kernel(neighborhood n, step_obstacles o, few_friction_scales scales,
+    friction_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ step_obstacles o, friction_asked<LISTED> scales,
                     pressure_source source, const pbf_real *activity, pbf_real inv_time_step,
-                    pbf_vec *velocities, pbf_vec *push, pbf_few_load_tally *tally) {
+                    pbf_vec *velocities, pbf_vec *push, load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
@@ -162,7 +198,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
   p.lambda *= mobility;
   const pbf_vec change = friction_change(
-      &n.constants, scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
+      constants_for<LISTED>(o, &n.constants), scales, o,
+      solids_near<LISTED>(o, p.x, scales.loads.reach), p,
+      [&] { return grid_lambda_of(source, own); },
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
           add_shared_part(
@@ -170,7 +208,11 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
               load_part_beside(&scales.loads, o, p.x, plane, with_mass(share, mobility)), false);
       });
   const pbf_vec moved = pbf_add_scaled(p.x, (pbf_real)scales.loads.time_step, change);
-  const pbf_vec x = pbf_resolve_collisions(o, 0, p.x, moved);
+  pbf_vec x;
+  if constexpr (LISTED)
+    x = resolve_collisions<LISTED_SURFACES>(o, 0, p.x, moved);
+  else
+    x = pbf_resolve_collisions(o, 0, p.x, moved);
   const pbf_vec v = pbf_add_scaled(p.change, 1, change);
   const pbf_vec after = pbf_velocity(inv_time_step, v, moved, x);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] = x.c[k];
@@ -185,6 +227,15 @@ struct few_adhesion_scales {
   pbf_real pull, of[PBF_FEW_SOLIDS];
 };
 
+struct many_adhesion_scales {
+  pbf_load_scales loads;
+  pbf_real pull;
+  const pbf_real *of;
+};
+
+template <bool LISTED>
+using adhesion_asked = std::conditional_t<LISTED, many_adhesion_scales, few_adhesion_scales>;
+
 static inline few_adhesion_scales few_adhesion_scales_of(const pbf_adhesion_scales &scales,
                                                          uint32_t colliders) {
   few_adhesion_scales s = {};
@@ -195,16 +246,19 @@ static inline few_adhesion_scales few_adhesion_scales_of(const pbf_adhesion_scal
 }
 
 /* Changes velocities. The tally is null where loads are not wanted. */
+template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    adhesion_kernel(neighborhood n, step_obstacles o, few_adhesion_scales scales,
+    adhesion_kernel(const __grid_constant__ neighborhood n,
+                    const __grid_constant__ step_obstacles o, adhesion_asked<LISTED> scales,
                     const pbf_real *missing, const pbf_real *activity, pbf_vec *velocities,
-                    pbf_few_load_tally *tally) {
+                    load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count) return;
   if (PBF_SLEEP && activity && pbf_is_asleep(activity[i])) return;
   const pbf_vec x = position_of(load(n.particles.points, i));
   const pbf_vec change = adhesion_change(
-      &n.constants, scales, o, all_surfaces{}, x, missing[i],
+      constants_for<LISTED>(o, &n.constants), scales, o,
+      solids_near<LISTED>(o, x, (double)n.constants.h), x, missing[i],
       [&](const pbf_load_plane &plane, const load_share &share) {
         if (tally)
           add_shared_part(&tally->sums[plane.solid],
@@ -214,17 +268,20 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* What solids take by viscosity, of what it leaves of the prediction's velocities. */
+template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    no_slip_loads_kernel(neighborhood n, const point *starts, step_obstacles o,
-                         pbf_load_scales scales, few_no_slip no_slip, const pbf_real *activity,
-                         const pbf_vec *changes, pbf_few_load_tally *tally) {
+    no_slip_loads_kernel(const __grid_constant__ neighborhood n, const point *starts,
+                         const __grid_constant__ step_obstacles o, pbf_load_scales scales,
+                         no_slip_asked<LISTED> no_slip, const pbf_real *activity,
+                         const pbf_vec *changes, load_tally_asked<LISTED> *tally) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
   const pbf_vec x = position_of(load(starts, i));
   const pbf_vec v = pbf_add_scaled(n.particles.velocities[i], 1, changes[i]);
   const pbf_real mobility = n.particles.mobility ? n.particles.mobility[i] : (pbf_real)1;
   share_no_slip(
-      &n.constants, o, no_slip, x, v,
+      constants_for<LISTED>(o, &n.constants), asked_near<LISTED>(o, x, (double)n.constants.h),
+      no_slip, x, v,
       [&](const pbf_load_plane &plane, const load_share &share) {
         add_shared_part(&tally->sums[plane.solid],
                         load_part_beside(&scales, o, x, plane, with_mass(share, mobility)), false);
@@ -233,10 +290,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Walls have many particles at them, and are summed up by blocks first. */
+template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    loads_kernel(neighborhood n, step_obstacles o, pbf_load_scales scales, pressure_source source,
-                 const pbf_real *activity, const uint32_t *all_asleep, const pbf_vec *velocities,
-                 const pbf_vec *push, pbf_few_load_tally *tally) {
+    loads_kernel(const __grid_constant__ neighborhood n, const __grid_constant__ step_obstacles o,
+                 pbf_load_scales scales, pressure_source source, const pbf_real *activity,
+                 const uint32_t *all_asleep, const pbf_vec *velocities, const pbf_vec *push,
+                 load_tally_asked<LISTED> *tally) {
   __shared__ pbf_load_sums walls[2 * PBF_DIM];
   const uint32_t i = own_index(n.particles);
   if (PBF_SLEEP && all_asleep && *all_asleep) return;
@@ -248,13 +307,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     const point own = load(n.particles.points, i);
     p = load_particle_of(source, own, velocities[i], push[i]);
     if (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))
-      p = sleeping_load_particle(&n.constants, &scales, o, all_surfaces{}, p,
+      p = sleeping_load_particle(constants_for<LISTED>(o, &n.constants), &scales, o,
+                                 solids_near<LISTED>(o, p.x, scales.reach), p,
                                  [&] { return grid_lambda_of(source, own); });
     else if (n.particles.mobility)
       p = with_mass(p, n.particles.mobility[i]);
     int last = -1;
     share_push(
-        &n.constants, &scales, o, all_surfaces{}, p, [&] { return grid_lambda_of(source, own); },
+        constants_for<LISTED>(o, &n.constants), &scales, o,
+        solids_near<LISTED>(o, p.x, scales.reach), p, [&] { return grid_lambda_of(source, own); },
         [&](const pbf_load_plane &plane, const load_share &share) {
           const load_part part = load_part_of(&scales, o, p.x, plane, share);
           pbf_load_sums *to =
@@ -263,7 +324,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
           if (part.touches) last = plane.solid;
         });
   }
-  add_changes(tally, scales.velocity, p.change, i < n.particles.count);
+  add_changes(tally->change, scales.velocity, p.change, i < n.particles.count);
   if (threadIdx.x >= 2 * PBF_DIM) return;
   const pbf_load_sums &mine = walls[threadIdx.x];
   pbf_load_sums *to = &tally->sums[threadIdx.x];
@@ -285,14 +346,34 @@ static __global__ void end_loads_kernel(step_obstacles o, pbf_load_scales scales
   end_load(tally, o, load_rests_of(tally), &scales, solid);
 }
 
-/* Steps in which all sleep, and which are not launched. */
-static __global__ void repeat_loads_kernel(uint32_t steps, double time_step,
-                                           pbf_few_load_tally *tally) {
-  add_load(&tally->loads[threadIdx.x], steps, time_step);
+/* Of many solids, by one block: what is left of the whole is found once, a thread an axis. */
+enum { MANY_SOLIDS_BLOCK = 512 };
+
+static __global__ void __launch_bounds__(MANY_SOLIDS_BLOCK)
+    end_many_loads_kernel(step_obstacles o, pbf_load_scales scales, const uint32_t *all_asleep,
+                          pbf_load_tally *tally) {
+  __shared__ load_rests rests;
+  const int solids = PBF_WALLS + o.count;
+  const bool asleep = PBF_SLEEP && all_asleep && *all_asleep;
+  if (!asleep && threadIdx.x < 3) find_load_rests(tally, (int)threadIdx.x, &rests);
+  __syncthreads();
+  for (int solid = (int)threadIdx.x; solid < solids; solid += (int)blockDim.x)
+    if (asleep)
+      add_load(&tally->loads[solid], 1, scales.time_step);
+    else
+      end_load(tally, o, rests, &scales, solid);
 }
 
-static __global__ void begin_load_sums_kernel(pbf_collider_load *loads) {
-  pbf_begin_load_sums(&loads[threadIdx.x]);
+/* Steps in which all sleep, and which are not launched. */
+static __global__ void repeat_loads_kernel(uint32_t steps, double time_step, uint32_t solids,
+                                           pbf_collider_load *loads) {
+  const uint32_t solid = thread_index();
+  if (solid < solids) add_load(&loads[solid], steps, time_step);
+}
+
+static __global__ void begin_load_sums_kernel(uint32_t solids, pbf_collider_load *loads) {
+  const uint32_t solid = thread_index();
+  if (solid < solids) pbf_begin_load_sums(&loads[solid]);
 }
 
 /* ---- By the host ---------------------------------------------------------------------------- */
@@ -307,17 +388,90 @@ static inline bool notes_pushes(const solver *s) {
          ((PBF_BUILT & PBF_FEATURE_LOADS) && s->schedule.runs[PBF_STAGE_FRICTION]);
 }
 
+/* The tally that kernels with lists add to, or that of few solids. */
+template <bool LISTED>
+static inline load_tally_asked<LISTED> *tally_for(const solver *s) {
+  if constexpr (LISTED)
+    return s->many.loads;
+  else
+    return s->load_tally;
+}
+
+/* In both it is what they begin with. */
+static inline pbf_wide_sum *changes_of_all(const solver *s) {
+  static_assert(!offsetof(pbf_few_load_tally, change) && !offsetof(pbf_load_tally, change), "");
+  return are_listed(s) ? reinterpret_cast<pbf_wide_sum *>(s->many.loads)
+                       : reinterpret_cast<pbf_wide_sum *>(s->load_tally);
+}
+
+static inline pbf_collider_load *loads_on_device(const solver *s) {
+  return s->many.loads ? many_loads(s->many) : s->load_tally->loads;
+}
+
+static inline uint32_t solids_with_loads(const solver *s) {
+  return s->many.loads ? (uint32_t)s->many.solids : (uint32_t)PBF_FEW_SOLIDS;
+}
+
 static inline pbf_status clear_load_sums(solver *s) {
+  if (are_listed(s)) {
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemsetAsync(s->many.loads, 0, 3 * sizeof(pbf_wide_sum), s->stream),
+                           "cudaMemsetAsync"))
+      return status;
+    return pbf_cuda_check(
+        cudaMemsetAsync(s->many.loads + 1, 0, s->many.solids * sizeof(pbf_load_sums), s->stream),
+        "cudaMemsetAsync");
+  }
   return pbf_cuda_check(
       cudaMemsetAsync(s->load_tally, 0, offsetof(pbf_few_load_tally, loads), s->stream),
       "cudaMemsetAsync");
 }
 
-static inline few_no_slip no_slip_of(const solver *s) {
+/* What lies beside the surfaces of a step where they are many. */
+template <class Element>
+static inline const Element *beside_surfaces(const pbf_surface *surfaces, uint64_t place) {
+  return reinterpret_cast<const Element *>(reinterpret_cast<const char *>(surfaces) + place);
+}
+
+template <bool LISTED>
+static inline no_slip_asked<LISTED> no_slip_for(const solver *s, const pbf_surface *surfaces) {
   const pbf_no_slip all = pbf_no_slip_of(&s->params, s->colliders);
-  few_no_slip few = {all.walls, all.inv_time_step, {}};
-  for (uint32_t k = 0; k < s->collider_count; ++k) few.of[k] = all.of[(int)k];
-  return few;
+  no_slip_asked<LISTED> asked = {all.walls, all.inv_time_step, {}};
+  if constexpr (LISTED)
+    asked.of = beside_surfaces<pbf_real>(surfaces, s->many.layout.no_slip);
+  else
+    for (uint32_t k = 0; k < s->collider_count; ++k) asked.of[k] = all.of[(int)k];
+  return asked;
+}
+
+template <bool LISTED>
+static inline friction_asked<LISTED> friction_for(const solver *s,
+                                                  const pbf_friction_scales &scales,
+                                                  const pbf_surface *surfaces) {
+  if constexpr (LISTED)
+    return {scales.loads, beside_surfaces<pbf_friction>(surfaces, s->many.layout.friction)};
+  else
+    return few_friction_scales_of(scales, s->collider_count);
+}
+
+template <bool LISTED>
+static inline adhesion_asked<LISTED> adhesion_for(const solver *s,
+                                                  const pbf_adhesion_scales &scales,
+                                                  const pbf_surface *surfaces) {
+  if constexpr (LISTED)
+    return {scales.loads, scales.pull,
+            beside_surfaces<pbf_real>(surfaces, s->many.layout.adhesion)};
+  else
+    return few_adhesion_scales_of(scales, s->collider_count);
+}
+
+static inline void launch_end_loads(solver *s, const step_obstacles &o,
+                                    const pbf_load_scales &scales, const uint32_t *all_asleep) {
+  if (are_listed(s))
+    end_many_loads_kernel<<<1, MANY_SOLIDS_BLOCK, 0, s->stream>>>(o, scales, all_asleep,
+                                                                  s->many.loads);
+  else
+    end_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(o, scales, all_asleep, s->load_tally);
 }
 
 /* Of the step that ends; its grid is the last one's. */
@@ -332,23 +486,25 @@ static inline pressure_source present_pressures(const solver *s) {
 
 static inline pbf_status repeat_loads(solver *s, uint32_t steps) {
   if (!finds_loads(s) || !steps) return PBF_OK;
-  repeat_loads_kernel<<<1, PBF_FEW_SOLIDS, 0, s->stream>>>(steps, s->params.time_step,
-                                                           s->load_tally);
+  const uint32_t solids = solids_with_loads(s);
+  repeat_loads_kernel<<<blocks_for(solids), PBF_BLOCK, 0, s->stream>>>(steps, s->params.time_step,
+                                                                       solids, loads_on_device(s));
   return pbf_cuda_check_launch("repeat_loads_kernel");
 }
 
 /* Colliders from this number on are other ones. */
 static inline pbf_status forget_loads(solver *s, uint32_t collider) {
-  if (!s->load_tally || collider == PBF_FEW_COLLIDERS) return PBF_OK;
+  const uint32_t solids = solids_with_loads(s);
+  if (!s->load_tally || PBF_WALLS + collider >= solids) return PBF_OK;
   return pbf_cuda_check(
-      cudaMemsetAsync(&s->load_tally->loads[PBF_WALLS + collider], 0,
-                      (PBF_FEW_COLLIDERS - collider) * sizeof(pbf_collider_load), s->stream),
+      cudaMemsetAsync(&loads_on_device(s)[PBF_WALLS + collider], 0,
+                      (solids - PBF_WALLS - collider) * sizeof(pbf_collider_load), s->stream),
       "cudaMemsetAsync");
 }
 
 static inline pbf_status read_loads(solver *s, uint32_t first, uint32_t count,
                                     pbf_collider_load *loads) {
-  pbf_collider_load *there = s->load_tally->loads + first;
+  pbf_collider_load *there = loads_on_device(s) + first;
   const uint64_t bytes = count * sizeof *loads;
   if (pbf_status status =
           pbf_cuda_check(cudaMemcpyAsync(loads, there, bytes, cudaMemcpyDeviceToHost, s->stream),
@@ -356,7 +512,7 @@ static inline pbf_status read_loads(solver *s, uint32_t first, uint32_t count,
     return status;
   if (pbf_status status = pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize"))
     return status;
-  begin_load_sums_kernel<<<1, count, 0, s->stream>>>(there);
+  begin_load_sums_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(count, there);
   return pbf_cuda_check_launch("begin_load_sums_kernel");
 }
 

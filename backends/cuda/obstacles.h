@@ -1,4 +1,4 @@
-/* Part of sort.h. What walls and colliders do to particles. Where colliders are many a particle
+/* Part of sort.h. What walls and colliders do to particles. Where colliders are some a particle
  * does not ask all of them in each pass, one after the other: the lanes of a warp share them out,
  * and look which are near the box around their particles. The others leave each particle as it is,
  * to the bit. */
@@ -7,18 +7,10 @@
 
 #include <float.h>
 
+#include "cuda/listed.h"
 #include "cuda/warp.h"
-#include "pbf/pbf.h"
-#include "physics/boundary.h"
 
-/* Walls and colliders of one step; `surfaces` is on the device. */
-struct step_obstacles {
-  pbf_domain domain;
-  int count;
-  const pbf_surface *surfaces;
-};
-
-/* The same, of surfaces of such a type. */
+/* Walls and colliders, of surfaces of such a type. */
 template <class Surface>
 struct obstacles_of {
   const pbf_domain &domain;
@@ -39,27 +31,55 @@ static __host__ __device__ __forceinline__ int lowest_of(surface_set set) {
 }
 static_assert(PBF_FEW_COLLIDERS <= 64, "a set has 64 bits");
 
-/* Kernels that are short of registers are built for each: colliders take half as many again,
- * looking for them takes more, and distances between the nodes of a field a stack. */
-enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES, FIELD_SURFACES };
+/* Kernels that meet colliders are built for each: colliders take many registers, looking for them
+ * takes more, and distances between the nodes of a field a stack. More than a set has bits for are
+ * listed by a grid. */
+enum surfaces_met { NO_SURFACES, FEW_SURFACES, MANY_SURFACES, FIELD_SURFACES, LISTED_SURFACES };
 
-/* Whether such a kernel is built for what few scenes have, too: periodic axes and phases. Theirs
- * are those for fields, whatever they meet; the others ask for neither. */
+/* Whether fields may be among them. */
 template <surfaces_met SURFACES>
-constexpr bool serves_all = SURFACES == FIELD_SURFACES;
+constexpr bool meets_fields = SURFACES == FIELD_SURFACES || SURFACES == LISTED_SURFACES;
 
 /* What a kernel that is built for such surfaces sees of them. */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ auto obstacles_met(const step_obstacles &o) {
-  if constexpr (SURFACES == FIELD_SURFACES)
+  if constexpr (meets_fields<SURFACES>)
     return obstacles_of<pbf_surface>{o.domain, o.count, o.surfaces};
   else
     return obstacles_of<pbf_closed_surface>{o.domain, SURFACES == NO_SURFACES ? 0 : o.count,
                                             static_cast<const pbf_closed_surface *>(o.surfaces)};
 }
 
+/* … and of those that may be within `reach` of x. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ auto obstacles_near(const step_obstacles &o, pbf_vec x,
+                                                      double reach) {
+  if constexpr (SURFACES == LISTED_SURFACES)
+    return listed_near(o, x, reach);
+  else
+    return obstacles_met<SURFACES>(o);
+}
+
+/* By which constants they are asked. */
+template <bool LISTED>
+static __device__ __forceinline__ const pbf_constants *constants_for(const step_obstacles &o,
+                                                                     const pbf_constants *c) {
+  return LISTED ? &scene_behind(o)->constants : c;
+}
+
+/* The same for kernels that have an instance for lists, and one for all others. */
+template <bool LISTED>
+static __device__ __forceinline__ decltype(auto) asked_near(const step_obstacles &o, pbf_vec x,
+                                                            double reach) {
+  if constexpr (LISTED)
+    return listed_near(o, x, reach);
+  else
+    return (o);
+}
+
 /* Fewer are asked faster than looked for. */
 static inline surfaces_met surfaces_of(uint32_t count) {
+  if (count > PBF_FEW_COLLIDERS) return LISTED_SURFACES;
   return count == 0 ? NO_SURFACES : count < 8 ? FEW_SURFACES : MANY_SURFACES;
 }
 
@@ -169,7 +189,9 @@ template <surfaces_met SURFACES>
 static __device__ __forceinline__ pbf_boundary boundary_at(const pbf_constants *c,
                                                            const step_obstacles &o, pbf_vec x) {
   const auto met = obstacles_met<SURFACES>(o);
-  if constexpr (SURFACES != MANY_SURFACES) {
+  if constexpr (SURFACES == LISTED_SURFACES) {
+    return listed_boundary(c, o, x);
+  } else if constexpr (SURFACES != MANY_SURFACES) {
     return pbf_boundary_at(c, met, x);
   } else {
     pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
@@ -205,6 +227,9 @@ static __device__ __forceinline__ pbf_vec resolve_collisions(const step_obstacle
   const auto met = obstacles_met<SURFACES>(o);
   if constexpr (SURFACES == NO_SURFACES) {
     return pbf_keep_in_domain(&o.domain, x);
+  } else if constexpr (SURFACES == LISTED_SURFACES) {
+    return resolve_among_listed(&scene_behind(o)->domain, o.surfaces, &scene_behind(o)->grid,
+                                with_obstacle_motion, from, x);
   } else if constexpr (SURFACES != MANY_SURFACES) {
     return pbf_resolve_collisions(met, with_obstacle_motion, from, x);
   } else {

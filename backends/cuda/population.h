@@ -21,7 +21,7 @@ static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_
   return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
 }
 
-/* ---- Who wakes between steps --------------------------------------------------------------- */
+/* ---- What wakes between steps -------------------------------------------------------------- */
 
 /* `count` particles from `first` on are new. */
 static inline pbf_status init_new(solver *s, uint32_t first, uint32_t count) {
@@ -47,8 +47,9 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
     return PBF_OK;
   ++s->epoch;
   if (pbf_status status = place_surfaces(s, time)) return status;
-  return wake_near_moving(s, moving_obstacles,
-                          {pbf_domain_at(&s->params, time), (int)s->collider_count, s->surfaces});
+  return wake_near_moving(
+      s, moving_obstacles,
+      {pbf_domain_at(&s->params, time), (int)s->collider_count, surfaces_of_step(s, 0)});
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */
@@ -143,7 +144,8 @@ static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range 
 /* Walls and colliders where the last step left them. */
 static inline pbf_status present_extras(solver *s, iteration_extras *extras) {
   *extras = {};
-  extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count, s->surfaces};
+  extras->obstacles = {pbf_domain_at(&s->params, s->time), (int)s->collider_count,
+                       surfaces_of_step(s, 0)};
   extras->wall_density = s->schedule.wall_density;
   return place_surfaces(s, s->time);
 }
@@ -152,6 +154,22 @@ static inline cell_grid present_grid(const solver *s, const pbf_domain &domain) 
   const pbf_periods periods = pbf_periods_of(&s->params);
   return grid_over(&domain, &periods, s->params.smoothing_radius,
                    grid_cell_limit(particles_of_all(s)), PBF_FINEST);
+}
+
+/* Of the sorted particles, at the places that they have. */
+static inline void launch_densities(const solver *s, const neighborhood &n,
+                                    const iteration_extras &extras, const found_densities &found) {
+  const uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks) return;
+  with_kernel(s->schedule.features, [&](auto features) {
+    density_kernel<decltype(features)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras.obstacles.domain, found);
+  });
+  if (!extras.wall_density) return;
+  with_surfaces(s, [&](auto surfaces) {
+    add_solid_density_kernel<decltype(surfaces)::value>
+        <<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras.obstacles, found.densities);
+  });
 }
 
 static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
@@ -163,12 +181,7 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   pbf_real *densities = reinterpret_cast<pbf_real *>(s->other_velocities);
   pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
   if (pbf_status status = sort_present(s, grid)) return status;
-  with_kernel(s->schedule.features, [&](auto features) {
-    with_surfaces(s, [&](auto surfaces) {
-      density_kernel<decltype(features)::value, decltype(surfaces)::value>
-          <<<blocks, PBF_BLOCK, 0, s->stream>>>(neighborhood_of(s, grid), extras, densities);
-    });
-  });
+  launch_densities(s, neighborhood_of(s, grid), extras, {densities, nullptr});
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,
                                                           staged);

@@ -34,7 +34,7 @@ static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
          pbf_pressure_grid_max_nodes(capacity) * (8 * sizeof(double) + sizeof(uint32_t));
 }
 
-/* Behind the topology are the colliders that it is of. */
+/* Behind the topology are the colliders that it is of, if they are few. */
 static inline uint64_t topology_memory_bytes(uint32_t capacity) {
   return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)) +
          PBF_FEW_COLLIDERS * sizeof(pbf_surface);
@@ -80,33 +80,43 @@ static __device__ __forceinline__ double *pressure_grid_lambda(const pressure_gr
 /* What a kernel that is built for such surfaces sees of the topology. */
 template <surfaces_met SURFACES>
 static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays &a) {
-  if constexpr (SURFACES == FIELD_SURFACES)
+  if constexpr (meets_fields<SURFACES>)
     return &a.topology;
   else
     return static_cast<const pbf_closed_topology *>(&a.topology);
 }
 
-/* Sums the particles up; sleepers out of reach of the awake pass for free of error. `ghosts`: what
- * these add, or null. */
-template <int FEATURES, bool TORN, surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK, blocks_at_once(NO_SURFACES))
-    deposit_kernel(neighborhood n, iteration_extras extras, const lambda_sums<pbf_real> *ghosts,
-                   pbf_pressure_grid grid, pressure_grid_arrays a) {
-  uint32_t i = thread_index();
-  const pbf_constants *c = &n.constants;
-  const density_pass<fixed<FEATURES>> pass = {c, {}};
-  pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
-  pbf_vec gradient = {{0}};
+/* The density of particles without what solids contribute. `ghosts`: what these add, or null. */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
+    grid_density_kernel(neighborhood n, const lambda_sums<pbf_real> *ghosts, pbf_real *densities) {
+  const uint32_t i = thread_index();
+  const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
+  const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   const no_value *nothing = nullptr;
-  pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
+  const pbf_real density = sums_around(pass, n, i, x, {}, nothing).density;
+  if (i < n.particles.count) densities[i] = density + (ghosts ? ghosts[i].density : 0);
+}
+
+/* Sums the particles up; sleepers out of reach of the awake pass for free of error. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    deposit_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ iteration_extras extras, const pbf_real *densities,
+                   const __grid_constant__ pbf_pressure_grid grid,
+                   const __grid_constant__ pressure_grid_arrays a, bool torn) {
+  const uint32_t i = thread_index();
+  const pbf_constants *c = &n.constants;
   if (i >= n.particles.count) return;
-  if (ghosts) density += ghosts[i].density;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  pbf_vec gradient = {{0}};
+  pbf_real density = densities[i];
   if (extras.wall_density) add_boundary<SURFACES>(c, extras.obstacles, x, &density, &gradient);
   if (extras.rest.activity && pbf_is_inactive(extras.rest.activity[i])) density = c->target;
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
-  if (TORN && cell == PBF_NO_INDEX) return;
+  if (torn) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
+  if (cell == PBF_NO_INDEX) return;
   const pbf_real overlap = n.particles.overlap ? n.particles.overlap[i] : 0;
   atomicAdd(&a.sums[cell],
             (unsigned long long)pbf_pressure_grid_entry(c->target, density, overlap));
@@ -171,6 +181,24 @@ static __device__ __forceinline__ bool has_compartment(const pbf_pressure_grid &
 
 /* ---- The cells ------------------------------------------------------------------------------ */
 
+/* The part of a cell that is free of walls and colliders. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ double free_volume_of(const pbf_pressure_grid &grid,
+                                                        const step_obstacles &o, uint32_t cell) {
+  if constexpr (SURFACES != LISTED_SURFACES) {
+    return pbf_pressure_grid_free_volume(&grid, obstacles_met<SURFACES>(o), cell);
+  } else {
+    int i[PBF_DIM];
+    pbf_pressure_grid_place(&grid, cell, i);
+    double free_volume = pbf_pressure_grid_inside(&grid, i);
+    const pbf_vec middle = pbf_cell_middle(&grid, i);
+    const double reach = 0.51 * grid.width * scene_behind(o)->grid.steepest;
+    surfaces_around(o.surfaces, &scene_behind(o)->grid, middle, middle, reach)
+        .each([&](const pbf_surface &s) { free_volume *= pbf_part_free_of(&grid, &s, middle); });
+    return free_volume;
+  }
+}
+
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     pressure_grid_cells_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
@@ -179,7 +207,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (!has_compartment(grid, a, cell)) return;
   double free_volume = 0;
   if (cell < grid.nodes && !pbf_cell_is_cut(t, cell))
-    free_volume = pbf_pressure_grid_free_volume(&grid, obstacles_met<SURFACES>(o), cell);
+    free_volume = free_volume_of<SURFACES>(grid, o, cell);
   if (t->surface_count) free_volume = pbf_compartment_volume(t, cell, free_volume);
   a.free_volumes[cell] = free_volume;
   if (!pbf_pressure_grid_is_filled(&grid, (int64_t)a.sums[cell], free_volume)) return;
@@ -333,21 +361,32 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index);
 }
 
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ pbf_vec move_past_obstacles(const step_obstacles &o, pbf_vec x,
+                                                              pbf_vec move) {
+  if constexpr (SURFACES == LISTED_SURFACES)
+    return pbf_sub(resolve_collisions<SURFACES>(o, 0, x, pbf_add_scaled(x, 1, move)), x);
+  else
+    return pbf_move_past_obstacles(obstacles_met<SURFACES>(o), x, move);
+}
+
 /* What the grid adds to the moves. */
-template <bool TORN, surfaces_met SURFACES>
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    apply_correction_kernel(sorted_particles p, pbf_pressure_grid grid, pressure_grid_arrays a,
-                            step_obstacles obstacles, bool collide, pbf_real inv_time_step) {
+    apply_correction_kernel(sorted_particles p, const __grid_constant__ pbf_pressure_grid grid,
+                            const __grid_constant__ pressure_grid_arrays a, bool torn,
+                            const __grid_constant__ step_obstacles obstacles, bool collide,
+                            pbf_real inv_time_step) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
-  if (TORN) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
-  if (TORN && cell == PBF_NO_INDEX) return;
+  if (torn) cell = pbf_compartment_of(&grid, topology_met<SURFACES>(a), cell, x, at);
+  if (cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
-  if (collide) u = pbf_move_past_obstacles(obstacles_met<SURFACES>(obstacles), x, u);
+  if (collide) u = move_past_obstacles<SURFACES>(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);

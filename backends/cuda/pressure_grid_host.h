@@ -138,7 +138,7 @@ static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &ar
   s->topology.memory = nullptr;
   if (pbf_status status = clear_topology(s, arrays)) return status;
   if (pbf_status status =
-          pbf_cuda_check(cudaMemcpyAsync(pressure_grid_surfaces(s->topology_memory, s->capacity),
+          pbf_cuda_check(cudaMemcpyAsync(const_cast<pbf_surface *>(arrays.topology.surfaces),
                                          surfaces, s->pressure_grid_solids * sizeof *surfaces,
                                          cudaMemcpyDeviceToDevice, s->stream),
                          "cudaMemcpyAsync"))

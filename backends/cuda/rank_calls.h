@@ -3,6 +3,7 @@
 #ifndef PBF_CUDA_RANK_CALLS_H
 #define PBF_CUDA_RANK_CALLS_H
 
+#include "common/rank_shares.h"
 #include "common/rows.h"
 #include "cuda/population.h"
 
@@ -75,41 +76,22 @@ static inline pbf_status settle_state(solver *s) {
   return PBF_OK;
 }
 
-static inline uint64_t digest_of_added(const solver *s, const pbf_particles *p) {
-  const uint64_t bytes = (uint64_t)p->count * PBF_DIM * sizeof(pbf_real);
-  uint64_t hash = digest(s->ranks.particles, p->ids, (uint64_t)p->count * sizeof *p->ids);
-  hash = digest(hash, p->positions, bytes);
-  return p->velocities ? digest(hash, p->velocities, bytes) : hash;
-}
-
-/* Those of new particles that this rank has until the next step: so many that all have about as
- * many then. */
+/* Leaves of new particles those that this rank has until the next step. */
 static inline bool share_of_added(solver *s, pbf_particles *p) {
   rank_state *r = &s->ranks;
-  uint32_t counts[RANKS_OF_CUDA], first = 0, mine[2] = {0, 0};
-  const uint64_t all = (uint64_t)r->total + p->count, hash = digest_of_added(s, p);
-  const uint32_t each = (uint32_t)((all + r->count - 1) / r->count);
+  uint32_t counts[RANKS_OF_CUDA];
+  const uint64_t total = (uint64_t)r->total + p->count;
+  const uint64_t hash = pbf_digest_of_added(r->particles, p);
   if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
       !gather_on_ranks(s, &s->count, counts, sizeof s->count))
     return false;
-  for (uint32_t k = 0; k < r->count; ++k) {
-    const uint32_t room = counts[k] < each ? each - counts[k] : 0, left = p->count - first;
-    const uint32_t share = room < left ? room : left;
-    if (counts[k] + share > s->capacity) {
-      refuse_on_ranks(s, PBF_ERROR_CAPACITY,
-                      "the particles do not fit into the local_capacity of all ranks");
-      return false;
-    }
-    if (k == r->rank) mine[0] = first, mine[1] = first + share;
-    first += share;
+  if (!pbf_take_share_of_added(counts, r->count, r->rank, s->capacity, total, p)) {
+    refuse_on_ranks(s, PBF_ERROR_CAPACITY,
+                    "the particles do not fit into the local_capacity of all ranks");
+    return false;
   }
-  const uint64_t before = (uint64_t)mine[0] * PBF_DIM * sizeof(pbf_real);
-  p->ids += mine[0];
-  p->positions = static_cast<const char *>(p->positions) + before;
-  if (p->velocities) p->velocities = static_cast<const char *>(p->velocities) + before;
   r->particles = hash;
-  r->total = (uint32_t)all;
-  p->count = mine[1] - mine[0];
+  r->total = (uint32_t)total;
   return true;
 }
 
@@ -261,13 +243,7 @@ static inline pbf_status read_densities_on_ranks(solver *s, const pbf_rows *rows
   if (status != PBF_OK) return end_call_on_ranks(s, status);
   const neighborhood n = neighborhood_of(s, grid);
   const uint32_t own = n.particles.count - n.particles.first;
-  if (own)
-    with_kernel(s->schedule.features, [&](auto features) {
-      with_surfaces(s, [&](auto surfaces) {
-        density_kernel<decltype(features)::value, decltype(surfaces)::value>
-            <<<blocks_for(own), PBF_BLOCK, 0, s->stream>>>(n, extras, densities);
-      });
-    });
+  launch_densities(s, n, extras, {densities, nullptr});
   return share_rows(s, rows, s->other_ids + n.particles.first, densities + n.particles.first, own,
                     sizeof(pbf_real), out);
 }

@@ -4,6 +4,7 @@
 #ifndef PBF_CUDA_RANK_KERNELS_H
 #define PBF_CUDA_RANK_KERNELS_H
 
+#include "common/rank_shares.h"
 #include "cuda/launch.h"
 #include "cuda/ranks.h"
 #include "cuda/sort.h"
@@ -109,18 +110,6 @@ static __device__ __forceinline__ void sum_bins(const uint32_t *const *tables, u
   __syncthreads();
 }
 
-static __device__ inline uint32_t bin_of_place(const uint32_t *before, uint32_t place) {
-  uint32_t low = 0, high = RANK_BINS;
-  while (low + 1 < high) {
-    const uint32_t middle = low + (high - low) / 2;
-    if (before[middle] <= place)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /* What the shares follow from, beside the bins. */
 struct rank_cut {
   uint32_t own_first[RANKS_OF_CUDA + 1];
@@ -135,8 +124,8 @@ static __device__ inline rank_share share_between(const rank_cut &cut, uint32_t 
   s.own_first = cut.own_first[r];
   s.own_last = cut.own_first[r + 1];
   const unsigned long long each = cut.cells_a_bin, total = cut.cells;
-  const unsigned long long first = bin_of_place(before, s.own_first) * each;
-  const unsigned long long last = (bin_of_place(before, s.own_last - 1) + 1) * each;
+  const unsigned long long first = pbf_bin_of_place(before, RANK_BINS, s.own_first) * each;
+  const unsigned long long last = (pbf_bin_of_place(before, RANK_BINS, s.own_last - 1) + 1) * each;
   s.bin_first = first > cut.reach ? (uint32_t)((first - cut.reach) / each) : 0;
   const unsigned long long end = (last + cut.reach + each - 1) / each,
                            bins = (total + each - 1) / each;

@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_REPORT_H
 #define PBF_CUDA_REPORT_H
 
+#include "common/report.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/small/host.h"
@@ -58,7 +59,6 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);
   if (pbf_status status = sort_present(s, grid)) return status;
-  /* The lists' room holds the partial sums of any capacity: one particle has 3 KB of them. */
   const neighborhood n = neighborhood_of(s, grid);
   unsorted_particles from = state_of(s);
   if (has_ranks(s)) { /* what is its own now, sorted */
@@ -68,12 +68,14 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   }
   uint32_t blocks = blocks_for(own_count(n));
   if (blocks > PBF_SUM_BLOCKS) blocks = PBF_SUM_BLOCKS;
-  partial_stats partial[PBF_SUM_BLOCKS], *on_device = static_cast<partial_stats *>(s->list_storage);
-  with_kernel(s->schedule.features, [&](auto features) {
-    with_surfaces(s, [&](auto surfaces) {
-      stats_kernel<decltype(features)::value, decltype(surfaces)::value>
-          <<<blocks ? blocks : 1, PBF_BLOCK, 0, s->stream>>>(from, n, extras, on_device);
-    });
+  const uint32_t padded = (n.particles.count + 31) / 32 * 32; /* in the room of the lists */
+  const found_densities found = found_densities_in(s->list_storage, padded);
+  partial_stats partial[PBF_SUM_BLOCKS],
+      *on_device = reinterpret_cast<partial_stats *>(found.neighbors + padded);
+  launch_densities(s, n, extras, found);
+  with_surfaces(s, [&](auto surfaces) {
+    stats_kernel<decltype(surfaces)::value><<<blocks ? blocks : 1, PBF_BLOCK, 0, s->stream>>>(
+        from, n.particles.first, found, extras.obstacles, on_device);
   });
   if (pbf_status status = pbf_cuda_check_launch("stats_kernel")) return status;
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;
@@ -117,10 +119,8 @@ static inline pbf_status report_max_speed(solver *s, double *speed) {
 static inline void report_plan(const solver *s, pbf_plan *plan) {
   for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
     if (!s->schedule.runs[k]) continue;
-    pbf_plan_stage *stage = &plan->stages[plan->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->runs_per_step = s->schedule.runs[k];
-    stage->launches_per_step = s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
+    pbf_plan_stage *stage = pbf_plan_add_stage(plan, k, s->schedule.runs[k]);
+    stage->launches_per_step += s->schedule.runs[k] * launches_of(s, (pbf_stage)k);
     /* Crowding, and where particles go. */
     if (k == PBF_STAGE_VISCOSITY && s->schedule.accelerated)
       stage->launches_per_step += 2 + (finds_loads(s) && s->schedule.no_slip);
@@ -135,13 +135,9 @@ static inline void report_plan(const solver *s, pbf_plan *plan) {
 }
 
 static inline void report_timings(const solver *s, pbf_timings *timings) {
-  for (int k = 0; k < PBF_STAGE_COUNT; ++k) {
-    if (!s->schedule.runs[k]) continue;
-    pbf_stage_time *stage = &timings->stages[timings->stage_count++];
-    snprintf(stage->name, sizeof stage->name, "%s", pbf_stage_name((pbf_stage)k));
-    stage->milliseconds = s->clock.milliseconds[k];
-    stage->runs = s->clock.runs[k];
-  }
+  for (int k = 0; k < PBF_STAGE_COUNT; ++k)
+    if (s->schedule.runs[k])
+      pbf_timings_add(timings, k, s->clock.milliseconds[k], s->clock.runs[k]);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_ROWS_H
 #define PBF_CUDA_ROWS_H
 
+#include "common/rows.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
 
@@ -11,22 +12,9 @@ struct row_range {
   uint32_t first, count, total;
 };
 
-/* Position of `id` in ascending ids[0 … count - 1], or count where it is not among them. */
-static __device__ inline uint32_t find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
-  uint32_t low = 0, high = count;
-  while (low < high) {
-    uint32_t middle = low + (high - low) / 2;
-    if (ids[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < count && ids[low] == id ? low : count;
-}
-
 /* Row of `id` within the range; rows.count or more where it is not in it. */
 static __device__ inline uint32_t row_in_range(const row_range &rows, uint32_t id) {
-  return (rows.ids ? find_id(rows.ids, rows.total, id) : id) - rows.first;
+  return (rows.ids ? pbf_find_id(rows.ids, rows.total, id) : id) - rows.first;
 }
 
 static __global__ void read_points_kernel(const point *points, const uint32_t *ids, uint32_t count,
@@ -98,7 +86,7 @@ static __global__ void mark_kept_kernel(const uint32_t *ids, uint32_t count,
                                         const uint32_t *removed, uint32_t removed_count,
                                         uint32_t *kept) {
   uint32_t i = thread_index();
-  if (i < count) kept[i] = find_id(removed, removed_count, ids[i]) == removed_count;
+  if (i < count) kept[i] = pbf_find_id(removed, removed_count, ids[i]) == removed_count;
   if (i == count) kept[i] = 0;
 }
 

@@ -11,7 +11,7 @@ struct sleep_tally {
   uint32_t near_sleep_count; /* a particle sleeps or is still enough to */
   uint32_t sleepers;         /* counted in each step, */
   uint32_t blocks;           /* by so many blocks so far */
-  uint32_t all;              /* the sentinel is awake */
+  uint32_t all;              /* 1: all particles sleep */
   uint32_t some;             /* a particle may sleep */
   uint32_t asked;            /* sleepers, for statistics */
 };
@@ -21,8 +21,8 @@ struct sleep_marks {
   uint8_t *wakes_neighbors, *awakened;
 };
 
-/* Sleepers with a particle awake within h, once the awake have their lists. Several may say the
- * same of one. */
+/* Sleepers with a particle awake within h, once the awake have their lists. Several
+ * threads may mark the same one. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     sleeping_boundary_kernel(neighborhood n, const sleep_tally *tally) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
@@ -58,8 +58,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (rest < sleep.still2) tally->near_sleep_count = 1;
 }
 
-/* Where the sentinel sleeps nor is about to, the sentinel need know of what wakes its neighbours.
- * Several may say the same of a neighbour. */
+/* Where no particle sleeps or is about to, none has to be told of what wakes its neighbours.
+ * Several threads may mark the same neighbour. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     wake_neighbors_kernel(neighborhood n, const sleep_tally *tally, sleep_marks marks) {
   uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
@@ -113,13 +113,17 @@ static __global__ void clear_convergence_kernel(convergence_state *watch,
   if (!tally->all) *watch = {};
 }
 
+template <bool LISTED>
 static __global__ void wake_near_moving_kernel(const point *points, uint32_t count, pbf_sleep sleep,
                                                pbf_moving_obstacles moving_obstacles,
                                                step_obstacles o, pbf_real reach, pbf_real *activity,
                                                sleep_tally *tally) {
   uint32_t i = thread_index();
   if (i >= count || !pbf_is_asleep(activity[i])) return;
-  if (!pbf_near_moving_obstacle(moving_obstacles, o, reach, position_of(load(points, i)))) return;
+  const pbf_vec x = position_of(load(points, i));
+  if (!pbf_near_moving_obstacle(moving_obstacles, asked_near<LISTED>(o, x, (double)reach), reach,
+                                x))
+    return;
   activity[i] = pbf_woken_activity(&sleep);
   tally->all = 0;
 }

@@ -9,6 +9,7 @@
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
 #include "cuda/kernels.h"
+#include "cuda/many.h"
 #include "cuda/ranks.h"
 #include "cuda/scan.h"
 #include "cuda/shapes.h"
@@ -120,9 +121,16 @@ struct solver {
 
   uint32_t collider_count;
   double collider_time;
-  pbf_collider colliders[PBF_FEW_COLLIDERS];
+  pbf_collider *colliders; /* these, or in the table of many: */
+  pbf_collider few_colliders[PBF_FEW_COLLIDERS];
+  many_colliders many;
   device_shapes shapes; /* theirs */
 };
+
+/* Whether colliders are more than kernels take by value. */
+static inline bool are_listed(const solver *s) {
+  return (PBF_BUILT & PBF_FEATURE_COLLIDERS) && s->collider_count > PBF_FEW_COLLIDERS;
+}
 
 static inline bool has_ranks(const solver *s) {
   return (PBF_BUILT & PBF_FEATURE_RANKS) && s->ranks.count > 0;
@@ -181,7 +189,9 @@ static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   if (!torn) return a;
   a.topology =
       pbf_pressure_grid_topology_in(s->topology_memory, limit, pbf_pressure_grid_limit(s->planned));
-  a.topology.surfaces = pressure_grid_surfaces(s->topology_memory, s->capacity);
+  a.topology.surfaces = s->pressure_grid_solids > PBF_FEW_COLLIDERS
+                            ? s->many.divided
+                            : pressure_grid_surfaces(s->topology_memory, s->capacity);
   a.topology.surface_count = s->pressure_grid_solids;
   a.topology.domain = s->pressure_grid_domain;
   return a;

@@ -42,24 +42,31 @@ struct sort_scratch {
   uint32_t *cell, *arrival, *id_by_cell;
 };
 
-template <surfaces_met SURFACES, bool SLEEP>
+/* Whether a particle of a kernel for ALL sleeps. */
+template <bool ALL>
+static __device__ __forceinline__ bool sleeps(const unsorted_particles &from, uint32_t i) {
+  return ALL && PBF_SLEEP && from.activity && pbf_is_asleep(from.activity[i]);
+}
+
+/* ALL: of scenes that have what few have: sleep, periodic axes, phases. */
+template <surfaces_met SURFACES, bool ALL>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
-  if (SLEEP && pbf_is_asleep(from.activity[i])) return x;
+  if (sleeps<ALL>(from, i)) return x;
   pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
   return p.collide ? resolve_collisions<SURFACES>(p.obstacles, 1, x, y) : y;
 }
 
 /* The stages of the sort for particle i. Without `cell_count` it learns its cell alone. */
-template <surfaces_met SURFACES, bool SLEEP>
+template <surfaces_met SURFACES, bool ALL>
 static __device__ __forceinline__ void count_particle(const unsorted_particles &from,
                                                       const prediction &p, const cell_grid &grid,
                                                       uint32_t *cell_count,
                                                       const sort_scratch &scratch, uint32_t i) {
   pbf_vec x = position_of(load(from.points, i));
-  pbf_vec predicted = predicted_position<SURFACES, SLEEP>(from, p, i, x);
-  if (serves_all<SURFACES> && p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
+  pbf_vec predicted = predicted_position<SURFACES, ALL>(from, p, i, x);
+  if (ALL && p.periods.any) predicted = pbf_image_inside(&p.periods, predicted);
   uint32_t cell = grid_cell(grid, predicted);
   scratch.cell[i] = cell;
   if (cell_count) scratch.arrival[i] = atomicAdd(&cell_count[cell], 1u);
@@ -71,7 +78,7 @@ static __device__ __forceinline__ void scatter_particle(const unsorted_particles
   scratch.id_by_cell[cell_start[scratch.cell[i]] + scratch.arrival[i]] = from.ids[i];
 }
 
-template <surfaces_met SURFACES, bool SLEEP>
+template <surfaces_met SURFACES, bool ALL>
 static __device__ __forceinline__ void place_particle(const unsorted_particles &from,
                                                       const prediction &p,
                                                       const sort_scratch &scratch,
@@ -79,34 +86,34 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
   uint32_t cell = scratch.cell[i], id = from.ids[i];
   uint32_t start = to.cell_start[cell], end = to.cell_start[cell + 1], place = start;
   for (uint32_t k = start; k < end; ++k) place += scratch.id_by_cell[k] < id;
-  if (SLEEP && *from.all_asleep) place = i;
+  if (ALL && PBF_SLEEP && from.activity && *from.all_asleep) place = i;
   point own = load(from.points, i);
   pbf_vec x = position_of(own);
-  pbf_vec predicted = predicted_position<SURFACES, SLEEP>(from, p, i, x);
-  if (SLEEP && pbf_is_asleep(from.activity[i])) {
+  pbf_vec predicted = predicted_position<SURFACES, ALL>(from, p, i, x);
+  if (sleeps<ALL>(from, i)) {
     store(to.points, place, own);
     to.velocities[place] = {{0}};
     *from.some_asleep = 1;
   } else {
     pbf_vec inside = predicted;
-    if (serves_all<SURFACES> && p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
+    if (ALL && p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
     store(to.points, place, point_at(inside));
     pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
-  if (SLEEP) to.activity[place] = from.activity[i];
+  if (ALL && PBF_SLEEP && from.activity) to.activity[place] = from.activity[i];
   if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
-  if (serves_all<SURFACES> && from.phase) to.phase[place] = from.phase[i];
+  if (ALL && from.phase) to.phase[place] = from.phase[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }
 
-template <surfaces_met SURFACES, bool SLEEP>
+template <surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     predict_kernel(unsorted_particles from, prediction p, cell_grid grid, uint32_t *cell_count,
                    sort_scratch scratch) {
   uint32_t i = thread_index();
-  if (i < from.count) count_particle<SURFACES, SLEEP>(from, p, grid, cell_count, scratch, i);
+  if (i < from.count) count_particle<SURFACES, ALL>(from, p, grid, cell_count, scratch, i);
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -116,12 +123,31 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     scatter_particle(from, cell_start, scratch, i);
 }
 
-template <surfaces_met SURFACES, bool SLEEP>
+template <surfaces_met SURFACES, bool ALL>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     place_kernel(unsorted_particles from, prediction p, sort_scratch scratch, sorted_particles to) {
   uint32_t i = thread_index();
   if (i < from.count && scratch.cell[i] != PBF_NO_CELL)
-    place_particle<SURFACES, SLEEP>(from, p, scratch, to, i);
+    place_particle<SURFACES, ALL>(from, p, scratch, to, i);
+}
+
+/* The same among listed surfaces, which few threads meet: these are not to take the registers of
+ * all. */
+enum { BLOCKS_OF_LISTED = 4 };
+
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_OF_LISTED)
+    predict_listed_kernel(unsorted_particles from, prediction p, cell_grid grid,
+                          uint32_t *cell_count, sort_scratch scratch) {
+  uint32_t i = thread_index();
+  if (i < from.count) count_particle<LISTED_SURFACES, true>(from, p, grid, cell_count, scratch, i);
+}
+
+static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_OF_LISTED)
+    place_listed_kernel(unsorted_particles from, prediction p, sort_scratch scratch,
+                        sorted_particles to) {
+  uint32_t i = thread_index();
+  if (i < from.count && scratch.cell[i] != PBF_NO_CELL)
+    place_particle<LISTED_SURFACES, true>(from, p, scratch, to, i);
 }
 
 #endif

@@ -40,17 +40,49 @@ static __host__ __device__ inline partial_stats empty_stats() {
   return s;
 }
 
-/* rho/rho0 of particle i of the sorted ones. */
-template <int FEATURES, surfaces_met SURFACES>
-static __device__ __forceinline__ pbf_real full_density(const neighborhood &n,
-                                                        const iteration_extras &extras, uint32_t i,
-                                                        uint32_t *neighbors) {
-  pbf_real density = density_at<FEATURES>(n, extras.obstacles.domain, i, neighbors);
+/* Of sorted particles: rho/rho0, and how many neighbours each has unless that is null. */
+struct found_densities {
+  pbf_real *densities;
+  uint32_t *neighbors;
+};
+
+static inline uint64_t stats_bytes(uint32_t padded) {
+  const uint64_t blocks = (padded + PBF_BLOCK - 1) / PBF_BLOCK;
+  return padded * (sizeof(pbf_real) + sizeof(uint32_t)) +
+         (blocks < PBF_SUM_BLOCKS ? blocks : (uint64_t)PBF_SUM_BLOCKS) * sizeof(partial_stats);
+}
+
+/* In such room: densities, neighbours, sums of blocks. */
+static inline found_densities found_densities_in(void *room, uint32_t padded) {
+  pbf_real *densities = static_cast<pbf_real *>(room);
+  return {densities, reinterpret_cast<uint32_t *>(densities + padded)};
+}
+
+/* Without what solids contribute, … */
+template <int FEATURES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    density_kernel(const __grid_constant__ neighborhood n,
+                   const __grid_constant__ pbf_domain domain, found_densities found) {
+  const uint32_t i = own_index(n.particles);
+  uint32_t neighbors = 0;
+  if (i >= n.particles.count) return;
+  found.densities[i] = density_at<FEATURES>(n, domain, i, &neighbors);
+  if (found.neighbors) found.neighbors[i] = neighbors;
+}
+
+/* … which is added. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    add_solid_density_kernel(const __grid_constant__ neighborhood n,
+                             const __grid_constant__ step_obstacles obstacles,
+                             pbf_real *densities) {
+  const uint32_t i = own_index(n.particles);
+  if (i >= n.particles.count) return;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  pbf_real density = densities[i];
   pbf_vec gradient = {{0}};
-  if (extras.wall_density)
-    add_boundary<SURFACES>(&n.constants, extras.obstacles, position_of(load(n.particles.points, i)),
-                           &density, &gradient);
-  return density;
+  add_boundary<SURFACES>(&n.constants, obstacles, x, &density, &gradient);
+  densities[i] = density;
 }
 
 static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v) {
@@ -67,24 +99,25 @@ static __device__ inline void add_motion(partial_stats *s, pbf_vec x, pbf_vec v)
   s->speed2_max = larger(s->speed2_max, v2);
 }
 
-/* `state` gives positions and velocities, `n` the same particles sorted. */
-template <int FEATURES, surfaces_met SURFACES>
+/* `state` gives positions and velocities, `found` what has been found of the same particles sorted,
+ * `first` their first. */
+template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    stats_kernel(unsorted_particles state, neighborhood n, iteration_extras extras,
-                 partial_stats *partial) {
+    stats_kernel(unsorted_particles state, uint32_t first, found_densities found,
+                 const __grid_constant__ step_obstacles obstacles, partial_stats *partial) {
   __shared__ partial_stats shared[PBF_BLOCK / 32];
   partial_stats s = empty_stats();
-  for (uint32_t i = own_index(n.particles); i < state.count; i += gridDim.x * blockDim.x) {
-    uint32_t neighbors = 0;
-    double density = (double)full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
-    add_motion(&s, position_of(load(state.points, i)), state.velocities[i]);
+  for (uint32_t i = first + thread_index(); i < state.count; i += gridDim.x * blockDim.x) {
+    const double density = (double)found.densities[i];
+    const uint32_t neighbors = found.neighbors[i];
+    const pbf_vec x = position_of(load(state.points, i));
+    add_motion(&s, x, state.velocities[i]);
     s.density += density;
     s.density_error += larger(density - 1, 0);
     s.density_max = larger(s.density_max, density);
     s.neighbors += neighbors;
     s.neighbors_max = max(s.neighbors_max, neighbors);
-    s.squeezed += pbf_is_squeezed_by(obstacles_met<SURFACES>(extras.obstacles),
-                                     position_of(load(state.points, i)));
+    s.squeezed += pbf_is_squeezed_by(obstacles_near<SURFACES>(obstacles, x, 0), x);
   }
   /* Every warp's leader takes its lanes in order, then the block's leader the warps. */
   for (uint32_t lane = 0; lane < 32; ++lane) {
@@ -101,14 +134,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   s = shared[0];
   for (int warp = 1; warp < PBF_BLOCK / 32; ++warp) merge(&s, shared[warp]);
   partial[blockIdx.x] = s;
-}
-
-template <int FEATURES, surfaces_met SURFACES>
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    density_kernel(neighborhood n, iteration_extras extras, pbf_real *densities) {
-  uint32_t i = own_index(n.particles), neighbors = 0;
-  if (i < n.particles.count)
-    densities[i] = full_density<FEATURES, SURFACES>(n, extras, i, &neighbors);
 }
 
 #endif

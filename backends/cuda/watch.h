@@ -10,7 +10,7 @@
 /* Whether the build has them. */
 constexpr bool PBF_TOLERANCE = (PBF_BUILT & PBF_FEATURE_TOLERANCE) != 0;
 
-/* How a checked for convergence solve stands: one whose density error ends it. An iteration's
+/* The state of a solve that ends by its density error. An iteration's
  * lambda adds the error to its own of the two sums, and its move looks at it and clears the other
  * one. */
 struct convergence_state {
@@ -31,6 +31,11 @@ struct convergence_check {
 static __device__ __forceinline__ bool is_converged(const convergence_check &w) {
   uint32_t done = *static_cast<const volatile uint32_t *>(&w.watch->done);
   return done != 0 && done <= w.iteration;
+}
+
+/* Whether the move of this iteration, which is over, has ended the solve. */
+static __device__ __forceinline__ bool has_ended(const convergence_check &w) {
+  return *static_cast<const volatile uint32_t *>(&w.watch->done) == w.iteration + 1;
 }
 
 /* Adds up the errors of a warp's particles, of which the first `alive` lanes have one. */

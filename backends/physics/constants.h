@@ -124,7 +124,7 @@ static inline double pbf_overlap_decay_of(const pbf_params *params) {
 
 /* A density at rest is 1 but for the rounding of its sum and of the places, and what the solve does
  * about that becomes velocity, too: in a step of 1e-7 s half a metre a second. So where a step is
- * short for gravity, `residual density` > 0, or no gravity says what is short, errors of no more
+ * short for gravity, `residual_density` > 0, or no gravity says what is short, errors of no more
  * than that are none: in float32 1e-5 for a domain of ten h. Larger ones are undone as elsewhere.
  */
 static inline double pbf_density_rounding(const pbf_params *params, double residual_density,

@@ -3,7 +3,7 @@
  *
  * Rows of cells (across y and z) are counted modulo a power of two, in an order that keeps the rows
  * around any place apart: one on along one axis, pbf_grid_wrap_stride on along the other. Along
- * rows (x) the numbering turns back at either end, as a carpenter's rule does: then neighbours
+ * rows (x) the numbering turns back at either end and goes the other way: then neighbours
  * still are in one contiguous run. Host only. */
 #ifndef PBF_PHYSICS_GRID_WRAP_H
 #define PBF_PHYSICS_GRID_WRAP_H

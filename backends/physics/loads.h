@@ -477,19 +477,23 @@ struct load_rests {
   load_rest walls[3], all[3];
 };
 
+/* Along axis k. */
+template <class Tally>
+PBF_FN void find_load_rests(const Tally *t, int k, load_rests *rests) {
+  const int solids = pbf_tally_solids(t);
+  const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
+  const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
+  const bool are_walls_across = load_sum_over(t, PBF_WALLS, PBF_LOAD_SIZE + k) > 0;
+  double rest = pbf_wide_value(t->change[k]) - known;
+  if (!are_walls_across) rest += along;
+  rests->walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
+  rests->all[k] = load_rest_of(t, solids, k, rest);
+}
+
 template <class Tally>
 PBF_FN load_rests load_rests_of(const Tally *t) {
-  const int solids = pbf_tally_solids(t);
   load_rests rests;
-  for (int k = 0; k < 3; ++k) {
-    const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
-    const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
-    const bool are_walls_across = load_sum_over(t, PBF_WALLS, PBF_LOAD_SIZE + k) > 0;
-    double rest = pbf_wide_value(t->change[k]) - known;
-    if (!are_walls_across) rest += along;
-    rests.walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
-    rests.all[k] = load_rest_of(t, solids, k, rest);
-  }
+  for (int k = 0; k < 3; ++k) find_load_rests(t, k, &rests);
   return rests;
 }
 

@@ -1,6 +1,6 @@
 /* A domain, or a container in it, with less room than its fluid takes at rest. No place of the
  * particles has rest density then, and a solve that goes on as if there were one shakes them, or
- * holds them in a vice of pressure: it is to find the density that there is room for. */
+ * holds them between large pressures: it is to find the density that there is room for. */
 #ifndef PBF_PHYSICS_OVERFULL_H
 #define PBF_PHYSICS_OVERFULL_H
 

@@ -15,7 +15,7 @@ typedef struct pbf_sleep {
 
 static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
   const double wake_neighbors =
-      3; /* times as fast as what falls asleep: the sentinel wakes of trembling near him */
+      3; /* times as fast as what falls asleep: trembling wakes no neighbour */
   double still2 = params->sleep_speed * params->sleep_speed;
   pbf_sleep s;
   s.share = (pbf_real)fmin(1, params->time_step / params->sleep_time);
@@ -25,7 +25,7 @@ static inline pbf_sleep pbf_sleep_of(const pbf_params *params) {
 }
 
 /* What stands for sleep in place of an activity. Sleepers within h of a particle awake are the
- * sleeping boundary of the sleeping fluid: they do not move, yet go on solving for their density,
+ * boundary of the sleeping fluid: they do not move, yet go on solving for their density,
  * so that the awake find pressure where they come too near to them. The solve begins anew in each
  * step, and so does which particles are the sleeping boundary: from the search of its neighbours
  * until all settle. */
@@ -35,14 +35,14 @@ PBF_FN pbf_real pbf_sleeping_boundary(void) { return (pbf_real)-0.5; }
 
 PBF_FN int pbf_is_asleep(pbf_real activity) { return activity < 0; }
 
-/* Who sleeps out of reach of the awake. */
+/* Asleep, and out of reach of the awake. */
 PBF_FN int pbf_is_inactive(pbf_real activity) { return activity < pbf_sleeping_boundary(); }
 
 /* Of a particle that wakes: it has to come to rest anew, yet does not wake others by itself. */
 PBF_FN pbf_real pbf_woken_activity(const pbf_sleep *s) { return s->wake_threshold2; }
 
-/* That is so until its first step is over. In this the solver makes up for what the places of all
- * that slept lack by its own lights: what it moves them must not become velocity. */
+/* That is so until its first step is over. In this step the solver corrects the density errors that
+ * sleepers have kept: how far it moves them must not become velocity. */
 PBF_FN int pbf_just_woke(const pbf_sleep *s, pbf_real activity) {
   return activity == s->wake_threshold2;
 }
@@ -60,8 +60,8 @@ PBF_FN int pbf_wakes_neighbors(const pbf_sleep *s, pbf_real activity, pbf_vec ar
   return pbf_real_max(activity, pbf_dot(around, around)) > s->wake_threshold2;
 }
 
-/* What is `awakened`, something near it wakes its neighbours, wakes or stays awake; what is still
- * falls asleep: the activity of the sentinel awake is below still2. */
+/* A particle that is `awakened`, as something near it wakes its neighbours, wakes or stays awake;
+ * one that is still falls asleep: no particle awake has an activity below still2 afterwards. */
 PBF_FN pbf_real pbf_update_sleep(const pbf_sleep *s, pbf_real activity, int awakened) {
   if (awakened)
     return pbf_is_asleep(activity) ? pbf_woken_activity(s) : pbf_real_max(activity, s->still2);

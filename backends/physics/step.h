@@ -3,6 +3,7 @@
 #ifndef PBF_PHYSICS_STEP_H
 #define PBF_PHYSICS_STEP_H
 
+#include "physics/passes/drag.h"
 #include "physics/schedule.h"
 
 enum step_outcome {
@@ -64,7 +65,9 @@ static inline void pull_at_surfaces(Executor &e) {
 /* e.exchange(fields) stands between what changes a field of particles and what reads it of their
  * neighbours. Where an executor holds copies of it, packed for its loops, or in ghosts of its own
  * or of other processes, they are refreshed there; where all is read from where it is, it does
- * nothing. find_neighbors() finds the ghosts, too, with what they repeat. */
+ * nothing. find_neighbors() finds the ghosts, too, with what they repeat.
+ *
+ * e.over_particles<Pass>(stage) is a stage that changes velocities, each by itself (pass.h). */
 template <class Executor>
 static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
   if (!e.wake()) return STEP_OF_NONE_AWAKE; /* particles near what moves */
@@ -133,7 +136,7 @@ static inline step_outcome run_step(Executor &e, const pbf_schedule &has) {
     e.viscosity(0);
   }
   if (tension && !has.adhesion) pull_at_surfaces(e);
-  if (runs<PBF_STAGE_DRAG>(has)) e.drag();
+  if (runs<PBF_STAGE_DRAG>(has)) e.template over_particles<drag_pass>(PBF_STAGE_DRAG);
   bool all_asleep = false;
   if (runs<PBF_STAGE_SLEEP>(has)) {
     e.exchange(FIELD_VELOCITY);

@@ -1,4 +1,4 @@
-/* Who falls asleep and who wakes: physics/sleep.h. */
+/* Which particles fall asleep and which wake: physics/sleep.h. */
 #ifndef PBF_REFERENCE_SLEEP_H
 #define PBF_REFERENCE_SLEEP_H
 
@@ -84,7 +84,7 @@ static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double t
                           s->table.still_moving);
 }
 
-/* Wakes who is near what moves, or has been moved, as it stands at a time. */
+/* Wakes what is near solids that move, or have been moved, as they stand at a time. */
 static inline void wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
   if (!sleeps(s) || !pbf_any_obstacle_moves(moving_obstacles)) return;
   pbf_obstacles obstacles = obstacles_at(s, time);

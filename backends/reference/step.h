@@ -7,7 +7,6 @@
 #include "physics/passes/confinement.h"
 #include "physics/passes/curl.h"
 #include "physics/passes/damping_compensation.h"
-#include "physics/passes/drag.h"
 #include "physics/passes/density.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/mobility.h"
@@ -257,7 +256,8 @@ static inline void find_deviators(solver *s, const pbf_obstacles *o) {
     auto sums = sums_around(s, pass, s->moved, {}, {}, i);
     add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
     pbf_fabric fabric = fabric_of(sums);
-    if (!s->schedule.wall_density || add_walls(&s->constants, *o, s->moved[i], &fabric))
+    if (s->schedule.wall_density) add_walls(&s->constants, o->domain, s->moved[i], &fabric);
+    if (!s->schedule.wall_density || !colliders_contribute(&s->constants, *o, s->moved[i]))
       s->deviator[i] = pass.finish(fabric, s->lambda[i]);
     s->change[i] = fabric.wall;
   }
@@ -475,12 +475,6 @@ static inline void apply_adhesion(solver *s, const pbf_forces &forces, const pbf
     if (!asleep(s, i)) s->v[i] = pbf_add_scaled(s->v[i], 1, adhere(s, scales, o, i, s->added[i]));
 }
 
-static inline void apply_drag(solver *s) {
-  const drag_pass pass = drag_of(&s->params);
-  for (uint32_t i = 0; i < s->count; ++i)
-    if (!asleep(s, i)) s->v[i] = pass.finish(s->v[i]);
-}
-
 namespace {
 
 namespace {
@@ -558,7 +552,12 @@ struct executor {
     apply_surface_tension(s);
     if (s->schedule.adhesion) apply_adhesion(s, pbf_forces_of(&s->params, began), &obstacles);
   }
-  void drag() { apply_drag(s); }
+  template <class Pass>
+  void over_particles(pbf_stage) {
+    const Pass pass = Pass::of(&s->params);
+    for (uint32_t i = 0; i < s->count; ++i)
+      if (!asleep(s, i)) s->v[i] = pass.finish(s->v[i]);
+  }
   bool update_sleep() {
     ::update_sleep(s);
     return false;

@@ -31,7 +31,7 @@ Collider ball(const Scene &scene) {
 
 double own_or(double own, double usual) { return own > 0 ? own : usual; }
 
-// As pbf.h recommends.
+// As pbf/params.h recommends.
 double sleep_speed_for(const pbf_params &params) {
   const double *g = params.gravity;
   return 0.1 * std::sqrt(std::hypot(g[0], g[1], g[2]) * spacing_of(params));

@@ -56,4 +56,20 @@ void add_device_option(CLI::App &command, int32_t &device) {
       ->capture_default_str();
 }
 
+void add_worlds_options(CLI::App &command, WorldsOptions &options, const std::string &worlds) {
+  command.add_option("--worlds", options.worlds, worlds)
+      ->type_name("N")
+      ->check(positive())
+      ->capture_default_str();
+  command.add_option("--backends", options.backends, "which backends")
+      ->type_name("B,…")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "CPU threads (0: all)")
+      ->type_name("N")
+      ->capture_default_str();
+  add_precision_option(command, options.precision);
+  add_device_option(command, options.device);
+}
+
 }  // namespace bench

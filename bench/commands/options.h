@@ -7,6 +7,7 @@
 #include "core/solver.h"
 #include "report/portrait.h"
 #include "scene/scene.h"
+#include "worlds/worlds.h"
 
 namespace bench {
 
@@ -16,6 +17,8 @@ CLI::Validator positive();
 void add_scene_options(CLI::App &command, SceneOptions &options);
 void add_precision_option(CLI::App &command, uint32_t &precision);
 void add_device_option(CLI::App &command, int32_t &device);
+// `worlds` describes the option of that name.
+void add_worlds_options(CLI::App &command, WorldsOptions &options, const std::string &worlds);
 void add_portrait_options(CLI::App &command, Portrait &portrait);
 
 void write_picture(const std::string &path, const std::string &png);

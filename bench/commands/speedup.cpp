@@ -78,7 +78,7 @@ std::pair<CLI::App *, Command> add_speedup(CLI::App &app) {
   add_scene_options(*command, options->scene);
   command
       ->add_option("--backends", line_up.backends,
-                   "who takes part; naive is reference in float32 with the scene's cell width")
+                   "which take part; naive is reference in float32 with the scene's cell width")
       ->type_name("B,…")
       ->delimiter(',')
       ->capture_default_str();

@@ -38,7 +38,6 @@ std::pair<CLI::App *, Command> add_startup(CLI::App &app) {
   auto options = std::make_shared<StartupCommand>();
   options->scene.name = "dam-break-3d";
   options->solvers.backends = {"reference", "serial", "threads", "openmp"};
-  WorldsOptions &solvers = options->solvers;
   CLI::App *command = app.add_subcommand(
       "startup", "Time to the first step, first and later solvers, and to destroy one");
   add_scene_options(*command, options->scene);
@@ -47,19 +46,7 @@ std::pair<CLI::App *, Command> add_startup(CLI::App &app) {
       ->type_name("N")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--worlds", solvers.worlds, "of the batch")
-      ->type_name("N")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_option("--backends", solvers.backends, "which backends")
-      ->type_name("B,…")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--threads", solvers.threads, "CPU threads (0: all)")
-      ->type_name("N")
-      ->capture_default_str();
-  add_precision_option(*command, solvers.precision);
-  add_device_option(*command, solvers.device);
+  add_worlds_options(*command, options->solvers, "of the batch");
   command->add_option("--json", options->json, "all figures into this file")->type_name("F");
   return {command, [options] { return run_startup(*options); }};
 }

@@ -40,26 +40,13 @@ int run_worlds(WorldsCommand options) {
 std::pair<CLI::App *, Command> add_worlds(CLI::App &app) {
   auto options = std::make_shared<WorldsCommand>();
   options->scene.name = "dam-break-3d";
-  WorldsOptions &worlds = options->worlds;
   CLI::App *command = app.add_subcommand(
       "worlds", "Many small worlds in a batch, one solver after another, and as one large world");
   add_scene_options(*command, options->scene);
   command->get_option("--particles")->description("of a world (1000)");
   command->get_option("--steps")->description("of a repetition (20)");
-  command->add_option("--worlds", worlds.worlds, "how many, 1 … 65536")
-      ->type_name("N")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_option("--backends", worlds.backends, "which backends")
-      ->type_name("B,…")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--threads", worlds.threads, "CPU threads (0: all)")
-      ->type_name("N")
-      ->capture_default_str();
-  add_precision_option(*command, worlds.precision);
-  add_device_option(*command, worlds.device);
-  command->add_option("--repetitions", worlds.repetitions, "timed runs a row")
+  add_worlds_options(*command, options->worlds, "how many, 1 … 65536");
+  command->add_option("--repetitions", options->worlds.repetitions, "timed runs a row")
       ->type_name("N")
       ->check(positive())
       ->capture_default_str();

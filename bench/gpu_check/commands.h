@@ -17,4 +17,8 @@ void exercise_all(void);
 /* `steps` steps after `lead_in`, five times. */
 void time_scene(const scene *s, uint32_t precision, uint32_t lead_in, uint32_t steps);
 
+/* A dam of so many particles that breaks over solids ("box", "hull" or "mesh"), all over the water;
+ * returns 0 where there is no such solid. `moves`: they move and turn. */
+int time_solids(uint32_t particles, uint32_t solids, const char *shape, int moves);
+
 #endif

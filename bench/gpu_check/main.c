@@ -7,6 +7,9 @@
  *   gpu_check time SCENE N [H/D [EXTRA]]
  *                                 report-30k or shallow-dam-break: time, error, plan, stages
  *
+ *   gpu_check solids N COUNT SHAPE [move]
+ *                                 a dam breaks over so many boxes, hulls or meshes: the same
+ *
  * EXTRA is f64, or the name of an optional parameter, which is turned on.
  * Prints one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
 #include <stdio.h>
@@ -19,7 +22,7 @@
 static int usage(void) {
   fprintf(stderr,
           "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D [f64 | "
-          "optional parameter]]\n");
+          "optional parameter]] | solids N COUNT box|hull|mesh [move]\n");
   return 2;
 }
 
@@ -51,6 +54,10 @@ int main(int argc, char **argv) {
     exercise_all();
   } else if (strcmp(command, "time") == 0 && argc > 3) {
     return time_named(argc - 2, argv + 2);
+  } else if (strcmp(command, "solids") == 0 && argc > 4) {
+    const uint32_t particles = (uint32_t)strtoul(argv[2], NULL, 10);
+    const uint32_t solids = (uint32_t)strtoul(argv[3], NULL, 10);
+    return time_solids(particles, solids, argv[4], argc > 5) ? 0 : usage();
   } else {
     return usage();
   }

@@ -138,20 +138,44 @@ void add_turning_floor(scene *s) {
   floor->angular_velocity[2] = 0.02;
 }
 
+enum { MANY = 64 };
+
+/* The k-th of many. */
+static pbf_collider many_collider(const scene *s, uint32_t k) {
+  pbf_collider c;
+  must(pbf_collider_init(&c, sizeof c, k == 0 ? PBF_COLLIDER_PLANE : 1 + k % 3),
+       "pbf_collider_init");
+  for (uint32_t a = 0; a < s->dimension && k > 0; ++a) {
+    double size = s->spacing * s->counts[a];
+    c.position[a] = size * (0.5 + 1.2 * noise(11 * k + a));
+    c.velocity[a] = noise(11 * k + a + 4);
+    c.half_extents[a] = s->spacing * (0.6 + noise(11 * k + a + 8));
+  }
+  c.radius = c.half_length = s->spacing * (0.7 + noise(977 * k));
+  if (k % 4 == 3) c.angular_velocity[2] = 3;
+  return c;
+}
+
 /* In and around the fluid, most of them under way. */
 void add_many_colliders(scene *s) {
+  for (uint32_t k = 0; k < MANY; ++k) s->colliders[k] = many_collider(s, k);
+  s->collider_count = MANY;
+}
+
+/* The others turn far above it. */
+void add_thousand_colliders(scene *s) {
   for (uint32_t k = 0; k < SCENE_COLLIDERS; ++k) {
     pbf_collider *c = &s->colliders[k];
-    must(pbf_collider_init(c, sizeof *c, k == 0 ? PBF_COLLIDER_PLANE : 1 + k % 3),
-         "pbf_collider_init");
-    for (uint32_t a = 0; a < s->dimension && k > 0; ++a) {
-      double size = s->spacing * s->counts[a];
-      c->position[a] = size * (0.5 + 1.2 * noise(11 * k + a));
-      c->velocity[a] = noise(11 * k + a + 4);
-      c->half_extents[a] = s->spacing * (0.6 + noise(11 * k + a + 8));
-    }
-    c->radius = c->half_length = s->spacing * (0.7 + noise(977 * k));
-    if (k % 4 == 3) c->angular_velocity[2] = 3;
+    *c = many_collider(s, k * MANY / SCENE_COLLIDERS);
+    if (k > 0 && k * MANY / SCENE_COLLIDERS != (k - 1) * MANY / SCENE_COLLIDERS) continue;
+    if (k == 0) continue;
+    must(pbf_collider_init(c, sizeof *c, 1 + k % 3), "pbf_collider_init");
+    c->position[0] = 0.04 * (k % 40);
+    c->position[1] = 1.6 + 0.04 * (k / 40 % 10);
+    c->position[2] = s->dimension == 3 ? 0.2 * (k / 400) : 0;
+    for (uint32_t a = 0; a < s->dimension; ++a) c->half_extents[a] = 0.3 * s->spacing;
+    c->radius = c->half_length = 0.3 * s->spacing;
+    c->angular_velocity[2] = 3;
   }
   s->collider_count = SCENE_COLLIDERS;
 }

@@ -7,7 +7,7 @@
 
 #include <pbf/pbf.h>
 
-enum { SCENE_COLLIDERS = 64 }; /* at most: as many as a GPU takes */
+enum { SCENE_COLLIDERS = 1000 }; /* at most */
 
 typedef struct scene {
   const char *name;
@@ -46,6 +46,9 @@ int add_optional(scene *s, const char *name);
 void add_colliders(scene *s);
 void add_turning_floor(scene *s);
 void add_many_colliders(scene *s);
+
+/* As many as there may be, of which as many as before are in and around the fluid. */
+void add_thousand_colliders(scene *s);
 void add_container(scene *s, uint32_t shape);
 
 #endif

@@ -160,6 +160,11 @@ static void verify_obstacles(kind *k) {
   s.params.cohesion = 0;
   s.params.solver = PBF_SOLVER_CHEBYSHEV;
   verify(k, "many-colliders-wall-density", &s, 50);
+  add_thousand_colliders(&s);
+  verify(k, "thousand-colliders-wall-density", &s, 50);
+  s = small_scene(k->dim);
+  add_thousand_colliders(&s);
+  verify(k, "thousand-colliders", &s, 50);
 }
 
 static void verify_containers(kind *k) {

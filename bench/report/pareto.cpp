@@ -49,7 +49,7 @@ std::string spread_text(const Point &point) {
   return rounded(least_cost(point), 3) + " – " + rounded(most_cost(point), 3);
 }
 
-// The scene as anyone gets it who sets nothing.
+// The scene with all defaults.
 bool is_default(const Study &study, const Point &point) {
   const pbf_params &params = point.scene.params;
   return point.solver.precision == PBF_FLOAT32 && point.divide == 1 &&

@@ -33,9 +33,10 @@ Lattice lattice_of(const Block &block, unsigned dimension) {
       low = block.center[axis] - half;
       high = block.center[axis] + half;
     }
-    // Far more than any solver holds is as good as infinite, and fits an integer. The order of the
-    // arguments makes 0 of what is not a number.
-    const double cells = std::fmin(std::fmax(0.0, std::round((high - low) / block.spacing)), 1e6);
+    // More than any solver holds in one row is as good as infinite, and fits an integer. The order
+    // of the arguments makes 0 of what is not a number.
+    const double cells =
+        std::fmin(std::fmax(0.0, std::round((high - low) / block.spacing)), 4.0 * PBF_MAX_CAPACITY);
     lattice.counts[axis] = static_cast<uint64_t>(cells);
     lattice.first[axis] = low + block.spacing / 2;
   }
@@ -120,6 +121,7 @@ Row row_of(const Block &block, const Lattice &lattice, uint64_t j, uint64_t k) {
 
 template <typename Visit>
 void for_each_row(const Block &block, const Lattice &lattice, Visit visit) {
+  if (lattice.counts[0] == 0) return;  // of however many rows
   for (uint64_t k = 0; k < lattice.counts[2]; ++k) {
     for (uint64_t j = 0; j < lattice.counts[1]; ++j) visit(row_of(block, lattice, j, k), j, k);
   }

@@ -1,4 +1,4 @@
-/* Who takes part in a speed-up table, and what came of it. */
+/* What takes part in a speed-up table, and what came of it. */
 #ifndef PBF_BENCH_CONTESTANT_H
 #define PBF_BENCH_CONTESTANT_H
 

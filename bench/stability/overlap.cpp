@@ -59,7 +59,7 @@ void one_cell(Record &record) {
   note_cost(record, trial);
 }
 
-// The counts that the solver tells are dumped for the judge, who counts for himself.
+// The counts that the solver tells are dumped for pbf-check, which counts for itself.
 void neighbor_overflow(Record &record) {
   Start start;
   const uint64_t count = record.quick_or(600, 4000);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t most_steps = 3600;
 
-// As pbf.h recommends.
+// As pbf/params.h recommends.
 void allow_sleep(pbf_params &params) {
   params.sleep_speed = 0.1 * std::sqrt(-params.gravity[1] * spacing);
   params.sleep_time = 0.5;

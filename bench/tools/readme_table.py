@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the README's speed-up table from a result of `pbf-bench speedup --json`.
+"""Writes the README's speed-up table from a result of `pbf-bench speedup --json`, and its sentence on
+GPUs from what bench/gpu.sh and bench/gpu-ranks.sh left.
 
-    bench/tools/readme_table.py bench/results/nvidia-h200/speedup.json
+    bench/tools/readme_table.py bench/results/nvidia-h200/speedup.json bench/results/nvidia-h100/times.json \\
+        bench/results/nvidia-h200-x4/ranks-times.json
 """
 import json
 import pathlib
@@ -45,12 +47,34 @@ def table(result):
     return "\n".join(lines)
 
 
-def main(path):
-    result = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+def lines_of(path):
+    return [json.loads(line) for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines()]
+
+
+def time_of(rows, million, **wanted):
+    """Milliseconds a step, and the device, of the first row of about so many million particles."""
+    row = next(row for row in rows if abs(row["particles"] / (million * 1e6) - 1) < 0.02
+               and all(row[key] == value for key, value in wanted.items()))
+    return f"{row['ms_per_step']:.3g} ms", row["device"].replace("NVIDIA ", "").split()[0]
+
+
+def gpus(times, ranks):
+    """The defaults, h of two spacings in float32, of one dam break."""
+    usual = [row for row in times if row["support"] == 2 and row["extra"] == ""]
+    one, device = time_of(usual, 1)
+    alone, other = time_of(ranks, 16, ranks=0)
+    four, _ = time_of(ranks, 16, ranks=4)
+    return (f"A million particles in 3D take {one} a step on an {device}; 16 million {alone} on an {other}, "
+            f"and {four} on [four](docs/many-ranks.md#gpus).")
+
+
+def main(speedup, times, ranks):
+    result = json.loads(pathlib.Path(speedup).read_text(encoding="utf-8"))
     write_table("README.md", "speedup", table(result))
+    write_table("README.md", "gpus", gpus(lines_of(times), lines_of(ranks)))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
-    main(sys.argv[1])
+    main(*sys.argv[1:])

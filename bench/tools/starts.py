@@ -83,11 +83,11 @@ def lattice():
 
 def place(pbf, row, prestabilization, seed):
     """A fluid before the step that is asked about, and how many of it have been placed."""
-    everybody = WIDE * LAYERS * WIDE
+    all_particles = WIDE * LAYERS * WIDE
     if "density" in row:
-        start = anywhere(everybody, LAYERS / row["density"], seed)
-        return Fluid(pbf, row["time_step"], prestabilization, start), everybody
-    fluid, newcomers = Fluid(pbf, row["time_step"], prestabilization, lattice()), round(row["share"] * everybody)
+        start = anywhere(all_particles, LAYERS / row["density"], seed)
+        return Fluid(pbf, row["time_step"], prestabilization, start), all_particles
+    fluid, newcomers = Fluid(pbf, row["time_step"], prestabilization, lattice()), round(row["share"] * all_particles)
     fluid.step(max(1, round(0.1 / row["time_step"])))
     fluid.add(anywhere(newcomers, LAYERS, seed))
     return fluid, newcomers

@@ -26,8 +26,10 @@ FENCE = re.compile(r"^(```|~~~).*?^\1[^\n]*$", re.MULTILINE | re.DOTALL)
 PICTURES = {".svg", ".png", ".webp", ".gif"}
 LANGUAGES = {".c": "c", ".h": "c", ".cpp": "cpp", ".cu": "cpp", ".def": "c", ".py": "python", ".json": "json",
              ".sh": "sh", ".cmake": "cmake", ".rs": "rust", ".cs": "csharp", ".lua": "lua", ".hpp": "cpp"}
-HEADERS = ["include/pbf/pbf.h", "include/pbf/batch.h", "include/pbf/query.h", "include/pbf/emit.h",
-           "include/pbf/phases.h", "include/pbf/diffuse.h", "include/pbf/shapes.h"]
+sys.path.append(str(ROOT / "tools"))
+from public_headers import public_headers  # noqa: E402
+
+HEADERS = [str(path.relative_to(ROOT)) for path in public_headers(ROOT)]
 ELSEWHERE = ["python.md", "bindings.md"]  # pages that the menu has where they are there
 
 

@@ -30,6 +30,7 @@ extern "C" {
 
 typedef struct pbf_batch pbf_batch;
 
+/* Worlds of a batch. */
 #define PBF_MAX_WORLDS 65536u
 
 /* `worlds` (1 … PBF_MAX_WORLDS) empty worlds, each as pbf_create would make it but for desc.threads
@@ -41,6 +42,7 @@ PBF_API pbf_status pbf_batch_create(const pbf_desc *desc, const pbf_params *para
 /* Destroys the worlds, too. Null is a no-op. Tensors live on until their deleter runs. */
 PBF_API void pbf_batch_destroy(pbf_batch *batch);
 
+/* How many worlds a batch has, and what steps them. */
 typedef struct pbf_batch_info {
   uint32_t struct_size;
   uint32_t worlds;

@@ -52,8 +52,10 @@ extern "C" {
 
 /* ---- Spray, foam and bubbles ---------------------------------------------------------------- */
 
+/* Kinds of diffuse particles. */
 enum { PBF_DIFFUSE_SPRAY = 0, PBF_DIFFUSE_FOAM = 1, PBF_DIFFUSE_BUBBLE = 2 };
 
+/* How many there may be, and what makes, moves and ends them: the equations are above. */
 typedef struct pbf_diffuse_desc {
   uint32_t struct_size;
   uint32_t capacity;         /* at most so many at once, 1 … PBF_MAX_DIFFUSE */
@@ -78,6 +80,7 @@ typedef struct pbf_diffuse_desc {
                      side: as a part of its speed */
 } pbf_diffuse_desc;
 
+/* Diffuse particles of a solver. */
 #define PBF_MAX_DIFFUSE 0x3fffffu
 
 /* Fills *desc with what suits the solver's dimension, smoothing_radius, spacing and gravity as they
@@ -131,6 +134,7 @@ typedef struct pbf_diffuse_read {
   uint64_t *ids;   /* ascending, never given again */
 } pbf_diffuse_read;
 
+/* Writes what is asked for of those that there are. */
 PBF_API pbf_status pbf_read_diffuse(pbf_solver *solver, const pbf_diffuse_read *read);
 
 /* Adds `count` of the caller's own, as the youngest: positions and velocities of shape (count,

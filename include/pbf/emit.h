@@ -51,6 +51,7 @@ typedef struct pbf_emitter {
   uint32_t reserved;  /* 0 */
 } pbf_emitter;
 
+/* Emitters and drains of a solver. */
 #define PBF_MAX_EMITTERS 64u
 #define PBF_MAX_DRAINS 64u
 
@@ -93,6 +94,7 @@ typedef struct pbf_reservoir {
   uint64_t removed; /* … came and went since there was a reservoir of this number */
 } pbf_reservoir;
 
+/* Reservoirs of a solver. */
 #define PBF_MAX_RESERVOIRS 64u
 
 /* Fills *reservoir: at the origin, not turned, half_extents and depth 1, all else 0. */

@@ -32,6 +32,7 @@ extern "C" {
 
 /* ---- Phases -------------------------------------------------------------------------------- */
 
+/* A fluid of its own. */
 typedef struct pbf_phase {
   uint32_t struct_size;
   uint32_t user;       /* the caller's, a colour say: kept, and not looked at */
@@ -40,6 +41,7 @@ typedef struct pbf_phase {
   double viscosity;    /* 0 … 1: so much of params.viscosity, which is kinematic, it has */
 } pbf_phase;
 
+/* Phases of a solver. */
 #define PBF_MAX_PHASES 8u
 
 /* Fills *phase: rest_density 1, viscosity 1, user 0. */
@@ -52,6 +54,7 @@ PBF_API pbf_status pbf_phase_init(pbf_phase *phase, uint32_t struct_size);
  * that does not know of them. */
 PBF_API pbf_status pbf_set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *phases);
 
+/* How many pbf_set_phases has set; 0: particles are alike. */
 PBF_API pbf_status pbf_get_phase_count(pbf_solver *solver, uint32_t *count);
 
 /* phase->struct_size must be set. */

@@ -39,8 +39,10 @@ extern "C" {
 
 /* ---- Volumes ------------------------------------------------------------------------------- */
 
+/* Shapes of a volume: which of its sizes it has. */
 enum { PBF_VOLUME_BOX = 0, PBF_VOLUME_SPHERE = 1, PBF_VOLUME_CAPSULE = 2 };
 
+/* A part of space. */
 typedef struct pbf_volume {
   uint32_t struct_size;
   uint32_t shape;         /* PBF_VOLUME_… */
@@ -92,6 +94,7 @@ typedef struct pbf_samples {
   uint8_t *wet;         /* shape (count): 1 where there is water, density >= 1/2, or 0 */
 } pbf_samples;
 
+/* What is asked for of each point; the equations are above. */
 PBF_API pbf_status pbf_sample(pbf_solver *solver, const pbf_samples *samples);
 
 /* Points origin + (i, j, k) step, i < counts[0] and so on; in 2D counts[2] is not looked at. */

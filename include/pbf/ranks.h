@@ -58,6 +58,7 @@ typedef struct pbf_ranks {
   pbf_status (*end_exchange)(void *user);
 } pbf_ranks;
 
+/* Ranks of a solver. */
 #define PBF_MAX_RANKS 4096u
 
 /* pbf_create for one of some ranks: `ranks`, which is copied, joins it to the others. Refused, with

@@ -38,6 +38,7 @@ typedef struct pbf_grid_desc {
   const float *values;
 } pbf_grid_desc;
 
+/* Each of these calls gives a new shape with one reference, the caller's. */
 PBF_API pbf_status pbf_shape_from_grid(const pbf_grid_desc *grid, pbf_shape **shape);
 
 /* The solid within a closed surface of triangles, in 2D a closed line of segments, as distances on
@@ -94,6 +95,7 @@ PBF_API pbf_status pbf_hold_shape(pbf_shape *shape);
 /* Gives a reference back; null is nothing. The last one, a solver's or the caller's, frees it. */
 PBF_API void pbf_release_shape(pbf_shape *shape);
 
+/* What a shape is and takes; lengths are in its own space. */
 typedef struct pbf_shape_info {
   uint32_t struct_size;
   uint32_t dimension;

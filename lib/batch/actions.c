@@ -1,4 +1,4 @@
-/* What is done to worlds between steps, from arrays. */
+/* Changes to worlds between steps, from arrays of all worlds. */
 #include <string.h>
 
 #include "error.h"

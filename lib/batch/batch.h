@@ -34,7 +34,7 @@ struct pbf_batch {
   uint32_t in_call;    /* 1: a call is running, … */
   uintptr_t thread;    /* … in this thread, … */
   int cancellation;    /* … which gets that back */
-  uint32_t left;       /* 1: a fork has left it without the thread of its call */
+  uint32_t left;       /* 1: in the child of a fork, where the thread of its call is not */
 
   /* Belongs to the running call. */
   pbf_allocator allocator;

@@ -33,7 +33,8 @@ static pbf_status enter_locked(pbf_batch *batch) {
   }
   batch->thread = pbf_this_thread();
   ++batch->references;
-  atomic_signal_fence(memory_order_release); /* a fork in between must not drop what is not held */
+  /* in_call is set last: a fork before that drops no reference which is not there. */
+  atomic_signal_fence(memory_order_release);
   batch->in_call = 1;
   return PBF_OK;
 }

@@ -4,10 +4,10 @@
 
 #include "batch.h"
 
-/* Room for one of so many bytes, held once. */
+/* A state of so many bytes, yet unwritten, with one reference. */
 pbf_status pbf_start_take(const pbf_batch *batch, uint64_t size, pbf_start **start);
 
-/* Takes it from its holder, a world; the last one's frees it. */
+/* Drops the reference of a world; the last one frees the state. */
 void pbf_start_drop(const pbf_batch *batch, pbf_start **start);
 
 #endif

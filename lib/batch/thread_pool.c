@@ -14,8 +14,8 @@ struct pbf_thread_pool_job {
   void *context;
   uint32_t items;
   _Atomic uint32_t next; /* first item that no thread has taken */
-  uint32_t places;       /* for threads of the pool that may still come */
-  uint32_t inside;       /* threads of the pool that are at it */
+  uint32_t places;       /* for threads of the pool that may still join */
+  uint32_t inside;       /* threads of the pool that work on it */
 };
 
 uint32_t pbf_thread_pool_size(uint32_t wanted, uint32_t items) {
@@ -118,7 +118,7 @@ static void run_task(void *task, uint32_t first, uint32_t last) {
   work_on(task);
 }
 
-/* What comes late finds nothing to take. */
+/* A thread that comes late finds no item left. */
 static void run_as_task(const pbf_thread_pool *pool, pbf_thread_pool_job *job) {
   void *handle = pool->enqueue_task(pool->task_user, run_task, job, job->places, 1);
   work_on(job);

@@ -25,9 +25,9 @@ typedef struct pbf_thread_pool {
   uint32_t process; /* that the threads run in; 0: none have started */
   uint32_t started; /* threads, … */
   uint32_t room;    /* … and for how many `threads` has room */
-  uint32_t refused; /* 1: the system gives no more */
+  uint32_t refused; /* 1: the system has refused to start another one */
   pbf_thread *threads;
-  pbf_thread_pool_job *job; /* open to those that come; null: none is */
+  pbf_thread_pool_job *job; /* the job that threads may join; null: none */
   uint32_t quit;
 } pbf_thread_pool;
 

@@ -7,7 +7,7 @@
 /* What a call does with one world; its failure's sentence is pbf_last_error's of that thread. */
 typedef pbf_status (*pbf_world_fn)(pbf_batch *batch, uint32_t world, void *context);
 
-/* Where a call goes through them. What is done in moments is not worth waking threads. */
+/* In which threads a call goes through worlds. Short work is not worth waking threads. */
 typedef enum pbf_worlds_by { PBF_BY_CALLER, PBF_BY_THREADS } pbf_worlds_by;
 
 /* Calls it for the worlds of the mask (null: all), notes each one's status, and returns that of the

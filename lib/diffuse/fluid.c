@@ -123,7 +123,7 @@ typedef struct around {
   double closing, weight, way[3];
 } around;
 
-/* Of what is in the same place no direction is known. */
+/* Between particles in the same place there is no direction. */
 static PBF_ALWAYS_INLINE void add_around_as(around *a, const pbf_query_index *index,
                                             const pbf_near *near, uint32_t n, uint32_t precision) {
   for (uint32_t j = 0; j < near->count; ++j) {

@@ -27,7 +27,7 @@ typedef struct pbf_guided {
   double ahead; /* how far from the opening */
 } pbf_guided;
 
-/* How far it is with which step: one that has failed begins again where it was. */
+/* What has been done for which step: a step that has failed goes on from there. */
 typedef struct pbf_emission_head {
   uint32_t source_count, drain_count, births_count;
   uint32_t stage;    /* of `step`: 0: nothing is done, 1: removals, 1 + i: and i emitters, then

@@ -157,16 +157,10 @@ static uint32_t count_of(const pbf_solver *solver) {
   return solver->emission ? solver->emission->head.reservoir_count : 0;
 }
 
-static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = count_of(solver);
-  return PBF_OK;
-}
-
 pbf_status pbf_get_reservoir_count(pbf_solver *solver, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, get_count(solver, count));
+  return pbf_leave(solver, pbf_count_out(count_of(solver), count));
 }
 
 static pbf_status get_reservoir(const pbf_solver *solver, uint32_t index,

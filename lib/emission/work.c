@@ -61,7 +61,7 @@ static void mark_drained(pbf_solver *solver, const pbf_emission *e, const pbf_nu
   }
 }
 
-/* Both see the same positions. */
+/* What drains and reservoirs remove, from the same positions. */
 static pbf_status mark_by_place(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out,
                                 uint64_t removed[PBF_MAX_RESERVOIRS]) {
   pbf_numbers x;

@@ -8,6 +8,7 @@
 #include "shift.h"
 #include "solver/prestabilize.h"
 #include "solver/previous.h"
+#include "structs.h"
 #include "values.h"
 
 pbf_status pbf_check_rows(const pbf_solver *solver, uint32_t first, uint32_t count) {
@@ -147,14 +148,8 @@ pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t count, uint3
   return pbf_leave(solver, get_ids(solver, first, count, ids));
 }
 
-static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = solver->count;
-  return PBF_OK;
-}
-
 pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, get_count(solver, count));
+  return pbf_leave(solver, pbf_count_out(solver->count, count));
 }

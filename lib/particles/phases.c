@@ -168,16 +168,10 @@ pbf_status pbf_set_phases(pbf_solver *solver, uint32_t count, const pbf_phase *p
   return pbf_leave(solver, set_phases(solver, count, phases));
 }
 
-static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = solver->phases ? solver->phases->count : 0;
-  return PBF_OK;
-}
-
 pbf_status pbf_get_phase_count(pbf_solver *solver, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, get_count(solver, count));
+  return pbf_leave(solver, pbf_count_out(solver->phases ? solver->phases->count : 0, count));
 }
 
 static pbf_status get_phase(const pbf_solver *solver, uint32_t index, pbf_phase *phase) {

@@ -17,7 +17,7 @@ typedef struct pbf_query_key {
 
 /* By cell and, within a cell, by id. Cells without particles are not stored. */
 typedef struct pbf_query_index {
-  uint64_t generation; /* the solver's, of which this is */
+  uint64_t generation; /* of the particles that it is of: pbf_view.generation */
   uint32_t is_built, has_velocities, has_pressures;
   uint32_t dimension, precision;
   uint32_t count, capacity; /* particles that there are, and that the memory is for */

@@ -31,7 +31,7 @@ static pbf_status too_many_nodes(const char *label, uint32_t axis, double length
 
 static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cell, double beyond,
                              double origin[3], uint32_t nodes[3]) {
-  double all = 1;
+  double all = 1, widest = 0;
   nodes[2] = 1;
   origin[2] = 0;
   for (uint32_t k = 0; k < mesh->dimension; ++k) {
@@ -41,12 +41,15 @@ static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cel
         lower = fmin(lower, mesh->vertices[mesh->faces[f][c]][k]);
         upper = fmax(upper, mesh->vertices[mesh->faces[f][c]][k]);
       }
+    widest = fmax(widest, upper - lower);
     const double wanted = ceil((upper - lower + 2 * beyond) / cell) + 2 * MARGIN + 1;
     origin[k] = 0.5 * (lower + upper - (wanted - 1) * cell);
     all *= wanted;
     if (!(all <= PBF_MAX_SHAPE_NODES)) return too_many_nodes(label, k, upper - lower, cell);
     nodes[k] = (uint32_t)wanted;
   }
+  /* None of its nodes can be inside, nor may rounding leave a side to one far off. */
+  if (beyond == 0 && widest < cell) return pbf_shape_fail_without_inside(label);
   return PBF_OK;
 }
 

@@ -51,6 +51,12 @@ pbf_status pbf_shape_check_place(const char *label, uint32_t dimension, const do
   return PBF_OK;
 }
 
+pbf_status pbf_shape_fail_without_inside(const char *label) {
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "%s has no number below 0, and so no inside; it may be thinner than a cell",
+                  label);
+}
+
 /* 2 or 3, as the compiler can tell, too. */
 static uint32_t axes_of(const pbf_shape *s) { return s->dimension == 3 ? 3 : 2; }
 
@@ -118,10 +124,7 @@ static pbf_status check_values(const pbf_shape *s, const char *label) {
     if (status != PBF_OK) return status;
     any |= s->values[n.index] < 0;
   } while (next_node(s, &n));
-  if (any) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "%s has no number below 0, and so no inside; it may be thinner than a cell",
-                  label);
+  return any ? PBF_OK : pbf_shape_fail_without_inside(label);
 }
 
 /* ---- Measures ------------------------------------------------------------------------------- */

@@ -15,4 +15,7 @@ pbf_status pbf_shape_check_size(const char *label, uint32_t dimension, const uin
 pbf_status pbf_shape_check_place(const char *label, uint32_t dimension, const double origin[3],
                                  double cell);
 
+/* The sentence for one of which no node is inside. */
+pbf_status pbf_shape_fail_without_inside(const char *label);
+
 #endif

@@ -36,7 +36,7 @@ pbf_shape *pbf_shape_publish(pbf_live_shape *shape) {
   return &shape->shape;
 }
 
-/* The link that leads to it, or to the end. */
+/* The pointer in the list that leads to the shape, or the list's last one. */
 static pbf_live_shape **find(const pbf_shape *shape) {
   pbf_live_shape **link = &live;
   while (*link && &(*link)->shape != shape) link = &(*link)->next;

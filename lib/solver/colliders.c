@@ -58,7 +58,7 @@ static pbf_status take(const pbf_solver *solver, const char *name, uint32_t coun
   return status;
 }
 
-/* What has been taken, where that comes to nothing. */
+/* Gives back what was taken for colliders that are then refused. */
 static void drop(const pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
   if (!colliders) return;
   pbf_colliders_let_go(count, colliders);
@@ -167,7 +167,7 @@ static double distance_of(const double a[3], const double b[3]) {
   return sqrt(pow(b[0] - a[0], 2) + pow(b[1] - a[1], 2) + pow(b[2] - a[2], 2));
 }
 
-/* Those that are where they have not moved to. */
+/* The colliders that have been set to other places than their motion has led to. */
 typedef struct jumps {
   pbf_collider_set placed, shifted; /* these all farther by the same: */
   double shift[3];
@@ -354,16 +354,10 @@ pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_coll
 
 /* ---- Asking --------------------------------------------------------------------------------- */
 
-static pbf_status get_count(const pbf_solver *solver, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = solver->collider_count;
-  return PBF_OK;
-}
-
 pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, get_count(solver, count));
+  return pbf_leave(solver, pbf_count_out(solver->collider_count, count));
 }
 
 static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_collider *theirs) {

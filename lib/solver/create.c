@@ -34,12 +34,14 @@ static pbf_status check_created(const pbf_plugin *plugin, const pbf_backend_api 
 }
 
 /* Of a thread, or of a GPU, which is some three hundred times as fast. */
-static double work_at_once(const pbf_solver *solver) {
+static void find_work_at_once(pbf_solver *solver) {
   const double one_thread = 4e5, gpu = 300;
-  pbf_backend_state state = {.struct_size = sizeof state};
-  if (solver->api.describe(solver->backend, &state) != PBF_OK) return one_thread;
-  if (state.device_type == PBF_DEVICE_CUDA) return one_thread * gpu;
-  return one_thread * (state.threads > 1 ? state.threads : 1);
+  pbf_backend_state state = {.struct_size = sizeof state, .threads = 1};
+  const pbf_status status = solver->api.describe(solver->backend, &state);
+  solver->on_device = status == PBF_OK && state.device_type == PBF_DEVICE_CUDA;
+  solver->work_at_once = one_thread;
+  if (status != PBF_OK) return;
+  solver->work_at_once *= solver->on_device ? gpu : state.threads > 1 ? state.threads : 1;
 }
 
 static int works_on_ranks(const pbf_plugin *plugin) {
@@ -81,7 +83,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
   pbf_status status = plugin->api.create(&backend_desc, &params, &solver->backend, &table);
   if (status != PBF_OK) return pbf_backend_check_status(plugin, status, "create", why, size);
   status = check_created(plugin, table, solver, why, size);
-  if (status == PBF_OK) solver->work_at_once = work_at_once(solver);
+  if (status == PBF_OK) find_work_at_once(solver);
   return status;
 }
 
@@ -155,7 +157,7 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
 /* Of callers that know of no exchange in two calls. */
 static const uint32_t size_without_overlap = offsetof(pbf_ranks, begin_exchange);
 
-/* The first thing that is wrong with them. */
+/* Checks all members; the sentence is about the first that is wrong. */
 static pbf_status check_ranks(const pbf_ranks *ranks) {
   if (ranks->struct_size != sizeof *ranks && ranks->struct_size != size_without_overlap)
     return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",

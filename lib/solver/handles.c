@@ -36,7 +36,7 @@ static void drop_reference(pbf_solver *solver) {
   if (last) pbf_solver_free(solver);
 }
 
-/* The call that is said to be inside will not come back. */
+/* The call noted as inside has been left through a callback, and will not return. */
 static void leave_halfway(pbf_solver *solver, pbf_left why) {
   solver->in_call = 0;
   solver->begun = PBF_BEGUN_NOT;

@@ -30,7 +30,7 @@ static pbf_status check_out(uint32_t count, const pbf_collider_load *theirs) {
   return status;
 }
 
-/* Those of some solids, to where a caller wants them. */
+/* Copies the loads of some solids into a caller's array. */
 static pbf_status read_some(pbf_solver *solver, uint32_t first, uint32_t count,
                             unsigned char *theirs, uint32_t stride) {
   pbf_collider_load loads[LOADS_AT_ONCE];

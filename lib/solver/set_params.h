@@ -6,7 +6,7 @@
 /* Hands checked parameters to the backend. */
 pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params);
 
-/* The same for other phases than the solver's. */
+/* The same with these phases in place of the solver's. */
 pbf_status pbf_params_with_phases(pbf_solver *solver, const pbf_params *params,
                                   const struct pbf_phases *phases);
 

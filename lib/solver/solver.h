@@ -96,6 +96,7 @@ struct pbf_solver {
   uint32_t capacity;
   int32_t device;
   double work_at_once; /* particles by iterations by steps that a backend does in some 20 ms */
+  uint32_t on_device;  /* 1: its steps go on after the backend's call of them */
   uint32_t fell_back;
   char fallback_reason[256];
 

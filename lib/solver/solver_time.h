@@ -5,6 +5,9 @@
 
 double pbf_solver_time(const pbf_solver *solver);
 
+/* When the last of so many steps more ends. */
+double pbf_time_of_step(const pbf_solver *solver, uint32_t steps);
+
 /* From now on steps have another length. */
 void pbf_solver_rebase_time(pbf_solver *solver);
 

@@ -7,10 +7,10 @@
 #include "emission/emission.h"
 #include "error.h"
 #include "handles.h"
+#include "look_ahead.h"
+#include "os.h"
 #include "overlap.h"
-#include "params.h"
 #include "particles/accelerations.h"
-#include "physics/motion.h"
 #include "plan.h"
 #include "prestabilize.h"
 #include "previous.h"
@@ -18,66 +18,6 @@
 #include "solver_time.h"
 #include "step_limit.h"
 #include "substeps.h"
-
-static double time_after(const pbf_solver *solver, uint32_t steps) {
-  return solver->time_base + (double)(solver->steps_since + steps) * solver->params.time_step;
-}
-
-/* How many of the steps end before moving walls meet. */
-static uint32_t steps_before_walls_meet(const pbf_solver *solver, uint32_t steps) {
-  uint32_t dimension = solver->kind.dimension;
-  if (!pbf_params_walls_move(&solver->params, dimension)) return steps;
-  for (uint32_t i = 0; i < steps; ++i) {
-    pbf_box box = pbf_params_box(&solver->params, dimension, time_after(solver, i + 1));
-    if (pbf_box_closed_axis(&box, dimension) != dimension) return i;
-  }
-  return steps;
-}
-
-/* Null when all of it is a number for the backend, else the member that is not. */
-static const char *overflowing_member(const pbf_solver *solver, const pbf_collider *now) {
-  const uint32_t precision = solver->kind.precision;
-  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
-    if (pbf_check_finite(now->position[k], precision)) return "position";
-    if (pbf_check_finite(now->half_extents[k], precision)) return "half_extents";
-  }
-  for (int k = 0; k < 4; ++k)
-    if (!isfinite(now->orientation[k])) return "orientation";
-  if (pbf_check_finite(now->radius, precision)) return "radius";
-  return pbf_check_finite(now->half_length, precision) ? "half_length" : NULL;
-}
-
-/* Of the first collider that a step which ends then can't place: its number, or the count. */
-static uint32_t overflowing_collider(const pbf_solver *solver, double time, const char **member) {
-  uint32_t k = 0;
-  for (; k < solver->collider_count; ++k) {
-    pbf_collider now;
-    pbf_motion_collider(&solver->colliders[k], time - solver->collider_time, &now);
-    *member = overflowing_member(solver, &now);
-    if (*member) break;
-  }
-  return k;
-}
-
-/* A collider moves one way until its motion ends: what is a number at the end is one before. */
-static uint32_t steps_before_overflow(const pbf_solver *solver, uint32_t steps) {
-  const char *member;
-  if (overflowing_collider(solver, time_after(solver, steps), &member) == solver->collider_count)
-    return steps;
-  for (uint32_t i = 0; i < steps; ++i)
-    if (overflowing_collider(solver, time_after(solver, i + 1), &member) < solver->collider_count)
-      return i;
-  return steps;
-}
-
-static pbf_status fail_to_place(const pbf_solver *solver, uint32_t step, uint32_t steps) {
-  const char *member = "";
-  uint32_t k = overflowing_collider(solver, time_after(solver, 1), &member);
-  return pbf_fail(PBF_ERROR_STATE,
-                  "step %u of %u would end at time %.9g, when colliders[%u].%s is beyond what "
-                  "float%u holds; set it with other velocities first",
-                  step, steps, time_after(solver, 1), k, member, 8 * solver->kind.precision);
-}
 
 static pbf_status run_backend(pbf_solver *solver, double time, uint64_t before, uint32_t steps,
                               uint32_t *done) {
@@ -113,8 +53,8 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
   return status;
 }
 
-/* A backend runs so many of the steps at once, without a look at whether they are cancelled: in
- * some 20 ms. */
+/* A backend runs so many of the steps at once, without a look at whether they are cancelled: by
+ * their work in some 20 ms. */
 static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
   const double most_steps = 1000; /* a step of a GPU takes 20 µs however few particles there are */
   const double one = fmax(((double)solver->count + 1) * solver->params.iterations,
@@ -175,7 +115,7 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
     status = run_placed(solver, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {
-    status = pbf_time_to_backend(solver, time_after(solver, steps));
+    status = pbf_time_to_backend(solver, pbf_time_of_step(solver, steps));
     done = status == PBF_OK ? steps : 0;
   }
   solver->step += done;
@@ -186,12 +126,30 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   return solver->diffuse->work->advance(solver);
 }
 
+static int is_cancelled(const pbf_solver *solver) {
+  return (int)atomic_load_explicit(&solver->cancelled, memory_order_relaxed);
+}
+
+/* What steps cost beside their particles, and how busy the processors are, the clock tells; of a
+ * device, which goes on working after a call, it does not. No bit depends on it. */
+static uint32_t next_piece(const pbf_solver *solver, uint32_t piece, double seconds) {
+  const double long_time = 0.02;
+  if (solver->on_device || solver->count == 0) return UINT32_MAX;
+  if (seconds > long_time) return piece > 1 ? piece / 2 : 1;
+  return seconds < 0.4 * long_time && piece <= UINT32_MAX / 2 ? 2 * piece : piece;
+}
+
 /* All of them, or those before a cancellation. */
 static pbf_status advance(pbf_solver *solver, uint32_t steps) {
+  enum { FIRST_PIECE = 16 };
   pbf_status status = PBF_OK;
-  for (uint32_t done = 0; status == PBF_OK && steps > 0; steps -= done) {
-    if (atomic_load_explicit(&solver->cancelled, memory_order_relaxed)) break;
-    status = advance_part(solver, steps, &done);
+  uint32_t piece = next_piece(solver, FIRST_PIECE / 2, 0);
+  double begin = pbf_seconds();
+  for (uint32_t done = 0; status == PBF_OK && steps > 0 && !is_cancelled(solver); steps -= done) {
+    status = advance_part(solver, steps < piece ? steps : piece, &done);
+    const double now = pbf_seconds();
+    piece = next_piece(solver, piece, now - begin);
+    begin = now;
   }
   return status;
 }
@@ -208,29 +166,45 @@ static pbf_status advance_and_keep(pbf_solver *solver, uint32_t steps) {
   return status;
 }
 
+/* Those steps of a call that are too many to look at at once, in parts after each of which there is
+ * a last one still to be made. */
+static pbf_status advance_far(pbf_solver *solver, uint32_t *steps) {
+  pbf_status status = PBF_OK;
+  for (;;) {
+    const uint32_t look = pbf_steps_to_look_at(solver, *steps);
+    if (status != PBF_OK || look == *steps || is_cancelled(solver)) return status;
+    const uint64_t before = solver->step;
+    if (pbf_steps_possible(solver, look) < look) return status;
+    pbf_previous_forget(solver);
+    status = advance(solver, look - 1);
+    *steps -= (uint32_t)(solver->step - before);
+  }
+}
+
 /* With a snapshot of what is done. */
-static pbf_status advance_and_show(pbf_solver *solver, uint32_t steps, uint32_t of) {
+static pbf_status run_to_end(pbf_solver *solver, uint32_t left, uint32_t of) {
+  const uint32_t look = pbf_steps_to_look_at(solver, left);
   const uint64_t before = solver->step;
-  pbf_status status = advance_and_keep(solver, steps);
-  if (status == PBF_OK) status = pbf_snapshots_make(solver);
-  if (status != PBF_OK || solver->step - before == steps) return status;
-  return pbf_fail(PBF_ERROR_CANCELLED, "pbf_cancel has ended the call after %u of %u steps",
-                  (uint32_t)(solver->step - before), of);
+  const uint32_t possible = pbf_steps_possible(solver, look);
+  pbf_status status = PBF_OK;
+  if (possible > 0) status = advance_and_keep(solver, possible);
+  if (status == PBF_OK && (possible > 0 || left < of)) status = pbf_snapshots_make(solver);
+  if (status != PBF_OK) return status;
+  left -= (uint32_t)(solver->step - before);
+  if (left == 0) return PBF_OK;
+  if (is_cancelled(solver))
+    return pbf_fail(PBF_ERROR_CANCELLED, "pbf_cancel has ended the call after %u of %u steps",
+                    of - left, of);
+  return pbf_fail_to_move(solver, of - left + 1, of);
 }
 
 pbf_status pbf_run_steps(pbf_solver *solver, uint32_t steps) {
+  uint32_t left = steps;
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || steps == 0) return status;
   pbf_check_step_length(solver);
-  uint32_t with_room = steps_before_walls_meet(solver, steps);
-  uint32_t possible = steps_before_overflow(solver, with_room);
-  if (possible > 0) status = advance_and_show(solver, possible, steps);
-  if (status != PBF_OK || possible == steps) return status;
-  if (possible < with_room) return fail_to_place(solver, possible + 1, steps);
-  return pbf_fail(PBF_ERROR_STATE,
-                  "step %u of %u would end at time %.9g, when the moving walls have left no room "
-                  "between them; change params.wall_… first",
-                  possible + 1, steps, time_after(solver, 1));
+  status = advance_far(solver, &left);
+  return status == PBF_OK ? run_to_end(solver, left, steps) : status;
 }
 
 pbf_status pbf_step(pbf_solver *solver, uint32_t steps) {

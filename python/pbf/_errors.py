@@ -1,4 +1,4 @@
-"""Exceptions: one for each status of pbf.h, with the library's sentence."""
+"""Exceptions: one for each status of base.h, with the library's sentence."""
 from __future__ import annotations
 
 from ._library import lib, text
@@ -7,7 +7,7 @@ from ._library import lib, text
 class Error(Exception):
     """A call of the library has failed.
 
-    `sentence` is what the library says of it (also `str(error)`), `status` the number in pbf.h and
+    `sentence` is what the library says of it (also `str(error)`), `status` the number in base.h and
     `name` its name there, as "PBF_ERROR_CAPACITY".
     """
 

@@ -1,4 +1,4 @@
-"""libpbf itself: its declarations, as they were preprocessed from pbf.h, and the library, loaded.
+"""libpbf itself: its declarations, as they were preprocessed from all.h, and the library, loaded.
 
 `ffi` and `lib` are cffi's, in ABI mode: nothing is compiled against Python. Whatever the package
 does not wrap can be called through them.
@@ -12,7 +12,7 @@ import cffi
 
 _FOLDER = pathlib.Path(__file__).resolve().parent
 
-# DLPack's tensor, which pbf.h only names: https://dmlc.github.io/dlpack/latest/c_api.html
+# DLPack's tensor, which views.h only names: https://dmlc.github.io/dlpack/latest/c_api.html
 _DLPACK = """
 typedef struct { int32_t device_type; int32_t device_id; } DLDevice;
 typedef struct { uint8_t code; uint8_t bits; uint16_t lanes; } DLDataType;

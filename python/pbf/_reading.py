@@ -99,7 +99,7 @@ class Reading(Handle):
                      lone_scale: float = 0.0, min_neighbors: int = 0, first: int = 0,
                      count: int | None = None) -> Anisotropies:
         """Smoothed positions and anisotropies for renderers, after Yu & Turk 2013: see
-        pbf_get_anisotropies in pbf.h. Computed anew in each call.
+        pbf_get_anisotropies in anisotropy.h. Computed anew in each call.
 
         smoothing   how far positions move to the mean of their surroundings, 0 … 1
         radius      of the surroundings; 0: two smoothing radii

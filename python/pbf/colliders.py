@@ -21,7 +21,7 @@ class Shape(enum.IntEnum):
 
 
 class MotionPath(enum.IntEnum):
-    """How a collider that turns goes from where it is set; see PBF_PATH_… in pbf.h."""
+    """How a collider that turns goes from where it is set; see PBF_PATH_… in colliders.h."""
 
     AUTO = lib.PBF_PATH_AUTO
     STRAIGHT = lib.PBF_PATH_STRAIGHT

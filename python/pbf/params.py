@@ -20,7 +20,7 @@ __all__ = ["Collide", "Kernel", "Method", "Params", "Periodic"]
 
 
 def fields() -> dict[str, Param]:
-    """Name → descriptor, in the order of pbf.h."""
+    """Name → descriptor, in the order of params.h."""
     return {name: kind for name, kind in vars(ParamFields).items() if isinstance(kind, Param)}
 
 

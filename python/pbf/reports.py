@@ -13,7 +13,7 @@ Triple = tuple[float, float, float]
 
 
 class Limit(enum.IntEnum):
-    """What a step can be too long for; see pbf_get_step_limit in pbf.h."""
+    """What a step can be too long for; see pbf_get_step_limit in stats.h."""
 
     NONE = lib.PBF_LIMIT_NONE
     GRAVITY = lib.PBF_LIMIT_GRAVITY
@@ -56,7 +56,7 @@ class Stats:
 
 @dataclass(frozen=True)
 class Load:
-    """What the fluid does to a solid, over rest density; see pbf_collider_load in pbf.h."""
+    """What the fluid does to a solid, over rest density; see pbf_collider_load in loads.h."""
 
     contacts: int
     impulse: Triple

@@ -44,7 +44,7 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
     >>> fluid.positions.mean(axis=0)
 
     `positions` and `velocities` are any arrays of shape (count, dimension); the dimension is theirs
-    unless it is given. The keywords up to `log` are what can't change later (pbf_desc in pbf.h);
+    unless it is given. The keywords up to `log` are what can't change later (pbf_desc in desc.h);
     `capacity` is as many particles as there are positions, or 100,000 without. All others are
     parameters, which are attributes, too: `fluid.viscosity = 0.01`.
 

@@ -4,14 +4,15 @@ set -eu
 include=$1
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-for header in pbf.h batch.h query.h emit.h phases.h diffuse.h shapes.h all.h pbf_backend.h ranks.h; do
+headers=$(cd "$include/pbf" && echo *.h)
+for header in $headers; do
   printf '#include <pbf/%s>\n#include <pbf/%s>\nint main(void) { return (int)(PBF_OK); }\n' $header $header >"$folder/$header.c"
   cp "$folder/$header.c" "$folder/$header.cpp"
 done
 tried=0
 check() { # compiler, standard, ending
   command -v "$1" >/dev/null || return 0
-  for header in pbf.h batch.h query.h emit.h phases.h diffuse.h shapes.h all.h pbf_backend.h ranks.h; do
+  for header in $headers; do
     "$1" "-std=$2" -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only -I"$include" "$folder/$header.$3"
   done
   tried=$((tried + 1))

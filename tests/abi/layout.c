@@ -34,8 +34,8 @@ AT(pbf_desc, enqueue_task, 80);
 AT(pbf_desc, finish_task, 88);
 AT(pbf_desc, task_user, 96);
 
-/* pbf_params by params.def, which states the offsets: the members that pbf.h writes out are those
- * of the table, in its order, of its types and counts, and there are no others. */
+/* pbf_params by params.def, which states the offsets: the members that params.h writes out are
+ * those of the table, in its order, of its types and counts, and there are no others. */
 typedef struct table_params {
   uint32_t struct_size;
 #define PBF_PARAM_INTEGER(offset, name, initial, type, min, max, hint, when, feature, doc) \

@@ -128,12 +128,64 @@ static void which_call_is_meant(void **state) {
   assert_fails(pbf_cancel(NULL), PBF_ERROR_INVALID_ARGUMENT, "solver is null");
 }
 
+/* Where something moves each step is looked at before it is made. It is not all of them that are.
+ */
+static void check_far_ahead(pbf_solver *s) {
+  const uint64_t before = steps_of(s);
+  step_until_cancelled(s);
+  assert_true(steps_of(s) > before);
+  pbf_destroy(s);
+}
+
+static void long_calls_begin_at_once(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(3, PBF_FLOAT32, COUNT, CAPACITY);
+  pbf_params params = test_params();
+  params.wall_amplitude[PBF_WALL_X_MIN] = 0.01;
+  params.wall_frequency[PBF_WALL_X_MIN] = 1;
+  assert_ok(pbf_set_params(s, &params));
+  check_far_ahead(s);
+  s = test_filled(3, PBF_FLOAT32, COUNT, CAPACITY);
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.radius = 0.01;
+  ball.velocity[0] = 1e32; /* it can be placed for a million steps of all */
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  check_far_ahead(s);
+}
+
+/* Particles do not tell how long a step takes. */
+typedef struct slow_steps {
+  pbf_solver *solver;
+  uint32_t made;
+} slow_steps;
+
+static void be_slow(void *user) {
+  slow_steps *slow = user;
+  const struct timespec nap = {0, 3000000};
+  nanosleep(&nap, NULL);
+  if (++slow->made == 20) assert_ok(pbf_cancel(slow->solver));
+}
+
+static void slow_steps_are_few_at_once(void **state) {
+  (void)state;
+  if (!test_is_stub()) test_skip("of the stub's steps one knows how long they take");
+  pbf_solver *s = test_filled(3, PBF_FLOAT32, COUNT, CAPACITY);
+  slow_steps slow = {.solver = s};
+  ballistic_control *control = test_stub_control();
+  control->inside_step = be_slow;
+  control->user = &slow;
+  assert_int_equal(pbf_step(s, 200), PBF_ERROR_CANCELLED);
+  test_stub_control();
+  assert_in_range(steps_of(s), 20, 32);
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(steps_done_stand),
-      cmocka_unit_test(parts_of_steps_are_completed),
-      cmocka_unit_test(readers_see_what_was_done),
-      cmocka_unit_test(which_call_is_meant),
+      cmocka_unit_test(steps_done_stand),          cmocka_unit_test(parts_of_steps_are_completed),
+      cmocka_unit_test(readers_see_what_was_done), cmocka_unit_test(which_call_is_meant),
+      cmocka_unit_test(long_calls_begin_at_once),  cmocka_unit_test(slow_steps_are_few_at_once),
   };
   return TEST_RUN(tests);
 }

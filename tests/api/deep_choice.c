@@ -19,7 +19,7 @@ static int has_grid(uint32_t layers, const pbf_params *params) {
 }
 
 /* With the correction of the shear stress, which is the default there, from 18 layers on, and where
- * it is asked for from 6 on, however short steps are (pbf.h). */
+ * it is asked for from 6 on, however short steps are (params.h). */
 static void where_eddies_want_it(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");

@@ -250,7 +250,7 @@ static uint64_t hash_after(int across, double correction, double gravity, double
   return hash_of(t, params, 20, 1);
 }
 
-/* -1: 0.75 in water of 18 layers and more that may have a pressure grid (pbf.h). */
+/* -1: 0.75 in water of 18 layers and more that may have a pressure grid (params.h). */
 static void the_default_depends_on_depth(void **state) {
   (void)state;
   assert_int_equal(hash_after(18, -1, 9.81, -1), hash_after(18, 0.75, 9.81, -1));

@@ -9,7 +9,7 @@
 
 #include "support.h"
 
-enum { COUNT = 500, PATIENCE = 120 /* seconds: in a child that hangs */ };
+enum { COUNT = 500, TIME_LIMIT = 120 /* seconds: in a child that hangs */ };
 
 /* A backend's device may not come along. */
 static int may_refuse(void) { return strcmp(test_backend(), "cuda") == 0; }
@@ -31,7 +31,7 @@ static pid_t begin_child(void) {
   fflush(NULL);
   pid_t child = fork();
   assert_true(child >= 0);
-  if (child == 0) alarm(PATIENCE);
+  if (child == 0) alarm(TIME_LIMIT);
   return child;
 }
 

@@ -264,7 +264,7 @@ static double *slumped(uint32_t dimension, uint32_t precision, travel t, uint32_
   return state;
 }
 
-/* Whoever travels with the tank sees what he would see in one that stands, to rounding and what has
+/* An observer in a moving tank sees what is seen in one that stands, to rounding and what has
  * grown of it. */
 static void expect_the_same(uint32_t dimension, uint32_t precision, travel t) {
   const travel none = {0, t.time_step, t.steps};

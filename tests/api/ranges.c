@@ -141,9 +141,60 @@ static void flies_away(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+/* On a screw it is back where it began after eight steps; after three, turned by 135 degrees, it is
+ * 1.707 radii of its circle away. */
+static void comes_back(uint32_t dimension, uint32_t precision) {
+  const double turns = 0.78539816339744831; /* an eighth of one, in a time of 1 */
+  const double radius = 3e38;
+  if (precision != PBF_FLOAT32) return; /* no speed that is taken leads so far */
+  for (uint32_t steps = 8; steps <= 8 * 2000; steps += 7 * 8 * 249) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+    pbf_params params = test_params();
+    pbf_info info = {.struct_size = sizeof info};
+    pbf_collider ball;
+    params.time_step = 1;
+    assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+    ball.radius = 0.1;
+    ball.path = PBF_PATH_SCREW;
+    ball.velocity[0] = radius * turns;
+    ball.angular_velocity[2] = turns;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_set_colliders(s, 1, &ball));
+    assert_fails(pbf_step(s, steps), PBF_ERROR_STATE,
+                 "would end at time 3, when colliders[0].position is beyond what float32");
+    assert_ok(pbf_get_info(s, &info));
+    assert_int_equal(info.step, 2);
+    pbf_destroy(s);
+  }
+}
+
+/* Also away from the fluid. */
+static void walls_fly_away(uint32_t dimension, uint32_t precision) {
+  if (precision != PBF_FLOAT32) return; /* no speed that is taken leads so far */
+  for (int wall = 0; wall < 2; ++wall) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+    pbf_params params = test_params();
+    uint64_t size = 0;
+    params.time_step = 0.5;
+    params.wall_velocity[wall] = wall == PBF_WALL_X_MIN ? -3e38 : 3e38;
+    assert_ok(pbf_set_params(s, &params));
+    assert_fails(pbf_step(s, 5), PBF_ERROR_STATE,
+                 "step 3 of 5 would end at time 1.5, when a moving wall is beyond what float32");
+    void *saved = test_save(s, &size);
+    assert_ok(pbf_load(s, saved, size));
+    free(saved);
+    params.wall_velocity[wall] = 0;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 5));
+    pbf_destroy(s);
+  }
+}
+
 static void colliders_fly_away(void **state) {
   (void)state;
+  test_for_each_kind(walls_fly_away);
   test_for_each_kind(flies_away);
+  test_for_each_kind(comes_back);
 }
 
 /* ---- At random ---- */

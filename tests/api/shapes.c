@@ -219,6 +219,13 @@ static void bad_meshes_are_refused(void **state) {
                "at least 1.5 cells");
   desc = mesh_desc_of(&m, 1e-6, 0);
   assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT, "take larger cells");
+  mesh_free(&m);
+  m = box_mesh(3, box_half);
+  for (double cell = 2; cell < 1e30; cell *= 1e3) {
+    desc = mesh_desc_of(&m, cell, 0);
+    assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT,
+                 "no inside; it may be thinner than a cell");
+  }
   desc = mesh_desc_of(&m, 0.5 * d, 0);
   desc.faces = NULL;
   assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT, "faces is null");

@@ -61,11 +61,11 @@ static uint32_t asleep_in(pbf_solver *s) { return stats_of(s).asleep; }
 
 /* Steps until all sleep; how many that took. */
 static uint32_t until_asleep(pbf_solver *s, uint32_t count) {
-  enum { PATIENCE = 1500 };
+  enum { STEP_LIMIT = 1500 };
   uint32_t steps = 0;
   while (asleep_in(s) < count) {
     assert_ok(pbf_step(s, 30));
-    if ((steps += 30) >= PATIENCE)
+    if ((steps += 30) >= STEP_LIMIT)
       fail_msg("%u of %u asleep after %u steps", asleep_in(s), count, steps);
   }
   return steps;
@@ -113,7 +113,7 @@ static uint32_t asleep_of_a_flow(uint32_t dimension, uint32_t precision, double 
   return asleep;
 }
 
-/* Between once and three times that speed nobody is stirred awake: the unrest alone must tell. */
+/* Between once and three times that speed no neighbour wakes a particle: its activity must tell. */
 static void check_flow(uint32_t dimension, uint32_t precision) {
   assert_int_equal(asleep_of_a_flow(dimension, precision, 2), 0);
   assert_int_equal(asleep_of_a_flow(dimension, precision, 0.5), particles_in(dimension));
@@ -242,7 +242,7 @@ static void removing_and_setting_wake(void **state) {
   pbf_destroy(s);
 }
 
-/* A ball sinks from the ceiling: nobody wakes before it is within h, and then they do. */
+/* A ball sinks from the ceiling: no particle wakes before it is within h, and then they do. */
 static void a_moving_collider_wakes(void **state) {
   (void)state;
   uint32_t count = particles_in(3), asleep = count;
@@ -349,7 +349,8 @@ static excess excess_at_rest(const pbf_params *params) {
   return e;
 }
 
-/* Who falls asleep later than those around him does not come to rest too near to them. */
+/* A particle that falls asleep later than those around it does not come to rest too near to them.
+ */
 static void check_excess(double tolerance) {
   pbf_params params = sleepy();
   params.iterations = 8;
@@ -407,7 +408,7 @@ static void sleep_is_saved(void **state) {
   test_for_each_kind(check_saved);
 }
 
-/* A state that says who sleeps and whose parameters say that nobody does. */
+/* A state in which particles sleep, with parameters by which none does. */
 static void a_forged_state(void **state) {
   (void)state;
   enum { AT_HAS_REST = 44 };

@@ -343,7 +343,7 @@ static void newcomers_move_by_their_velocities(void **state) {
   test_for_long_kinds(check_velocities_of_newcomers);
 }
 
-/* What comes to nobody is a start, though others were there before. */
+/* What comes to no fluid is a start, though others were there before. */
 static void check_refilled(uint32_t dimension, uint32_t precision) {
   pbf_params params = box_params(dimension);
   void *x = anywhere(dimension, precision, &params, 1.5);

@@ -157,7 +157,7 @@ static void remove_layer(pbf_solver *solver, uint32_t layer, uint32_t count) {
     assert_ok(pbf_remove_particles(solver, 1, &id));
 }
 
-/* g H dt² > 0.06 iterations spacing² at more than 17.6 layers (pbf.h). The grid comes with the
+/* g H dt² > 0.06 iterations spacing² at more than 17.6 layers (params.h). The grid comes with the
  * layer that makes them more. Once a step has had it, it stays until a quarter of the particles is
  * gone, also in a state that was saved and loaded; asking for the plan decides nothing. */
 static void the_grid_follows_the_particles(void **state) {

@@ -1,5 +1,5 @@
-/* A vessel made of colliders holds water: nobody is in its walls at the end of a step, nor beyond
- * them. What is right follows from walls being solid, whatever else the fluid does. */
+/* A vessel made of colliders holds water: no particle is in its walls at the end of a step, nor
+ * beyond them. What is right follows from walls being solid, whatever else the fluid does. */
 #include "support.h"
 
 #include <math.h>

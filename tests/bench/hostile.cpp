@@ -75,6 +75,14 @@ void more_of_nothing(void **) {
   expect_contains(refusal(with(text, 100)), "holds no particles");
 }
 
+// A row of more than all, of which there are two; and rows without end, of nothing.
+void rows_without_end(void **) {
+  const char *const rows = R"({"shape": "box", "min": [0, 0, 0], "max": [1e38, 0.1, 0.05]})";
+  expect_contains(refusal(with(scene_text(rows))), "at most 1073741823 fit");
+  const char *const nothing = R"({"shape": "box", "min": [0.5, 0, 0], "max": [0.5, 1e38, 1e38]})";
+  assert_int_equal(fill_scene(load_scene(with(scene_text(nothing)))).count, 0);
+}
+
 void more_than_there_can_be(void **) {
   const char *const one =
       R"({"shape": "lattice", "first": [0.5, 0.5, 0.5], "counts": [1000000, 1, 1]})";
@@ -126,6 +134,7 @@ int main() {
       cmocka_unit_test(regions_of_too_many_points),
       cmocka_unit_test(a_ball_holds_what_is_inside_it),
       cmocka_unit_test(more_of_nothing),
+      cmocka_unit_test(rows_without_end),
       cmocka_unit_test(more_than_there_can_be),
       cmocka_unit_test(fewer_steps_than_one),
       cmocka_unit_test(a_spacing_that_halving_makes_nothing),

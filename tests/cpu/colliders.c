@@ -139,7 +139,8 @@ static pbf_solver *crowd_in_corner(uint32_t dimension, uint32_t precision, uint6
   return s;
 }
 
-/* The one is near enough to be asked about, but not to anybody; the other is not asked about. */
+/* The one is near enough to be asked about, but not to any particle; the other is not asked about.
+ */
 static void one_near_nobody(uint32_t dimension, uint32_t precision) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     pbf_solver *near = crowd_in_corner(dimension, precision, seed, 4.2 * spacing);

@@ -2,10 +2,18 @@
  * same, and the process goes on. Each case runs in a child, which a limit does not leave. */
 #define _GNU_SOURCE /* setresuid */
 #include <dlfcn.h>
+#include <errno.h>
 #include <stdio.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#if defined(__linux__)
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#endif
 
 #include "cpu_support.h"
 
@@ -57,6 +65,27 @@ static int limit_memory(unsigned more) {
   return setrlimit(RLIMIT_AS, &limit) == 0;
 }
 
+/* A sandbox in which threads may not ask for others: a signal 0 is sent to none. */
+#if defined(__linux__)
+
+static int forbid_signals(unsigned most) {
+  struct sock_filter filter[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_tgkill, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const struct sock_fprog program = {sizeof filter / sizeof *filter, filter};
+  return most == 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+}
+
+#else
+
+static int forbid_signals(unsigned most) { return (void)most, 0; }
+
+#endif
+
 static outcome run_within(int (*limit)(unsigned), unsigned most, const char *backend) {
   int ends[2], status = 0;
   outcome it = {0};
@@ -65,6 +94,7 @@ static outcome run_within(int (*limit)(unsigned), unsigned most, const char *bac
   pid_t child = fork();
   if (child == 0) {
     uint32_t count;
+    alarm(120);                    /* of what hangs */
     pbf_get_backend_count(&count); /* loads them while their files may be read */
     if (!limit(most)) _exit(77);
     it = run(backend, THREADS);
@@ -117,6 +147,12 @@ static void no_memory_for_stacks(void **state) {
   outcome it = run_within(limit_memory, 20u << 20, "openmp");
   assert_int_equal(it.status, PBF_OK);
   assert_in_range(it.threads, 1, 3); /* stacks have 8 MiB */
+}
+
+static void no_questions_about_threads(void **state) {
+  (void)state;
+  outcome it = run_within(forbid_signals, 0, "openmp");
+  assert_serves(&it, THREADS);
 }
 
 /* ---- A program with loops of its own ---- */
@@ -178,6 +214,7 @@ int main(void) {
       cmocka_unit_test(no_further_thread),
       cmocka_unit_test(some_threads),
       cmocka_unit_test(no_memory_for_stacks),
+      cmocka_unit_test(no_questions_about_threads),
       cmocka_unit_test(the_program_lets_threads_go),
       cmocka_unit_test(the_unwinder_is_there),
   };

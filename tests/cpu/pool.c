@@ -268,7 +268,7 @@ static void *send_signals(void *to) {
 /* One that interrupts a step where that holds the pool's lock does not wait for it. */
 static void a_handler_steps_another_solver(void **state) {
   (void)state;
-  enum { ENOUGH = 500, PATIENCE = 60 /* seconds: for what waits for itself */ };
+  enum { ENOUGH = 500, TIME_LIMIT = 60 /* seconds: for what waits for itself */ };
   pbf_solver *solver = make("threads", 4), *twin = make("serial", 1), *small = make("serial", 1);
   of_handler = make("threads", 4);
   pthread_t sender, self = pthread_self();
@@ -277,7 +277,7 @@ static void a_handler_steps_another_solver(void **state) {
   uint32_t steps = 0;
   assert_ok(pbf_step(of_handler, 20)); /* what it allocates, it has then */
   assert_int_equal(sigaction(SIGUSR1, &action, &before), 0);
-  alarm(PATIENCE);
+  alarm(TIME_LIMIT);
   assert_int_equal(pthread_create(&sender, NULL, send_signals, &self), 0);
   for (; steps_of_handler < ENOUGH && steps < 4 * ENOUGH; ++steps) assert_ok(pbf_step(solver, 1));
   over = 1;

@@ -169,7 +169,7 @@ static void one_cell_thick(uint32_t dimension, uint32_t precision) {
   check_all_ways(c);
 }
 
-/* Everybody is everybody's neighbour; some coincide. */
+/* Each particle is a neighbour of all others; some coincide. */
 static void one_cell(uint32_t dimension, uint32_t precision) {
   cloud *c = new_cloud(dimension, precision, 1, 0, 1, 1, 1);
   scatter(c, 700, 0.4, 0.4, 0.4, 0.2);

@@ -36,7 +36,7 @@ void cuda_hold(cuda_stream stream, volatile uint32_t *go);
 /* A word, 0 at first, that kernels of the current context can read. */
 volatile uint32_t *cuda_new_switch(void);
 
-/* A kernel that writes to an address that is the sentinel's. Afterwards the current context is
+/* A kernel that writes to an address of no allocation. Afterwards the current context is
  * lost. */
 void cuda_fault(void);
 

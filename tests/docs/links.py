@@ -3,8 +3,10 @@
 
     links.py ROOT
 
-In Markdown files: the targets of relative links, and their anchors, which are those that GitHub makes of headings. In all
-sources: each docs/….md that is named. In documents with tables that scripts write: markers come in pairs, each name once.
+In Markdown files: the targets of relative links, and their anchors, which are those that GitHub makes of headings; and the
+paths in code (`lib/check.h`, `bench/tools/*.py`) that begin with a folder of the root. In all sources: each docs/….md that is
+named; in comments of C, C++ and CUDA each source file, by the end of its path (`physics/sleep.h`). In documents with tables
+that scripts write: markers come in pairs, each name once. docs/architecture.md names all folders of lib/ and backends/.
 """
 import pathlib
 import re
@@ -17,6 +19,13 @@ LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^()\s]+(?:\([^()]*\))?)\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
 NAMED = re.compile(r"\bdocs/[\w/.-]+\.(?:md|svg)\b")
+CODE = re.compile(r"`([^`\n]+)`")
+PATH = re.compile(r"(?<![\w/.<-])([\w.-]+)/((?:[\w.*-]+/)*[\w.*-]*)")
+COMMENTED = {".c", ".h", ".cpp", ".hpp", ".cu", ".def"}
+COMMENT = re.compile(r"/\*(.*?)\*/|(?<![:\"/])//([^\n]*)", re.DOTALL)
+FILE = re.compile(r"(?<![\w/.<\"*-])((?:[\w-]+/)*[\w-]+\.(?:h|c|cpp|hpp|cu|def))\b(?![\"(/])")
+ELSEWHERE = {"errno.h", "windows.h"}  # the system's
+INSTALLED = "lib/pbf/"  # where plugins are in an installation
 
 
 def files_of(root):
@@ -66,17 +75,53 @@ def wrong_tables(text):
         yield f"the table {open_table} has no end"
 
 
+def wrong_paths(root, text):
+    """Of a document: paths in code that begin with a folder of the root."""
+    for code in CODE.findall(FENCE.sub("", text)):
+        for first, rest in PATH.findall(code):
+            path = f"{first}/{rest}".rstrip("/.")
+            if first in SKIPPED | {".", ".."} or not (root / first).is_dir() or path.startswith(INSTALLED):
+                continue
+            if not (any(root.glob(path)) if "*" in path else (root / path).exists()):
+                yield f"{path}: no such file"
+
+
+def wrong_files(endings, text):
+    """Of a source: files that comments name."""
+    for block, line in COMMENT.findall(text):
+        for name in FILE.findall(block or line):
+            if name not in endings and name not in ELSEWHERE:
+                yield f"{name}: no such file"
+
+
+def missing_folders(root, paths):
+    """Folders of lib/ and backends/ that docs/architecture.md does not name."""
+    text = (root / "docs/architecture.md").read_text(encoding="utf-8")
+    parts = [path.relative_to(root).parts for path in paths]
+    folders = {each[1] for each in parts if each[0] in {"lib", "backends"} and len(each) > 2}
+    for folder in sorted(folders):
+        if f"{folder}/" not in text:
+            yield f"docs/architecture.md: it does not say what {folder}/ holds"
+
+
+def endings_of(root, paths):
+    """All that paths end with: lib/check.h and check.h."""
+    parts = [path.relative_to(root).parts for path in paths]
+    return {"/".join(each[k:]) for each in parts for k in range(len(each))}
+
+
 def main(root):
     root = pathlib.Path(root).resolve()
-    known = {}
+    known, paths = {}, list(files_of(root))
+    endings = endings_of(root, paths)
 
     def anchors(path):
         if path not in known:
             known[path] = anchors_of(path.read_text(encoding="utf-8")) if path.suffix == ".md" else set()
         return known[path]
 
-    wrong, links = [], 0
-    for path in files_of(root):
+    wrong, links = list(missing_folders(root, paths)), 0
+    for path in paths:
         markdown = path.suffix == ".md"
         if not markdown and path.suffix not in SOURCES and path.name != "run":
             continue
@@ -84,7 +129,9 @@ def main(root):
         found = [f"{name}: no such file" for name in NAMED.findall(text) if not (root / name).exists()]
         if markdown:
             links += len(LINK.findall(text))
-            found += [*wrong_links(path, text, anchors), *wrong_tables(text)]
+            found += [*wrong_links(path, text, anchors), *wrong_tables(text), *wrong_paths(root, text)]
+        elif path.suffix in COMMENTED and "third_party" not in path.parts:
+            found += wrong_files(endings, text)
         wrong += [f"{path.relative_to(root)}: {each}" for each in dict.fromkeys(found)]
     print("\n".join(wrong) if wrong else f"{links} links hold")
     return 1 if wrong or not links else 0

@@ -11,7 +11,7 @@
 #include "child.h"
 #include "random.h"
 
-enum { FLIPS = 600, MOST_PARTS = 16, PATIENCE = 20 /* seconds */ };
+enum { FLIPS = 600, MOST_PARTS = 16, TIME_LIMIT = 20 /* seconds */ };
 
 static char folder[64], path[128];
 static unsigned char *whole;
@@ -108,7 +108,7 @@ static int outcome(size_t byte, unsigned bit) {
   assert_true(child >= 0);
   if (child == 0) {
     for (int number = 1; number < 32; ++number) signal(number, SIG_DFL); /* cmocka's handlers */
-    alarm(PATIENCE);
+    alarm(TIME_LIMIT);
     exit(use_it()); /* destructors are the plugin's, too */
   }
   assert_int_equal(waitpid(child, &status, 0), child);

@@ -165,7 +165,7 @@ static void through_a_link(void **state) {
   assert_says("serial|1|%s/real/pbf_backend_serial.so|", folder);
 }
 
-/* The program runs for nobody, once plainly and once with the rights of another group. */
+/* The program runs as the user nobody, once plainly and once with the rights of another group. */
 static void elevated_privileges(void **state) {
   (void)state;
   char program[128], library[128], trap[128];

@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include "cpu/broad_phase.h"
+#include "physics/listed.h"
 #include "support/random.h"
 
 enum { SCENES = 20000, PARTICLES = 6, MOST = 100 };
@@ -204,6 +205,39 @@ static void a_grid_leaves_out_no_more(void **state) {
   if (!(left_out > all / 20)) fail_msg("%d of %d are left out", (int)left_out, (int)all);
 }
 
+/* Particles that look for themselves, as on a GPU; how many of them something has moved. */
+static int check_listed(const crowd *s, const group *g, int with_obstacle_motion, int which) {
+  int moved = 0;
+  for (int i = 0; i < PARTICLES; ++i) {
+    const pbf_vec from = g->from[i], x = g->x[i], kept = pbf_keep_in_domain(&s->o.domain, x);
+    const pbf_vec by_all = pbf_resolve_collisions(s->o, with_obstacle_motion, from, x);
+    const pbf_vec by_listed =
+        resolve_among_listed(&s->o.domain, s->surfaces, &s->grid, with_obstacle_motion, from, x);
+    if (memcmp(&by_all, &by_listed, sizeof by_all) != 0)
+      fail_msg("scene %d: those of a list move particle %d elsewhere", which, i);
+    moved += memcmp(&by_all, &kept, sizeof by_all) != 0;
+  }
+  return moved;
+}
+
+/* Of narrow cells and wide ones, on ways through one cell and through many. */
+static void one_by_one_it_leaves_out_no_more(void **state) {
+  (void)state;
+  static crowd s;
+  uint64_t random = 7;
+  int moved = 0, all = 0;
+  for (int scene = 0; scene < SCENES / 10; ++scene) {
+    make_small_crowd(&random, &s);
+    add_grid(&s, (pbf_real)(scene % 2 ? 0.02 : 0.3));
+    const group g = random_group(&random);
+    for (int with_obstacle_motion = 0; with_obstacle_motion < 2; ++with_obstacle_motion) {
+      moved += check_listed(&s, &g, with_obstacle_motion, scene);
+      all += PARTICLES;
+    }
+  }
+  if (!(moved > all / 20 && moved < all * 19 / 20)) fail_msg("%d of %d are moved", moved, all);
+}
+
 /* Those that a place is not told of are farther away than it asks about. */
 static void a_place_is_told_of_all_that_are_near(void **state) {
   (void)state;
@@ -258,6 +292,7 @@ int main(void) {
       cmocka_unit_test(what_is_not_met_does_nothing),
       cmocka_unit_test(the_surfaces_left_out_change_nothing),
       cmocka_unit_test(a_grid_leaves_out_no_more),
+      cmocka_unit_test(one_by_one_it_leaves_out_no_more),
       cmocka_unit_test(a_place_is_told_of_all_that_are_near),
       cmocka_unit_test(what_is_not_near_lends_nothing),
   };

@@ -68,7 +68,10 @@ struct watcher {
   void surface_tension() {
     stage_of("surface_tension", FIELD_POSITION | FIELD_MISSING, FIELD_VELOCITY);
   }
-  void drag() { stage_of("drag", 0, FIELD_VELOCITY); }
+  template <class Pass>
+  void over_particles(pbf_stage stage) {
+    stage_of(pbf_stage_name(stage), 0, FIELD_VELOCITY);
+  }
   bool update_sleep() {
     stage_of("update_sleep", FIELD_POSITION | FIELD_VELOCITY, 0);
     return false;

@@ -96,7 +96,7 @@ static pbf_params params_with(int features) {
   p.vorticity = features & VORTICITY ? 0.1 : 0;
   p.viscosity = features & VISCOSITY ? 1e-4 : 0; /* one stage */
   p.wall_density = features & WALL_DENSITY ? 1 : 0;
-  p.sleep_speed = features & SLEEP ? 1e-6 : 0; /* so slow that the sentinel ever sleeps */
+  p.sleep_speed = features & SLEEP ? 1e-6 : 0; /* so slow that no particle ever sleeps */
   p.sleep_time = 0.5;
   p.tolerance = features & TOLERANCE ? 1e-12 : 0;
   p.pressure_grid = features & PRESSURE_GRID ? 2 : 0;

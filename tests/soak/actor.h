@@ -105,7 +105,7 @@ static inline void put_value(const subject *s, void *numbers, uint32_t index, do
 int subject_make(actor *a, subject *s);
 void subject_drop(actor *a, subject *s);
 
-/* Whether a status is one of pbf.h and has a sentence; else a finding. */
+/* Whether a status is one of base.h and has a sentence; else a finding. */
 void check_status(actor *a, pbf_status status, const char *sentence);
 
 /* ---- A call on both twins ---- */

@@ -257,7 +257,7 @@ pbf_status advance(actor *a, int twin, uint64_t end) {
   }
 }
 
-/* An angle that is known to no part of a turn has none, by pbf.h. */
+/* An angle that is known to no part of a turn has none, by params.h. */
 static double wall_at(const pbf_params *p, int wall, double time) {
   const double bound = wall % 2 ? p->domain_max[wall / 2] : p->domain_min[wall / 2];
   const double angle = p->wall_frequency[wall] * time + p->wall_phase[wall];

@@ -62,7 +62,10 @@ void call_cancel(actor *a) {
   if (status == PBF_ERROR_CANCELLED) {
     count_fault(FAULT_CANCEL);
     count_steps(a, end - before);
-    advance(a, 1, end);
+    status = advance(a, 1, end);
+    if (status != PBF_OK && !a->injected[1])
+      found(a->number, "%s: %s, which has cancelled none: %s", a->function,
+            pbf_status_string(status), a->sentence[1]);
     if (divides_steps(a)) even_out(a);
     check_subject(a);
     even_out(a); /* what was before the last step is kept by the one that was not cancelled */

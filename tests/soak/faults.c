@@ -13,7 +13,7 @@
 #include "table.h"
 #include "tasks.h"
 
-enum { PATIENCE = 60 /* seconds, of a child that hangs */ };
+enum { TIME_LIMIT = 60 /* seconds, of a child that hangs */ };
 
 /* ---- Children ---- */
 
@@ -21,7 +21,7 @@ static pid_t begin_child(void) {
   pid_t child = fork();
   if (child != 0) return child;
   signal(SIGUSR1, SIG_IGN);
-  alarm(PATIENCE);
+  alarm(TIME_LIMIT);
   tasks_after_fork();
   return 0;
 }

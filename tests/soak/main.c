@@ -12,7 +12,7 @@
 #include "round.h"
 #include "table.h"
 
-enum { PATIENCE = TEST_INSTRUMENTED ? 900 : 180 /* seconds: for a round that hangs */ };
+enum { TIME_LIMIT = TEST_INSTRUMENTED ? 900 : 180 /* seconds: for a round that hangs */ };
 enum { MOST_FINDINGS = 16 };
 
 typedef struct finding {
@@ -92,7 +92,7 @@ static int run_round(uint64_t seed, int only, char *text, size_t room) {
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) begin_watched(fileno(output), seed, only);
-  const int ended = child > 0 && wait_for(child, &status, PATIENCE);
+  const int ended = child > 0 && wait_for(child, &status, TIME_LIMIT);
   if (!ended) {
     kill(-child, SIGKILL);
     waitpid(child, &status, 0);

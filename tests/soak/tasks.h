@@ -1,4 +1,4 @@
-/* A task system as engines have one, which runs a task in one of the ways that pbf.h allows. */
+/* A task system as engines have one, which runs a task in one of the ways that desc.h allows. */
 #ifndef PBF_TESTS_SOAK_TASKS_H
 #define PBF_TESTS_SOAK_TASKS_H
 

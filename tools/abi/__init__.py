@@ -1,1 +1,1 @@
-"""The ABI of pbf.h as data, and what is written from it."""
+"""The ABI of the public headers as data, and what is written from it."""

@@ -102,7 +102,7 @@ def constants(description):
     for enum in description["enums"]:
         if not is_status(enum):
             lines += [f"        public const uint {camel(name)} = {value};" for name, value in enum.items()]
-    return "    /// <summary>What pbf.h calls PBF_….</summary>\n    public static class Constants\n    {\n" + "\n".join(lines) + "\n    }"
+    return "    /// <summary>What the C headers call PBF_….</summary>\n    public static class Constants\n    {\n" + "\n".join(lines) + "\n    }"
 
 
 def status(description):

@@ -163,9 +163,8 @@ def with_layout(structs, header):
     return described
 
 
-def describe(headers):
-    """`headers`: the last includes those before it."""
-    header = headers[-1]
+def describe(header, headers):
+    """`header` includes `headers`."""
     nodes = tree(header)
     names = Names(nodes)
     structs = with_layout(structs_of(nodes, names), header)

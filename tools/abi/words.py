@@ -16,8 +16,3 @@ def is_status(enum):
 def is_text(kind):
     """const char *, a C string."""
     return kind.get("pointer") == {"scalar": "char"} and kind["const"]
-
-
-def ordered_structs(description):
-    """Each struct after those that it holds."""
-    return description["structs"].items()  # a header has them in that order

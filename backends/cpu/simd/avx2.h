@@ -23,7 +23,6 @@ struct ops<lane> {
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__m256)b); }
   static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
-  /* An estimate of 12 bits and one Newton step: 2e-7. */
   static PBF_IN lane root(lane a) { return sqrt(a); }
   static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }
 };
@@ -64,7 +63,7 @@ PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
 }
 
 typedef struct lane_indices {
-  __m256i index; /* -1: the sentinel, and the sentinel is there */
+  __m256i index; /* -1: the sentinel, which lies before the first element */
   __m256 known;
 } lane_indices;
 PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {

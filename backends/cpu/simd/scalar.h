@@ -1,5 +1,4 @@
 /* Part of lanes.h: one lane: the scalar twin that the vector kernels are tested against. */
-#define LANES_SCALAR
 enum { WIDTH = 1 };
 typedef pbf_real lane;
 typedef uint32_t u32_lanes;

@@ -106,7 +106,7 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
       pbf_vec x = position_of(load(points, i));
       auto sums = general_sums(of_lambda, p, grid, points, i, x, {});
       pbf_real lambda =
-          finish_lambda<SURFACES>(of_lambda, obstacles, scene.wall_density, 0, x, &sums, nullptr);
+          finish_lambda<SURFACES>(of_lambda, obstacles, scene.wall_density, 0, x, &sums);
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : buffers.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -126,7 +126,7 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
           of_move, obstacles,
           {scene.wall_density != 0,
            scene.collide_in_iteration + (last && scene.collide_after_solve), scene.inv_time_step},
-          own.lambda, false, p.ids[i], predicted, x, sums, nullptr, &v);
+          own.lambda, false, p.ids[i], predicted, x, sums, &v);
       p.velocities[i] = v;
       point to = point_at(x);
       to.lambda = own.lambda;

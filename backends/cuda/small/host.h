@@ -89,7 +89,7 @@ static inline small_layout small_layout_of(const solver *s, uint32_t own) {
                          small_list_capacity(small_list_wanted(s))};
   size_t none = layout.bytes();
   layout.slot_capacity = 2;
-  double wanted = fmin(SMALL_NOBODY - 3, 4 * small_slots_expected(s, own) + 512);
+  double wanted = fmin(SMALL_NO_PARTICLE - 3, 4 * small_slots_expected(s, own) + 512);
   double buffers = small_shared(s) > none ? (double)(small_shared(s) - none) : 0;
   layout.slot_capacity =
       (uint32_t)fmin(wanted, 2 * buffers / (double)(layout.bytes() - none)) / 2 * 2;
@@ -102,6 +102,7 @@ static inline bool small_fits(const solver *s, uint32_t own) {
 
 /* Of what determines the state's bits, only parameters and the particle count enter. */
 static inline bool small_serves(const solver *s) {
+  if (are_listed(s)) return false;
   return s->small_upload && !s->shapes.count && !s->schedule.runs[PBF_STAGE_GRID] &&
          !s->schedule.runs[PBF_STAGE_SHEAR_STRESS] && s->count > 0 &&
          s->count <= small_max_particles(s) && small_list_wanted(s) <= SMALL_MAX_LISTED &&

@@ -318,7 +318,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
             of_move, obstacles,
             {false, scene.collide_in_iteration + (last && scene.collide_after_solve),
              scene.inv_time_step},
-            lambda, false, i, x, y, pairs.change, nullptr, &v);
+            lambda, false, i, x, y, pairs.change, &v);
       }
       if (last) continue;
       if (thread.leads) publish_position(buffers.exchange, i, y, pass + 1);

@@ -1,6 +1,6 @@
 /* Part of small/host.h. Which block of a small scene owns which particle. Neighbours should be
  * together, so that ghosts are few: particles in the order of a Z curve through coarse cells, which
- * a block takes a task of. Any order is right, and none changes a bit of the result, so an order
+ * a block takes a piece of. Any order is right, and none changes a bit of the result, so an order
  * lasts for a few steps.
  */
 #ifndef PBF_CUDA_SMALL_OWNERS_H

@@ -27,7 +27,7 @@ enum {
   SMALL_CHUNK = 4,        /* entries of a list that lie side by side */
   SMALL_MAX_LISTED = 128, /* by a thread */
   SMALL_KEPT = 8,         /* pairs of a thread in registers */
-  SMALL_NOBODY = 0xffff
+  SMALL_NO_PARTICLE = 0xffff
 };
 
 /* What differs from step to step. */
@@ -58,7 +58,8 @@ namespace {
 struct small_layout {
   uint32_t words;         /* of a bit each cell of the grid */
   uint32_t cell_capacity; /* cells of a tile, … */
-  uint32_t slot_capacity; /* … its particles, both even; SMALL_NOBODY is none of their numbers */
+  uint32_t
+      slot_capacity; /* … its particles, both even; SMALL_NO_PARTICLE is none of their numbers */
   uint32_t list_capacity; /* entries of a thread's list, SMALL_CHUNK more than it may have */
 
   __host__ __device__ size_t bytes() const {

@@ -131,7 +131,7 @@ struct small_neighbors {
   uint32_t kept[SMALL_KEPT / 2];
 
   __device__ __forceinline__ void keep() {
-    uint32_t sentinel = in_memory ? (uint32_t)SMALL_NOBODY : tile.sentinel_index();
+    uint32_t sentinel = in_memory ? (uint32_t)SMALL_NO_PARTICLE : tile.sentinel_index();
     list.fill_up(sentinel);
 #pragma unroll
     for (uint32_t k = 0; k < SMALL_KEPT / 2; ++k) {
@@ -153,11 +153,11 @@ struct small_neighbors {
     if (in_memory) {
       uint32_t particles[SMALL_CHUNK];
       for (int q = 0; q < SMALL_CHUNK; ++q)
-        particles[q] = entries[entries[q] == SMALL_NOBODY ? 0 : q];
+        particles[q] = entries[entries[q] == SMALL_NO_PARTICLE ? 0 : q];
       await_positions(exchange, particles, pass, x);
 #pragma unroll
       for (int q = 0; q < SMALL_CHUNK; ++q)
-        if (entries[q] == SMALL_NOBODY) x[q] = position_in(tile, tile.sentinel_index());
+        if (entries[q] == SMALL_NO_PARTICLE) x[q] = position_in(tile, tile.sentinel_index());
       return;
     }
 #pragma unroll
@@ -169,7 +169,7 @@ struct small_neighbors {
     if (in_memory) {
       uint32_t particles[SMALL_CHUNK];
       for (int q = 0; q < SMALL_CHUNK; ++q)
-        particles[q] = entries[entries[q] == SMALL_NOBODY ? 0 : q];
+        particles[q] = entries[entries[q] == SMALL_NO_PARTICLE ? 0 : q];
       await_lambdas(exchange, particles, pass, values);
       return; /* what fills up a chunk has no slope */
     }

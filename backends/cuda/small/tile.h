@@ -59,7 +59,7 @@ static __device__ __forceinline__ void set_position(const small_tile &t, uint32_
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
 /* A particle's cell: its column, and its indices across the rows. Where the domain has more columns
- * than the grid, they begin anew, and the run around a column at an end is in two tasks: turning
+ * than the grid, they begin anew, and the run around a column at an end is in two pieces: turning
  * back, as in grid.h, would crowd the cells where it does, and tiles have little room. */
 struct cell_place {
   uint32_t at[PBF_DIM];
@@ -87,7 +87,7 @@ static __device__ __forceinline__ uint32_t runs_around(const cell_grid &g, const
 }
 
 /* The cells of run 0 … runs_around - 1 around `own`, one after the other; false when there are
- * none. The second tasks come after all rows. */
+ * none. The second pieces come after all rows. */
 static __device__ __forceinline__ bool run_around(const cell_grid &g, const cell_place &own,
                                                   uint32_t run, uint32_t *first, uint32_t *cells) {
   uint32_t at[PBF_DIM], row = run % PBF_ROWS;

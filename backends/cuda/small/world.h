@@ -453,7 +453,7 @@ static __device__ __forceinline__ void world_move(const world_tile &t, const wor
       if (SURFACES) predicted = position_of(load(kept.points, slot));
     }
     point to = point_at(finish_move<SURFACES>(of_move, obstacles, end, own.lambda, false, i,
-                                              predicted, x, sums, nullptr, &v));
+                                              predicted, x, sums, &v));
     if (last) {
       to.lambda = accelerated ? t.totals[slot] : 0;
       store(scene.points, i, to);

@@ -132,7 +132,9 @@ static inline void write_record(solver *s, const pbf_step_times &times, uint32_t
   if (s->schedule.accelerated)
     write_iterations(s, reinterpret_cast<small_iteration *>(host + at.iterations));
   if (s->collider_count)
-    write_surfaces(s, times, steps, reinterpret_cast<pbf_surface *>(host + at.surfaces));
+    for (uint32_t k = 0; k < steps; ++k)
+      place_at(s, pbf_time_after(&times, k + 1),
+               reinterpret_cast<pbf_surface *>(host + at.surfaces) + k * s->collider_count);
   record->scene = small_scene_of(s, pbf_time_after(&times, 1), steps);
   record->scene.layout.list_capacity = small_list_capacity(small_list_wanted(s));
   record->scene.table = reinterpret_cast<const small_step *>(device + at.steps);

@@ -16,14 +16,14 @@ struct drag_pass {
   PBF_IN pbf_vec finish(pbf_vec v) const {
     return pbf_add_scaled(velocity, kept, pbf_sub(v, velocity));
   }
-};
 
-static inline drag_pass drag_of(const pbf_params *params) {
-  drag_pass pass;
-  pass.kept = (pbf_real)pbf_exp(-params->drag * params->time_step);
-  for (int k = 0; k < PBF_DIM; ++k) pass.velocity.c[k] = (pbf_real)params->drag_velocity[k];
-  return pass;
-}
+  static drag_pass of(const pbf_params *params) {
+    drag_pass pass;
+    pass.kept = (pbf_real)pbf_exp(-params->drag * params->time_step);
+    for (int k = 0; k < PBF_DIM; ++k) pass.velocity.c[k] = (pbf_real)params->drag_velocity[k];
+    return pass;
+  }
+};
 
 }  // namespace
 

@@ -9,7 +9,7 @@
  * over the others of V grad W, slope2 = sum over the others of |V grad W|². In a crowd the
  * eigenvalues of the iteration grow with the density, and a step that is to stay inside them has to
  * shrink with it. The error itself is not bounded: a crowd that pushes less the denser it is draws
- * in what is around it. `residual density` is 0 or pbf_residual_density's. */
+ * in what is around it. `residual_density` is 0 or pbf_residual_density's. */
 PBF_FN pbf_real pbf_lambda(const pbf_constants *c, pbf_real residual_density, pbf_real density,
                            pbf_real slope2, pbf_vec gradient) {
   pbf_real constraint = density - c->target - residual_density;

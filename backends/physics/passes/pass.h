@@ -11,7 +11,10 @@
  *   end(sums)                  once all are added
  *   finish(…)                  what the particle makes of them; its arguments are the pass's own
  *
- * Features are an int, or fixed<…> where a loop is built for them. */
+ * Features are an int, or fixed<…> where a loop is built for them.
+ *
+ * A pass over particles alone has of(params), the pass of a step with these parameters, and
+ * finish(v), the velocity that a particle has after it: drag.h is one. */
 #ifndef PBF_PHYSICS_PASSES_PASS_H
 #define PBF_PHYSICS_PASSES_PASS_H
 

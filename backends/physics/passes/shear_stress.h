@@ -147,23 +147,27 @@ struct fabric_pass {
 };
 
 /* What the walls of the domain contribute to the sums of a particle at x: the rows of a lattice
- * behind each of them, by what it contributes to the density. Returns 0 where colliders contribute,
- * too, which may lie in any way: nothing is corrected there. */
-template <class Obstacles>
-PBF_FN int add_walls(const pbf_constants *c, const Obstacles &o, pbf_vec x, pbf_fabric *s) {
-  const pbf_boundary walls = pbf_boundary_of_domain(c, &o.domain, x);
+ * behind each of them, by what it contributes to the density. */
+PBF_FN void add_walls(const pbf_constants *c, const pbf_domain &domain, pbf_vec x, pbf_fabric *s) {
+  const pbf_boundary walls = pbf_boundary_of_domain(c, &domain, x);
   pbf_add_boundary(&walls, &s->density, &s->wall);
-  for (int axis = 0; axis < PBF_DIM && !(o.domain.ghost_reach > 0); ++axis) {
-    pbf_real slope, value = pbf_wall_density(c, pbf_wall_distance(&o.domain, 2 * axis, x), &slope);
-    value += pbf_wall_density(c, pbf_wall_distance(&o.domain, 2 * axis + 1, x), &slope);
+  for (int axis = 0; axis < PBF_DIM && !(domain.ghost_reach > 0); ++axis) {
+    pbf_real slope, value = pbf_wall_density(c, pbf_wall_distance(&domain, 2 * axis, x), &slope);
+    value += pbf_wall_density(c, pbf_wall_distance(&domain, 2 * axis + 1, x), &slope);
     const pbf_real layers = pbf_real_min(value * c->inv_boundary_rest_density, 2);
     for (int k = 0; k < PBF_DIM; ++k)
       s->moments[pbf_diagonal_entry(k)] +=
           layers * (k == axis ? c->wall_fabric_across : c->wall_fabric_along);
   }
-  if (pbf_surface_count(o) == 0) return 1;
+}
+
+/* Whether colliders contribute there, too, which may lie in any way: nothing is corrected then. */
+template <class Obstacles>
+PBF_FN bool colliders_contribute(const pbf_constants *c, const Obstacles &o, pbf_vec x) {
+  if (pbf_surface_count(o) == 0) return false;
+  const pbf_boundary walls = pbf_boundary_of_domain(c, &o.domain, x);
   const pbf_boundary all = pbf_boundary_at(c, o, x);
-  return all.overlapping + all.additive == walls.overlapping + walls.additive;
+  return all.overlapping + all.additive != walls.overlapping + walls.additive;
 }
 
 /* The push that makes up for it. */

@@ -22,8 +22,7 @@
 #include "physics/pressure_grid/grid.h"
 
 enum {
-  PBF_SAMPLES = PBF_DIM == 3 ? 4 : 8, /* points along an axis of a cell, 64 in all */
-  PBF_SAMPLES_OF_FACE = PBF_DIM == 3 ? 16 : 8,
+  PBF_SAMPLES = PBF_DIM == 3 ? 4 : 8,     /* points along an axis of a cell, 64 in all */
   PBF_COMPARTMENTS = 4,                   /* of a cell, at most */
   PBF_PARTS = 1 + PBF_DIM,                /* of a volume: itself, and times its middle */
   PBF_NODE_COMPARTMENTS = 2 * PBF_CORNERS /* compartments that a node is corner of, at most */

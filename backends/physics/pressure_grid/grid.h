@@ -250,6 +250,14 @@ PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[P
   return inside;
 }
 
+/* The part of a cell around `middle` that a surface leaves free. */
+template <class Surface>
+PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle) {
+  pbf_vec normal;
+  const double distance = (double)pbf_surface_distance(s, middle, &normal);
+  return pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
+}
+
 namespace {
 
 /* The part that is free of colliders, too. */
@@ -259,11 +267,8 @@ PBF_FN double pbf_pressure_grid_free_volume_at(const pbf_pressure_grid *c, const
   double free_volume = pbf_pressure_grid_inside(c, i);
   pbf_vec middle;
   for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
-  for (int s = 0; s < pbf_surface_count(o); ++s) {
-    pbf_vec normal;
-    double distance = (double)pbf_surface_distance(&o.surfaces[s], middle, &normal);
-    free_volume *= pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
-  }
+  for (int s = 0; s < pbf_surface_count(o); ++s)
+    free_volume *= pbf_part_free_of(c, &o.surfaces[s], middle);
   return free_volume;
 }
 

@@ -2,7 +2,7 @@
  * be within a reach of something in it, in the order of their numbers, so that asking those alone
  * gets the bits of asking all. How wide cells are follows from the surfaces: there is memory for so
  * many entries a surface, and where solids are larger or closer than that, cells are wider and
- * their lists longer; none is left out. Host only. */
+ * their lists longer; none is left out. The host builds it; a device may ask a copy. */
 #ifndef PBF_PHYSICS_SURFACES_NEAR_H
 #define PBF_PHYSICS_SURFACES_NEAR_H
 
@@ -26,6 +26,7 @@ typedef struct pbf_surface_grid {
   double stretch, steepest; /* the largest */
   uint32_t count;           /* of surfaces, … */
   uint64_t room;            /* … and how many there is memory for */
+  uint32_t finer;           /* so many times as many cells as usual, and memory for them; 0: once */
   uint64_t built;           /* how often */
   uint32_t *starts;         /* of a cell's entries, and the end */
   uint16_t *entries;
@@ -35,6 +36,8 @@ typedef struct pbf_surface_grid {
 static inline uint64_t pbf_grid_cell_room(uint64_t surfaces) {
   return PBF_CELLS_A_SURFACE * surfaces + 64;
 }
+
+static inline uint64_t pbf_grid_finer(const pbf_surface_grid *g) { return g->finer ? g->finer : 1; }
 
 /* ---- Where a surface is ---------------------------------------------------------------------- */
 
@@ -72,7 +75,7 @@ static inline pbf_surface_box pbf_surface_box_of(const pbf_surface *s) {
 
 /* The cell of a coordinate: larger ones are in no earlier cell, and those beyond an end in the last
  * one before it. */
-static inline int pbf_grid_cell_along(const pbf_surface_grid *g, int k, double x) {
+PBF_FN int pbf_grid_cell_along(const pbf_surface_grid *g, int k, double x) {
   const double at = (x - g->lower[k]) * g->per_length[k];
   if (!(at > 0)) return 0;
   return at < g->cells[k] ? (int)at : g->cells[k] - 1;
@@ -82,8 +85,8 @@ typedef struct pbf_cell_range {
   int first[PBF_DIM], last[PBF_DIM];
 } pbf_cell_range;
 
-static inline pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const double *lower,
-                                               const double *upper, double beyond) {
+PBF_FN_APART pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const double *lower,
+                                              const double *upper, double beyond) {
   pbf_cell_range r;
   for (int k = 0; k < PBF_DIM; ++k) {
     r.first[k] = pbf_grid_cell_along(g, k, lower[k] - beyond);
@@ -92,7 +95,7 @@ static inline pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const 
   return r;
 }
 
-static inline uint64_t pbf_cells_in(const pbf_cell_range *r) {
+PBF_FN uint64_t pbf_cells_in(const pbf_cell_range *r) {
   uint64_t cells = 1;
   for (int k = 0; k < PBF_DIM; ++k) cells *= (uint64_t)(r->last[k] - r->first[k] + 1);
   return cells;
@@ -175,7 +178,8 @@ static inline void pbf_grid_fill(pbf_surface_grid *g, uint64_t cells) {
 }
 
 /* Of the first `count` boxes, for places within `reach` of the surfaces. About two
- * cells a surface; wider ones where these would have more entries than there is memory for. */
+ * cells a surface, or so many times as many; wider ones where these would have more entries than
+ * there is memory for. */
 static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf_domain *domain,
                                   double reach) {
   double length[PBF_DIM], volume = 1;
@@ -189,10 +193,10 @@ static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf
   }
   pbf_grid_region(g, domain, g->lower, length);
   for (int k = 0; k < PBF_DIM; ++k) volume *= length[k];
-  const double even = volume / (2.0 * fmax(count, 1));
+  const double even = volume / (2.0 * fmax(count, 1) * (double)pbf_grid_finer(g));
   double width = fmax(2 * reach, PBF_DIM == 3 ? cbrt(even) : sqrt(even));
   uint64_t cells = pbf_grid_divide(g, length, width);
-  while (cells > 1 && (cells > pbf_grid_cell_room(g->room) ||
+  while (cells > 1 && (cells > pbf_grid_cell_room(g->room * pbf_grid_finer(g)) ||
                        pbf_grid_entries(g) > PBF_ENTRIES_A_SURFACE * g->room))
     cells = pbf_grid_divide(g, length, width *= 1.4);
   pbf_grid_fill(g, cells);
@@ -200,15 +204,14 @@ static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf
 
 /* ---- Asking ---------------------------------------------------------------------------------- */
 
-static inline uint32_t pbf_cell_entries(const pbf_surface_grid *g, uint32_t cell,
-                                        const uint16_t **numbers) {
+PBF_FN uint32_t pbf_cell_entries(const pbf_surface_grid *g, uint32_t cell,
+                                 const uint16_t **numbers) {
   *numbers = g->entries + g->starts[cell];
   return g->starts[cell + 1] - g->starts[cell];
 }
 
 /* How many surfaces may be within reach of x, and which. */
-static inline uint32_t pbf_surfaces_at(const pbf_surface_grid *g, pbf_vec x,
-                                       const uint16_t **numbers) {
+PBF_FN uint32_t pbf_surfaces_at(const pbf_surface_grid *g, pbf_vec x, const uint16_t **numbers) {
   uint32_t cell = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k)
     cell = cell * (uint32_t)g->cells[k] + (uint32_t)pbf_grid_cell_along(g, k, (double)x.c[k]);

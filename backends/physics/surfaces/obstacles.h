@@ -53,7 +53,7 @@ PBF_FN int pbf_surface_count(const Obstacles &o) {
 /* How far before a surface with another side particles stay: by so much surfaces that touch
  * overlap, and those that stand on a wall overlap with it. Between two faces in one plane, where
  * what lies on both is in neither, a particle that slid on the one went on through the seam. More
- * than rounding takes from places, and so little that nobody sees it. (Rigid bodies have such
+ * than rounding takes from places, and too little to be seen. (Rigid bodies have such
  * skins, too: Box2D's polygon radius, Jolt's convex radius.) */
 static inline void pbf_set_margins(const pbf_params *params, const pbf_domain *domain,
                                    pbf_surface *s) {

@@ -24,25 +24,35 @@ namespace Pbf
         Cancelled = -13
     }
 
-    /// <summary>What pbf.h calls PBF_….</summary>
+    /// <summary>What the C headers call PBF_….</summary>
     public static class Constants
     {
         public const uint VersionMajor = 0;
         public const uint VersionMinor = 2;
         public const uint VersionPatch = 0;
         public const uint ApiVersion = 2;
+        public const uint NameSize = 32;
         public const uint MaxCapacity = 1073741823;
         public const uint MaxColliders = 4096;
         public const uint MaxSnapshots = 16;
-        public const uint NameSize = 32;
         public const uint MaxStages = 24;
         public const uint MaxArrays = 40;
         public const uint MaxWorlds = 65536;
+        public const uint MaxDiffuse = 4194303;
         public const uint MaxEmitters = 64;
         public const uint MaxDrains = 64;
         public const uint MaxReservoirs = 64;
         public const uint MaxPhases = 8;
-        public const uint MaxDiffuse = 4194303;
+        public const uint DeviceCpu = 1;
+        public const uint DeviceCuda = 2;
+        public const uint TypeFloat32 = 4;
+        public const uint TypeFloat64 = 8;
+        public const uint TypeUint32 = 12;
+        public const uint FieldPosition = 1;
+        public const uint FieldVelocity = 2;
+        public const uint FieldId = 3;
+        public const uint FieldDensity = 4;
+        public const uint FieldPressure = 5;
         public const uint Float32 = 4;
         public const uint Float64 = 8;
         public const uint LogInfo = 1;
@@ -63,20 +73,6 @@ namespace Pbf
         public const uint WallYMax = 3;
         public const uint WallZMin = 4;
         public const uint WallZMax = 5;
-        public const uint FieldPosition = 1;
-        public const uint FieldVelocity = 2;
-        public const uint FieldId = 3;
-        public const uint FieldDensity = 4;
-        public const uint FieldPressure = 5;
-        public const uint TypeFloat32 = 4;
-        public const uint TypeFloat64 = 8;
-        public const uint TypeUint32 = 12;
-        public const uint WConstant = 0;
-        public const uint WSpeed = 1;
-        public const uint WDensity = 2;
-        public const uint WPressure = 3;
-        public const uint OrderAdded = 0;
-        public const uint OrderStored = 1;
         public const uint ColliderPlane = 0;
         public const uint ColliderSphere = 1;
         public const uint ColliderCapsule = 2;
@@ -85,8 +81,12 @@ namespace Pbf
         public const uint PathAuto = 0;
         public const uint PathStraight = 1;
         public const uint PathScrew = 2;
-        public const uint DeviceCpu = 1;
-        public const uint DeviceCuda = 2;
+        public const uint WConstant = 0;
+        public const uint WSpeed = 1;
+        public const uint WDensity = 2;
+        public const uint WPressure = 3;
+        public const uint OrderAdded = 0;
+        public const uint OrderStored = 1;
         public const uint LimitNone = 0;
         public const uint LimitGravity = 1;
         public const uint LimitAttraction = 2;
@@ -209,38 +209,6 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    internal partial struct NativeReadDesc
-    {
-        public uint StructSize;
-        public uint Field;
-        public uint First;
-        public uint Count;
-        public uint ElementType;
-        public uint Components;
-        public uint W;
-        public uint Order;
-        public ulong Stride;
-        public IntPtr Data;
-        public double Behind;
-        public double WValue;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    internal partial struct NativeAnisotropyDesc
-    {
-        public uint StructSize;
-        public uint First;
-        public uint Count;
-        public uint MinNeighbors;
-        public double Radius;
-        public double Smoothing;
-        public double MaxRatio;
-        public double LoneScale;
-        public IntPtr Positions;
-        public IntPtr Stretches;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     internal partial struct NativeCollider
     {
         public uint StructSize;
@@ -283,6 +251,23 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeReadDesc
+    {
+        public uint StructSize;
+        public uint Field;
+        public uint First;
+        public uint Count;
+        public uint ElementType;
+        public uint Components;
+        public uint W;
+        public uint Order;
+        public ulong Stride;
+        public IntPtr Data;
+        public double Behind;
+        public double WValue;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     internal partial struct NativeView
     {
         public uint StructSize;
@@ -313,6 +298,21 @@ namespace Pbf
         public IntPtr Velocities;
         public IntPtr Ids;
         public IntPtr Owner;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    internal partial struct NativeAnisotropyDesc
+    {
+        public uint StructSize;
+        public uint First;
+        public uint Count;
+        public uint MinNeighbors;
+        public double Radius;
+        public double Smoothing;
+        public double MaxRatio;
+        public double LoneScale;
+        public IntPtr Positions;
+        public IntPtr Stretches;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -393,6 +393,25 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct BackendInfo
+    {
+        public uint StructSize;
+        public uint Available;
+        public int Score;
+        public uint DeviceType;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
+        public string Name;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string DeviceName;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
+        public string BuildId;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string Path;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
+        public string Reason;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
     public partial struct Info
     {
         public uint StructSize;
@@ -415,25 +434,6 @@ namespace Pbf
         public string Path;
         [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
         public string FallbackReason;
-    }
-
-    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct BackendInfo
-    {
-        public uint StructSize;
-        public uint Available;
-        public int Score;
-        public uint DeviceType;
-        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)]
-        public string Name;
-        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
-        public string DeviceName;
-        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 96)]
-        public string BuildId;
-        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
-        public string Path;
-        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 256)]
-        public string Reason;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -762,8 +762,6 @@ namespace Pbf
         internal const string Library = "pbf";
 #endif
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern uint pbf_version();
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern IntPtr pbf_status_string(Status status);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern IntPtr pbf_last_error();
@@ -772,13 +770,63 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_params_init(ref Params parameters, uint struct_size);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_create(IntPtr desc, IntPtr parameters, out IntPtr solver);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern void pbf_destroy(IntPtr solver);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_set_params(SolverHandle solver, IntPtr parameters);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_params(SolverHandle solver, ref Params parameters);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_collider_init(ref NativeCollider collider, uint struct_size, uint shape);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_move_colliders(SolverHandle solver, uint count, IntPtr targets, double duration);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_collider_count(SolverHandle solver, ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref NativeCollider collider);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_collider_loads(SolverHandle solver, uint count, IntPtr loads);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_wall_loads(SolverHandle solver, uint count, IntPtr loads);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_read(SolverHandle solver, IntPtr read);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_map(SolverHandle solver, uint field, ref NativeView view);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_unmap(IntPtr solver, uint field);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_export_dlpack(SolverHandle solver, uint field, out IntPtr tensor);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_snapshots(SolverHandle solver, uint snapshots);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_acquire_snapshot(SolverHandle solver, ref NativeSnapshot snapshot);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_release_snapshot(ref NativeSnapshot snapshot);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_stats(SolverHandle solver, ref Stats stats);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_step_limit(SolverHandle solver, ref double limit);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_set_timing(SolverHandle solver, uint enabled);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_timings(SolverHandle solver, ref Timings timings);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_plan(SolverHandle solver, ref Plan plan);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_backend_count(ref uint count);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_backend_info(IntPtr desc, uint index, ref BackendInfo info);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_load_backend(IntPtr path);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern uint pbf_version();
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_create(IntPtr desc, IntPtr parameters, out IntPtr solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern void pbf_destroy(IntPtr solver);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_step(SolverHandle solver, uint steps);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -789,6 +837,8 @@ namespace Pbf
         internal static extern Status pbf_cancel(SolverHandle solver);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_synchronize(SolverHandle solver);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_info(SolverHandle solver, ref Info info);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_count(SolverHandle solver, ref uint count);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -816,61 +866,11 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_pressures(SolverHandle solver, uint first, uint count, IntPtr pressures);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_read(SolverHandle solver, IntPtr read);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_anisotropies(SolverHandle solver, IntPtr anisotropy);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_collider_init(ref NativeCollider collider, uint struct_size, uint shape);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_set_colliders(SolverHandle solver, uint count, IntPtr colliders);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_move_colliders(SolverHandle solver, uint count, IntPtr targets, double duration);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_collider_count(SolverHandle solver, ref uint count);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_collider(SolverHandle solver, uint index, ref NativeCollider collider);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_collider_loads(SolverHandle solver, uint count, IntPtr loads);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_wall_loads(SolverHandle solver, uint count, IntPtr loads);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_map(SolverHandle solver, uint field, ref NativeView view);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_unmap(IntPtr solver, uint field);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_export_dlpack(SolverHandle solver, uint field, out IntPtr tensor);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_set_snapshots(SolverHandle solver, uint snapshots);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_acquire_snapshot(SolverHandle solver, ref NativeSnapshot snapshot);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_release_snapshot(ref NativeSnapshot snapshot);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_stats(SolverHandle solver, ref Stats stats);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_step_limit(SolverHandle solver, ref double limit);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_set_timing(SolverHandle solver, uint enabled);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_timings(SolverHandle solver, ref Timings timings);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_plan(SolverHandle solver, ref Plan plan);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_info(SolverHandle solver, ref Info info);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_save(SolverHandle solver, IntPtr buffer, ref ulong size);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_load(SolverHandle solver, IntPtr buffer, ulong size);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_hash(SolverHandle solver, ref ulong hash);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_backend_count(ref uint count);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_get_backend_info(IntPtr desc, uint index, ref BackendInfo info);
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Status pbf_load_backend(IntPtr path);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_batch_create(IntPtr desc, IntPtr parameters, uint worlds, out IntPtr batch);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
@@ -997,20 +997,20 @@ namespace Pbf
             { typeof(NativeAllocator), new[] { "32", "StructSize=0", "Reserved=4", "User=8", "Allocate=16", "Release=24" } },
             { typeof(NativeDesc), new[] { "104", "StructSize=0", "ApiVersion=4", "Dimension=8", "Precision=12", "Capacity=16", "Strict=20", "Backend=24", "Device=32", "Threads=36", "Stream=40", "Allocator=48", "Log=56", "LogUser=64", "Isa=72", "EnqueueTask=80", "FinishTask=88", "TaskUser=96" } },
             { typeof(Params), new[] { "592", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580", "WallAdhesion=584" } },
-            { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
-            { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
             { typeof(NativeCollider), new[] { "288", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272", "Adhesion=280" } },
             { typeof(ColliderLoad), new[] { "128", "StructSize=0", "Contacts=4", "Impulse=8", "AngularImpulse=32", "ImpulseSum=56", "AngularImpulseSum=80", "TimeSum=104", "Penetration=112", "WettedArea=120" } },
+            { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
             { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },
+            { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },
             { typeof(Stats), new[] { "184", "StructSize=0", "Count=4", "Iterations=8", "NeighborsMax=12", "NeighborsMean=16", "CenterOfMass=24", "PositionMin=48", "PositionMax=72", "Momentum=96", "KineticEnergy=120", "SpeedMax=128", "DensityErrorMean=136", "DensityErrorMax=144", "DensityMean=152", "Asleep=160", "Squeezed=164", "StepLimit=168", "LimitedBy=176", "Substeps=180" } },
             { typeof(StageTime), new[] { "48", "Name=0", "Milliseconds=32", "Runs=40" } },
             { typeof(Timings), new[] { "1160", "StructSize=0", "StageCount=4", "Stages=8" } },
             { typeof(PlanStage), new[] { "40", "Name=0", "RunsPerStep=32", "LaunchesPerStep=36" } },
             { typeof(PlanArray), new[] { "48", "Name=0", "BytesPerParticle=32", "Bytes=40" } },
             { typeof(Plan), new[] { "2976", "StructSize=0", "StageCount=4", "ArrayCount=8", "Reserved=12", "Variant=16", "BytesPerParticle=80", "Bytes=88", "Stages=96", "Arrays=1056" } },
-            { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
             { typeof(BackendInfo), new[] { "752", "StructSize=0", "Available=4", "Score=8", "DeviceType=12", "Name=16", "DeviceName=48", "BuildId=144", "Path=240", "Reason=496" } },
+            { typeof(Info), new[] { "784", "StructSize=0", "Dimension=4", "Precision=8", "Capacity=12", "Threads=16", "Device=20", "DeviceType=24", "FellBack=28", "Step=32", "Time=40", "Backend=48", "DeviceName=80", "BuildId=176", "Path=272", "FallbackReason=528" } },
             { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } },
             { typeof(DiffuseDesc), new[] { "136", "StructSize=0", "Capacity=4", "Seed=8", "Interval=12", "FoamNeighbors=16", "BubbleNeighbors=20", "TrappedAirMin=24", "TrappedAirMax=32", "WaveCrestMin=40", "WaveCrestMax=48", "EnergyMin=56", "EnergyMax=64", "TrappedAirRate=72", "WaveCrestRate=80", "LifetimeMin=88", "LifetimeMax=96", "Buoyancy=104", "BubbleDrag=112", "SprayDrag=120", "Scatter=128" } },
             { typeof(DiffuseInfo), new[] { "56", "StructSize=0", "Capacity=4", "Count=8", "Spray=12", "Foam=16", "Bubbles=20", "Time=24", "Generated=32", "Expired=40", "Recycled=48" } },

@@ -19,6 +19,22 @@ enum {
   PBF_ERROR_CANCELLED = -13,
 };
 enum {
+  PBF_DEVICE_CPU = 1,
+  PBF_DEVICE_CUDA = 2,
+};
+enum {
+  PBF_TYPE_FLOAT32 = 4,
+  PBF_TYPE_FLOAT64 = 8,
+  PBF_TYPE_UINT32 = 12,
+};
+enum {
+  PBF_FIELD_POSITION = 1,
+  PBF_FIELD_VELOCITY = 2,
+  PBF_FIELD_ID = 3,
+  PBF_FIELD_DENSITY = 4,
+  PBF_FIELD_PRESSURE = 5,
+};
+enum {
   PBF_FLOAT32 = 4,
   PBF_FLOAT64 = 8,
 };
@@ -53,28 +69,6 @@ enum {
   PBF_WALL_Z_MAX = 5,
 };
 enum {
-  PBF_FIELD_POSITION = 1,
-  PBF_FIELD_VELOCITY = 2,
-  PBF_FIELD_ID = 3,
-  PBF_FIELD_DENSITY = 4,
-  PBF_FIELD_PRESSURE = 5,
-};
-enum {
-  PBF_TYPE_FLOAT32 = 4,
-  PBF_TYPE_FLOAT64 = 8,
-  PBF_TYPE_UINT32 = 12,
-};
-enum {
-  PBF_W_CONSTANT = 0,
-  PBF_W_SPEED = 1,
-  PBF_W_DENSITY = 2,
-  PBF_W_PRESSURE = 3,
-};
-enum {
-  PBF_ORDER_ADDED = 0,
-  PBF_ORDER_STORED = 1,
-};
-enum {
   PBF_COLLIDER_PLANE = 0,
   PBF_COLLIDER_SPHERE = 1,
   PBF_COLLIDER_CAPSULE = 2,
@@ -87,8 +81,14 @@ enum {
   PBF_PATH_SCREW = 2,
 };
 enum {
-  PBF_DEVICE_CPU = 1,
-  PBF_DEVICE_CUDA = 2,
+  PBF_W_CONSTANT = 0,
+  PBF_W_SPEED = 1,
+  PBF_W_DENSITY = 2,
+  PBF_W_PRESSURE = 3,
+};
+enum {
+  PBF_ORDER_ADDED = 0,
+  PBF_ORDER_STORED = 1,
 };
 enum {
   PBF_LIMIT_NONE = 0,
@@ -118,18 +118,18 @@ enum {
   PBF_VERSION_MINOR = 2,
   PBF_VERSION_PATCH = 0,
   PBF_API_VERSION = 2,
+  PBF_NAME_SIZE = 32,
   PBF_MAX_CAPACITY = 1073741823,
   PBF_MAX_COLLIDERS = 4096,
   PBF_MAX_SNAPSHOTS = 16,
-  PBF_NAME_SIZE = 32,
   PBF_MAX_STAGES = 24,
   PBF_MAX_ARRAYS = 40,
   PBF_MAX_WORLDS = 65536,
+  PBF_MAX_DIFFUSE = 4194303,
   PBF_MAX_EMITTERS = 64,
   PBF_MAX_DRAINS = 64,
   PBF_MAX_RESERVOIRS = 64,
   PBF_MAX_PHASES = 8,
-  PBF_MAX_DIFFUSE = 4194303,
 };
 struct DLManagedTensor;
 typedef struct pbf_batch pbf_batch;
@@ -218,32 +218,6 @@ typedef struct pbf_params {
   uint32_t reserved;
   double wall_adhesion;
 } pbf_params;
-typedef struct pbf_read_desc {
-  uint32_t struct_size;
-  uint32_t field;
-  uint32_t first;
-  uint32_t count;
-  uint32_t element_type;
-  uint32_t components;
-  uint32_t w;
-  uint32_t order;
-  uint64_t stride;
-  void *data;
-  double behind;
-  double w_value;
-} pbf_read_desc;
-typedef struct pbf_anisotropy_desc {
-  uint32_t struct_size;
-  uint32_t first;
-  uint32_t count;
-  uint32_t min_neighbors;
-  double radius;
-  double smoothing;
-  double max_ratio;
-  double lone_scale;
-  void *positions;
-  void *stretches;
-} pbf_anisotropy_desc;
 typedef struct pbf_collider {
   uint32_t struct_size;
   uint32_t shape;
@@ -280,6 +254,20 @@ typedef struct pbf_collider_load {
   double penetration;
   double wetted_area;
 } pbf_collider_load;
+typedef struct pbf_read_desc {
+  uint32_t struct_size;
+  uint32_t field;
+  uint32_t first;
+  uint32_t count;
+  uint32_t element_type;
+  uint32_t components;
+  uint32_t w;
+  uint32_t order;
+  uint64_t stride;
+  void *data;
+  double behind;
+  double w_value;
+} pbf_read_desc;
 typedef struct pbf_view {
   uint32_t struct_size;
   uint32_t field;
@@ -307,6 +295,18 @@ typedef struct pbf_snapshot {
   const uint32_t *ids;
   void *owner;
 } pbf_snapshot;
+typedef struct pbf_anisotropy_desc {
+  uint32_t struct_size;
+  uint32_t first;
+  uint32_t count;
+  uint32_t min_neighbors;
+  double radius;
+  double smoothing;
+  double max_ratio;
+  double lone_scale;
+  void *positions;
+  void *stretches;
+} pbf_anisotropy_desc;
 typedef struct pbf_stats {
   uint32_t struct_size;
   uint32_t count;
@@ -359,6 +359,17 @@ typedef struct pbf_plan {
   pbf_plan_stage stages[24];
   pbf_plan_array arrays[40];
 } pbf_plan;
+typedef struct pbf_backend_info {
+  uint32_t struct_size;
+  uint32_t available;
+  int32_t score;
+  uint32_t device_type;
+  char name[32];
+  char device_name[96];
+  char build_id[96];
+  char path[256];
+  char reason[256];
+} pbf_backend_info;
 typedef struct pbf_info {
   uint32_t struct_size;
   uint32_t dimension;
@@ -376,17 +387,6 @@ typedef struct pbf_info {
   char path[256];
   char fallback_reason[256];
 } pbf_info;
-typedef struct pbf_backend_info {
-  uint32_t struct_size;
-  uint32_t available;
-  int32_t score;
-  uint32_t device_type;
-  char name[32];
-  char device_name[96];
-  char build_id[96];
-  char path[256];
-  char reason[256];
-} pbf_backend_info;
 typedef struct pbf_batch_info {
   uint32_t struct_size;
   uint32_t worlds;
@@ -570,20 +570,45 @@ typedef struct pbf_shape_info {
   uint64_t bytes;
   uint64_t hash;
 } pbf_shape_info;
-uint32_t pbf_version(void);
 const char *pbf_status_string(pbf_status status);
 const char *pbf_last_error(void);
 pbf_status pbf_desc_init(pbf_desc *desc, uint32_t struct_size);
 pbf_status pbf_params_init(pbf_params *params, uint32_t struct_size);
-pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver * *solver);
-void pbf_destroy(pbf_solver *solver);
 pbf_status pbf_set_params(pbf_solver *solver, const pbf_params *params);
 pbf_status pbf_get_params(pbf_solver *solver, pbf_params *params);
+pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
+pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
+pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets, double duration);
+pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count);
+pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *collider);
+pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
+pbf_status pbf_get_wall_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
+pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
+pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
+pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view);
+pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
+pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field, struct DLManagedTensor * *tensor);
+pbf_status pbf_set_snapshots(pbf_solver *solver, uint32_t snapshots);
+pbf_status pbf_acquire_snapshot(pbf_solver *solver, pbf_snapshot *snapshot);
+pbf_status pbf_release_snapshot(pbf_snapshot *snapshot);
+pbf_status pbf_get_anisotropies(pbf_solver *solver, const pbf_anisotropy_desc *anisotropy);
+pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);
+pbf_status pbf_get_step_limit(pbf_solver *solver, double *limit);
+pbf_status pbf_set_timing(pbf_solver *solver, uint32_t enabled);
+pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings);
+pbf_status pbf_get_plan(pbf_solver *solver, pbf_plan *plan);
+pbf_status pbf_get_backend_count(uint32_t *count);
+pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info);
+pbf_status pbf_load_backend(const char *path);
+uint32_t pbf_version(void);
+pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver * *solver);
+void pbf_destroy(pbf_solver *solver);
 pbf_status pbf_step(pbf_solver *solver, uint32_t steps);
 pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps);
 pbf_status pbf_end_step(pbf_solver *solver);
 pbf_status pbf_cancel(pbf_solver *solver);
 pbf_status pbf_synchronize(pbf_solver *solver);
+pbf_status pbf_get_info(pbf_solver *solver, pbf_info *info);
 pbf_status pbf_get_count(pbf_solver *solver, uint32_t *count);
 pbf_status pbf_add_particles(pbf_solver *solver, uint32_t count, const void *positions, const void *velocities, uint32_t *first_id);
 pbf_status pbf_remove_particles(pbf_solver *solver, uint32_t count, const uint32_t *ids);
@@ -597,34 +622,9 @@ pbf_status pbf_get_ids(pbf_solver *solver, uint32_t first, uint32_t count, uint3
 pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_t count, void *densities);
 pbf_status pbf_set_accelerations(pbf_solver *solver, uint32_t first, uint32_t count, const void *accelerations);
 pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_t count, void *pressures);
-pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
-pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
-pbf_status pbf_get_anisotropies(pbf_solver *solver, const pbf_anisotropy_desc *anisotropy);
-pbf_status pbf_collider_init(pbf_collider *collider, uint32_t struct_size, uint32_t shape);
-pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *colliders);
-pbf_status pbf_move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *targets, double duration);
-pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count);
-pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *collider);
-pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
-pbf_status pbf_get_wall_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
-pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view);
-pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
-pbf_status pbf_export_dlpack(pbf_solver *solver, uint32_t field, struct DLManagedTensor * *tensor);
-pbf_status pbf_set_snapshots(pbf_solver *solver, uint32_t snapshots);
-pbf_status pbf_acquire_snapshot(pbf_solver *solver, pbf_snapshot *snapshot);
-pbf_status pbf_release_snapshot(pbf_snapshot *snapshot);
-pbf_status pbf_get_stats(pbf_solver *solver, pbf_stats *stats);
-pbf_status pbf_get_step_limit(pbf_solver *solver, double *limit);
-pbf_status pbf_set_timing(pbf_solver *solver, uint32_t enabled);
-pbf_status pbf_get_timings(pbf_solver *solver, pbf_timings *timings);
-pbf_status pbf_get_plan(pbf_solver *solver, pbf_plan *plan);
-pbf_status pbf_get_info(pbf_solver *solver, pbf_info *info);
 pbf_status pbf_save(pbf_solver *solver, void *buffer, uint64_t *size);
 pbf_status pbf_load(pbf_solver *solver, const void *buffer, uint64_t size);
 pbf_status pbf_hash(pbf_solver *solver, uint64_t *hash);
-pbf_status pbf_get_backend_count(uint32_t *count);
-pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backend_info *info);
-pbf_status pbf_load_backend(const char *path);
 pbf_status pbf_batch_create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds, pbf_batch * *batch);
 void pbf_batch_destroy(pbf_batch *batch);
 pbf_status pbf_batch_get_info(pbf_batch *batch, pbf_batch_info *info);
@@ -689,20 +689,20 @@ return {
   pbf_allocator = {size = 32, struct_size = 0, reserved = 4, user = 8, allocate = 16, release = 24},
   pbf_desc = {size = 104, struct_size = 0, api_version = 4, dimension = 8, precision = 12, capacity = 16, strict = 20, backend = 24, device = 32, threads = 36, stream = 40, allocator = 48, log = 56, log_user = 64, isa = 72, enqueue_task = 80, finish_task = 88, task_user = 96},
   pbf_params = {size = 592, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568, periodic = 576, reserved = 580, wall_adhesion = 584},
-  pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
-  pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
   pbf_collider = {size = 288, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224, geometry = 232, scale = 240, scale_rate = 248, friction = 256, static_friction = 264, no_slip = 272, adhesion = 280},
   pbf_collider_load = {size = 128, struct_size = 0, contacts = 4, impulse = 8, angular_impulse = 32, impulse_sum = 56, angular_impulse_sum = 80, time_sum = 104, penetration = 112, wetted_area = 120},
+  pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
   pbf_view = {size = 72, struct_size = 0, field = 4, device_type = 8, device_id = 12, element_type = 16, components = 20, count = 24, reserved = 28, particle_stride = 32, component_stride = 40, generation = 48, data = 56, ids = 64},
   pbf_snapshot = {size = 64, struct_size = 0, count = 4, dimension = 8, element_type = 12, step = 16, time = 24, positions = 32, velocities = 40, ids = 48, owner = 56},
+  pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},
   pbf_stats = {size = 184, struct_size = 0, count = 4, iterations = 8, neighbors_max = 12, neighbors_mean = 16, center_of_mass = 24, position_min = 48, position_max = 72, momentum = 96, kinetic_energy = 120, speed_max = 128, density_error_mean = 136, density_error_max = 144, density_mean = 152, asleep = 160, squeezed = 164, step_limit = 168, limited_by = 176, substeps = 180},
   pbf_stage_time = {size = 48, name = 0, milliseconds = 32, runs = 40},
   pbf_timings = {size = 1160, struct_size = 0, stage_count = 4, stages = 8},
   pbf_plan_stage = {size = 40, name = 0, runs_per_step = 32, launches_per_step = 36},
   pbf_plan_array = {size = 48, name = 0, bytes_per_particle = 32, bytes = 40},
   pbf_plan = {size = 2976, struct_size = 0, stage_count = 4, array_count = 8, reserved = 12, variant = 16, bytes_per_particle = 80, bytes = 88, stages = 96, arrays = 1056},
-  pbf_info = {size = 784, struct_size = 0, dimension = 4, precision = 8, capacity = 12, threads = 16, device = 20, device_type = 24, fell_back = 28, step = 32, time = 40, backend = 48, device_name = 80, build_id = 176, path = 272, fallback_reason = 528},
   pbf_backend_info = {size = 752, struct_size = 0, available = 4, score = 8, device_type = 12, name = 16, device_name = 48, build_id = 144, path = 240, reason = 496},
+  pbf_info = {size = 784, struct_size = 0, dimension = 4, precision = 8, capacity = 12, threads = 16, device = 20, device_type = 24, fell_back = 28, step = 32, time = 40, backend = 48, device_name = 80, build_id = 176, path = 272, fallback_reason = 528},
   pbf_batch_info = {size = 16, struct_size = 0, worlds = 4, threads = 8, device_type = 12},
   pbf_diffuse_desc = {size = 136, struct_size = 0, capacity = 4, seed = 8, interval = 12, foam_neighbors = 16, bubble_neighbors = 20, trapped_air_min = 24, trapped_air_max = 32, wave_crest_min = 40, wave_crest_max = 48, energy_min = 56, energy_max = 64, trapped_air_rate = 72, wave_crest_rate = 80, lifetime_min = 88, lifetime_max = 96, buoyancy = 104, bubble_drag = 112, spray_drag = 120, scatter = 128},
   pbf_diffuse_info = {size = 56, struct_size = 0, capacity = 4, count = 8, spray = 12, foam = 16, bubbles = 20, time = 24, generated = 32, expired = 40, recycled = 48},

@@ -1,4 +1,4 @@
-"""What every case must hold: nobody lost, everything finite, everybody inside the walls."""
+"""What every case must hold: no particle lost, everything finite, all inside the walls."""
 import numpy as np
 
 from ..containment import Containment

@@ -24,7 +24,7 @@ def sleep_and_wake(files):
             at_most("noise after waking, over sqrt(g d)", max(noise(woken, f) for f in woken_frames), 0.1),
             at_most("fastest after waking, over sqrt(g d)", max(fastest(f) for f in woken_frames) / unit, 1),
             exactly("awake before the touch", count - files.fact("asleep before the touch")),
-            exactly("nobody awake at the touch", files.fact("asleep at the touch") == count),
+            exactly("none awake at the touch", files.fact("asleep at the touch") == count),
             at_least("share still asleep at the touch", files.fact("asleep at the touch") / count, 0.5),
             at_least("ball from the fluid as it wakes, in spacings", gap, 0),
             at_most("ball from the fluid as it wakes, in spacings (h is 2)", gap, 2),

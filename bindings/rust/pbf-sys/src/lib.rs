@@ -10,18 +10,18 @@ pub const PBF_VERSION_MAJOR: u32 = 0;
 pub const PBF_VERSION_MINOR: u32 = 2;
 pub const PBF_VERSION_PATCH: u32 = 0;
 pub const PBF_API_VERSION: u32 = 2;
+pub const PBF_NAME_SIZE: u32 = 32;
 pub const PBF_MAX_CAPACITY: u32 = 1073741823;
 pub const PBF_MAX_COLLIDERS: u32 = 4096;
 pub const PBF_MAX_SNAPSHOTS: u32 = 16;
-pub const PBF_NAME_SIZE: u32 = 32;
 pub const PBF_MAX_STAGES: u32 = 24;
 pub const PBF_MAX_ARRAYS: u32 = 40;
 pub const PBF_MAX_WORLDS: u32 = 65536;
+pub const PBF_MAX_DIFFUSE: u32 = 4194303;
 pub const PBF_MAX_EMITTERS: u32 = 64;
 pub const PBF_MAX_DRAINS: u32 = 64;
 pub const PBF_MAX_RESERVOIRS: u32 = 64;
 pub const PBF_MAX_PHASES: u32 = 8;
-pub const PBF_MAX_DIFFUSE: u32 = 4194303;
 pub const PBF_OK: pbf_status = 0;
 pub const PBF_ERROR_INVALID_ARGUMENT: pbf_status = -1;
 pub const PBF_ERROR_STRUCT_SIZE: pbf_status = -2;
@@ -36,6 +36,16 @@ pub const PBF_ERROR_DEVICE: pbf_status = -10;
 pub const PBF_ERROR_PLUGIN: pbf_status = -11;
 pub const PBF_ERROR_DATA: pbf_status = -12;
 pub const PBF_ERROR_CANCELLED: pbf_status = -13;
+pub const PBF_DEVICE_CPU: u32 = 1;
+pub const PBF_DEVICE_CUDA: u32 = 2;
+pub const PBF_TYPE_FLOAT32: u32 = 4;
+pub const PBF_TYPE_FLOAT64: u32 = 8;
+pub const PBF_TYPE_UINT32: u32 = 12;
+pub const PBF_FIELD_POSITION: u32 = 1;
+pub const PBF_FIELD_VELOCITY: u32 = 2;
+pub const PBF_FIELD_ID: u32 = 3;
+pub const PBF_FIELD_DENSITY: u32 = 4;
+pub const PBF_FIELD_PRESSURE: u32 = 5;
 pub const PBF_FLOAT32: u32 = 4;
 pub const PBF_FLOAT64: u32 = 8;
 pub const PBF_LOG_INFO: u32 = 1;
@@ -56,20 +66,6 @@ pub const PBF_WALL_Y_MIN: u32 = 2;
 pub const PBF_WALL_Y_MAX: u32 = 3;
 pub const PBF_WALL_Z_MIN: u32 = 4;
 pub const PBF_WALL_Z_MAX: u32 = 5;
-pub const PBF_FIELD_POSITION: u32 = 1;
-pub const PBF_FIELD_VELOCITY: u32 = 2;
-pub const PBF_FIELD_ID: u32 = 3;
-pub const PBF_FIELD_DENSITY: u32 = 4;
-pub const PBF_FIELD_PRESSURE: u32 = 5;
-pub const PBF_TYPE_FLOAT32: u32 = 4;
-pub const PBF_TYPE_FLOAT64: u32 = 8;
-pub const PBF_TYPE_UINT32: u32 = 12;
-pub const PBF_W_CONSTANT: u32 = 0;
-pub const PBF_W_SPEED: u32 = 1;
-pub const PBF_W_DENSITY: u32 = 2;
-pub const PBF_W_PRESSURE: u32 = 3;
-pub const PBF_ORDER_ADDED: u32 = 0;
-pub const PBF_ORDER_STORED: u32 = 1;
 pub const PBF_COLLIDER_PLANE: u32 = 0;
 pub const PBF_COLLIDER_SPHERE: u32 = 1;
 pub const PBF_COLLIDER_CAPSULE: u32 = 2;
@@ -78,8 +74,12 @@ pub const PBF_COLLIDER_SHAPE: u32 = 4;
 pub const PBF_PATH_AUTO: u32 = 0;
 pub const PBF_PATH_STRAIGHT: u32 = 1;
 pub const PBF_PATH_SCREW: u32 = 2;
-pub const PBF_DEVICE_CPU: u32 = 1;
-pub const PBF_DEVICE_CUDA: u32 = 2;
+pub const PBF_W_CONSTANT: u32 = 0;
+pub const PBF_W_SPEED: u32 = 1;
+pub const PBF_W_DENSITY: u32 = 2;
+pub const PBF_W_PRESSURE: u32 = 3;
+pub const PBF_ORDER_ADDED: u32 = 0;
+pub const PBF_ORDER_STORED: u32 = 1;
 pub const PBF_LIMIT_NONE: u32 = 0;
 pub const PBF_LIMIT_GRAVITY: u32 = 1;
 pub const PBF_LIMIT_ATTRACTION: u32 = 2;
@@ -226,38 +226,6 @@ pub struct pbf_params {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct pbf_read_desc {
-    pub struct_size: u32,
-    pub field: u32,
-    pub first: u32,
-    pub count: u32,
-    pub element_type: u32,
-    pub components: u32,
-    pub w: u32,
-    pub order: u32,
-    pub stride: u64,
-    pub data: *mut c_void,
-    pub behind: f64,
-    pub w_value: f64,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_anisotropy_desc {
-    pub struct_size: u32,
-    pub first: u32,
-    pub count: u32,
-    pub min_neighbors: u32,
-    pub radius: f64,
-    pub smoothing: f64,
-    pub max_ratio: f64,
-    pub lone_scale: f64,
-    pub positions: *mut c_void,
-    pub stretches: *mut c_void,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
 pub struct pbf_collider {
     pub struct_size: u32,
     pub shape: u32,
@@ -300,6 +268,23 @@ pub struct pbf_collider_load {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
+pub struct pbf_read_desc {
+    pub struct_size: u32,
+    pub field: u32,
+    pub first: u32,
+    pub count: u32,
+    pub element_type: u32,
+    pub components: u32,
+    pub w: u32,
+    pub order: u32,
+    pub stride: u64,
+    pub data: *mut c_void,
+    pub behind: f64,
+    pub w_value: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
 pub struct pbf_view {
     pub struct_size: u32,
     pub field: u32,
@@ -329,6 +314,21 @@ pub struct pbf_snapshot {
     pub velocities: *const c_void,
     pub ids: *const u32,
     pub owner: *mut c_void,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_anisotropy_desc {
+    pub struct_size: u32,
+    pub first: u32,
+    pub count: u32,
+    pub min_neighbors: u32,
+    pub radius: f64,
+    pub smoothing: f64,
+    pub max_ratio: f64,
+    pub lone_scale: f64,
+    pub positions: *mut c_void,
+    pub stretches: *mut c_void,
 }
 
 #[repr(C)]
@@ -403,6 +403,20 @@ pub struct pbf_plan {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
+pub struct pbf_backend_info {
+    pub struct_size: u32,
+    pub available: u32,
+    pub score: i32,
+    pub device_type: u32,
+    pub name: [c_char; 32],
+    pub device_name: [c_char; 96],
+    pub build_id: [c_char; 96],
+    pub path: [c_char; 256],
+    pub reason: [c_char; 256],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
 pub struct pbf_info {
     pub struct_size: u32,
     pub dimension: u32,
@@ -419,20 +433,6 @@ pub struct pbf_info {
     pub build_id: [c_char; 96],
     pub path: [c_char; 256],
     pub fallback_reason: [c_char; 256],
-}
-
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct pbf_backend_info {
-    pub struct_size: u32,
-    pub available: u32,
-    pub score: i32,
-    pub device_type: u32,
-    pub name: [c_char; 32],
-    pub device_name: [c_char; 96],
-    pub build_id: [c_char; 96],
-    pub path: [c_char; 256],
-    pub reason: [c_char; 256],
 }
 
 #[repr(C)]
@@ -670,7 +670,6 @@ pub struct pbf_shape_info {
 }
 
 extern "C" {
-    pub fn pbf_version() -> u32;
     pub fn pbf_status_string(
         status: pbf_status,
     ) -> *const c_char;
@@ -683,14 +682,6 @@ extern "C" {
         params: *mut pbf_params,
         struct_size: u32,
     ) -> pbf_status;
-    pub fn pbf_create(
-        desc: *const pbf_desc,
-        params: *const pbf_params,
-        solver: *mut *mut pbf_solver,
-    ) -> pbf_status;
-    pub fn pbf_destroy(
-        solver: *mut pbf_solver,
-    );
     pub fn pbf_set_params(
         solver: *mut pbf_solver,
         params: *const pbf_params,
@@ -699,6 +690,118 @@ extern "C" {
         solver: *mut pbf_solver,
         params: *mut pbf_params,
     ) -> pbf_status;
+    pub fn pbf_collider_init(
+        collider: *mut pbf_collider,
+        struct_size: u32,
+        shape: u32,
+    ) -> pbf_status;
+    pub fn pbf_set_colliders(
+        solver: *mut pbf_solver,
+        count: u32,
+        colliders: *const pbf_collider,
+    ) -> pbf_status;
+    pub fn pbf_move_colliders(
+        solver: *mut pbf_solver,
+        count: u32,
+        targets: *const pbf_collider,
+        duration: f64,
+    ) -> pbf_status;
+    pub fn pbf_get_collider_count(
+        solver: *mut pbf_solver,
+        count: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_get_collider(
+        solver: *mut pbf_solver,
+        index: u32,
+        collider: *mut pbf_collider,
+    ) -> pbf_status;
+    pub fn pbf_get_collider_loads(
+        solver: *mut pbf_solver,
+        count: u32,
+        loads: *mut pbf_collider_load,
+    ) -> pbf_status;
+    pub fn pbf_get_wall_loads(
+        solver: *mut pbf_solver,
+        count: u32,
+        loads: *mut pbf_collider_load,
+    ) -> pbf_status;
+    pub fn pbf_read(
+        solver: *mut pbf_solver,
+        read: *const pbf_read_desc,
+    ) -> pbf_status;
+    pub fn pbf_keep_previous(
+        solver: *mut pbf_solver,
+        enabled: u32,
+    ) -> pbf_status;
+    pub fn pbf_map(
+        solver: *mut pbf_solver,
+        field: u32,
+        view: *mut pbf_view,
+    ) -> pbf_status;
+    pub fn pbf_unmap(
+        solver: *mut pbf_solver,
+        field: u32,
+    ) -> pbf_status;
+    pub fn pbf_export_dlpack(
+        solver: *mut pbf_solver,
+        field: u32,
+        tensor: *mut *mut DLManagedTensor,
+    ) -> pbf_status;
+    pub fn pbf_set_snapshots(
+        solver: *mut pbf_solver,
+        snapshots: u32,
+    ) -> pbf_status;
+    pub fn pbf_acquire_snapshot(
+        solver: *mut pbf_solver,
+        snapshot: *mut pbf_snapshot,
+    ) -> pbf_status;
+    pub fn pbf_release_snapshot(
+        snapshot: *mut pbf_snapshot,
+    ) -> pbf_status;
+    pub fn pbf_get_anisotropies(
+        solver: *mut pbf_solver,
+        anisotropy: *const pbf_anisotropy_desc,
+    ) -> pbf_status;
+    pub fn pbf_get_stats(
+        solver: *mut pbf_solver,
+        stats: *mut pbf_stats,
+    ) -> pbf_status;
+    pub fn pbf_get_step_limit(
+        solver: *mut pbf_solver,
+        limit: *mut f64,
+    ) -> pbf_status;
+    pub fn pbf_set_timing(
+        solver: *mut pbf_solver,
+        enabled: u32,
+    ) -> pbf_status;
+    pub fn pbf_get_timings(
+        solver: *mut pbf_solver,
+        timings: *mut pbf_timings,
+    ) -> pbf_status;
+    pub fn pbf_get_plan(
+        solver: *mut pbf_solver,
+        plan: *mut pbf_plan,
+    ) -> pbf_status;
+    pub fn pbf_get_backend_count(
+        count: *mut u32,
+    ) -> pbf_status;
+    pub fn pbf_get_backend_info(
+        desc: *const pbf_desc,
+        index: u32,
+        info: *mut pbf_backend_info,
+    ) -> pbf_status;
+    pub fn pbf_load_backend(
+        path: *const c_char,
+    ) -> pbf_status;
+    pub fn pbf_version() -> u32;
+    pub fn pbf_create(
+        desc: *const pbf_desc,
+        params: *const pbf_params,
+        solver: *mut *mut pbf_solver,
+    ) -> pbf_status;
+    pub fn pbf_destroy(
+        solver: *mut pbf_solver,
+    );
     pub fn pbf_step(
         solver: *mut pbf_solver,
         steps: u32,
@@ -715,6 +818,10 @@ extern "C" {
     ) -> pbf_status;
     pub fn pbf_synchronize(
         solver: *mut pbf_solver,
+    ) -> pbf_status;
+    pub fn pbf_get_info(
+        solver: *mut pbf_solver,
+        info: *mut pbf_info,
     ) -> pbf_status;
     pub fn pbf_get_count(
         solver: *mut pbf_solver,
@@ -794,102 +901,6 @@ extern "C" {
         count: u32,
         pressures: *mut c_void,
     ) -> pbf_status;
-    pub fn pbf_read(
-        solver: *mut pbf_solver,
-        read: *const pbf_read_desc,
-    ) -> pbf_status;
-    pub fn pbf_keep_previous(
-        solver: *mut pbf_solver,
-        enabled: u32,
-    ) -> pbf_status;
-    pub fn pbf_get_anisotropies(
-        solver: *mut pbf_solver,
-        anisotropy: *const pbf_anisotropy_desc,
-    ) -> pbf_status;
-    pub fn pbf_collider_init(
-        collider: *mut pbf_collider,
-        struct_size: u32,
-        shape: u32,
-    ) -> pbf_status;
-    pub fn pbf_set_colliders(
-        solver: *mut pbf_solver,
-        count: u32,
-        colliders: *const pbf_collider,
-    ) -> pbf_status;
-    pub fn pbf_move_colliders(
-        solver: *mut pbf_solver,
-        count: u32,
-        targets: *const pbf_collider,
-        duration: f64,
-    ) -> pbf_status;
-    pub fn pbf_get_collider_count(
-        solver: *mut pbf_solver,
-        count: *mut u32,
-    ) -> pbf_status;
-    pub fn pbf_get_collider(
-        solver: *mut pbf_solver,
-        index: u32,
-        collider: *mut pbf_collider,
-    ) -> pbf_status;
-    pub fn pbf_get_collider_loads(
-        solver: *mut pbf_solver,
-        count: u32,
-        loads: *mut pbf_collider_load,
-    ) -> pbf_status;
-    pub fn pbf_get_wall_loads(
-        solver: *mut pbf_solver,
-        count: u32,
-        loads: *mut pbf_collider_load,
-    ) -> pbf_status;
-    pub fn pbf_map(
-        solver: *mut pbf_solver,
-        field: u32,
-        view: *mut pbf_view,
-    ) -> pbf_status;
-    pub fn pbf_unmap(
-        solver: *mut pbf_solver,
-        field: u32,
-    ) -> pbf_status;
-    pub fn pbf_export_dlpack(
-        solver: *mut pbf_solver,
-        field: u32,
-        tensor: *mut *mut DLManagedTensor,
-    ) -> pbf_status;
-    pub fn pbf_set_snapshots(
-        solver: *mut pbf_solver,
-        snapshots: u32,
-    ) -> pbf_status;
-    pub fn pbf_acquire_snapshot(
-        solver: *mut pbf_solver,
-        snapshot: *mut pbf_snapshot,
-    ) -> pbf_status;
-    pub fn pbf_release_snapshot(
-        snapshot: *mut pbf_snapshot,
-    ) -> pbf_status;
-    pub fn pbf_get_stats(
-        solver: *mut pbf_solver,
-        stats: *mut pbf_stats,
-    ) -> pbf_status;
-    pub fn pbf_get_step_limit(
-        solver: *mut pbf_solver,
-        limit: *mut f64,
-    ) -> pbf_status;
-    pub fn pbf_set_timing(
-        solver: *mut pbf_solver,
-        enabled: u32,
-    ) -> pbf_status;
-    pub fn pbf_get_timings(
-        solver: *mut pbf_solver,
-        timings: *mut pbf_timings,
-    ) -> pbf_status;
-    pub fn pbf_get_plan(
-        solver: *mut pbf_solver,
-        plan: *mut pbf_plan,
-    ) -> pbf_status;
-    pub fn pbf_get_info(
-        solver: *mut pbf_solver,
-        info: *mut pbf_info,
-    ) -> pbf_status;
     pub fn pbf_save(
         solver: *mut pbf_solver,
         buffer: *mut c_void,
@@ -903,17 +914,6 @@ extern "C" {
     pub fn pbf_hash(
         solver: *mut pbf_solver,
         hash: *mut u64,
-    ) -> pbf_status;
-    pub fn pbf_get_backend_count(
-        count: *mut u32,
-    ) -> pbf_status;
-    pub fn pbf_get_backend_info(
-        desc: *const pbf_desc,
-        index: u32,
-        info: *mut pbf_backend_info,
-    ) -> pbf_status;
-    pub fn pbf_load_backend(
-        path: *const c_char,
     ) -> pbf_status;
     pub fn pbf_batch_create(
         desc: *const pbf_desc,
@@ -1301,38 +1301,6 @@ mod layout {
     }
 
     #[test]
-    fn pbf_read_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_read_desc>(), 64);
-        assert_eq!(offset!(pbf_read_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_read_desc, field), 4);
-        assert_eq!(offset!(pbf_read_desc, first), 8);
-        assert_eq!(offset!(pbf_read_desc, count), 12);
-        assert_eq!(offset!(pbf_read_desc, element_type), 16);
-        assert_eq!(offset!(pbf_read_desc, components), 20);
-        assert_eq!(offset!(pbf_read_desc, w), 24);
-        assert_eq!(offset!(pbf_read_desc, order), 28);
-        assert_eq!(offset!(pbf_read_desc, stride), 32);
-        assert_eq!(offset!(pbf_read_desc, data), 40);
-        assert_eq!(offset!(pbf_read_desc, behind), 48);
-        assert_eq!(offset!(pbf_read_desc, w_value), 56);
-    }
-
-    #[test]
-    fn pbf_anisotropy_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_anisotropy_desc>(), 64);
-        assert_eq!(offset!(pbf_anisotropy_desc, struct_size), 0);
-        assert_eq!(offset!(pbf_anisotropy_desc, first), 4);
-        assert_eq!(offset!(pbf_anisotropy_desc, count), 8);
-        assert_eq!(offset!(pbf_anisotropy_desc, min_neighbors), 12);
-        assert_eq!(offset!(pbf_anisotropy_desc, radius), 16);
-        assert_eq!(offset!(pbf_anisotropy_desc, smoothing), 24);
-        assert_eq!(offset!(pbf_anisotropy_desc, max_ratio), 32);
-        assert_eq!(offset!(pbf_anisotropy_desc, lone_scale), 40);
-        assert_eq!(offset!(pbf_anisotropy_desc, positions), 48);
-        assert_eq!(offset!(pbf_anisotropy_desc, stretches), 56);
-    }
-
-    #[test]
     fn pbf_collider_lies_as_in_c() {
         assert_eq!(size_of::<pbf_collider>(), 288);
         assert_eq!(offset!(pbf_collider, struct_size), 0);
@@ -1375,6 +1343,23 @@ mod layout {
     }
 
     #[test]
+    fn pbf_read_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_read_desc>(), 64);
+        assert_eq!(offset!(pbf_read_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_read_desc, field), 4);
+        assert_eq!(offset!(pbf_read_desc, first), 8);
+        assert_eq!(offset!(pbf_read_desc, count), 12);
+        assert_eq!(offset!(pbf_read_desc, element_type), 16);
+        assert_eq!(offset!(pbf_read_desc, components), 20);
+        assert_eq!(offset!(pbf_read_desc, w), 24);
+        assert_eq!(offset!(pbf_read_desc, order), 28);
+        assert_eq!(offset!(pbf_read_desc, stride), 32);
+        assert_eq!(offset!(pbf_read_desc, data), 40);
+        assert_eq!(offset!(pbf_read_desc, behind), 48);
+        assert_eq!(offset!(pbf_read_desc, w_value), 56);
+    }
+
+    #[test]
     fn pbf_view_lies_as_in_c() {
         assert_eq!(size_of::<pbf_view>(), 72);
         assert_eq!(offset!(pbf_view, struct_size), 0);
@@ -1405,6 +1390,21 @@ mod layout {
         assert_eq!(offset!(pbf_snapshot, velocities), 40);
         assert_eq!(offset!(pbf_snapshot, ids), 48);
         assert_eq!(offset!(pbf_snapshot, owner), 56);
+    }
+
+    #[test]
+    fn pbf_anisotropy_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_anisotropy_desc>(), 64);
+        assert_eq!(offset!(pbf_anisotropy_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_anisotropy_desc, first), 4);
+        assert_eq!(offset!(pbf_anisotropy_desc, count), 8);
+        assert_eq!(offset!(pbf_anisotropy_desc, min_neighbors), 12);
+        assert_eq!(offset!(pbf_anisotropy_desc, radius), 16);
+        assert_eq!(offset!(pbf_anisotropy_desc, smoothing), 24);
+        assert_eq!(offset!(pbf_anisotropy_desc, max_ratio), 32);
+        assert_eq!(offset!(pbf_anisotropy_desc, lone_scale), 40);
+        assert_eq!(offset!(pbf_anisotropy_desc, positions), 48);
+        assert_eq!(offset!(pbf_anisotropy_desc, stretches), 56);
     }
 
     #[test]
@@ -1478,6 +1478,20 @@ mod layout {
     }
 
     #[test]
+    fn pbf_backend_info_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_backend_info>(), 752);
+        assert_eq!(offset!(pbf_backend_info, struct_size), 0);
+        assert_eq!(offset!(pbf_backend_info, available), 4);
+        assert_eq!(offset!(pbf_backend_info, score), 8);
+        assert_eq!(offset!(pbf_backend_info, device_type), 12);
+        assert_eq!(offset!(pbf_backend_info, name), 16);
+        assert_eq!(offset!(pbf_backend_info, device_name), 48);
+        assert_eq!(offset!(pbf_backend_info, build_id), 144);
+        assert_eq!(offset!(pbf_backend_info, path), 240);
+        assert_eq!(offset!(pbf_backend_info, reason), 496);
+    }
+
+    #[test]
     fn pbf_info_lies_as_in_c() {
         assert_eq!(size_of::<pbf_info>(), 784);
         assert_eq!(offset!(pbf_info, struct_size), 0);
@@ -1495,20 +1509,6 @@ mod layout {
         assert_eq!(offset!(pbf_info, build_id), 176);
         assert_eq!(offset!(pbf_info, path), 272);
         assert_eq!(offset!(pbf_info, fallback_reason), 528);
-    }
-
-    #[test]
-    fn pbf_backend_info_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_backend_info>(), 752);
-        assert_eq!(offset!(pbf_backend_info, struct_size), 0);
-        assert_eq!(offset!(pbf_backend_info, available), 4);
-        assert_eq!(offset!(pbf_backend_info, score), 8);
-        assert_eq!(offset!(pbf_backend_info, device_type), 12);
-        assert_eq!(offset!(pbf_backend_info, name), 16);
-        assert_eq!(offset!(pbf_backend_info, device_name), 48);
-        assert_eq!(offset!(pbf_backend_info, build_id), 144);
-        assert_eq!(offset!(pbf_backend_info, path), 240);
-        assert_eq!(offset!(pbf_backend_info, reason), 496);
     }
 
     #[test]

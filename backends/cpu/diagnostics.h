@@ -1,8 +1,8 @@
 /* Part of backend.cpp: what callers ask for between steps: densities, pressures and statistics at
  * the present positions. Uses the buffers of a step; the state stays where it is, since a caller
  * may be looking at it. */
-#ifndef PBF_CPU_SURVEY_H
-#define PBF_CPU_SURVEY_H
+#ifndef PBF_CPU_DIAGNOSTICS_H
+#define PBF_CPU_DIAGNOSTICS_H
 
 #include "common/report.h"
 #include "cpu/calls_on_ranks.h"
@@ -14,10 +14,10 @@ static void density_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
-  w->s->kernels->density(&pairs, surveyed_densities(w->s), neighbor_counts(w->s), r.first, r.last);
+  w->s->kernels->density(&pairs, diagnosed_densities(w->s), neighbor_counts(w->s), r.first, r.last);
 }
 
-/* The sorted lambda, for who looks it up. */
+/* The sorted lambda, for the passes that look it up. */
 static void sort_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range r = has_ranks(w->s) ? held_places(w->s) : task_particles(w, task);
@@ -79,7 +79,7 @@ static int diagnose_on_ranks(solver *s, team_function what) {
 }
 
 /* Afterwards s->order is sorted by cell and id, and particle s->order[k] has the density
- * surveyed_densities(s)[k] and neighbor_counts(s)[k] neighbours, or the fitted lambda of k. 0 when
+ * diagnosed_densities(s)[k] and neighbor_counts(s)[k] neighbours, or the fitted lambda of k. 0 when
  * the memory for the neighbours is lacking. */
 static int diagnose(solver *s, team_function what) {
   if (!particles_of_all(s)) return 1;
@@ -96,14 +96,14 @@ static bool is_squeezed(const pbf_obstacles &o, pbf_vec x) {
   return pbf_is_squeezed_by(pbf_obstacles_near(o, x, 0), x);
 }
 
-/* After a diagnostics: sums in the sorted order, which no number of threads changes. */
+/* After diagnose: sums in the sorted order, which no number of threads changes. */
 static void sum_stats(solver *s, pbf_stats *stats) {
   pbf_obstacles obstacles;
   place_obstacles(s, s->now, &obstacles);
   for (uint32_t k = 0; k < s->count; ++k) {
     uint32_t i = s->order[k];
     pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
-                  (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
+                  (double)diagnosed_densities(s)[k], neighbor_counts(s)[k]);
     stats->squeezed += is_squeezed(obstacles, field_at(&s->buffers.x, i));
   }
   if (s->count) pbf_stats_finish(stats);
@@ -120,7 +120,7 @@ static void sum_stats_of_ranks(solver *s, pbf_stats *stats) {
     for (uint32_t k = own.first; k < own.last; ++k) {
       const pbf_vec x = field_at(&s->buffers.sorted_x(), k);
       pbf_stats_add(stats, begins && k == own.first, x, field_at(&s->buffers.sorted_velocity, k),
-                    (double)surveyed_densities(s)[k], neighbor_counts(s)[k]);
+                    (double)diagnosed_densities(s)[k], neighbor_counts(s)[k]);
       stats->squeezed += is_squeezed(obstacles, x);
     }
   });
