@@ -13,7 +13,13 @@ configure_file(${debian}/copyright ${generated}/copyright COPYONLY)
 # What Debian asks of each package's folder of documents; in no other package.
 find_program(PBF_GZIP gzip)
 if(PBF_GZIP)
-  foreach(file ${generated}/changelog ${debian}/pbf-bench.1)
+  set(manuals pbf-bench.1)
+  if(TARGET pbf-bake)
+    list(APPEND manuals pbf-bake.1)
+  endif()
+  set(compressed ${manuals})
+  list(TRANSFORM compressed PREPEND ${debian}/)
+  foreach(file ${generated}/changelog ${compressed})
     cmake_path(GET file FILENAME name)
     execute_process(COMMAND ${PBF_GZIP} -9nc ${file} OUTPUT_FILE ${generated}/${name}.gz COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
@@ -35,8 +41,10 @@ if(PBF_GZIP)
     install(FILES ${generated}/${debian_package} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
       COMPONENT debian_${component} EXCLUDE_FROM_ALL)
   endforeach()
-  install(FILES ${generated}/pbf-bench.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
-    COMPONENT debian_tools EXCLUDE_FROM_ALL)
+  foreach(manual IN LISTS manuals)
+    install(FILES ${generated}/${manual}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
+      COMPONENT debian_tools EXCLUDE_FROM_ALL)
+  endforeach()
 endif()
 
 set(CPACK_GENERATOR TGZ)

@@ -44,5 +44,5 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "${library} (${same_version}), python3:any")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "python3-numpy, python3-scipy, python3-matplotlib")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "Runs scenes of particle fluids from files, writes frames and pictures, and
-measures speed and error. This package has pbf-bench, its scenes, and the
-checker that judges the particles of a run.")
+measures speed and error. This package has pbf-bench, its scenes, the checker
+that judges the particles of a run, and pbf-bake, which makes solids of meshes.")

@@ -1,8 +1,8 @@
 // How a game engine drives a fluid: a fixed time step behind a varying frame time, a collider that
-// moves, particles that come from a tap and leave through a drain, and a view for the renderer
-// without a copy.
-#include <pbf/pbf.h>
+// moves, a tap and a drain, and a vertex buffer that is filled between two steps.
+#include <pbf/emit.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -28,15 +28,17 @@ class Fluid {
     paddle_.radius = 0.15;
     place_paddle(0);
     check(pbf_set_colliders(solver_, 1, &paddle_));
+    check(pbf_keep_previous(solver_, 1));  // what drawing between steps wants
+    open_tap_and_drain();
   }
   ~Fluid() { pbf_destroy(solver_); }
   Fluid(const Fluid &) = delete;
   Fluid &operator=(const Fluid &) = delete;
 
-  // Whole steps only; what is left of the frame waits for the next one. The paddle comes to where
-  // it is to be at their end.
+  // Whole steps only; what is left of the frame waits for the next one. Of a pause only a tenth of
+  // a second is made up for. The paddle comes to where it is to be at their end.
   void advance(double frame_time) {
-    debt_ += frame_time;
+    debt_ = std::min(debt_ + frame_time, 0.1);
     const auto steps = static_cast<uint32_t>(debt_ / step_);
     if (steps == 0) return;
     debt_ -= steps * step_;
@@ -53,59 +55,55 @@ class Fluid {
     paddle_.position[2] = 0.5 + 0.25 * std::sin(turn * time);
   }
 
-  void open_tap() {
-    float positions[36], velocities[36] = {};
-    for (int i = 0; i < 12; ++i) {
-      positions[3 * i] = 0.4f + 0.05f * static_cast<float>(i % 4);
-      positions[3 * i + 1] = 0.95f;
-      positions[3 * i + 2] = 0.4f + 0.05f * static_cast<float>(i / 4);
-      velocities[3 * i + 1] = -1.5f;
-    }
-    check(pbf_add_particles(solver_, 12, positions, velocities, nullptr));
+  // A tap over the middle of the tank, and a corner of the floor in which everything leaves: the
+  // library's own, in each step.
+  void open_tap_and_drain() {
+    pbf_emitter tap;
+    pbf_volume corner;
+    check(pbf_emitter_init(&tap, sizeof tap, PBF_EMITTER_RECTANGLE));
+    tap.position[0] = tap.position[2] = 0.5;
+    tap.position[1] = 0.95;
+    tap.half_width = 0.1;
+    tap.half_height = 0.075;
+    tap.velocity[1] = -3;  // 4 x 3 columns of particles 0.05 apart: 720 a second
+    check(pbf_set_emitters(solver_, 1, &tap));
+    check(pbf_volume_init(&corner, sizeof corner, PBF_VOLUME_BOX));
+    for (int k = 0; k < 3; ++k) corner.position[k] = corner.half_extents[k] = 0.05;
+    check(pbf_set_drains(solver_, 1, &corner));
   }
 
-  // Everything in one corner of the floor leaves.
-  void drain() {
+  // Into a vertex buffer, between the last two steps: as far as the frame is ahead of the last one.
+  void draw() {
     uint32_t count = 0;
     check(pbf_get_count(solver_, &count));
-    std::vector<float> positions(3 * count);
-    std::vector<uint32_t> ids(count), gone;
-    check(pbf_get_positions(solver_, 0, count, positions.data()));
-    check(pbf_get_ids(solver_, 0, count, ids.data()));
-    for (uint32_t i = 0; i < count; ++i)
-      if (positions[3 * i] < 0.1f && positions[3 * i + 1] < 0.1f && positions[3 * i + 2] < 0.1f)
-        gone.push_back(ids[i]);
-    check(pbf_remove_particles(solver_, static_cast<uint32_t>(gone.size()), gone.data()));
-  }
-
-  // A renderer would hand view.data and its strides to the GPU; here the mean height stands in, for
-  // which positions on a device are copied.
-  void draw() {
-    pbf_view view = {};
-    view.struct_size = sizeof view;
-    check(pbf_map(solver_, PBF_FIELD_POSITION, &view));
-    std::vector<float> copy;
-    if (view.device_type != PBF_DEVICE_CPU) {
-      copy.resize(3 * view.count);
-      check(pbf_get_positions(solver_, 0, view.count, copy.data()));
-      view.data = copy.data();
-      view.particle_stride = 3 * sizeof(float);
-      view.component_stride = sizeof(float);
-    }
-    double height = 0;
-    const auto *bytes = static_cast<const char *>(view.data);
-    for (uint32_t i = 0; i < view.count; ++i)
-      height += *reinterpret_cast<const float *>(bytes + i * view.particle_stride +
-                                                 view.component_stride);
-    const uint32_t count = view.count;
-    check(pbf_unmap(solver_, PBF_FIELD_POSITION));
+    vertices_.resize(count);
+    pbf_read_desc read = {};
+    read.struct_size = sizeof read;
+    read.field = PBF_FIELD_POSITION;
+    read.count = count;
+    read.components = 4;
+    read.w = PBF_W_SPEED;  // for its colour
+    read.element_type = PBF_TYPE_FLOAT32;
+    read.stride = sizeof(Vertex);
+    read.order = PBF_ORDER_STORED;  // the fastest; which is which does not matter here
+    read.behind = 1 - debt_ / step_;
+    read.data = vertices_.data();
+    if (count > 0) check(pbf_read(solver_, &read));
+    double height = 0;  // a renderer would draw them; here their mean height stands in
+    for (const Vertex &vertex : vertices_) height += static_cast<double>(vertex.position[1]);
     std::printf("%5u particles, mean height %.3f\n", count, count ? height / count : 0.0);
   }
 
  private:
+  struct Vertex {
+    float position[4];
+    float texture[2];
+  };
+
   pbf_solver *solver_ = nullptr;
   pbf_collider paddle_;
   double step_ = 0, debt_ = 0, time_ = 0;
+  std::vector<Vertex> vertices_;
 };
 
 }  // namespace
@@ -114,12 +112,8 @@ int main() try {
   Fluid fluid;
   for (int frame = 0; frame < 60; ++frame) {
     const double frame_time = frame % 3 ? 1.0 / 60 : 1.0 / 48;  // frames vary
-    fluid.open_tap();
     fluid.advance(frame_time);
-    if (frame % 10 == 9) {
-      fluid.drain();
-      fluid.draw();
-    }
+    if (frame % 10 == 9) fluid.draw();
   }
   return 0;
 } catch (const std::exception &error) {

@@ -81,6 +81,12 @@ export declare class Shape {
   static fromHeights(heights: { count: Numbers; heights: Numbers; spacing: number; base: number; cell: number }): Shape;
   /** Their convex hull. */
   static fromPoints(hull: { dimension: 2 | 3; points: Numbers; cell: number }): Shape;
+  /** Of bytes that save() or pbf-bake wrote. */
+  static load(saved: Uint8Array): Shape;
+  /** As bytes, for a file. */
+  save(): Uint8Array;
+  /** The distances at its nodes, as fromGrid takes them. */
+  readonly values: Float32Array;
   /** Gives its reference back now; solvers that have the shape keep it. */
   destroy(): void;
   [Symbol.dispose](): void;

@@ -40,7 +40,7 @@ export class Shape {
 
   /** Shape.fromPoints and its like make one. */
   constructor({ [HANDLE]: handle, dimension } = {}) {
-    if (!handle) throw invalid("a shape is made by fromGrid, fromMesh, fromHeights or fromPoints");
+    if (!handle) throw invalid("a shape is made by fromGrid, fromMesh, fromHeights, fromPoints or load");
     this.#handle = handle;
     this.#dimension = dimension;
     forgotten.register(this, handle, this);
@@ -84,6 +84,44 @@ export class Shape {
     const { points, cell } = hull, dimension = dimensionOf("hull.dimension", hull.dimension);
     return withRows("hull.points", points, dimension, Float64Array, (at, pointCount) => made(
       exports.pbf_shape_from_points, dimension, "pbf_hull_desc", "hull", { pointCount, points: at, cell }));
+  }
+
+  /** Of bytes that save() or pbf-bake wrote. */
+  static load(saved) {
+    if (!exports) throw invalid("the module is not loaded; await load() first, or Solver.create()");
+    if (!(saved instanceof Uint8Array)) throw invalid(`saved is ${String(saved)}; it must be a Uint8Array`);
+    return withBytes(saved.length, (bytes) => withBytes(4, (at) => {
+      new Uint8Array(exports.memory.buffer, bytes).set(saved);
+      check(exports.pbf_load_shape(bytes, BigInt(saved.length), at));
+      const handle = readNumber("u32", at);
+      const { dimension } = withStruct("pbf_shape_info", "info", {}, (info) => {
+        check(exports.pbf_get_shape_info(handle, info));
+        return read("pbf_shape_info", info);
+      });
+      return new Shape({ [HANDLE]: handle, dimension });
+    }));
+  }
+
+  /** As bytes, for a file. */
+  save() {
+    return withBytes(8, (size) => {
+      check(exports.pbf_save_shape(this[HANDLE], 0, size));
+      const bytes = readNumber("u64", size);
+      return withBytes(bytes, (at) => {
+        check(exports.pbf_save_shape(this[HANDLE], at, size));
+        return new Uint8Array(exports.memory.buffer, at, bytes).slice();
+      });
+    });
+  }
+
+  /** The distances at its nodes, as fromGrid takes them. */
+  get values() {
+    const { nodes } = this.info;
+    const count = nodes[0] * nodes[1] * (this.#dimension === 3 ? nodes[2] : 1);
+    return withBytes(4 * count, (at) => {
+      check(exports.pbf_get_shape_values(this[HANDLE], BigInt(count), at));
+      return new Float32Array(exports.memory.buffer, at, count).slice();
+    });
   }
 
   /** Gives its reference back now; solvers that have the shape keep it. */

@@ -7,7 +7,7 @@
 --   fluid:step(10)
 --   local x, count = fluid:positions()   -- float *, x[3 * i + c], or double *
 --
--- Beside solvers there are pbf.shape_from_points and its like, and pbf.batch.
+-- Beside solvers there are pbf.shape_from_points and its like, pbf.load_shape, and pbf.batch.
 --
 -- A call that fails is a Lua error: a table with status, name and message, the library's sentence. A
 -- solver is destroyed when it is collected, or by close().
@@ -326,6 +326,7 @@ for name, method in pairs(require("pbf.reading")) do Solver[name] = method end
 for name, method in pairs(require("pbf.phases")) do Solver[name] = method end
 pbf.shape_from_grid, pbf.shape_from_mesh = shapes.from_grid, shapes.from_mesh
 pbf.shape_from_heights, pbf.shape_from_points = shapes.from_heights, shapes.from_points
+pbf.load_shape = shapes.load
 pbf.batch = require("pbf.batch")(described, params_from, solver_of)
 
 return pbf

@@ -45,12 +45,18 @@ PARAMETERS = {
     "wall_friction": (SCENES / "heap.json", 0.5, 4, [("0", "wall_friction=0", ""), ("0.3", "wall_friction=0.3", ""), ("1", "wall_friction=1", "")]),
     "wall_no_slip": (SCENES / "heap.json", 1, 2, [("0", "viscosity=0.1 wall_no_slip=0", ""), ("0.5", "viscosity=0.1 wall_no_slip=0.5", ""),
                                                  ("1", "viscosity=0.1 wall_no_slip=1", "")]),
+    "wall_adhesion": (SCENES / "drop.json", 21, 0.2, [("0.1: 143 degrees", "wall_adhesion=0.1", ""), ("0.5: 90 degrees", "wall_adhesion=0.5", ""),
+                                                      ("0.75: 60 degrees", "wall_adhesion=0.75", "")]),
+    "wall_amplitude": (SCENES / "wave-maker.json", 3.5, 1.5, [("0", "wall_amplitude.0=0 wall_frequency.0=3", ""), ("0.1", "wall_amplitude.0=0.1 wall_frequency.0=3", ""),
+                                                             ("0.2", "wall_amplitude.0=0.2 wall_frequency.0=3", "")]),
+    "periodic": (SCENES / "wind.json", 0.6, 4, [("walls", "drag=2", ""), ("periodic along x", "periodic=x", "")]),
+    "prestabilization": (SCENES / "packed.json", 0.1, 4, [("0: never", "prestabilization=0", ""), ("0.02", "prestabilization=0.02", "")]),
     "max_substeps": (SCENES / "long-steps.json", 2, 3, [("0", "max_substeps=0", ""), ("2", "max_substeps=2", ""), ("8", "max_substeps=8", "")]),
     "solver": ("dam-break-2d", 0.75, 6, [
         ("the paper's", "solver=jacobi kernel=poly6_spiky over_relaxation=1 cohesion=1 min_diagonal=0 wall_density=0 cfm=1.5", ""),
         ("Jacobi", "solver=jacobi", ""), ("Chebyshev", "solver=chebyshev", "")]),
 }
-VIEWS = {"cube": "-0.8 -0.6 -0.6 0.8 0.6 0.6", "zero-gravity-drop": "-1.3 -0.9 -0.9 1.3 0.9 0.9", "dam-break-2d": "0 0 3 2.05"}
+VIEWS = {"cube": "-0.8 -0.6 -0.6 0.8 0.6 0.6", "zero-gravity-drop": "-1.3 -0.9 -0.9 1.3 0.9 0.9", "dam-break-2d": "0 0 3 2.05", "drop": "0.2 0 0.2 1.4 0.7 1.4", "wave-maker": "-0.25 0 2 1.2"}
 WIDTHS = {"iterations": 190, "pressure_grid": 190}  # a column's pixels, 260 of others
 HEIGHT_OF_LABEL = 20
 

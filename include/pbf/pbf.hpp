@@ -285,6 +285,14 @@ struct volume : pbf_volume {
     made.radius = r;
     return made.place(x, y, z);
   }
+  /* Around a segment of that direction, half_length to each side of its middle. */
+  static volume capsule(double x, double y, double z, double axis_x, double axis_y, double axis_z,
+                        double half_length, double r) noexcept {
+    volume made(PBF_VOLUME_CAPSULE);
+    made.axis[0] = axis_x, made.axis[1] = axis_y, made.axis[2] = axis_z;
+    made.half_length = half_length, made.radius = r;
+    return made.place(x, y, z);
+  }
   volume &place(double x, double y, double z) noexcept {
     position[0] = x, position[1] = y, position[2] = z;
     return *this;
@@ -441,6 +449,27 @@ class shape {
     return detail::checked(status, found);
   }
 
+  /* The distances at its nodes, as from_grid takes them: one for each. */
+  result<void> values(span<float> out) const noexcept {
+    return detail::checked(pbf_get_shape_values(handle_, out.size(), out.data()));
+  }
+  /* As bytes, for a file. */
+  result<std::vector<unsigned char>> save() const {
+    std::uint64_t size = 0;
+    pbf_status status = pbf_save_shape(handle_, nullptr, &size);
+    if (status != PBF_OK) return error(status);
+    std::vector<unsigned char> saved(size);
+    status = pbf_save_shape(handle_, saved.data(), &size);
+    if (status != PBF_OK) return error(status);
+    return saved;
+  }
+  /* Of what save or pbf-bake wrote. */
+  static result<shape> load(span<const unsigned char> saved) noexcept {
+    pbf_shape *handle = nullptr;
+    const pbf_status status = pbf_load_shape(saved.data(), saved.size(), &handle);
+    return detail::checked(status, shape(handle));
+  }
+
  private:
   explicit shape(pbf_shape *handle) noexcept : handle_(handle) {}
   static bool rows(std::size_t numbers, std::uint32_t dimension, std::uint32_t *count) noexcept {
@@ -469,6 +498,14 @@ struct collider : pbf_collider {
     collider made(PBF_COLLIDER_SPHERE);
     made.place(x, y, z).radius = r;
     return made;
+  }
+  /* Around a segment of that direction, half_length to each side of its middle. */
+  static collider capsule(double x, double y, double z, double axis_x, double axis_y, double axis_z,
+                          double half_length, double r) noexcept {
+    collider made(PBF_COLLIDER_CAPSULE);
+    made.axis[0] = axis_x, made.axis[1] = axis_y, made.axis[2] = axis_z;
+    made.half_length = half_length, made.radius = r;
+    return made.place(x, y, z);
   }
   static collider box(double x, double y, double z, double half_x, double half_y,
                       double half_z) noexcept {

@@ -120,6 +120,20 @@ PBF_API pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
 PBF_API pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance,
                                           double *normal);
 
+/* ---- Kept ------------------------------------------------------------------------------------ */
+
+/* The distances at its nodes, as pbf_shape_from_grid takes them: `count` is how many those are. */
+PBF_API pbf_status pbf_get_shape_values(pbf_shape *shape, uint64_t count, float *values);
+
+/* Writes the shape as bytes, for a file: 72 and 4 a node. With `buffer` null, *size gets the bytes
+ * needed; else *size is the room there is, and gets the bytes written. pbf-bake writes such files
+ * of meshes. */
+PBF_API pbf_status pbf_save_shape(pbf_shape *shape, void *buffer, uint64_t *size);
+
+/* The same shape again, with the same hash: a tenth of a microsecond a node. PBF_ERROR_DATA for
+ * anything that pbf_save_shape did not write. */
+PBF_API pbf_status pbf_load_shape(const void *buffer, uint64_t size, pbf_shape **shape);
+
 #ifdef __cplusplus
 }
 #endif

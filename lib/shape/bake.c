@@ -19,9 +19,19 @@ enum { MARGIN = 3 };
 /* Thinner ones have places without an inside between nodes. */
 static const double thinnest_shell = 1.5;
 
+static pbf_status too_many_nodes(const char *label, uint32_t axis, double length, double cell) {
+  char number[2][PBF_NUMBER_SIZE];
+  return pbf_fail(
+      PBF_ERROR_INVALID_ARGUMENT,
+      "%s is %s long along %c, where cells are %s; a shape has at most %u nodes in all, "
+      "so take larger cells",
+      label, pbf_text_number(number[0], length), "xyz"[axis], pbf_text_number(number[1], cell),
+      PBF_MAX_SHAPE_NODES);
+}
+
 static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cell, double beyond,
                              double origin[3], uint32_t nodes[3]) {
-  double widest = 0;
+  double all = 1, widest = 0;
   nodes[2] = 1;
   origin[2] = 0;
   for (uint32_t k = 0; k < mesh->dimension; ++k) {
@@ -34,11 +44,13 @@ static pbf_status place_grid(const pbf_mesh *mesh, const char *label, double cel
     widest = fmax(widest, upper - lower);
     const double wanted = ceil((upper - lower + 2 * beyond) / cell) + 2 * MARGIN + 1;
     origin[k] = 0.5 * (lower + upper - (wanted - 1) * cell);
-    nodes[k] = wanted < PBF_MAX_SHAPE_NODES ? (uint32_t)wanted : PBF_MAX_SHAPE_NODES + 1;
+    all *= wanted;
+    if (!(all <= PBF_MAX_SHAPE_NODES)) return too_many_nodes(label, k, upper - lower, cell);
+    nodes[k] = (uint32_t)wanted;
   }
   /* None of its nodes can be inside, nor may rounding leave a side to one far off. */
   if (beyond == 0 && widest < cell) return pbf_shape_fail_without_inside(label);
-  return pbf_shape_check_size(label, mesh->dimension, nodes);
+  return PBF_OK;
 }
 
 /* The side that a place is on by the normal of what is nearest to it (Baerentzen & Aanaes 2005). */

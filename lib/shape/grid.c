@@ -146,7 +146,7 @@ static void measure_inside(pbf_shape *s, const node *n) {
     for (int side = -1; side <= 1; side += 2) {
       const uint64_t stride = stride_of(s, k);
       const double next = (double)s->values[side < 0 ? n->index - stride : n->index + stride];
-      take_place(s, k, place + (next > 0 ? side * s->cell * value / (value - next) : 0));
+      take_place(s, k, place + (next >= 0 ? side * s->cell * value / (value - next) : 0));
     }
   }
   s->bound = fmax(s->bound, sqrt(far2) + s->cell * sqrt(s->dimension));

@@ -5,7 +5,7 @@
 #include "shape/registry.h"
 
 pbf_status pbf_collider_hold(const pbf_collider *collider, const char *label) {
-  char geometry[40];
+  char geometry[48]; /* labels have up to 32 */
   if (!collider->geometry) return PBF_OK;
   snprintf(geometry, sizeof geometry, "%s.geometry", label);
   return pbf_shape_hold(collider->geometry, geometry);

@@ -19,7 +19,7 @@ from .diffuse import Diffuse, DiffuseInfo, DiffuseParticles
 from .dump import Dump, DumpFrame, load_dump
 from .export import AlembicPoints, Surface, UsdPoints, VtkSeries, surface, write_ply
 from .emission import DiscEmitter, Emitter, InOut, RectangleEmitter, Reservoir
-from .fill import fill_ball, fill_box, fill_lattice
+from .fill import fill_ball, fill_box, fill_geometry, fill_lattice
 from .geometry import Geometry
 from .params import Collide, Kernel, Method, Params, Periodic
 from .phases import Phase
@@ -44,6 +44,7 @@ __all__ = [
     "PluginError", "RectangleEmitter", "Reservoir", "Samples", "Scene", "SceneSolver", "Shape", "Snapshot", "Solid",
     "Solver", "Sphere", "StageTime", "StateError", "Stats", "StructSizeError", "Surface",
     "UnavailableError", "UnsupportedError", "UsdPoints", "View", "Volume", "VtkSeries",
-    "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_lattice", "lib",
+    "__version__", "backends", "ffi", "fill_ball", "fill_box", "fill_geometry",
+    "fill_lattice", "lib",
     "load_backend", "load_dump", "load_scene", "png_bytes", "render", "save_png", "scenes",
     "surface", "version", "write_ply"]

@@ -8,7 +8,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from ._arrays import CPU, pointer
 from ._choices import FIELDS, ORDERS, TYPES, W, choice
-from ._errors import InvalidArgumentError
+from ._errors import InvalidArgumentError, StateError
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
 from ._numbers import real, uint32
@@ -145,4 +145,9 @@ class Reading(Handle):
 
     def snapshot(self) -> Snapshot:
         """The latest one, from any thread, also while steps run; after `keep_snapshots`."""
-        return Snapshot(self)
+        try:
+            return Snapshot(self)
+        except StateError as error:
+            if self._snapshots:
+                raise
+            raise StateError(f"{error.sentence}. In Python: keep_snapshots(3)", error.status) from None

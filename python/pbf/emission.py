@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -163,7 +164,7 @@ class Emission(Handle):
             made = _made(EMITTERS[struct.shape], struct)
             made.recycle = bool(made.recycle)
             found.append(made)
-        return found
+        return Copies(found)
 
     @emitters.setter
     def emitters(self, emitters: Iterable[Emitter] | Emitter) -> None:
@@ -181,7 +182,7 @@ class Emission(Handle):
             struct = new_struct("pbf_volume")
             self._call(lib.pbf_get_drain, index, struct)
             found.append(_made(VOLUMES[struct.shape], struct))
-        return found
+        return Copies(found)
 
     @drains.setter
     def drains(self, drains: Iterable[Volume] | Volume) -> None:
@@ -201,7 +202,7 @@ class Emission(Handle):
             struct = new_struct("pbf_reservoir")
             self._call(lib.pbf_get_reservoir, index, struct)
             found.append(_made(Reservoir, struct))
-        return found
+        return Copies(found)
 
     @reservoirs.setter
     def reservoirs(self, reservoirs: Iterable[Reservoir] | Reservoir) -> None:

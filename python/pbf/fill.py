@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError
 from ._numbers import Vector, real, reals, uint32
+from .geometry import Geometry
 
 Positions = NDArray[np.float64]
 
@@ -56,3 +57,17 @@ def fill_ball(center: Vector, radius: float, spacing: float) -> Positions:
     half = np.ceil(radius / spacing) * spacing
     points = fill_box(middle - half, middle + half, spacing)
     return points[((points - middle) ** 2).sum(axis=1) < radius**2]
+
+
+def fill_geometry(geometry: Geometry, spacing: float, position: Vector | None = None) -> Positions:
+    """The points of a lattice inside of a solid, of a mesh for example, that are half a spacing from
+    its surface, to a quarter of its cell; `position` is where its own origin lies."""
+    spacing = _spacing(spacing)
+    if not isinstance(geometry, Geometry):
+        raise InvalidArgumentError(f"geometry is {geometry!r}; it must be a Geometry")
+    lower, upper = geometry.bounds
+    points = fill_box(lower, upper, spacing)
+    least = 0.5 * spacing - 0.25 * geometry.cell  # next to edges, which are rounded off, distances are less
+    deep = np.array([geometry.distance(point) for point in points]) <= -least
+    offset = 0.0 if position is None else np.array(reals("position", position, (len(lower),)))
+    return points[deep] + offset

@@ -1,6 +1,7 @@
 """Geometries: any solid, as signed distances on a grid, for `Solid` colliders."""
 from __future__ import annotations
 
+import pathlib
 import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from ._arrays import AnyArray, numpy_of, pointer
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
 from ._numbers import Vector, real, reals
+from ._state import PathLike, state_of
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -105,6 +107,25 @@ class Geometry:
         return cls._made(lib.pbf_shape_from_points, desc)
 
     @classmethod
+    def load(cls, source: PathLike | bytes | bytearray | memoryview) -> Self:
+        """Of a file, or bytes, that `save` or pbf-bake wrote."""
+        saved = state_of(source)
+        out = ffi.new("pbf_shape **")
+        check(lib.pbf_load_shape(ffi.from_buffer(saved), len(saved), out))
+        return cls(out[0])
+
+    def save(self, path: PathLike | None = None) -> bytes:
+        """As bytes, which go to a file, too, if told."""
+        size = ffi.new("uint64_t *")
+        check(lib.pbf_save_shape(self._handle, ffi.NULL, size))
+        buffer = bytearray(size[0])
+        check(lib.pbf_save_shape(self._handle, ffi.from_buffer(buffer), size))
+        saved = bytes(buffer)
+        if path is not None:
+            pathlib.Path(path).write_bytes(saved)
+        return saved
+
+    @classmethod
     def _borrowed(cls, handle: Any) -> Self | None:
         """That of a collider, by a reference of its own."""
         if handle == ffi.NULL:
@@ -141,6 +162,26 @@ class Geometry:
     @property
     def nbytes(self) -> int:
         return int(self._info().bytes)
+
+    @property
+    def values(self) -> NDArray[np.float32]:
+        """The distances at its nodes, values[i, j, k] at origin + cell (i, j, k): a copy."""
+        info = self._info()
+        values = np.empty(list(info.nodes)[:info.dimension], np.float32, order="F")
+        check(lib.pbf_get_shape_values(
+            self._handle, values.size, ffi.cast("float *", values.ctypes.data)))
+        return values
+
+    @property
+    def origin(self) -> tuple[float, ...]:
+        """Where the first node is, in the shape's own space."""
+        info = self._info()
+        return tuple(list(info.origin)[:info.dimension])
+
+    @property
+    def cell(self) -> float:
+        """The length between nodes."""
+        return float(self._info().cell)
 
     def distance(self, point: Vector) -> float:
         """Of a point from the surface, negative inside."""

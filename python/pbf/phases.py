@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import AnyArray, ids_of, pointer
+from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -40,11 +41,11 @@ class Phases(Handle):
             struct = new_struct("pbf_phase")
             self._call(lib.pbf_get_phase, index, struct)
             found.append(dataclass_of(Phase, struct))
-        return found
+        return Copies(found)
 
     @phases.setter
-    def phases(self, phases: Iterable[Phase]) -> None:
-        listed = list(phases)
+    def phases(self, phases: Iterable[Phase] | Phase) -> None:
+        listed = [phases] if isinstance(phases, Phase) else list(phases)
         structs = ffi.new("pbf_phase[]", max(len(listed), 1))
         for i, phase in enumerate(listed):
             if not isinstance(phase, Phase):

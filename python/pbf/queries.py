@@ -177,15 +177,17 @@ class Queries(Handle):
             self._call(lib.pbf_sample, struct)
         return samples
 
-    def sample_on_grid(self, counts: Iterable[int], origin: Vector, step: Vector,
+    def sample_on_grid(self, counts: Iterable[int], origin: Vector, step: Vector | float,
                        fields: Iterable[str] = ("density", "velocity")) -> Samples:
-        """The same at the points origin + index * step, in arrays of the shape `counts`."""
+        """The same at the points origin + index * step, in arrays of the shape `counts`. A single
+        number is the step along all axes."""
         grid = new_struct("pbf_sample_grid")
         shape = tuple(uint32("counts", count) for count in counts)
         n = self.dimension
         if len(shape) != n:
             raise InvalidArgumentError(f"counts is {shape}; it must have {n} numbers")
-        for k, (a, b) in enumerate(zip(reals("origin", origin, (n,)), reals("step", step, (n,)))):
+        steps = (real("step", step),) * n if isinstance(step, (int, float)) else step
+        for k, (a, b) in enumerate(zip(reals("origin", origin, (n,)), reals("step", steps, (n,)))):
             grid.counts[k], grid.origin[k], grid.step[k] = shape[k], a, b
         struct, samples = self._samples(shape, fields)
         if struct.count:

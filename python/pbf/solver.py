@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import params as parameters
 from ._arrays import AnyArray, numpy_of
 from ._callbacks import Log, log_to_logging
+from ._copies import Copies
 from ._errors import InvalidArgumentError
 from ._library import ffi, lib, new_struct, text
 from ._numbers import real
@@ -77,7 +78,8 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
 
     @property
     def colliders(self) -> list[Collider]:
-        """As they stand and move now: copies. Assign a list to replace them all."""
+        """As they stand and move now: copies. Assign a list to replace them all;
+        `fluid.colliders += [ball]` adds one."""
         count = ffi.new("uint32_t *")
         self._call(lib.pbf_get_collider_count, count)
         found = []
@@ -85,7 +87,7 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
             struct = new_struct("pbf_collider")
             self._call(lib.pbf_get_collider, index, struct)
             found.append(collider_of(struct))
-        return found
+        return Copies(found)
 
     @colliders.setter
     def colliders(self, colliders: Iterable[Collider] | Collider) -> None:

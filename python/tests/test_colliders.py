@@ -1,4 +1,7 @@
 """Colliders."""
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -118,3 +121,65 @@ def test_a_solid_keeps_its_geometry():
     assert back.geometry.distance((0, 0, 0)) == distance and back.scale == 0.5
     with pytest.raises(pbf.InvalidArgumentError, match="geometry is null"):
         fluid.colliders = [pbf.Solid()]
+
+
+def test_a_geometry_comes_back_from_a_file(tmp_path):
+    box = pbf.Geometry.from_mesh(*_box_mesh(0.2), cell=0.02)
+    saved = box.save(tmp_path / "box.pbfshape")
+    assert (tmp_path / "box.pbfshape").read_bytes() == saved
+    for again in (pbf.Geometry.load(tmp_path / "box.pbfshape"), pbf.Geometry.load(saved)):
+        assert again.distance((0.1, 0.23, 0)) == box.distance((0.1, 0.23, 0))
+        assert again.cell == 0.02 and again.bounds == box.bounds
+    values = box.values
+    middle = tuple(round(-at / box.cell) for at in box.origin)
+    assert values[middle] == pytest.approx(-0.2, abs=box.cell)
+    assert pbf.Geometry.from_grid(values, box.origin, box.cell).save() == saved
+    with pytest.raises(pbf.DataError, match="cut short"):
+        pbf.Geometry.load(b"PBFSHAPE")
+    with pytest.raises(pbf.DataError, match="another hash"):
+        pbf.Geometry.load(saved[:64] + bytes(8) + saved[72:])
+
+
+def test_lists_that_are_read_are_copies():
+    """What would change a copy alone is an error, not nothing."""
+    fluid = pbf.Solver(capacity=10)
+    ball = pbf.Sphere((0.5, 0.5, 0.5), radius=0.1)
+    fluid.colliders = ball
+    for change in (lambda: fluid.colliders.append(ball), lambda: fluid.colliders.pop(),
+                   lambda: fluid.colliders.__setitem__(0, ball), lambda: fluid.drains.extend([])):
+        with pytest.raises(TypeError, match=r"fluid\.colliders, ball"):
+            change()
+    fluid.colliders += [ball]
+    assert len(fluid.colliders) == 2
+    mine = list(fluid.colliders)
+    mine.append(ball)
+    fluid.colliders = mine
+    assert len(copy.deepcopy(fluid.colliders)) == len(pickle.loads(pickle.dumps(fluid.colliders))) == 3
+    assert fluid.emitters == fluid.drains == fluid.reservoirs == fluid.phases == []
+
+
+def test_a_single_phase_may_stand_alone():
+    fluid = pbf.Solver(capacity=10)
+    fluid.phases = pbf.Phase(rest_density=0.5)
+    assert fluid.phases == [pbf.Phase(rest_density=0.5)]
+
+
+def test_snapshots_that_are_not_kept_say_how():
+    fluid = pbf.Solver(capacity=10)
+    with pytest.raises(pbf.StateError, match=r"keep_snapshots\(3\)"):
+        fluid.snapshot()
+    assert fluid.sample_on_grid((2, 2, 2), (0, 0, 0), 0.5).densities.shape == (2, 2, 2)
+
+
+def test_a_solid_is_filled_with_particles():
+    box = pbf.Geometry.from_mesh(*_box_mesh(0.2), cell=0.02)
+    points = pbf.fill_geometry(box, 0.05, position=(1, 0, 0))
+    assert 8**3 - 8 <= len(points) <= 8**3  # of a lattice that fits; corners are rounded off
+    assert np.allclose(points.min(axis=0), (0.825, -0.175, -0.175), atol=1e-6)
+    cell = 0.02
+    axes = np.meshgrid(*[np.arange(-0.4, 0.41, cell)] * 3, indexing="ij")
+    ball = pbf.Geometry.from_grid(np.sqrt(sum(a * a for a in axes)) - 0.3, (-0.4,) * 3, cell)
+    points = pbf.fill_geometry(ball, 0.02)
+    assert len(points) * 0.02**3 == pytest.approx(4 / 3 * np.pi * 0.295**3, rel=0.01)
+    with pytest.raises(pbf.InvalidArgumentError, match="must be a Geometry"):
+        pbf.fill_geometry(3, 0.05)

@@ -218,7 +218,7 @@ static void bad_meshes_are_refused(void **state) {
   assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT,
                "at least 1.5 cells");
   desc = mesh_desc_of(&m, 1e-6, 0);
-  assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT, "mesh.nodes[");
+  assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT, "take larger cells");
   mesh_free(&m);
   m = box_mesh(3, box_half);
   for (double cell = 2; cell < 1e30; cell *= 1e3) {
@@ -247,6 +247,30 @@ static void bad_meshes_are_refused(void **state) {
 
 /* The bed of a river that falls by 1 : 20 between its banks: neighbours lie in one plane but for
  * what is rounded, and as heights no terrain crosses itself. */
+/* Faces that lie on nodes, where the distance is 0, are where the solid ends. */
+static void bounds_reach_nodes_on_faces(void **state) {
+  (void)state;
+  enum { SIDE = 7 };
+  float values[SIDE * SIDE];
+  pbf_shape *shape = NULL;
+  pbf_shape_info info = {.struct_size = sizeof info};
+  const double half[3] = {0.25, 0.25, 0};
+  const pbf_grid_desc grid = {.struct_size = sizeof grid,
+                              .dimension = 2,
+                              .nodes = {SIDE, SIDE},
+                              .origin = {-0.375, -0.375},
+                              .cell = 0.125,
+                              .values = values};
+  for (int n = 0; n < SIDE * SIDE; ++n) {
+    const double p[3] = {0.125 * (n % SIDE) - 0.375, 0.125 * (n / SIDE) - 0.375, 0};
+    values[n] = (float)box_of(p, 2, half);
+  }
+  assert_ok(pbf_shape_from_grid(&grid, &shape));
+  assert_ok(pbf_get_shape_info(shape, &info));
+  for (int k = 0; k < 2; ++k) assert_true(info.lower[k] == -0.25 && info.upper[k] == 0.25);
+  pbf_release_shape(shape);
+}
+
 static void terrains_of_planes_are_taken(void **state) {
   (void)state;
   double heights[13 * 23];
@@ -351,6 +375,7 @@ int main(void) {
       cmocka_unit_test(meshes_are_solids),
       cmocka_unit_test(bad_grids_are_refused),
       cmocka_unit_test(bad_meshes_are_refused),
+      cmocka_unit_test(bounds_reach_nodes_on_faces),
       cmocka_unit_test(terrains_of_planes_are_taken),
       cmocka_unit_test(bad_colliders_are_refused),
       cmocka_unit_test(shapes_live_as_long_as_they_are_held),

@@ -73,6 +73,21 @@ internal static partial class Binding
         }
     }
 
+    private static void ShapesComeBackFromBytes()
+    {
+        using (var brick = Brick())
+        using (var again = Shape.Load(brick.Save()))
+        {
+            var info = brick.GetInfo();
+            Equal(info.Hash, again.GetInfo().Hash);
+            var values = again.GetValues();
+            Equal((long)info.Nodes.X * info.Nodes.Y * info.Nodes.Z, values.LongLength);
+            var o = info.Origin;
+            Near(Math.Sqrt(Math.Pow(o.X + .2, 2) + Math.Pow(o.Y + .1, 2) + Math.Pow(o.Z + .3, 2)), values[0], 1e-3);
+            Refused(Status.Data, "does not begin as one", () => Shape.Load(new byte[100]));
+        }
+    }
+
     private static void ShapesLiveWhileSomethingHasThem()
     {
         var fluid = Block();

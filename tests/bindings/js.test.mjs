@@ -356,6 +356,17 @@ test("shapes are as far as their faces", async () => {
   for (const one of [shape, mesh, shell, hill, disc]) one.destroy();
 });
 
+test("shapes come back from bytes", async () => {
+  await load();
+  const shape = brick(), again = Shape.load(shape.save()), { nodes, origin, hash } = shape.info;
+  assert.equal(again.info.hash, hash);
+  assert.equal(again.dimension, 3);
+  assert.equal(again.values.length, nodes[0] * nodes[1] * nodes[2]);
+  near(again.values[0], Math.hypot(origin[0] + 0.2, origin[1] + 0.1, origin[2] + 0.3), 1e-3);
+  refused(() => Shape.load(new Uint8Array(100)), /does not begin as one/, "PBF_ERROR_DATA");
+  refused(() => Shape.load("cup.pbfshape"), /must be a Uint8Array/);
+});
+
 test("shapes live while something has them", async () => {
   const solver = await lattice(), shape = brick();
   solver.setColliders([{ shape, position: [0.7, 0.9, 0.7] }, { shape: "plane", axis: [0, 1, 0] }]);

@@ -53,6 +53,17 @@ return function(solver, near, refused)
     refused(wrong, "grid.values has 441 numbers", pbf.shape_from_grid, grid)
   end
 
+  function tests.shapes_come_back_from_bytes()
+    local shape = brick()
+    local again, info = pbf.load_shape(shape:save()), shape:info()
+    assert(again:info().hash == info.hash and again.dimension == 3)
+    local values, count = again:values()
+    assert(count == info.nodes[0] * info.nodes[1] * info.nodes[2])
+    near(values[0], math.sqrt((info.origin[0] + 0.2) ^ 2 + (info.origin[1] + 0.1) ^ 2 + (info.origin[2] + 0.3) ^ 2), 1e-3)
+    refused("PBF_ERROR_DATA", "cut short", pbf.load_shape, "PBFSHAPE")
+    refused(wrong, "a string that save has given", pbf.load_shape, 7)
+  end
+
   function tests.shapes_live_while_something_has_them()
     local fluid, shape = block(), brick()
     fluid:set_colliders { { shape = shape, position = { 0.7, 0.9, 0.7 } }, { shape = "plane", axis = { 0, 1, 0 } } }

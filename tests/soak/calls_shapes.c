@@ -116,3 +116,41 @@ void call_get_shape_distance(actor *a) {
   insist(a, pbf_get_shape_distance(shape, middle, &distance, normal) == PBF_OK && distance < 0);
   pbf_release_shape(shape);
 }
+
+void call_get_shape_values(actor *a) {
+  pbf_shape *shape = NULL;
+  float values[SIDE * SIDE * SIDE];
+  if (make_grid(a, &shape) != PBF_OK) return;
+  const uint64_t count = dice_one_in(&a->dice, 2) ? SIDE * SIDE : SIDE * SIDE * SIDE;
+  pbf_shape_info info = {.struct_size = sizeof info};
+  insist(a, pbf_get_shape_info(shape, &info) == PBF_OK);
+  const int fits = count == (info.dimension == 2 ? SIDE * SIDE : SIDE * SIDE * SIDE);
+  insist(a, (outcome(a, pbf_get_shape_values(shape, count, values)) == PBF_OK) == fits);
+  pbf_release_shape(shape);
+}
+
+/* Bytes that may be changed on the way come back as the same shape, or as none. */
+void call_load_shape(actor *a) {
+  unsigned char bytes[4096];
+  uint64_t size = sizeof bytes;
+  pbf_shape *shape = NULL, *again = NULL;
+  if (make_grid(a, &shape) != PBF_OK) return;
+  insist(a, pbf_save_shape(shape, bytes, &size) == PBF_OK);
+  const int same = dice_one_in(&a->dice, 2);
+  if (!same)
+    bytes[dice_below(&a->dice, (uint32_t)size)] ^= (unsigned char)(1 << dice_below(&a->dice, 8));
+  insist(a, (outcome(a, pbf_load_shape(bytes, size, &again)) == PBF_OK) == same);
+  insist(a, (again != NULL) == same);
+  pbf_release_shape(shape);
+  pbf_release_shape(again);
+}
+
+void call_save_shape(actor *a) {
+  uint64_t size = 0;
+  pbf_shape *shape = NULL;
+  if (make_grid(a, &shape) != PBF_OK) return;
+  insist(a, pbf_save_shape(shape, NULL, &size) == PBF_OK && size > 72);
+  size = 71;
+  insist(a, outcome(a, pbf_save_shape(shape, &size, &size)) != PBF_OK);
+  pbf_release_shape(shape);
+}

@@ -121,6 +121,9 @@ void call_hold_shape(actor *a);
 void call_release_shape(actor *a);
 void call_get_shape_info(actor *a);
 void call_get_shape_distance(actor *a);
+void call_get_shape_values(actor *a);
+void call_load_shape(actor *a);
+void call_save_shape(actor *a);
 
 void call_batch_create(actor *a);
 void call_batch_destroy(actor *a);

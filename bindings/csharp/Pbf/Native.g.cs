@@ -981,6 +981,12 @@ namespace Pbf
         internal static extern Status pbf_get_shape_info(ShapeHandle shape, ref ShapeInfo info);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_get_shape_distance(ShapeHandle shape, IntPtr point, ref double distance, IntPtr normal);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_get_shape_values(ShapeHandle shape, ulong count, IntPtr values);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_save_shape(ShapeHandle shape, IntPtr buffer, ref ulong size);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_load_shape(IntPtr buffer, ulong size, out IntPtr shape);
     }
 
     /// <summary>Sizes and offsets of the C compiler, for tests.</summary>

@@ -114,6 +114,37 @@ namespace Pbf
             return distance;
         }
 
+        /// <summary>The distances at its nodes, as FromGrid takes them.</summary>
+        public float[] GetValues()
+        {
+            ShapeInfo info = GetInfo();
+            var values = new float[(long)info.Nodes.X * info.Nodes.Y * (info.Dimension == 3 ? info.Nodes.Z : 1)];
+            using (var pins = new Pins())
+                PbfException.Check(Native.pbf_get_shape_values(handle, (ulong)values.Length, pins.Of(values)));
+            return values;
+        }
+
+        /// <summary>As bytes, for a file.</summary>
+        public byte[] Save()
+        {
+            ulong size = 0;
+            PbfException.Check(Native.pbf_save_shape(handle, IntPtr.Zero, ref size));
+            var saved = new byte[size];
+            using (var pins = new Pins()) PbfException.Check(Native.pbf_save_shape(handle, pins.Of(saved), ref size));
+            return saved;
+        }
+
+        /// <summary>Of what Save or pbf-bake wrote.</summary>
+        public static Shape Load(byte[] saved)
+        {
+            Arrays.Given(saved, "saved");
+            using (var pins = new Pins())
+            {
+                PbfException.Check(Native.pbf_load_shape(pins.Of(saved), (ulong)saved.Length, out IntPtr made));
+                return Owned(made);
+            }
+        }
+
         public double GetDistance(Vector3d point) { return GetDistance(point, out _); }
 
         /// <summary>One more reference to the shape of a solver's collider.</summary>

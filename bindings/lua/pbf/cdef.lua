@@ -680,6 +680,9 @@ pbf_status pbf_hold_shape(pbf_shape *shape);
 void pbf_release_shape(pbf_shape *shape);
 pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info);
 pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double *distance, double *normal);
+pbf_status pbf_get_shape_values(pbf_shape *shape, uint64_t count, float *values);
+pbf_status pbf_save_shape(pbf_shape *shape, void *buffer, uint64_t *size);
+pbf_status pbf_load_shape(const void *buffer, uint64_t size, pbf_shape * *shape);
 ]]
 -- Where the C compiler has each field; spec for the test of this module.
 return {

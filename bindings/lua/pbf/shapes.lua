@@ -33,6 +33,24 @@ function Shape:distance(point)
   return distance[0], normal
 end
 
+-- The distances at its nodes, as from_grid takes them, an array of C; and how many they are.
+function Shape:values()
+  local nodes = self:info().nodes
+  local count = nodes[0] * nodes[1] * (self.dimension == 3 and nodes[2] or 1)
+  local values = ffi.new("float[?]", count)
+  core.run(self, "pbf_get_shape_values", count, values)
+  return values, count
+end
+
+-- As bytes, for a file: a string.
+function Shape:save()
+  local size = ffi.new("uint64_t[1]")
+  core.run(self, "pbf_save_shape", nil, size)
+  local buffer = ffi.new("uint8_t[?]", tonumber(size[0]))
+  core.run(self, "pbf_save_shape", buffer, size)
+  return ffi.string(buffer, tonumber(size[0]))
+end
+
 local function dimension_of(what, dimension)
   if dimension ~= 2 and dimension ~= 3 then invalid("%s is %s; it must be 2 or 3", what, tostring(dimension)) end
   return dimension
@@ -107,6 +125,15 @@ function shapes.from_points(options)
   local desc, rows, kept = described("pbf_hull_desc", "hull", options, { points = { "double", dimension } })
   desc.point_count = rows.points
   return made("pbf_shape_from_points", desc, kept)
+end
+
+-- Of a string that save or pbf-bake wrote.
+function shapes.load(saved)
+  need("string", "the saved shape", saved, "a string that save has given")
+  local shape, info = ffi.new("pbf_shape *[1]"), new("pbf_shape_info")
+  call("pbf_load_shape", saved, #saved, shape)
+  call("pbf_get_shape_info", shape[0], info)
+  return shape_of(shape[0], info.dimension)
 end
 
 -- ---- Colliders ----

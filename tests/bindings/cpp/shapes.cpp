@@ -1,4 +1,6 @@
 /* Solids of any form. */
+#include <algorithm>
+
 #include "support.h"
 
 /* Half extents 0.2, 0.1 and 0.3, by its corners. */
@@ -38,6 +40,41 @@ static void shapes_are_as_far_as_their_faces(void **) {
   assert_near(given(disc.distance({.4, 0, 0})), .1, 2e-3);
 }
 
+static void shapes_come_back_from_bytes(void **) {
+  const pbf::shape solid = brick();
+  const std::vector<unsigned char> saved = given(solid.save());
+  const pbf::shape again = given(pbf::shape::load(saved));
+  const pbf_shape_info info = given(solid.info());
+  assert_true(given(again.info()).hash == info.hash);
+  std::vector<float> values(std::size_t{info.nodes[0]} * info.nodes[1] * info.nodes[2]);
+  done(again.values(values));
+  assert_near(values[0], std::hypot(info.origin[0] + .2, info.origin[1] + .1, info.origin[2] + .3),
+              1e-3);
+  values.pop_back();
+  assert_refused(again.values(values), PBF_ERROR_INVALID_ARGUMENT, "count is");
+  assert_refused(pbf::shape::load({saved.data(), 71}), PBF_ERROR_DATA, "cut short");
+}
+
+/* A capsule along x, as collider and as volume: 0.5 from end to end. */
+static void capsules_lie_along_their_axis(void **) {
+  auto fluid = block();
+  const pbf::volume lying = pbf::volume::capsule(.25, .25, .25, 1, 0, 0, .15, .1);
+  const double right = acos(-1) * (.01 * .3 + .001 * 4 / 3);
+  assert_near(given(fluid.measure(lying)).volume, right, .05 * right);
+  std::vector<std::uint32_t> ids(1000);
+  ids.resize(given(fluid.find_in(lying, ids)));
+  const std::vector<float> x = given(fluid.positions<float>());
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const double along = std::fmax(std::fabs(double{x[3 * i]} - .25) - .15, 0);
+    const bool in = std::hypot(along, double{x[3 * i + 1]} - .25, double{x[3 * i + 2]} - .25) < .1;
+    assert_true(in == (std::find(ids.begin(), ids.end(), i) != ids.end()));
+  }
+  std::array<pbf::collider, 1> solid = {pbf::collider::capsule(.7, .9, .7, 0, 0, 1, .1, .05)};
+  done(fluid.set_colliders(solid));
+  const pbf::collider back = given(fluid.get_collider(0));
+  assert_true(back.axis[2] == 1 && back.half_length == .1 && back.radius == .05);
+}
+
 static void shapes_live_while_something_has_them(void **) {
   std::optional<pbf::shape> shape = brick();
   const pbf::shape copy = *shape;
@@ -75,6 +112,8 @@ static void what_is_no_shape_is_refused(void **) {
 int shapes() {
   const CMUnitTest tests[] = {
       cmocka_unit_test_teardown(shapes_are_as_far_as_their_faces, nothing_live),
+      cmocka_unit_test_teardown(shapes_come_back_from_bytes, nothing_live),
+      cmocka_unit_test_teardown(capsules_lie_along_their_axis, nothing_live),
       cmocka_unit_test_teardown(shapes_live_while_something_has_them, nothing_live),
       cmocka_unit_test_teardown(what_is_no_shape_is_refused, nothing_live),
   };

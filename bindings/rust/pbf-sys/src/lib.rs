@@ -1184,6 +1184,21 @@ extern "C" {
         distance: *mut f64,
         normal: *mut f64,
     ) -> pbf_status;
+    pub fn pbf_get_shape_values(
+        shape: *mut pbf_shape,
+        count: u64,
+        values: *mut f32,
+    ) -> pbf_status;
+    pub fn pbf_save_shape(
+        shape: *mut pbf_shape,
+        buffer: *mut c_void,
+        size: *mut u64,
+    ) -> pbf_status;
+    pub fn pbf_load_shape(
+        buffer: *const c_void,
+        size: u64,
+        shape: *mut *mut pbf_shape,
+    ) -> pbf_status;
 }
 
 #[cfg(all(test, target_pointer_width = "64"))]

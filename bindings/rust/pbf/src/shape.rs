@@ -150,6 +150,43 @@ impl Shape {
         })?;
         Ok((distance, normal))
     }
+
+    /// The distances at its nodes, as [`Shape::from_grid`] takes them.
+    pub fn values(&self) -> Result<Vec<f32>> {
+        let nodes = self.info()?.nodes;
+        let used = &nodes[..self.dimension as usize];
+        let mut values = vec![0.; used.iter().map(|&n| n as usize).product()];
+        checked(unsafe {
+            sys::pbf_get_shape_values(self.as_raw(), values.len() as u64, values.as_mut_ptr())
+        })?;
+        Ok(values)
+    }
+
+    /// As bytes, for a file.
+    pub fn save(&self) -> Result<Vec<u8>> {
+        let mut size = 0;
+        checked(unsafe { sys::pbf_save_shape(self.as_raw(), null_mut(), &mut size) })?;
+        let mut saved = vec![0; size as usize];
+        checked(unsafe {
+            sys::pbf_save_shape(self.as_raw(), saved.as_mut_ptr().cast(), &mut size)
+        })?;
+        Ok(saved)
+    }
+
+    /// Of what [`Shape::save`] or `pbf-bake` wrote.
+    pub fn load(saved: &[u8]) -> Result<Self> {
+        let mut made = null_mut();
+        checked(unsafe {
+            sys::pbf_load_shape(saved.as_ptr().cast(), saved.len() as u64, &mut made)
+        })?;
+        let mut info = empty!(pbf_shape_info);
+        checked(unsafe { sys::pbf_get_shape_info(made, &mut info) })?;
+        let raw = NonNull::new(made).expect("a shape, as its function says");
+        Ok(Shape {
+            raw,
+            dimension: info.dimension,
+        })
+    }
 }
 
 impl Clone for Shape {

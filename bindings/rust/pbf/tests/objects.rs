@@ -95,6 +95,22 @@ fn shapes_are_as_far_as_their_faces() {
 }
 
 #[test]
+fn shapes_come_back_from_bytes() {
+    let shape = brick();
+    let again = Shape::load(&shape.save().unwrap()).unwrap();
+    let info = shape.info().unwrap();
+    assert_eq!(again.info().unwrap().hash, info.hash);
+    assert_eq!(again.dimension(), 3);
+    let values = again.values().unwrap();
+    let nodes: usize = info.nodes.iter().map(|&n| n as usize).product();
+    assert_eq!(values.len(), nodes);
+    let corner = [0.2, 0.1, 0.3];
+    let away: f64 = (0..3).map(|k| (info.origin[k] + corner[k]).powi(2)).sum();
+    near(away.sqrt(), f64::from(values[0]), 1e-3);
+    assert_refused(Shape::load(b"PBFSHAPE"), Status::Data, "cut short");
+}
+
+#[test]
 fn shapes_live_while_something_has_them() {
     let mut fluid = block();
     let shape = brick();

@@ -1,0 +1,198 @@
+"""pbf-bake: files of spheres and boxes have their distances; what is no solid is refused.
+
+    files.py PBF_BAKE FOLDER
+"""
+import math
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+
+BAKE, WORK = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+failures = []
+
+
+def check(what, holds):
+    if not holds:
+        failures.append(what)
+        print("files.py: not so:", what)
+
+
+def bake(*words):
+    return subprocess.run([str(BAKE), *map(str, words)], capture_output=True, text=True, check=False, cwd=WORK)
+
+
+# ---- Meshes ----
+
+def sphere(radius, slices=64):
+    """A ball of latitudes and longitudes: its vertices are on the sphere, its faces at most
+    radius (1 - cos(pi / slices)) inside of it, twice that where quads are cut."""
+    rings, vertices, faces = slices // 2, [(0, radius, 0)], []
+    for i in range(1, rings):
+        for j in range(slices):
+            a, b = math.pi * i / rings, 2 * math.pi * j / slices
+            vertices.append((radius * math.sin(a) * math.cos(b), radius * math.cos(a), radius * math.sin(a) * math.sin(b)))
+    vertices.append((0, -radius, 0))
+
+    def at(i, j):
+        return 1 + (i - 1) * slices + j % slices
+    for j in range(slices):
+        faces.append((0, at(1, j + 1), at(1, j)))
+        faces.append((len(vertices) - 1, at(rings - 1, j), at(rings - 1, j + 1)))
+        for i in range(1, rings - 1):
+            faces += [(at(i, j), at(i, j + 1), at(i + 1, j)), (at(i, j + 1), at(i + 1, j + 1), at(i + 1, j))]
+    return vertices, faces
+
+
+def box(half):
+    """From -half to half along each axis."""
+    vertices = [tuple((1 if n >> k & 1 else -1) * half[k] for k in range(3)) for n in range(8)]
+    quads = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
+    return vertices, [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
+
+
+def write_obj(name, vertices, faces):
+    lines = ["v " + " ".join(map(repr, map(float, v))) for v in vertices]
+    lines += ["f " + " ".join(str(i + 1) for i in f) for f in faces]
+    (WORK / name).write_text("\n".join(lines) + "\n")
+
+
+def write_stl(name, vertices, faces):
+    rows = [struct.pack("<12fH", 0, 0, 0, *(x for i in f for x in vertices[i]), 0) for f in faces]
+    (WORK / name).write_bytes(bytes(80) + struct.pack("<I", len(faces)) + b"".join(rows))
+
+
+def write_ply(name, vertices, faces):
+    head = (f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+            f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    body = [" ".join(map(str, v)) for v in vertices] + ["3 " + " ".join(map(str, f)) for f in faces]
+    (WORK / name).write_text(head + "\n".join(body) + "\n")
+
+
+# ---- Files ----
+
+class Shape:
+    """By the layout that docs/shapes.md has."""
+
+    def __init__(self, name):
+        saved = (WORK / name).read_bytes()
+        mark, kind, self.dimension, *rest = struct.unpack_from("<8s2I3II3ddQ", saved)
+        self.nodes, self.origin, self.cell, self.hash = rest[:3], rest[4:7], rest[7], rest[8]
+        assert mark == b"PBFSHAPE" and kind == 1 and rest[3] == 0
+        count = self.nodes[0] * self.nodes[1] * self.nodes[2]
+        self.values = struct.unpack_from(f"<{count}f", saved, 72)
+        assert len(saved) == 72 + 4 * count
+
+    def places(self):
+        """Each node's place and distance."""
+        nx, ny, _ = self.nodes
+        for n, value in enumerate(self.values):
+            yield [self.origin[k] + self.cell * i for k, i in enumerate((n % nx, n // nx % ny, n // nx // ny))], value
+
+
+def box_distance(p, half):
+    beyond = [abs(x) - h for x, h in zip(p, half)]
+    return math.hypot(*(max(b, 0) for b in beyond)) if max(beyond) > 0 else max(beyond)
+
+
+# ---- What is made ----
+
+def balls_have_their_distances():
+    radius, cell = 0.5, 0.05
+    mesh = sphere(radius)
+    off = 2 * radius * (1 - math.cos(math.pi / 64)) + 1e-6  # of faces from the sphere
+    for write, name in ((write_obj, "ball.obj"), (write_stl, "ball.stl"), (write_ply, "ball.ply")):
+        write(name, *mesh)
+        done = bake(name, name + ".pbfshape", "--cell", cell)
+        check(f"{name} is baked: {done.stderr}", done.returncode == 0)
+        shape = Shape(name + ".pbfshape")
+        worst = max(abs(value - (math.hypot(*p) - radius)) for p, value in shape.places())
+        check(f"{name}: {worst} off, of {off}", worst <= off and shape.cell == cell and shape.dimension == 3)
+        volume = float(re.search(r"volume ([\d.e+-]+)", done.stdout)[1])
+        check(f"{name}: volume {volume}", abs(volume / (4 / 3 * math.pi * radius**3) - 1) < 0.01)
+    a, b, c = (Shape(f"ball.{e}.pbfshape") for e in ("obj", "stl", "ply"))
+    check("formats agree", a.nodes == b.nodes == c.nodes and max(abs(x - y) + abs(x - z) for x, y, z in zip(a.values, b.values, c.values)) < 1e-6)
+
+
+def boxes_are_placed():
+    half = (0.1, 0.2, 0.3)
+    vertices, faces = box(half)
+    write_obj("box.obj", [(x + 1, y, z) for x, y, z in vertices], faces)
+    for options, middle, size in (((), (1, 0, 0), half), (("--scale", 2), (2, 0, 0), (0.2, 0.4, 0.6)),
+                                  (("--centre",), (0, 0, 0), half), (("--z-up",), (1, 0, 0), (0.1, 0.3, 0.2)),
+                                  (("--hull",), (1, 0, 0), half)):
+        done = bake("box.obj", "box.pbfshape", "--spacing", 0.05, *options)
+        check(f"box {options}: {done.stderr}", done.returncode == 0)
+        shape = Shape("box.pbfshape")
+        worst = max(abs(value - box_distance([x - m for x, m in zip(p, middle)], size)) for p, value in shape.places())
+        check(f"box {options}: {worst} off", worst < 1e-6 and shape.cell == 0.025)
+    bake("box.obj", "box.pbfshape", "--cells", 30)
+    check("cells along the longest side", abs(Shape("box.pbfshape").cell - 0.02) < 1e-9)
+    shown = bake("--show", "box.pbfshape")
+    check(f"a file is shown: {shown.stdout}", shown.returncode == 0 and "z from -0.3 to 0.3" in shown.stdout)
+
+
+def open_meshes_are_shells():
+    vertices, faces = box((0.2, 0.2, 0.2))
+    write_obj("open.obj", vertices, faces[2:])
+    refused("mesh is open: the edge", "open.obj", "open.pbfshape", "--cell", 0.02)
+    check("nothing is written", not (WORK / "open.pbfshape").exists())
+    done = bake("open.obj", "open.pbfshape", "--cell", 0.02, "--thickness", 0.04)
+    check(f"a shell: {done.stderr}", done.returncode == 0)
+    inside = [value for p, value in Shape("open.pbfshape").places() if math.hypot(*p) < 0.1]
+    check("a shell has room", min(inside) > 0.05)
+
+
+def collapsed_triangles_are_left_out():
+    vertices, faces = box((0.2, 0.2, 0.2))
+    write_obj("twice.obj", [*vertices, vertices[0]], [*faces, (0, 8, 1)])
+    done = bake("twice.obj", "twice.pbfshape", "--cell", 0.05)
+    check(f"a triangle of two places: {done.stderr}", done.returncode == 0 and "1 triangles with two corners" in done.stdout)
+
+
+# ---- What is refused ----
+
+def refused(words, *command, code=1):
+    done = bake(*command)
+    check(f"{command}: {done.returncode}, {done.stderr!r} without {words!r}",
+          done.returncode == code and words in done.stderr and done.stderr.startswith("pbf-bake: ") | (code == 2) and done.stderr.count("\n") <= 2)
+
+
+def what_is_no_solid_is_refused():
+    vertices, faces = box((0.2, 0.2, 0.2))
+    far = [(1e38, 0, 0), *vertices[1:]]
+    write_obj("far.obj", far, faces)
+    refused("must be between -1e30 and 1e30", "far.obj", "x.pbfshape", "--cell", 0.01)
+    write_obj("nan.obj", [(math.nan, 0, 0), *vertices[1:]], faces)
+    refused("vertices[", "nan.obj", "x.pbfshape", "--cell", 0.01)
+    write_ply("nan.ply", [(math.inf, 0, 0), *vertices[1:]], faces)
+    refused("nan.ply", "nan.ply", "x.pbfshape", "--cell", 0.01)
+    write_obj("cross.obj", [(0.9, 0.1, 0), *vertices[1:]], faces)
+    refused("crosses itself", "cross.obj", "x.pbfshape", "--cell", 0.01)
+    write_obj("ok.obj", vertices, faces)
+    refused("larger cells", "ok.obj", "x.pbfshape", "--cell", 1e-7)
+    refused("may be thinner than a cell", "ok.obj", "x.pbfshape", "--cell", 3)
+    refused("at least 1.5 cells", "ok.obj", "x.pbfshape", "--cell", 0.1, "--thickness", 0.1)
+    refused("can't be written", "ok.obj", "no/such/x.pbfshape", "--cell", 0.05)
+    refused("does not exist", "none.obj", "x.pbfshape", "--cell", 0.05)
+    refused("is a folder", ".", "x.pbfshape", "--cell", 0.05)
+    (WORK / "text.obj").write_text("no mesh at all\n")
+    refused("text.obj", "text.obj", "x.pbfshape", "--cell", 0.05)
+    (WORK / "cut.stl").write_bytes((WORK / "ball.stl").read_bytes()[:1000])
+    refused("cut.stl", "cut.stl", "x.pbfshape", "--cell", 0.05)
+    refused("cut short", "--show", "text.obj")
+    refused("--cell, --spacing or --cells is missing", "ok.obj", "x.pbfshape", code=2)
+    refused("a file to write is missing", "ok.obj", code=2)
+    refused("-1", "ok.obj", "x.pbfshape", "--cell", -1, code=2)
+    check("nothing is written", not (WORK / "x.pbfshape").exists())
+
+
+for left in WORK.glob("*.pbfshape"):
+    left.unlink()
+balls_have_their_distances()
+boxes_are_placed()
+open_meshes_are_shells()
+collapsed_triangles_are_left_out()
+what_is_no_solid_is_refused()
+sys.exit(1 if failures else 0)
