@@ -11,6 +11,7 @@
 #include "cuda/report.h"
 #include "cuda/small/host.h"
 #include "cuda/small/put_off.h"
+#include "physics/left_under_all.h"
 
 static void destroy_solver(solver *s) {
   {
@@ -397,9 +398,9 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   pbf_derived derived = s->derived;
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
-  s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->scene_capacity, s->most_left, 0,
-                                s->phases.count > 0);
+  s->schedule =
+      pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders, s->planned,
+                      s->scene_capacity, s->most_left, 0, s->phases.count > 0);
   note_standing(s);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, surfaces_of_step(s, 0));

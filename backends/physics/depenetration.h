@@ -6,8 +6,8 @@
 
 #include <pbf/pbf.h>
 
-/* The acceleration by which fluid weighs on other fluid: gravity's; without it the attraction's over
- * the domain's extent. */
+/* The acceleration by which fluid weighs on other fluid: gravity's; without it the attraction's
+ * over the domain's extent. */
 static inline double pbf_weight_of(const pbf_params *params, int dimension) {
   double g2 = 0, extent = 0;
   for (int k = 0; k < dimension; ++k) {

@@ -95,8 +95,7 @@ static inline pbf_settled pbf_settled_of(const pbf_params *params, uint32_t coll
     s.height = length;
     s.axis = k;
   }
-  s.depth =
-      fmax(s.height * fmin(part, 1), pbf_containers_depth(colliders, list, s.axis, s.fluid));
+  s.depth = fmax(s.height * fmin(part, 1), pbf_containers_depth(colliders, list, s.axis, s.fluid));
   return s;
 }
 
@@ -134,8 +133,8 @@ static inline pbf_params pbf_with_error_per_layer(const pbf_params *params, doub
 }
 
 /* Whether a grid is wanted in these steps, or was in those that left the most for each layer and
- * still has something to carry. Where it went sooner, the iterations would from one step to the next
- * have up to two and a half times as much to carry, and water at rest would jump. */
+ * still has something to carry. Where it went sooner, the iterations would from one step to the
+ * next have up to two and a half times as much to carry, and water at rest would jump. */
 static inline int pbf_depth_wants_grid(const pbf_params *params, pbf_basins *basins,
                                        uint32_t colliders, const pbf_collider *list, uint32_t count,
                                        double most) {

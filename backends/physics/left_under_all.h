@@ -20,8 +20,8 @@ static inline double pbf_settled_layers(const pbf_params *params, pbf_basins *ba
   return depth / pbf_derive_spacing(params);
 }
 
-/* What steps that leave `error` for each layer leave under all fluid at rest: all of that, or what a
- * grid leaves. */
+/* What steps that leave `error` for each layer leave under all fluid at rest: all of that, or what
+ * a grid leaves. */
 static inline double pbf_left_under_all(const pbf_params *params, pbf_basins *basins,
                                         uint32_t colliders, const pbf_collider *list,
                                         uint32_t count, double error, double most) {

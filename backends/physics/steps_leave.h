@@ -9,8 +9,8 @@
 #include "physics/spacing.h"
 
 /* The error that n iterations leave for each layer of fluid at rest that is above a particle. It
- * changes with the step, and as much with gravity and with n: g dt² / (n² d), measured under 8 to 16
- * layers, within a third from 1 to 4, and as in depth.h at 4. */
+ * changes with the step, and as much with gravity and with n: g dt² / (n² d), measured under 8 to
+ * 16 layers, within a third from 1 to 4, and as in depth.h at 4. */
 static inline double pbf_error_per_layer(const pbf_params *params, int dimension) {
   const double n = fmax(params->iterations, 1);
   return pbf_weight_of(params, dimension) * params->time_step * params->time_step /

@@ -44,16 +44,16 @@ static double change_of(const pbf_overlap_state *before, double time_step, doubl
  * that counts. */
 static int is_change(double change) { return change < 0.75 * 0.75 || change > 1 / (0.75 * 0.75); }
 
-/* Under all of the fluid, where steps leave so much for each layer; `unknown` where the backend does
- * not say, which is then a number for what is the same before and now. */
+/* Under all of the fluid, where steps leave so much for each layer; `unknown` where the backend
+ * does not say, which is then a number for what is the same before and now. */
 static double left_by(pbf_solver *solver, double error, double most, double unknown) {
   if (!solver->api.steps_leave) return error;
   const double left = error > 0 ? solver->api.steps_leave(solver->backend, error, most) : 0;
   return left < 0 ? unknown : left;
 }
 
-/* What is allowed for of a change of steps goes exponentially, and with it how far the error is from
- * what steps leave. */
+/* What is allowed for of a change of steps goes exponentially, and with it how far the error is
+ * from what steps leave. */
 static double reference_now(const pbf_solver *solver, double left) {
   const pbf_overlap_state *o = &solver->overlap;
   const double away = exp(-o->rate * (pbf_solver_time(solver) - o->since));

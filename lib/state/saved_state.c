@@ -102,10 +102,10 @@ static int is_overlap_sound(const pbf_snapshot_header *header) {
          is_size(o->error) && is_size(o->most) && is_size(o->left) && is_size(o->reference) &&
          isfinite(o->since) && is_size(o->rate) &&
          (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
-         (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
-                         isfinite(o->found.part) && o->found.part <= 1 &&
-                         is_size(o->found.before) && is_size(o->found.now) &&
-                         is_size(o->found.reference) && is_size(o->found.least)));
+         (!has_found ||
+          (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
+           isfinite(o->found.part) && o->found.part <= 1 && is_size(o->found.before) &&
+           is_size(o->found.now) && is_size(o->found.reference) && is_size(o->found.least)));
 }
 
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {

@@ -332,8 +332,8 @@ static double most_unrest(pbf_solver *s, double time_step) {
 }
 
 /* Lengths in sqrt(d / g). From 0.14 on such water gets a pressure grid, which leaves the iterations
- * two fifths of what they have without it: the tank of before moved at 0.10 to 0.20 sqrt(g d). Right
- * is 0; bars are 0.05, which is missed by nothing, and twice what it was before. */
+ * two fifths of what they have without it: the tank of before moved at 0.10 to 0.20 sqrt(g d).
+ * Right is 0; bars are 0.05, which is missed by nothing, and twice what it was before. */
 static void check_steps_across_grid(uint32_t dimension, uint32_t precision) {
   const double unit = sqrt(spacing / gravity);
   static const struct {
@@ -359,8 +359,8 @@ static void steps_across_a_grid_stir_nothing(void **state) {
   test_for_long_kinds(check_steps_across_grid);
 }
 
-/* What steps leave goes with the weight and with the iterations as well. Water at rest is at rest on
- * the Moon, too; with more iterations it moved at 0.23 sqrt(g d), on the Moon at 0.13. */
+/* What steps leave goes with the weight and with the iterations as well. Water at rest is at rest
+ * on the Moon, too; with more iterations it moved at 0.23 sqrt(g d), on the Moon at 0.13. */
 static void check_weights(uint32_t dimension, uint32_t precision) {
   static const struct {
     double weight;
@@ -388,8 +388,8 @@ static void weights_that_change_stir_nothing(void **state) {
   test_for_long_kinds(check_weights);
 }
 
-/* Without weight water at rest stays where it is but for what it moves at, however it was pressed: it
- * flew apart, to 1.7 times its height in two seconds. */
+/* Without weight water at rest stays where it is but for what it moves at, however it was pressed:
+ * it flew apart, to 1.7 times its height in two seconds. */
 static void check_pause(uint32_t dimension, uint32_t precision) {
   pbf_solver *s = pool(dimension, precision, 12, 1.0 / 120);
   assert_ok(pbf_step(s, 600));

@@ -66,9 +66,9 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
 /* What is allowed for where steps leave another error than before, such that pressure stays what it
  * is, and fluid at rest has no reason to move. Where they leave more it is below 0: what is to come
  * is borne before it is there. Two things tell what is not to be allowed for: the pressure so far,
- * and the error that there is. By the first alone what moves between steps that go by turns long and
- * short would add up; by the second alone waves would be pressure. What had been allowed for beyond
- * what steps leave is an overlap, and is kept. */
+ * and the error that there is. By the first alone what moves between steps that go by turns long
+ * and short would add up; by the second alone waves would be pressure. What had been allowed for
+ * beyond what steps leave is an overlap, and is kept. */
 PBF_FN pbf_real pbf_overlap_shifted(const pbf_overlap &found, pbf_real error, pbf_real allowed) {
   const pbf_real before = (pbf_real)found.before, pressed = pbf_real_max(error - allowed, 0);
   pbf_real kept = before > 0 ? pbf_real_min(error - pressed / before, allowed) : 0;

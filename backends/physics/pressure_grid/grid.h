@@ -304,11 +304,11 @@ typedef struct pbf_pressure_grid_source_scale {
 } pbf_pressure_grid_source_scale;
 
 /* The part of the forces' pressure that the grid carries, where the iterations alone would leave
- * `error` under all of the fluid and the forces push by `fastest` cells a step. In long steps, which
- * fall by a 36th of a cell and more, the weight of a cell's height is left to the iterations, too,
- * in shorter ones less of it: with too little, fluid of lambda's one sign spreads until it fills 1.4
- * times its volume. Where forces alone cross half a cell in a step, what the grid sees is not where
- * the fluid is. */
+ * `error` under all of the fluid and the forces push by `fastest` cells a step. In long steps,
+ * which fall by a 36th of a cell and more, the weight of a cell's height is left to the iterations,
+ * too, in shorter ones less of it: with too little, fluid of lambda's one sign spreads until it
+ * fills 1.4 times its volume. Where forces alone cross half a cell in a step, what the grid sees is
+ * not where the fluid is. */
 PBF_FN double pbf_pressure_grid_part(const pbf_pressure_grid *c, double error, double fastest) {
   double cell = c->error * fastest;
   double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
