@@ -62,21 +62,23 @@ static double reference_now(const pbf_solver *solver, double left) {
 }
 
 /* Of what steps have left, those that leave less are to make no velocity; and where they leave more
- * the fluid is not to fall until it is pressed together as far. */
-static void note_change(pbf_solver *solver, double change, double error) {
+ * the fluid is not to fall until it is pressed together as far. What would be pressed by more than
+ * a twentieth is not at rest: there the length of steps alone counts. */
+static void note_change(pbf_solver *solver, double time_step, double error) {
   const double most_parts = 64; /* of small errors that would be noise */
+  const double most_at_rest = 0.05;
   pbf_overlap_state *o = &solver->overlap;
   const double before = left_by(solver, o->error, o->most, o->left);
   const double now = left_by(solver, error, fmax(o->most, error), 0);
-  const double reference = reference_now(solver, before);
+  const double reference = reference_now(solver, before), ratio = time_step / o->time_step;
+  const int rests = reference > 0 && before <= most_at_rest && now <= most_at_rest;
   pbf_overlap *found = noted(solver);
-  const int weighs = reference > 0;
-  found->reference = weighs ? reference : 0;
-  found->before = weighs ? before / reference : 1;
-  found->now = weighs ? fmin(now / reference, most_parts) : error > 0 ? 1 : change;
-  found->least = now;
+  found->reference = rests ? reference : 0;
+  found->before = rests ? before / reference : 1;
+  found->now = fmin(rests ? now / reference : ratio * ratio, most_parts);
+  found->least = rests ? now : 0;
   found->part = found->before > 0 ? 1 - fmin(found->now / found->before, most_parts) : -1;
-  o->reference = weighs ? reference : now;
+  o->reference = rests ? reference : now;
   o->left = now;
 }
 
@@ -89,7 +91,7 @@ void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
   if (o->time_step > 0) {
     const double change = change_of(o, time_step, error);
     if (!is_change(change) && !pbf_is_more_than_ever(error, o->most)) return;
-    if (o->moved) note_change(solver, change, error);
+    if (o->moved) note_change(solver, time_step, error);
   } else {
     o->reference = o->left = left_by(solver, error, error, 0);
   }

@@ -343,7 +343,7 @@ static void check_steps_across_grid(uint32_t dimension, uint32_t precision) {
   } cases[] = {{12, 0.2, 0.1, 1}, {16, 0.06, 0.12, 0}, {16, 0.14, 0.07, 0}, {12, 0.1, 0.2, 1}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
     pbf_solver *s = pool(dimension, precision, cases[k].layers, cases[k].from * unit);
-    assert_ok(pbf_step(s, (uint32_t)(40 / cases[k].from)));
+    assert_ok(pbf_step(s, (uint32_t)(24 / cases[k].from)));
     const double bar = fmax(0.05, 2 * unrest_of(s));
     set_time_step(s, cases[k].to * unit);
     const double most = most_unrest(s, cases[k].to * unit);
