@@ -17,6 +17,7 @@
 #include "common/host_only.h"
 #include "common/memory.h"
 #include "common/without.h"
+#include "physics/left_under_all.h"
 #include "physics/loads.h"
 #include "physics/project.h"
 #include "physics/schedule.h"
@@ -35,7 +36,7 @@ template <class Solver>
 static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_derived *derived,
                                 uint32_t colliders, const pbf_collider *list, int overlaps) {
   return pbf_schedule_of(params, derived, &s->basins, colliders, list, s->planned, s->capacity,
-                         overlaps, &s->phases);
+                         s->most_left, overlaps, &s->phases);
 }
 
 /* ---- Room for colliders ---------------------------------------------------------------------- */
@@ -226,6 +227,27 @@ static pbf_status plan_for(Solver *s, uint32_t count) {
   s->schedule =
       schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
   return PBF_OK;
+}
+
+/* That may take memory where the steps are shorter than those before. */
+template <class Solver>
+static pbf_status plan_steps(Solver *s, double most) {
+  const double before = s->most_left;
+  s->most_left = most;
+  const pbf_schedule schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
+  const pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status == PBF_OK)
+    s->schedule = schedule;
+  else
+    s->most_left = before;
+  return status;
+}
+
+template <class Solver>
+static double steps_leave(Solver *s, double error, double most) {
+  return pbf_left_under_all(&s->params, &s->basins, s->collider_count, s->table.list, s->planned,
+                            error, most);
 }
 
 /* A step of no time, without what only steps need. */

@@ -343,4 +343,6 @@ const pbf_backend_api PBF_VARIANT_API = {
     .max_speed = max_speed_of_all,
     .get_loads = PBF_BUILT & PBF_FEATURE_LOADS ? get_loads<solver> : NULL,
     .set_phases = set_phases<solver>,
+    .plan_steps = plan_steps<solver>,
+    .steps_leave = steps_leave<solver>,
 };

@@ -121,7 +121,8 @@ struct pbf_backend_solver {
   uint32_t capacity, count;
   uint32_t local_capacity; /* particles that arrays have room for: capacity without ranks */
   ranks_state ranks;
-  uint32_t planned;    /* particles that the schedule is for */
+  uint32_t planned;    /* particles that the schedule is for, */
+  double most_left;    /* and the most that steps have left for each layer: plan_steps */
   uint32_t iterations; /* of the last step; changed and read only inside loops of the team */
   int over;            /* … and its solve has ended after them */
   struct buffers buffers;

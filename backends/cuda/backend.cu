@@ -11,6 +11,7 @@
 #include "cuda/report.h"
 #include "cuda/small/host.h"
 #include "cuda/small/put_off.h"
+#include "physics/left_under_all.h"
 
 static void destroy_solver(solver *s) {
   {
@@ -104,8 +105,9 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   pbf_constants constants = s->constants;
   derive_tables(params, &derived, &constants);
   constants.phases = pbf_phase_constants_of(&s->phases);
-  pbf_schedule schedule = pbf_schedule_of(params, &derived, &s->basins, count, colliders,
-                                          s->planned, s->scene_capacity, s->overlaps, &s->phases);
+  pbf_schedule schedule =
+      pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
+                      s->most_left, s->overlaps, &s->phases);
   if (const char *why = refusal_on_ranks(s, params, schedule)) {
     s->host->set_error(why);
     return PBF_ERROR_UNSUPPORTED;
@@ -397,7 +399,7 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
   s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->scene_capacity, 0, &s->phases);
+                                s->planned, s->scene_capacity, s->most_left, 0, &s->phases);
   note_standing(s);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, surfaces_of_step(s, 0));
@@ -442,12 +444,29 @@ static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->scene_capacity, s->overlaps, &s->phases);
+                      s->scene_capacity, s->most_left, s->overlaps, &s->phases);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
   s->schedule = schedule;
   return PBF_OK;
+}
+
+/* That may take memory where the steps are shorter than those before. */
+static pbf_status plan_steps(pbf_backend_solver *handle, double most) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  const double before = s->most_left;
+  s->most_left = most;
+  const pbf_status status = apply_params(s, &s->params, s->collider_count, s->colliders);
+  if (status != PBF_OK) s->most_left = before;
+  return status;
+}
+
+static double steps_leave(pbf_backend_solver *handle, double error, double most) {
+  solver *s = of(handle);
+  return pbf_left_under_all(&s->params, &s->basins, s->collider_count, s->colliders, s->planned,
+                            error, most);
 }
 
 static pbf_status synchronize(pbf_backend_solver *handle) {
@@ -661,4 +680,6 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     read_array,
     get_loads,
     set_phases,
+    plan_steps,
+    steps_leave,
 };

@@ -331,7 +331,7 @@ struct executor {
     const pbf_domain before =
         pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.close_phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
-    const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0};
+    const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0, nullptr, 0, 0, 0, 0};
     pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
     run(PBF_STAGE_OVERLAP, [&] {
       launch_held(mark_placed_kernel, s->found);

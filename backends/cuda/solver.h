@@ -69,7 +69,8 @@ struct solver {
   uint32_t scene_capacity; /* on ranks that of all, else the same */
   uint32_t first;          /* particle of the state in its arrays; above 0 on ranks alone */
   rank_state ranks;
-  uint32_t planned; /* particles that the schedule is for */
+  uint32_t planned; /* particles that the schedule is for, */
+  double most_left; /* and the most that steps have left for each layer: plan_steps */
   uint32_t worlds;  /* that run at once, this one of them; 0, 1: it is alone */
   point *points;    /* state */
   pbf_vec *velocities;

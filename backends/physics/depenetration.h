@@ -6,17 +6,22 @@
 
 #include <pbf/pbf.h>
 
-/* As the parameter says, or as fast as a fall by h / 2; without gravity as the attraction makes it
- * over the domain's extent; without that too a hundredth of h a step, for nothing else says what is
- * fast. */
-static inline double pbf_max_depenetration_speed_of(const pbf_params *params, int dimension) {
-  double h = params->smoothing_radius, g2 = 0, extent = 0;
-  if (params->max_depenetration_speed > 0) return params->max_depenetration_speed;
+/* The acceleration by which fluid weighs on other fluid: gravity's; without it the attraction's
+ * over the domain's extent. */
+static inline double pbf_weight_of(const pbf_params *params, int dimension) {
+  double g2 = 0, extent = 0;
   for (int k = 0; k < dimension; ++k) {
     g2 += params->gravity[k] * params->gravity[k];
     extent = fmax(extent, params->domain_max[k] - params->domain_min[k]);
   }
-  double g = fmax(sqrt(g2), fabs(params->attraction) * extent);
+  return fmax(sqrt(g2), fabs(params->attraction) * extent);
+}
+
+/* As the parameter says, or as fast as a fall by h / 2; without any weight a hundredth of h a step,
+ * for nothing else says what is fast. */
+static inline double pbf_max_depenetration_speed_of(const pbf_params *params, int dimension) {
+  double h = params->smoothing_radius, g = pbf_weight_of(params, dimension);
+  if (params->max_depenetration_speed > 0) return params->max_depenetration_speed;
   if (g > 0) return sqrt(g * h);
   return params->time_step > 0 ? 0.01 * h / params->time_step : 0;
 }

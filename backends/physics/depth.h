@@ -8,6 +8,7 @@
 #include "physics/basins.h"
 #include "physics/choices.h"
 #include "physics/derive.h"
+#include "physics/steps_leave.h"
 
 /* What is left of an error of this kind to the iterations, where a grid carries the rest: the
  * larger one of LEFT and SHARE (error - FROM). What they press on keeps its order: fluid whose
@@ -72,30 +73,45 @@ static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double d
          pbf_depth_error(params, head) > PBF_DEPTH_DEEP;
 }
 
-/* Whether `is_deep` holds once so many particles have settled in the domain, in a
- * container within it, or between other colliders, along the axis of the gravity's largest
- * component. What holds at a depth holds at a larger one. */
+/* Of so many particles, settled in the domain or in a container within it, along the axis of the
+ * gravity's largest component. */
+typedef struct pbf_settled {
+  double fluid;  /* the particles' volume */
+  double depth;  /* theirs */
+  double height; /* the domain's */
+  int axis;
+} pbf_settled;
+
+static inline pbf_settled pbf_settled_of(const pbf_params *params, uint32_t colliders,
+                                         const pbf_collider *list, uint32_t count) {
+  pbf_settled s = {(double)count, 0, 0, 0};
+  double part = count, largest = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
+    part *= pbf_derive_spacing(params) / length;
+    s.fluid *= pbf_derive_spacing(params);
+    if (!(g > largest)) continue;
+    largest = g;
+    s.height = length;
+    s.axis = k;
+  }
+  s.depth = fmax(s.height * fmin(part, 1), pbf_containers_depth(colliders, list, s.axis, s.fluid));
+  return s;
+}
+
+/* Whether `is_deep` holds for them there, or between other colliders. What holds at a depth holds
+ * at a larger one. */
 static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, int axis,
                                                     double depth),
                                      const pbf_params *params, pbf_basins *basins,
                                      uint32_t colliders, const pbf_collider *list, uint32_t count) {
-  double part = count, fluid = count, height = 0, largest = 0;
-  int axis = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
-    part *= pbf_derive_spacing(params) / length;
-    fluid *= pbf_derive_spacing(params);
-    if (!(g > largest)) continue;
-    largest = g;
-    height = length;
-    axis = k;
-  }
-  double depth = fmax(height * fmin(part, 1), pbf_containers_depth(colliders, list, axis, fluid));
-  if (is_deep(params, axis, depth)) return 1;
-  if (!is_deep(params, axis, height * (1 + 1e-9))) return 0; /* no basin is deeper */
-  if (!is_deep(params, axis, pbf_basins_deepest(basins, params, colliders, list, axis))) return 0;
+  const pbf_settled s = pbf_settled_of(params, colliders, list, count);
+  if (is_deep(params, s.axis, s.depth)) return 1;
+  if (!is_deep(params, s.axis, s.height * (1 + 1e-9))) return 0; /* no basin is deeper */
+  if (!is_deep(params, s.axis, pbf_basins_deepest(basins, params, colliders, list, s.axis)))
+    return 0;
   pbf_basins_find(basins, params);
-  return is_deep(params, axis, pbf_basins_depth(basins, fluid));
+  return is_deep(params, s.axis, pbf_basins_depth(basins, s.fluid));
 }
 
 /* Its cells end at walls: a domain that is periodic along any axis has none. */
@@ -109,17 +125,45 @@ static inline int pbf_depth_has_weight(const pbf_params *params) {
   return most > 0;
 }
 
+/* Whether there is something for a grid to carry at such a depth along the axis. */
+static inline int pbf_depth_is_beyond_left(const pbf_params *params, int axis, double depth) {
+  double head = fabs(params->gravity[axis]) * depth * params->time_step * params->time_step;
+  return pbf_depth_error(params, head) > PBF_DEPTH_LEFT;
+}
+
+/* Such parameters as leave this error for each layer, in place of those that leave another one. */
+static inline pbf_params pbf_with_error_per_layer(const pbf_params *params, double error) {
+  pbf_params other = *params;
+  other.time_step *= sqrt(error / pbf_error_per_layer(params, PBF_DIM));
+  return other;
+}
+
+/* Whether a grid is wanted in these steps, or was in those that left the most for each layer and
+ * still has something to carry. Where it went sooner, the iterations would from one step to the
+ * next have up to two and a half times as much to carry, and water at rest would jump. */
+static inline int pbf_depth_wants_grid(const pbf_params *params, pbf_basins *basins,
+                                       uint32_t colliders, const pbf_collider *list, uint32_t count,
+                                       double most) {
+  const double error = pbf_error_per_layer(params, PBF_DIM);
+  if (!(error > 0) || pbf_is_more_than_ever(error, most))
+    return pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count);
+  const pbf_params longest = pbf_with_error_per_layer(params, most);
+  return pbf_depth_could_be(pbf_depth_is_sheared, params, basins, colliders, list, count) ||
+         (pbf_depth_could_be(pbf_depth_is_beyond_left, params, basins, colliders, list, count) &&
+          pbf_depth_could_be(pbf_depth_is_deep, &longest, basins, colliders, list, count));
+}
+
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
- * have one where fewer have. Phases that are close (phases.h) have one however deep they are. */
+ * have one where fewer have. `most` is what steps have left for each layer, at most. Phases that
+ * are close (phases.h) have one however deep they are. */
 static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
                                     uint32_t colliders, const pbf_collider *list, uint32_t count,
-                                    int close_phases = 0) {
+                                    double most, int close_phases = 0) {
   if (!pbf_may_have_pressure_grid(params)) return 0;
   if (params->pressure_grid > 0) return params->pressure_grid;
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
-             (close_phases
-                  ? pbf_depth_has_weight(params)
-                  : pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count));
+             (close_phases ? pbf_depth_has_weight(params)
+                           : pbf_depth_wants_grid(params, basins, colliders, list, count, most));
   return deep ? PBF_DEPTH_WIDTH : 0;
 }
 

@@ -58,12 +58,13 @@ static inline int pbf_phases_correct_shear(const pbf_params *params) {
 
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
+ * `most` is what steps so far have left of an error for each layer, see pbf_depth_wants_grid.
  * `derived` is of the same parameters; `basins` are looked for where they are others than before.
  * `table`: of phases that differ, or null. */
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_derived *derived,
                                            pbf_basins *basins, uint32_t colliders,
                                            const pbf_collider *list, uint32_t count,
-                                           uint32_t capacity, int overlaps = 0,
+                                           uint32_t capacity, double most, int overlaps = 0,
                                            const pbf_phase_table *table = NULL) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
@@ -92,7 +93,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity),
+                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity), most,
                                    s.close_phases) > 0;
   s.may_correct_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
                         (phases ? pbf_phases_correct_shear(params)

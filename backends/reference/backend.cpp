@@ -252,4 +252,6 @@ const pbf_backend_api PBF_VARIANT_API = {
     .max_speed = max_speed,
     .get_loads = get_loads,
     .set_phases = set_phases<solver>,
+    .plan_steps = plan_steps<solver>,
+    .steps_leave = steps_leave<solver>,
 };

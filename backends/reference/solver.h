@@ -21,7 +21,8 @@ struct pbf_backend_solver {
   pbf_schedule schedule;
   pbf_basins basins; /* that the schedule has asked about last */
   uint32_t capacity, count;
-  uint32_t planned;    /* particles that the schedule is for */
+  uint32_t planned;    /* particles that the schedule is for, */
+  double most_left;    /* and the most that steps have left for each layer: plan_steps */
   uint32_t iterations; /* of the last step */
   pbf_vec *x, *v;      /* state */
   pbf_vec *predicted;  /* where x* starts */

@@ -180,7 +180,10 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
     sums.gradient = lanes_of(gradient);
     add_ghosts(s, pass, o, s->moved, {}, {}, i, &sums);
     pbf_real residual_density = s->residual_density ? s->residual_density[i] : 0;
-    if (s->overlap) residual_density = pbf_real_max(residual_density, s->overlap[i]);
+    if (s->overlap && s->residual_density)
+      residual_density = pbf_real_max(residual_density, s->overlap[i]);
+    else if (s->overlap)
+      residual_density = s->overlap[i];
     const pbf_real lambda = pass.finish(sums, residual_density);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
       error_units += pbf_error_units(c, residual_density, sums.density);

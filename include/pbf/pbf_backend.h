@@ -187,6 +187,11 @@ typedef struct pbf_overlap {
                                      most 1 */
   const uint64_t *more_colliders; /* … and of each 64 after them; null where there are no more, and
                                      valid during the call */
+  double reference;   /* the error under all fluid at rest that there is, as far as steps
+                         have left it, … */
+  double before, now; /* … and the parts of it that steps left so far, and leave now;
+                         where steps are as before `part` is 0, and these say nothing */
+  double least;       /* what is allowed for may be so far below 0 */
 } pbf_overlap;
 
 typedef struct pbf_backend_solver pbf_backend_solver;
@@ -307,6 +312,13 @@ struct pbf_backend_api {
    * PBF_BACKEND_FIELD_PHASE is written. Null: they are alike. Wakes all. While
    * there is a table, parameters are without what phases.h says is refused. */
   pbf_status (*set_phases)(pbf_backend_solver *solver, const pbf_phase_table *table);
+
+  /* Optional, both or none: the most that steps so far have left of an error for each layer of
+   * fluid at rest (physics/steps_leave.h), by which the backend chooses what runs, too; 0 until it
+   * is called. And what steps that leave so much for each layer leave under all of the fluid, after
+   * those that have left `most`; below 0 where parameters do not tell, for nothing has weight. */
+  pbf_status (*plan_steps)(pbf_backend_solver *solver, double most);
+  double (*steps_leave)(pbf_backend_solver *solver, double error, double most);
 };
 
 /* What the plugin answers. */

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "backend_call.h"
-#include "physics/depenetration.h"
+#include "physics/steps_leave.h"
 #include "solver_time.h"
 
 /* Before the first step nothing has moved: pre-stabilization sees to what is placed then. */
@@ -32,29 +32,74 @@ void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *coll
   o->colliders = placed.first;
 }
 
-/* What steps leave of a density error at rest is as their length squared. Of what longer ones have
- * left the shorter ones are to make no velocity, and what is allowed for of that is what the longer
- * ones leave again. */
-static double part_of_other_step(double before, double now) {
-  const double ratio = now / before, all = -1e6;
-  return fmax(1 - ratio * ratio, all);
+/* The error that steps leave now over that before. Where nothing weighs on the fluid it is as the
+ * length of steps squared. */
+static double change_of(const pbf_overlap_state *before, double time_step, double error) {
+  if (before->error > 0) return error / before->error;
+  const double ratio = time_step / before->time_step;
+  return error > 0 ? HUGE_VAL : ratio * ratio;
 }
 
 /* Steps that differ by less than a fourth are as good as equal. So many small changes add up to one
  * that counts. */
-static int is_another_step(const pbf_solver *solver, double time_step) {
-  const double before = solver->overlap.time_step;
-  if (time_step > before) return !(solver->overlap.end > 0) || 0.75 * time_step > before;
-  return time_step < 0.75 * before;
+static int is_change(double change) { return change < 0.75 * 0.75 || change > 1 / (0.75 * 0.75); }
+
+/* Under all of the fluid, where steps leave so much for each layer; `unknown` where the backend
+ * does not say, which is then a number for what is the same before and now. */
+static double left_by(pbf_solver *solver, double error, double most, double unknown) {
+  if (!solver->api.steps_leave) return error;
+  const double left = error > 0 ? solver->api.steps_leave(solver->backend, error, most) : 0;
+  return left < 0 ? unknown : left;
+}
+
+/* What is allowed for of a change of steps goes exponentially, and with it how far the error is
+ * from what steps leave. */
+static double reference_now(const pbf_solver *solver, double left) {
+  const pbf_overlap_state *o = &solver->overlap;
+  const double away = exp(-o->rate * (pbf_solver_time(solver) - o->since));
+  if (!(o->left > 0)) return left + (o->reference - left) * away;
+  return left * (1 + (o->reference / o->left - 1) * away);
+}
+
+/* Of what steps have left, those that leave less are to make no velocity; and where they leave more
+ * the fluid is not to fall until it is pressed together as far. What would be pressed by more than
+ * a twentieth is not at rest: there the length of steps alone counts. */
+static void note_change(pbf_solver *solver, double time_step, double error) {
+  const double most_parts = 64; /* of small errors that would be noise */
+  const double most_at_rest = 0.05;
+  pbf_overlap_state *o = &solver->overlap;
+  const double before = left_by(solver, o->error, o->most, o->left);
+  const double now = left_by(solver, error, fmax(o->most, error), 0);
+  const double reference = reference_now(solver, before), ratio = time_step / o->time_step;
+  const int rests = reference > 0 && before <= most_at_rest && now <= most_at_rest;
+  pbf_overlap *found = noted(solver);
+  found->reference = rests ? reference : 0;
+  found->before = rests ? before / reference : 1;
+  found->now = fmin(rests ? now / reference : ratio * ratio, most_parts);
+  found->least = rests ? now : 0;
+  found->part = found->before > 0 ? 1 - fmin(found->now / found->before, most_parts) : -1;
+  o->reference = rests ? reference : now;
+  o->left = now;
 }
 
 void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
-  const double before = solver->overlap.time_step;
-  if (before > 0 && !is_another_step(solver, time_step)) return;
-  const int allows = time_step < before || solver->overlap.end > 0;
-  if (before > 0 && solver->overlap.moved && allows)
-    noted(solver)->part = part_of_other_step(before, time_step);
-  solver->overlap.time_step = time_step;
+  pbf_overlap_state *o = &solver->overlap;
+  pbf_params params = solver->params;
+  params.time_step = time_step;
+  const int dimension = (int)solver->kind.dimension;
+  const double error = pbf_error_per_layer(&params, dimension);
+  if (o->time_step > 0) {
+    const double change = change_of(o, time_step, error);
+    if (!is_change(change) && !pbf_is_more_than_ever(error, o->most)) return;
+    if (o->moved) note_change(solver, time_step, error);
+  } else {
+    o->reference = o->left = left_by(solver, error, error, 0);
+  }
+  o->since = pbf_solver_time(solver);
+  o->rate = 5 * pbf_overlap_rate(&params, dimension);
+  o->time_step = time_step;
+  o->error = error;
+  o->most = fmax(o->most, error);
 }
 
 void pbf_overlap_note_walls(pbf_solver *solver) {
@@ -81,13 +126,22 @@ pbf_status pbf_overlap_forget(pbf_solver *solver) {
   return tell(solver, NULL);
 }
 
+static pbf_status tell_most(pbf_solver *solver, double most) {
+  if (most == solver->most_there || !solver->api.plan_steps) return PBF_OK;
+  pbf_status status = solver->api.plan_steps(solver->backend, most);
+  if (status == PBF_OK) solver->most_there = most;
+  return pbf_backend_result(solver, status, "plan_steps");
+}
+
 pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *overlap) {
   static const pbf_overlap none = {.struct_size = sizeof none, .first_id = 1};
+  pbf_status status = tell_most(solver, overlap->most);
+  if (status != PBF_OK) return status;
   if (!solver->api.set_overlap) return PBF_OK;
   return tell(solver, overlap->end > 0 ? &none : NULL);
 }
 
-pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
+static pbf_status tell_overlap(pbf_solver *solver, uint32_t *steps) {
   double now = pbf_solver_time(solver);
   if (!solver->api.set_overlap) return PBF_OK;
   if (solver->params.solver != PBF_SOLVER_CHEBYSHEV) return pbf_overlap_forget(solver);
@@ -105,4 +159,9 @@ pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
   /* At least one: a time that is lost in rounding would else be waited for without a step. */
   if (solver->overlap.end > 0 && left < *steps) *steps = left > 1 ? (uint32_t)ceil(left) : 1;
   return PBF_OK;
+}
+
+pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
+  pbf_status status = tell_overlap(solver, steps);
+  return status == PBF_OK ? tell_most(solver, solver->overlap.most) : status;
 }

@@ -14,7 +14,13 @@ enum { PBF_FIELD_COUNT = PBF_FIELD_PRESSURE + 1 };
 typedef struct pbf_overlap_state {
   pbf_overlap found; /* placed since the last step; struct_size 0: nothing */
   double end;        /* when nothing is left of what was placed before it; 0: nothing was */
-  double time_step;  /* the last one's; 0: there was none */
+  double time_step;  /* of the last step, or of one before it that was much alike; 0: none yet */
+  double error;      /* that it left for each layer of fluid at rest: physics/steps_leave.h; */
+  double most;       /* that any step has left, */
+  double left;       /* and it under all of the fluid */
+  double reference;  /* as much as it would have left of the error that there was at `since`, … */
+  double since;      /* … and which comes to be `left` … */
+  double rate;       /* … exponentially */
   uint32_t moved;    /* 1: steps have moved the particles that there are */
   uint32_t reserved; /* 0 */
 } pbf_overlap_state;
@@ -108,7 +114,8 @@ struct pbf_solver {
 
   uint32_t count;
   uint32_t planned;       /* particles that the last step's plan was for, see plan.h */
-  uint32_t planned_there; /* the same as the backend knows it */
+  uint32_t planned_there; /* the same as the backend knows it, … */
+  double most_there;      /* … and overlap.most */
   uint64_t next_id;
   uint32_t *ids; /* ascending, `capacity` long; null while they are 0 … count - 1 */
 

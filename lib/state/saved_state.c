@@ -93,14 +93,19 @@ static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *
   return pbf_struct_in(kind, stored, ours);
 }
 
+static int is_size(double number) { return isfinite(number) && number >= 0; }
+
 static int is_overlap_sound(const pbf_snapshot_header *header) {
   const pbf_overlap_state *o = &header->overlap;
   int has_found = o->found.struct_size != 0;
-  return o->moved <= 1 && o->reserved == 0 && isfinite(o->end) && o->end >= 0 &&
-         isfinite(o->time_step) && o->time_step >= 0 &&
+  return o->moved <= 1 && o->reserved == 0 && is_size(o->end) && is_size(o->time_step) &&
+         is_size(o->error) && is_size(o->most) && is_size(o->left) && is_size(o->reference) &&
+         isfinite(o->since) && is_size(o->rate) &&
          (header->kept >> PBF_KEPT_OVERLAP & 1) == (o->end > 0) &&
-         (!has_found || (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
-                         isfinite(o->found.part) && o->found.part <= 1));
+         (!has_found ||
+          (o->found.struct_size == sizeof o->found && o->found.walls <= 1 &&
+           isfinite(o->found.part) && o->found.part <= 1 && is_size(o->found.before) &&
+           is_size(o->found.now) && is_size(o->found.reference) && is_size(o->found.least)));
 }
 
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {

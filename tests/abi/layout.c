@@ -370,7 +370,7 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_overlap, 40);
+SIZE(pbf_overlap, 72);
 AT(pbf_overlap, struct_size, 0);
 AT(pbf_overlap, walls, 4);
 AT(pbf_overlap, first_id, 8);
@@ -378,6 +378,10 @@ AT(pbf_overlap, last_id, 12);
 AT(pbf_overlap, colliders, 16);
 AT(pbf_overlap, part, 24);
 AT(pbf_overlap, more_colliders, 32);
+AT(pbf_overlap, reference, 40);
+AT(pbf_overlap, before, 48);
+AT(pbf_overlap, now, 56);
+AT(pbf_overlap, least, 64);
 
 SIZE(pbf_backend_array, 32);
 AT(pbf_backend_array, struct_size, 0);
@@ -387,7 +391,7 @@ AT(pbf_backend_array, reserved, 12);
 AT(pbf_backend_array, data, 16);
 AT(pbf_backend_array, owner, 24);
 
-SIZE(pbf_backend_api, 248);
+SIZE(pbf_backend_api, 264);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -420,6 +424,8 @@ AT(pbf_backend_api, release_array, 216);
 AT(pbf_backend_api, read_array, 224);
 AT(pbf_backend_api, get_loads, 232);
 AT(pbf_backend_api, set_phases, 240);
+AT(pbf_backend_api, plan_steps, 248);
+AT(pbf_backend_api, steps_leave, 256);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

@@ -302,6 +302,143 @@ static void steps_that_change_stir_nothing(void **state) {
   test_for_long_kinds(check_changing_steps);
 }
 
+/* Water of so many layers, in a tank 14 wide. */
+static pbf_solver *pool(uint32_t dimension, uint32_t precision, uint32_t layers, double time_step) {
+  const block water = {{0}, {14, layers, 8}};
+  pbf_params params = params_of(dimension, time_step, 0.7, 3);
+  params.domain_max[2] = dimension == 3 ? 0.4 : 1;
+  const pbf_desc desc = test_desc(dimension, precision, 4000);
+  pbf_solver *s = test_create(&desc, &params);
+  add(s, dimension, precision, &water, (double[]){0, 0, 0});
+  return s;
+}
+
+static int has_grid(pbf_solver *s) {
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_ok(pbf_get_plan(s, &plan));
+  for (uint32_t k = 0; k < plan.stage_count; ++k)
+    if (strcmp(plan.stages[k].name, "pressure grid") == 0) return plan.stages[k].runs_per_step > 0;
+  return 0;
+}
+
+/* Of all speeds, in the time that a fall by seven spacings takes. */
+static double most_unrest(pbf_solver *s, double time_step) {
+  double most = 0;
+  for (double time = 0; time < 0.25; time += time_step) {
+    assert_ok(pbf_step(s, 1));
+    most = fmax(most, unrest_of(s));
+  }
+  return most;
+}
+
+/* Lengths in sqrt(d / g). From 0.14 on such water gets a pressure grid, which leaves the iterations
+ * two fifths of what they have without it: the tank of before moved at 0.10 to 0.20 sqrt(g d).
+ * Right is 0; bars are 0.05, which is missed by nothing, and twice what it was before. */
+static void check_steps_across_grid(uint32_t dimension, uint32_t precision) {
+  const double unit = sqrt(spacing / gravity);
+  static const struct {
+    uint32_t layers;
+    double from, to;
+    int grid; /* after that */
+  } cases[] = {{12, 0.2, 0.1, 1}, {16, 0.06, 0.12, 0}, {16, 0.14, 0.07, 0}, {12, 0.1, 0.2, 1}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+    pbf_solver *s = pool(dimension, precision, cases[k].layers, cases[k].from * unit);
+    assert_ok(pbf_step(s, (uint32_t)(24 / cases[k].from)));
+    const double bar = fmax(0.05, 2 * unrest_of(s));
+    set_time_step(s, cases[k].to * unit);
+    const double most = most_unrest(s, cases[k].to * unit);
+    if (!(most <= bar))
+      fail_msg("%uD, case %zu: %g sqrt(g d), at most %g", dimension, k, most, bar);
+    if (has_grid(s) != cases[k].grid) fail_msg("%uD, case %zu: grid", dimension, k);
+    pbf_destroy(s);
+  }
+}
+
+static void steps_across_a_grid_stir_nothing(void **state) {
+  (void)state;
+  test_for_long_kinds(check_steps_across_grid);
+}
+
+/* What steps leave goes with the weight and with the iterations as well. Water at rest is at rest
+ * on the Moon, too; with more iterations it moved at 0.23 sqrt(g d), on the Moon at 0.13. */
+static void check_weights(uint32_t dimension, uint32_t precision) {
+  static const struct {
+    double weight;
+    uint32_t iterations;
+    double bar;
+  } cases[] = {{1.0 / 6, 4, 0.05}, {2.5, 4, 0.06}, {1, 8, 0.11}, {1, 40, 0.11}};
+  const double time_step = 1.0 / 120;
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+    pbf_solver *s = pool(dimension, precision, 12, time_step);
+    pbf_params params = {.struct_size = sizeof params};
+    assert_ok(pbf_step(s, 400));
+    assert_ok(pbf_get_params(s, &params));
+    params.gravity[1] *= cases[k].weight;
+    params.iterations = cases[k].iterations;
+    assert_ok(pbf_set_params(s, &params));
+    const double most = most_unrest(s, time_step);
+    if (!(most <= cases[k].bar))
+      fail_msg("%uD, case %zu: %g sqrt(g d), at most %g", dimension, k, most, cases[k].bar);
+    pbf_destroy(s);
+  }
+}
+
+static void weights_that_change_stir_nothing(void **state) {
+  (void)state;
+  test_for_long_kinds(check_weights);
+}
+
+/* Without weight water at rest stays where it is but for what it moves at, however it was pressed:
+ * it flew apart, to 1.7 times its height in two seconds. */
+static void check_pause(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = pool(dimension, precision, 12, 1.0 / 120);
+  assert_ok(pbf_step(s, 600));
+  const double level = stats_of(s).center_of_mass[1], speed = unrest_of(s);
+  pbf_params params = {.struct_size = sizeof params};
+  assert_ok(pbf_get_params(s, &params));
+  params.gravity[1] = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_ok(pbf_step(s, 120));
+  const double way = 1.0 * speed * sqrt(gravity * spacing);
+  assert_true(fabs(stats_of(s).center_of_mass[1] - level) <= way + 0.02 * spacing);
+  if (!(unrest_of(s) <= 1.1 * speed + 0.002)) fail_msg("%g after %g", unrest_of(s), speed);
+  pbf_destroy(s);
+}
+
+static void a_pause_without_gravity_moves_nothing(void **state) {
+  (void)state;
+  test_for_long_kinds(check_pause);
+}
+
+/* Which steps there have been decides whether there is a grid, and is in a saved state: the same
+ * bits go on, in a solver of another capacity, too. */
+static void a_saved_grid_goes_on(void **state) {
+  (void)state;
+  const double unit = sqrt(spacing / gravity);
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    uint64_t size, hash, other_hash;
+    if (!test_has_kind(dimension, PBF_FLOAT32)) continue;
+    pbf_solver *s = pool(dimension, PBF_FLOAT32, 12, 0.2 * unit);
+    assert_ok(pbf_step(s, 20));
+    set_time_step(s, 0.1 * unit);
+    assert_ok(pbf_step(s, 3));
+    void *saved = test_save(s, &size);
+    pbf_params params = params_of(dimension, 0.1 * unit, 0.7, 3);
+    const pbf_desc desc = test_desc(dimension, PBF_FLOAT32, 9000);
+    pbf_solver *other = test_create(&desc, &params);
+    assert_ok(pbf_load(other, saved, size));
+    assert_ok(pbf_step(s, 7));
+    for (int k = 0; k < 7; ++k) assert_ok(pbf_step(other, 1));
+    assert_true(has_grid(s) && has_grid(other));
+    assert_ok(pbf_hash(s, &hash));
+    assert_ok(pbf_hash(other, &other_hash));
+    assert_int_equal(hash, other_hash);
+    free(saved);
+    pbf_destroy(other);
+    pbf_destroy(s);
+  }
+}
+
 /* ---- What is left of an overlap is part of the state ----------------------------------------- */
 
 /* In all, longer than any overlap lasts. */
@@ -337,6 +474,10 @@ int main(void) {
       cmocka_unit_test(what_is_added_upon_others_is_not_thrown),
       cmocka_unit_test(a_long_step_throws_nothing),
       cmocka_unit_test(steps_that_change_stir_nothing),
+      cmocka_unit_test(steps_across_a_grid_stir_nothing),
+      cmocka_unit_test(weights_that_change_stir_nothing),
+      cmocka_unit_test(a_pause_without_gravity_moves_nothing),
+      cmocka_unit_test(a_saved_grid_goes_on),
       cmocka_unit_test(a_saved_overlap_goes_on),
   };
   return TEST_RUN(tests);

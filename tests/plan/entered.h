@@ -378,7 +378,7 @@ static uint64_t bytes_of(const fluid *f, int features) {
   const pbf_derived derived = pbf_derive(&params, PBF_DIM);
   static pbf_basins basins;
   const pbf_schedule has = pbf_schedule_of(&params, &derived, &basins, features & COLLIDERS ? 1 : 0,
-                                           &collider, COUNT, COUNT);
+                                           &collider, COUNT, COUNT, 0);
   return wanted_bytes(f->solver, has, params);
 }
 

@@ -63,18 +63,31 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
   return id >= found.first_id && id <= found.last_id;
 }
 
+/* What is allowed for where steps leave another error than before, such that pressure stays what it
+ * is, and fluid at rest has no reason to move. Where they leave more it is below 0: what is to come
+ * is borne before it is there. Two things tell what is not to be allowed for: the pressure so far,
+ * and the error that there is. By the first alone what moves between steps that go by turns long
+ * and short would add up; by the second alone waves would be pressure. What had been allowed for
+ * beyond what steps leave is an overlap, and is kept. */
+PBF_FN pbf_real pbf_overlap_shifted(const pbf_overlap &found, pbf_real error, pbf_real allowed) {
+  const pbf_real before = (pbf_real)found.before, pressed = pbf_real_max(error - allowed, 0);
+  pbf_real kept = before > 0 ? pbf_real_min(error - pressed / before, allowed) : 0;
+  if (!(kept > (pbf_real)found.reference)) kept = 0;
+  const pbf_real by_error = (error - kept) * (pbf_real)found.now;
+  const pbf_real by_pressure = before > 0 ? pressed * (pbf_real)(1 - found.part) : by_error;
+  const pbf_real shifted = error - (by_error + by_pressure) / 2;
+  return pbf_real_max(shifted, (pbf_real)-found.least);
+}
+
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
  * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
- * all of its error. Of all others it takes over what another length of the step adds to the error
- * that is not allowed for: a part of that, below 0 where steps become longer, and as much comes
- * back out of what had been allowed for. Allowance and error then stay together what they are, and
- * fluid at rest has no reason to move. */
+ * all of its error. */
 PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found, uint32_t id,
                                   pbf_real density, pbf_real placed_density, pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
   if (pbf_is_placed(found, id)) return pbf_real_max(before, error);
-  const pbf_real shift = (pbf_real)found.part * pbf_real_max(error - before, 0);
-  const pbf_real shifted = pbf_real_max(before + shift, 0);
+  const pbf_real shifted =
+      found.part < 0 || found.part > 0 ? pbf_overlap_shifted(found, error, before) : before;
   if (!(placed_density > 0)) return shifted;
   return pbf_real_max(shifted, pbf_real_min(error, before + placed_density));
 }
@@ -85,7 +98,8 @@ PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &fou
  * the ways of all layers add up to the surface's. */
 PBF_FN pbf_real pbf_overlap_left(pbf_real decay, pbf_real overlap) {
   const pbf_real goes = pbf_real_min(pbf_real_max(overlap, 1), 5 * overlap);
-  return pbf_real_max(overlap - decay * goes, 0);
+  const pbf_real left = overlap - decay * goes;
+  return overlap > 0 ? pbf_real_max(left, 0) : pbf_real_min(left, 0);
 }
 
 #endif

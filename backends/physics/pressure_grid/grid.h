@@ -303,11 +303,23 @@ typedef struct pbf_pressure_grid_source_scale {
   int longest;  /* run of nodes along an axis, at most */
 } pbf_pressure_grid_source_scale;
 
+/* The part of the forces' pressure that the grid carries, where the iterations alone would leave
+ * `error` under all of the fluid and the forces push by `fastest` cells a step. In long steps,
+ * which fall by a 36th of a cell and more, the weight of a cell's height is left to the iterations,
+ * too, in shorter ones less of it: with too little, fluid of lambda's one sign spreads until it
+ * fills 1.4 times its volume. Where forces alone cross half a cell in a step, what the grid sees is
+ * not where the fluid is. */
+PBF_FN double pbf_pressure_grid_part(const pbf_pressure_grid *c, double error, double fastest) {
+  double cell = c->error * fastest;
+  double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
+  left = pbf_lesser(left, pbf_greater(c->max_left * error, c->left_cells * cell));
+  left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
+  if (!(error > left && fastest < 0.5)) return 0;
+  return (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
+}
+
 /* Errors go as fast as the fluid could fall through its depth: a faster share throws it up, a
- * slower one is not heard. In long steps, which fall by a 36th of a cell and more, the weight of a
- * cell's height is left to the iterations, too, in shorter ones less of it: with too little, fluid
- * of lambda's one sign spreads until it fills 1.4 times its volume. Where forces alone cross half a
- * cell in a step, what the grid sees is not where the fluid is. */
+ * slower one is not heard. */
 PBF_FN pbf_pressure_grid_source_scale
 pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure_grid_extent *e) {
   pbf_pressure_grid_source_scale source_scale = {0, 0, 1};
@@ -321,13 +333,8 @@ pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure
     fastest = pbf_greater(fastest, push);
     if (cells >= source_scale.longest) source_scale.longest = cells + 1;
   }
-  double error = c->error * head, cell = c->error * fastest;
-  double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
-  left = pbf_lesser(left, pbf_greater(c->max_left * error, c->left_cells * cell));
-  left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
-  if (!(error > left && fastest < 0.5)) return source_scale;
-  source_scale.part = (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
-  source_scale.share = fastest / sqrt(head);
+  source_scale.part = pbf_pressure_grid_part(c, c->error * head, fastest);
+  if (source_scale.part > 0) source_scale.share = fastest / sqrt(head);
   return source_scale;
 }
 
