@@ -6,7 +6,7 @@
 
 #include "check.h"
 #include "error.h"
-#include "params.h"
+#include "physics/spacing.h"
 
 static const double max_ratio = 1000;
 
