@@ -316,7 +316,8 @@ struct pbf_backend_api {
   /* Optional, both or none: the most that steps so far have left of an error for each layer of
    * fluid at rest (physics/steps_leave.h), by which the backend chooses what runs, too; 0 until it
    * is called. And what steps that leave so much for each layer leave under all of the fluid, after
-   * those that have left `most`; below 0 where parameters do not tell, for nothing has weight. */
+   * those that have left `most`; below 0 where it is not known: nothing has weight, or phases
+   * differ. */
   pbf_status (*plan_steps)(pbf_backend_solver *solver, double most);
   double (*steps_leave)(pbf_backend_solver *solver, double error, double most);
 };
