@@ -25,6 +25,7 @@ static inline double pbf_settled_layers(const pbf_params *params, pbf_basins *ba
 static inline double pbf_left_under_all(const pbf_params *params, pbf_basins *basins,
                                         uint32_t colliders, const pbf_collider *list,
                                         uint32_t count, double error, double most) {
+  if (!(PBF_BUILT & PBF_FEATURE_CHEBYSHEV)) return -1; /* no overlap is undone */
   if (!(pbf_error_per_layer(params, PBF_DIM) > 0)) return -1;
   const pbf_params p = pbf_with_error_per_layer(params, error);
   const double layers = pbf_settled_layers(&p, basins, colliders, list, count);

@@ -17,9 +17,10 @@
  * Phases are part of saved states, and of pbf_hash where there are any.
  *
  * Where they differ there is a shear_stress_correction by default however shallow the fluid, and a
- * pressure_grid where the lightest has more than a third of the heaviest's rest_density and h is less
- * than 2.55 spacings: without, a fluid that is a little lighter stays where it is. Refused, with a sentence, are other grids,
- * surface_tension, and viscosity with PBF_SOLVER_JACOBI. docs/fluids.md says how well it holds.
+ * pressure_grid where the lightest has more than a third of the heaviest's rest_density and h is
+ * less than 2.55 spacings: without, a fluid that is a little lighter stays where it is. Refused,
+ * with a sentence, are other grids, surface_tension, and viscosity with PBF_SOLVER_JACOBI.
+ * docs/fluids.md says how well it holds.
  */
 #ifndef PBF_PHASES_H
 #define PBF_PHASES_H

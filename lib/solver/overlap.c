@@ -72,14 +72,15 @@ static void note_change(pbf_solver *solver, double time_step, double error) {
   const double now = left_by(solver, error, fmax(o->most, error), 0);
   const double reference = reference_now(solver, before), ratio = time_step / o->time_step;
   const int rests = reference > 0 && before <= most_at_rest && now <= most_at_rest;
+  o->reference = rests ? reference : now;
+  o->left = now;
+  if (!rests && !is_change(ratio * ratio)) return;
   pbf_overlap *found = noted(solver);
   found->reference = rests ? reference : 0;
   found->before = rests ? before / reference : 1;
   found->now = fmin(rests ? now / reference : ratio * ratio, most_parts);
   found->least = rests ? now : 0;
   found->part = found->before > 0 ? 1 - fmin(found->now / found->before, most_parts) : -1;
-  o->reference = rests ? reference : now;
-  o->left = now;
 }
 
 void pbf_overlap_note_step(pbf_solver *solver, double time_step) {

@@ -284,7 +284,7 @@ void parameters_that_do_not_agree_are_refused_with_their_place(void **) {
   expect_contains(grid, "objects.json:2:");
   expect_contains(grid, "pressure_grid");
   expect_contains(
-      refusal(R"("phases": [{}, {"rest_density": 0.5}])", "", 3, R"("pressure_grid": 2)"),
+      refusal(R"("phases": [{}, {"rest_density": 0.25}])", "", 3, R"("pressure_grid": 2)"),
       "objects.json:4:");
   expect_contains(refusal(some, "", 3, R"("periodic": ["x"], "smoothing_radius": 0.3)"),
                   "params.periodic");
