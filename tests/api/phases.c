@@ -162,10 +162,10 @@ static double parted(const fluid *f) {
   return (mean_height(f, 1) - mean_height(f, 0)) / (0.5 * spacing * f->size[1]);
 }
 
-/* Fluid of 0.5 on the floor comes up, all but a tenth, and less than a fifth of its lowest layer, of
- * which one particle in 2D is a sixteenth: walls that hold a layer by its distance alone, and pairs
- * that carry the whole pressure, leave nine tenths of that. In 3D 0.8 turns over, which they would
- * not let move; of its lowest layer up to a fifth stays. */
+/* Fluid of 0.5 on the floor comes up, all but a tenth, and less than a fifth of its lowest layer,
+ * of which one particle in 2D is a sixteenth: walls that hold a layer by its distance alone, and
+ * pairs that carry the whole pressure, leave nine tenths of that. In 3D 0.8 turns over, which they
+ * would not let move; of its lowest layer up to a fifth stays. */
 static void check_sort_of(uint32_t dimension, uint32_t precision, double light, uint32_t steps) {
   const uint32_t size[3] = {dimension == 3 ? 8 : 16, 8, dimension == 3 ? 8 : 1};
   const double density[2] = {1, light};
