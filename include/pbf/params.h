@@ -1,7 +1,7 @@
 /* pbf/params.h: the parameters of a solver, which may change between steps.
  *
  * docs/parameters.md is a table of them, docs/guide.md shows what each does, docs/choosing.md how
- * to choose them. "eq. n" is an equation of Macklin & Müller, see pbf.h, whose rules hold here,
+ * to choose them. "eq. n" is an equation of Macklin & Müller, see pbf.h; its rules hold here,
  * too.
  */
 #ifndef PBF_PARAMS_H
@@ -160,7 +160,7 @@ typedef struct pbf_params {
                               has been placed is moved to rest density before its next step,
                               velocities and time kept (Macklin et al. 2014, section 4.4); a step
                               would throw it apart. Placed is a fluid of which no step has moved a
-                              particle, or all of whose positions have been set at once, unless as
+                              particle, or of which all positions have been set at once, unless as
                               one, as with the world's origin; what is added to others moves by its
                               velocities alone. Another smoothing_radius, spacing, particle_volume,
                               kernel or wall_density places all; so does a wall that is set more

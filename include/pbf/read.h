@@ -60,7 +60,7 @@ PBF_API pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
  * of the positions each pbf_step, and no bit. 0: gives the memory back. They can't be had from
  * velocities, which say less and more than where a particle came from: collisions, what overlaps
  * and artificial pressure move without, vorticity, XSPH and drag act on velocities alone.
- * A particle that is added, or whose position is set, has been where it is; so have all after a
+ * A particle that is added, or given a position, has been where it is; so have all after a
  * load, or a step that fails or is cancelled. */
 PBF_API pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
 

@@ -68,8 +68,8 @@ static int has_one_density(const pbf_phases *phases) {
   return lightest >= heaviest;
 }
 
-/* Whether they have a grid unless pressure_grid says otherwise: with wide kernels, whose walls have
- * mirrors in any case, fluids part without one, and are quieter at rest. */
+/* Whether they have a grid unless pressure_grid says otherwise: with wide kernels walls have
+ * mirrors in any case; fluids then part without one, and are quieter at rest. */
 static int has_grid_by_default(const pbf_phases *phases, const pbf_params *params) {
   static const double wide_kernel = 2.55; /* spacings, as for walls */
   return has_grid(phases) && !has_one_density(phases) &&

@@ -64,8 +64,9 @@ static pbf_stats stats_of(pbf_solver *s) {
   return stats;
 }
 
-static pbf_solver *tank(uint32_t dimension, uint32_t precision, double time_step) {
-  const block water = {{0}, {14, 10, 8}};
+/* Water of so many layers, in a tank 14 wide. */
+static pbf_solver *pool(uint32_t dimension, uint32_t precision, uint32_t layers, double time_step) {
+  const block water = {{0}, {14, layers, 8}};
   pbf_params params = params_of(dimension, time_step, 0.7, 3);
   params.domain_max[2] = dimension == 3 ? 0.4 : 1;
   const pbf_desc desc = test_desc(dimension, precision, 4000);
@@ -106,7 +107,7 @@ static void a_tap_moves_nothing_without_velocity(void **state) {
   const block mouth = {{0.2, 0.55, 0}, {6, 1, 6}}; /* it comes to be under water */
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
     if (!test_has_kind(dimension, PBF_FLOAT64)) continue;
-    pbf_solver *s = tank(dimension, PBF_FLOAT64, dt);
+    pbf_solver *s = pool(dimension, PBF_FLOAT64, 10, dt);
     assert_ok(pbf_step(s, 20));
     for (int k = 0; k < 40; ++k) {
       if (k % 3 == 0) add(s, dimension, PBF_FLOAT64, &mouth, (double[]){0, -2, 0});
@@ -186,7 +187,7 @@ static void set_grid(pbf_solver *s, double cells) {
 static burst add_upon_others(uint32_t dimension, uint32_t precision, double time_step,
                              double grid) {
   const double depth = 5.5 * spacing, seconds = 0.25;
-  pbf_solver *s = tank(dimension, precision, time_step);
+  pbf_solver *s = pool(dimension, precision, 10, time_step);
   set_grid(s, grid);
   assert_ok(pbf_step(s, (uint32_t)lround(0.5 / time_step)));
   const block where = {{0.31, depth - 0.02, 0.11}, {4, 1, 4}};
@@ -229,7 +230,7 @@ static void check_long_step(uint32_t dimension, uint32_t precision) {
   const double lengths[] = {0.1, 0.25};
   for (int k = 0; k < 2; ++k) {
     const double dt = 1.0 / 120, torricelli = sqrt(2 * gravity * 10 * spacing);
-    pbf_solver *s = tank(dimension, precision, dt);
+    pbf_solver *s = pool(dimension, precision, 10, dt);
     pbf_params params = {.struct_size = sizeof params};
     assert_ok(pbf_step(s, 120));
     const double level = stats_of(s).center_of_mass[1];
@@ -275,7 +276,7 @@ static void check_changing_steps(uint32_t dimension, uint32_t precision) {
   static const double lengths[][4] = {
       {0.1, 0.1, 0.1, 0.1}, {0.01, 0.01, 0.01, 0.01}, {0.25, 1, 0.25, 1}, {1, 0.25, 0.5, 0.3}};
   const double dt = 1.0 / 120, seconds = 0.15;
-  pbf_solver *still = tank(dimension, precision, dt);
+  pbf_solver *still = pool(dimension, precision, 10, dt);
   uint64_t size;
   assert_ok(pbf_step(still, 600));
   const double bar = fmax(0.02, 2 * unrest_of(still));
@@ -300,17 +301,6 @@ static void check_changing_steps(uint32_t dimension, uint32_t precision) {
 static void steps_that_change_stir_nothing(void **state) {
   (void)state;
   test_for_long_kinds(check_changing_steps);
-}
-
-/* Water of so many layers, in a tank 14 wide. */
-static pbf_solver *pool(uint32_t dimension, uint32_t precision, uint32_t layers, double time_step) {
-  const block water = {{0}, {14, layers, 8}};
-  pbf_params params = params_of(dimension, time_step, 0.7, 3);
-  params.domain_max[2] = dimension == 3 ? 0.4 : 1;
-  const pbf_desc desc = test_desc(dimension, precision, 4000);
-  pbf_solver *s = test_create(&desc, &params);
-  add(s, dimension, precision, &water, (double[]){0, 0, 0});
-  return s;
 }
 
 static int has_grid(pbf_solver *s) {
@@ -447,13 +437,13 @@ static void a_saved_overlap_goes_on(void **state) {
   enum { FIRST = 3, SECOND = 500 };
   const block where = {{0.31, 0.2, 0.11}, {4, 1, 4}};
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
-    pbf_solver *one = tank(dimension, PBF_FLOAT32, 1.0 / 60), *other = NULL;
+    pbf_solver *one = pool(dimension, PBF_FLOAT32, 10, 1.0 / 60), *other = NULL;
     assert_ok(pbf_step(one, 30));
     add(one, dimension, PBF_FLOAT32, &where, (double[]){0, 0, 0});
     for (int part = 0; part < 2; ++part) {
       uint64_t size;
       void *saved = test_save(one, &size);
-      if (!other) other = tank(dimension, PBF_FLOAT32, 1.0 / 60);
+      if (!other) other = pool(dimension, PBF_FLOAT32, 10, 1.0 / 60);
       assert_ok(pbf_load(other, saved, size));
       free(saved);
       assert_ok(pbf_step(one, part ? SECOND : FIRST));

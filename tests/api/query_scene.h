@@ -1,4 +1,4 @@
-/* A pool for questions: a lattice whose lowest layer is half a spacing above the floor, y = 0. */
+/* A pool for questions: a lattice, its lowest layer half a spacing above the floor, y = 0. */
 #ifndef PBF_TESTS_QUERY_SCENE_H
 #define PBF_TESTS_QUERY_SCENE_H
 
