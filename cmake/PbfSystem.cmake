@@ -18,6 +18,9 @@ else()
 endif()
 # Of libpbf, and of plugins that start threads or ask for the time.
 set(PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/system_${PBF_SYSTEM}.c)
+if(PBF_SYSTEM STREQUAL posix)
+  list(APPEND PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/waits_linux.c)
+endif()
 
 include(CheckLinkerFlag)
 

@@ -43,6 +43,30 @@ typedef struct pbf_thread {
   pthread_t thread;
 } pbf_thread;
 
+typedef struct pbf_per_thread {
+  pthread_key_t key;
+  int is_there;
+  size_t bytes;
+} pbf_per_thread;
+
+#if defined(__linux__)
+
+/* waits_linux.c. */
+typedef struct pbf_mutex {
+  uint32_t state;
+} pbf_mutex;
+
+typedef struct pbf_condition {
+  uint32_t signals, waiting;
+} pbf_condition;
+
+#define PBF_MUTEX_INITIALIZER \
+  { 0 }
+#define PBF_CONDITION_INITIALIZER \
+  { 0, 0 }
+
+#else
+
 typedef struct pbf_mutex {
   pthread_mutex_t mutex;
 } pbf_mutex;
@@ -51,17 +75,12 @@ typedef struct pbf_condition {
   pthread_cond_t condition;
 } pbf_condition;
 
-typedef struct pbf_per_thread {
-  pthread_key_t key;
-  int is_there;
-  size_t bytes;
-} pbf_per_thread;
-
 #define PBF_MUTEX_INITIALIZER \
   { PTHREAD_MUTEX_INITIALIZER }
 #define PBF_CONDITION_INITIALIZER \
   { PTHREAD_COND_INITIALIZER }
 
+#endif
 #endif
 
 #ifdef __cplusplus
@@ -80,7 +99,8 @@ uint32_t pbf_processors(void);
 
 /* ---- Processes ------------------------------------------------------------------------------ */
 
-/* The calling process, never 0. */
+/* The calling process, never 0; where a sandbox does not tell, as it was last told, and another one
+ * in the child of a fork. */
 uint32_t pbf_process(void);
 
 /* Has them called around each fork; each may be null. 1 for success. Where processes do not fork,
@@ -102,6 +122,10 @@ void pbf_thread_join(pbf_thread *thread);
 
 /* What pbf_this_thread gives in it. */
 uintptr_t pbf_thread_of(const pbf_thread *thread);
+
+/* 0: a sandbox forbids that threads wait for each other in the kernel. Those below then do it by
+ * turns of other threads; runtimes of others end the process, or never return. */
+int pbf_can_wait(void);
 
 void pbf_mutex_init(pbf_mutex *mutex);
 void pbf_mutex_destroy(pbf_mutex *mutex);

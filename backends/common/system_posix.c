@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* secure_getenv, sched_getaffinity */
 #include "common/system.h"
 
+#include <errno.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -37,7 +38,27 @@ uint32_t pbf_processors(void) {
 
 /* ---- Processes ------------------------------------------------------------------------------ */
 
-uint32_t pbf_process(void) { return (uint32_t)getpid(); }
+static uint32_t process_last_told;
+
+static uint32_t ask_for_process(void) {
+  const pid_t now = getpid();
+  if (now > 0) __atomic_store_n(&process_last_told, (uint32_t)now, __ATOMIC_RELAXED);
+  return now > 0;
+}
+
+static void become_another(void) {
+  if (!ask_for_process()) __atomic_fetch_add(&process_last_told, 1, __ATOMIC_RELAXED);
+}
+
+__attribute__((constructor)) static void begin_to_ask(void) {
+  if (!ask_for_process()) process_last_told = 1;
+  pthread_atfork(NULL, NULL, become_another);
+}
+
+uint32_t pbf_process(void) {
+  ask_for_process();
+  return __atomic_load_n(&process_last_told, __ATOMIC_RELAXED);
+}
 
 int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void)) {
   return pthread_atfork(before, in_parent, in_child) == 0;
@@ -62,9 +83,28 @@ int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *
   return !failed;
 }
 
+#if defined(__linux__)
+
+/* The C library ends the process where it can't wait. */
+void pbf_thread_join(pbf_thread *thread) {
+  if (pbf_can_wait()) {
+    pthread_join(thread->thread, NULL);
+    return;
+  }
+  while (pthread_tryjoin_np(thread->thread, NULL) == EBUSY) sched_yield();
+}
+
+#else
+
 void pbf_thread_join(pbf_thread *thread) { pthread_join(thread->thread, NULL); }
 
+#endif
+
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return (uintptr_t)thread->thread; }
+
+#if !defined(__linux__)
+
+int pbf_can_wait(void) { return 1; }
 
 void pbf_mutex_init(pbf_mutex *mutex) { pthread_mutex_init(&mutex->mutex, NULL); }
 void pbf_mutex_destroy(pbf_mutex *mutex) { pthread_mutex_destroy(&mutex->mutex); }
@@ -89,6 +129,8 @@ void pbf_condition_signal(pbf_condition *condition) { pthread_cond_signal(&condi
 void pbf_condition_broadcast(pbf_condition *condition) {
   pthread_cond_broadcast(&condition->condition);
 }
+
+#endif
 
 /* ---- Memory of each thread's own ------------------------------------------------------------- */
 

@@ -6,12 +6,13 @@
 long thread_number(void) { return 0; }
 int thread_is_there(long number) { return number == 0; }
 int thread_has_ended(long number, double seconds) { return (void)number, (void)seconds, 0; }
-uint32_t startable_threads(uint32_t wanted) { return wanted; }
+uint32_t startable_threads(uint32_t wanted, size_t stack_bytes) {
+  return (void)stack_bytes, wanted;
+}
 
 #else
 
 #include <errno.h>
-#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <unistd.h>
@@ -25,9 +26,9 @@ uint32_t startable_threads(uint32_t wanted) { return wanted; }
 enum { MAX_PROBES = 256 };
 
 typedef struct probe {
-  pthread_t thread;
-  pthread_mutex_t *gate; /* closed until all are there */
-  long number;           /* as the kernel has it */
+  pbf_thread thread;
+  pbf_mutex *gate; /* closed until all are there */
+  long number;     /* as the kernel has it */
 } probe;
 
 #if defined(__linux__)
@@ -61,38 +62,28 @@ int thread_has_ended(long number, double seconds) { return (void)seconds, number
 static void *wait_at_gate(void *user) {
   probe *own = (probe *)user;
   own->number = thread_number();
-  pthread_mutex_lock(own->gate);
-  pthread_mutex_unlock(own->gate);
+  pbf_mutex_lock(own->gate);
+  pbf_mutex_unlock(own->gate);
   return NULL;
 }
 
-static uint32_t start_and_end(uint32_t wanted) {
+uint32_t startable_threads(uint32_t wanted, size_t stack_bytes) {
   probe probes[MAX_PROBES];
-  pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+  pbf_mutex gate = PBF_MUTEX_INITIALIZER;
   uint32_t here = 0;
-  pthread_mutex_lock(&gate);
+  if (wanted > MAX_PROBES) wanted = MAX_PROBES;
+  pbf_mutex_lock(&gate);
   while (here < wanted) {
     probes[here].gate = &gate;
-    if (pthread_create(&probes[here].thread, NULL, wait_at_gate, &probes[here]) != 0) break;
+    if (!pbf_thread_start(&probes[here].thread, stack_bytes, wait_at_gate, &probes[here])) break;
     ++here;
   }
-  pthread_mutex_unlock(&gate);
-  for (uint32_t k = 0; k < here; ++k) pthread_join(probes[k].thread, NULL);
+  pbf_mutex_unlock(&gate);
+  for (uint32_t k = 0; k < here; ++k) pbf_thread_join(&probes[k].thread);
   /* A thread counts until the kernel has forgotten it, a little after it can be joined. */
   for (uint32_t k = 0; k < here; ++k)
     if (!thread_has_ended(probes[k].number, 1)) break;
   return here;
-}
-
-/* The process's signals are not for these threads. */
-uint32_t startable_threads(uint32_t wanted) {
-  sigset_t all, before;
-  sigfillset(&all);
-  if (wanted > MAX_PROBES) wanted = MAX_PROBES;
-  if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0) return 0;
-  uint32_t startable = start_and_end(wanted);
-  pthread_sigmask(SIG_SETMASK, &before, NULL);
-  return startable;
 }
 
 #endif

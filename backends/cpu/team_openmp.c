@@ -1,5 +1,8 @@
 /* Threads by OpenMP. */
 #include <omp.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "common/fp_environment.h"
 #include "cpu/team_loops.h"
@@ -9,8 +12,11 @@
 #include <dlfcn.h>
 #endif
 
+/* OMP_NUM_THREADS may want more than there are CPUs: then `auto` would prefer this runtime, which
+ * ends the process where it can't start a thread. */
 static uint32_t team_size(uint32_t wanted) {
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
+  if (!wanted && threads > pbf_processors()) threads = pbf_processors();
   uint32_t limit = (uint32_t)omp_get_thread_limit();
   if (threads > limit) threads = limit;
   return threads < TEAM_MAX_THREADS ? threads : TEAM_MAX_THREADS;
@@ -34,8 +40,23 @@ static int has_unwinder(void) {
 #endif
 }
 
+/* Of the stacks of the runtime's threads: it has read this when it was loaded. 0: not said. */
+static size_t stack_bytes;
+
+static size_t bytes_of(const char *text) {
+  static const char units[] = "bkmg";
+  if (!text) return 0;
+  const unsigned long long number = strtoull(text, (char **)&text, 10);
+  while (*text == ' ') ++text;
+  const char *unit = *text ? strchr(units, *text | 0x20) : units + 1;
+  if (!unit || !*unit) return 0;
+  const unsigned shift = 10 * (unsigned)(unit - units);
+  return number < SIZE_MAX >> shift ? (size_t)number << shift : 0;
+}
+
 __attribute__((constructor)) static void remember_home(void) {
   home = has_unwinder() ? pbf_process() : 0;
+  stack_bytes = bytes_of(pbf_environment("OMP_STACKSIZE"));
 }
 
 /* Threads of the last run that this thread began, and their numbers: the runtime keeps them for the
@@ -69,9 +90,10 @@ static uint32_t threads_there(const last_run *last) {
 
 /* OpenMP's runtime ends the process when it can't start a thread. `last` may be null. */
 static uint32_t threads_to_be_had(last_run *last, uint32_t threads) {
-  if (!last || threads == 1 || pbf_process() != home) return 1;
+  if (!last || threads == 1 || pbf_process() != home || !pbf_can_wait()) return 1;
   uint32_t there = threads_there(last);
-  uint32_t had = threads > there ? there + startable_threads(threads - there) : threads;
+  uint32_t had = threads;
+  if (threads > there) had = there + startable_threads(threads - there, stack_bytes);
   last->max_threads = had < threads ? had : 0;
   return last->kept = had;
 }
@@ -86,6 +108,33 @@ static void wait_for_surplus(const last_run *last, uint32_t kept_before) {
     if (!thread_has_ended(last->numbers[k], 1)) keeps_threads = 1;
 #else
   (void)last, (void)kept_before;
+#endif
+}
+
+#if defined(__linux__) && !defined(__clang__)
+extern int omp_pause_resource(omp_pause_resource_t, int) __attribute__((weak)); /* since GCC 9 */
+#endif
+
+/* Which thread a solver was last run in, by the memory of its team, as far as there is room. */
+static struct { _Atomic uintptr_t team, caller; } last_callers[64];
+
+static int comes_from_another_thread(const team *all) {
+  enum { SLOTS = sizeof last_callers / sizeof *last_callers };
+  const size_t slot = (uintptr_t)all / TEAM_ALIGNMENT % SLOTS;
+  const uintptr_t own = pbf_this_thread();
+  const uintptr_t team_before = atomic_exchange(&last_callers[slot].team, (uintptr_t)all);
+  const uintptr_t before = atomic_exchange(&last_callers[slot].caller, own);
+  return team_before == (uintptr_t)all && before != own;
+}
+
+/* GCC's runtime keeps a pool for each thread that has begun a loop. Of threads that run a solver by
+ * turns all but the first give theirs back: then there are as many as were asked for. */
+static void give_back_if_by_turns(const team *all, last_run *last) {
+#if defined(__linux__) && !defined(__clang__)
+  if (!comes_from_another_thread(all) || !omp_pause_resource) return;
+  if (omp_pause_resource(omp_pause_soft, omp_get_initial_device()) == 0) last->kept = 1;
+#else
+  (void)all, (void)last, (void)comes_from_another_thread;
 #endif
 }
 
@@ -118,6 +167,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
     pbf_fp_end(before);
   }
   wait_for_surplus(last, kept_before);
+  give_back_if_by_turns(all, last);
 }
 
 const team_api cpu_team = {.ignores_tasks = 1,

@@ -161,7 +161,8 @@ static void team_end(void) {
   pbf_thread threads[TEAM_MAX_THREADS];
   uint32_t count = 0;
   pbf_mutex_lock(&pool.lock);
-  if (--pool.users == 0) {
+  /* Where threads may no longer be woken those that sleep stay, for solvers to come. */
+  if (--pool.users == 0 && pbf_can_wait()) {
     for (; count < pool.size; ++count) threads[count] = pool.threads[count];
     pool.size = 0;
     ++pool.generation;

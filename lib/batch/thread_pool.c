@@ -143,6 +143,7 @@ void pbf_thread_pool_run(pbf_thread_pool *pool, const pbf_allocator *allocator, 
 
 void pbf_thread_pool_free(pbf_thread_pool *pool, const pbf_allocator *allocator) {
   if (pool->process == pbf_process()) {
+    if (pool->started && !pbf_can_wait()) return; /* they sleep in this memory for good */
     pbf_mutex_lock(&pool->mutex);
     pool->quit = 1;
     pbf_condition_broadcast(&pool->begun);

@@ -70,7 +70,13 @@ static pbf_status take_worker(pbf_solver *solver) {
 
 pbf_status pbf_worker_start(pbf_solver *solver) {
   pbf_status status = take_worker(solver);
-  if (status != PBF_OK || solver->worker->process == pbf_process()) return status;
+  if (status != PBF_OK) return status;
+  if (solver->worker->process == pbf_process()) {
+    if (pbf_can_wait()) return PBF_OK;
+    return pbf_fail(PBF_ERROR_OUT_OF_MEMORY,
+                    "the thread of pbf_begin_step can't be woken: this process may no longer call "
+                    "futex; pbf_step would do");
+  }
   solver->worker->state = IDLE;
   solver->worker->process = 0;
   pbf_mutex_init(&solver->worker->mutex);
@@ -89,6 +95,7 @@ void pbf_worker_free(pbf_solver *solver) {
   pbf_worker *worker = solver->worker;
   if (!worker) return;
   if (worker->process == pbf_process()) {
+    if (!pbf_can_wait()) return; /* it sleeps in this memory for good */
     set_state(worker, QUIT);
     pbf_thread_join(&worker->thread);
     pbf_condition_destroy(&worker->changed);
