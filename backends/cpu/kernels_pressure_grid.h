@@ -37,8 +37,9 @@ static __attribute__((noinline)) void find_compartments(const pbf_pressure_grid_
   const pbf_pressure_grid_topology *t = &storage->topology;
   for (uint32_t l = 0; l < count; ++l) {
     if (!pbf_cell_is_cut(t, places->cells[l])) continue;
-    double at[PBF_DIM];
+    double at[PBF_DIM]; /* stays as it is where there is no compartment */
     pbf_vec own;
+    for (int k = 0; k < PBF_DIM; ++k) at[k] = places->at[k][l];
     for (int k = 0; k < PBF_DIM; ++k) own.c[k] = x->c[k][first + l];
     places->cells[l] = pbf_compartment_of(&storage->grid, t, places->cells[l], own, at);
     for (int k = 0; k < PBF_DIM; ++k) places->at[k][l] = at[k];
