@@ -85,6 +85,7 @@ static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emi
     if (i < count) e->sources[i].emitter = ours[i];
   }
   e->head.source_count = count;
+  pbf_emission_bound_stage(e);
   return PBF_OK;
 }
 

@@ -60,6 +60,12 @@ static inline int pbf_emission_is_active(const pbf_solver *solver) {
                   0;
 }
 
+/* After the last stage, and so not beyond it where there have become fewer of them. */
+static inline void pbf_emission_bound_stage(pbf_emission *e) {
+  const uint32_t end = e->head.source_count + 2 * e->head.reservoir_count + 1;
+  if (e->head.stage > end) e->head.stage = end;
+}
+
 /* The solver's, made where there is none. */
 pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission);
 void pbf_emission_free(pbf_solver *solver, pbf_emission *emission);

@@ -144,6 +144,7 @@ static pbf_status set_reservoirs(pbf_solver *solver, uint32_t count, const pbf_r
   memset(e->reservoirs, 0, sizeof e->reservoirs);
   if (count > 0) memcpy(e->reservoirs, ours, count * sizeof *ours);
   e->head.reservoir_count = count;
+  pbf_emission_bound_stage(e);
   return PBF_OK;
 }
 

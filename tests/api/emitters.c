@@ -430,6 +430,29 @@ static void refusals(void **state) {
 }
 
 /* Saved states with other words where emitters are. */
+/* A step has gone through more of them than there are then. */
+static void fewer_of_them_are_saved(void **state) {
+  pbf_solver *s = tank(2, PBF_FLOAT64, 0);
+  pbf_emitter both[2] = {emitter_of(PBF_EMITTER_RECTANGLE), emitter_of(PBF_EMITTER_RECTANGLE)};
+  const pbf_volume drain = drain_of(0, 0.2);
+  (void)state;
+  both[1].position[1] = 0.5;
+  assert_ok(pbf_set_emitters(s, 2, both));
+  for (uint32_t left = 2; left-- > 0;) {
+    unsigned char saved[100000];
+    uint64_t size = sizeof saved, before = 0, after = 0;
+    assert_ok(pbf_step(s, 2));
+    assert_ok(pbf_set_emitters(s, left, both));
+    assert_ok(pbf_set_drains(s, 1, &drain));
+    assert_ok(pbf_hash(s, &before));
+    assert_ok(pbf_save(s, saved, &size));
+    assert_ok(pbf_load(s, saved, size));
+    assert_ok(pbf_hash(s, &after));
+    assert_int_equal(after, before);
+  }
+  pbf_destroy(s);
+}
+
 static void forged(void **state) {
   (void)state;
   pbf_solver *s = busy(3, PBF_FLOAT32);
@@ -469,6 +492,7 @@ int main(void) {
       cmocka_unit_test(lifetimes),
       cmocka_unit_test(a_full_solver),
       cmocka_unit_test(refusals),
+      cmocka_unit_test(fewer_of_them_are_saved),
       cmocka_unit_test(forged),
   };
   return TEST_RUN(tests);
