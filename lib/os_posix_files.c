@@ -116,7 +116,7 @@ int pbf_os_is_shortage(int error) {
 static int shortage_for(const char *path) {
   enum { OTHERS = 1 << 20 }; /* bytes: what it depends on */
   int file;
-  uint64_t size;
+  uint64_t size = 0;
   const int failed = pbf_os_open(path, &file, &size);
   if (failed) return failed;
   pbf_os_close(file);

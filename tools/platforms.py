@@ -26,9 +26,11 @@ RESULTS = ROOT / "bench" / "results" / "platforms.json"
 VARIANTS = os.environ.get("PBF_VARIANTS", "3d-f32;2d-f64")
 COMMON = ["-DCMAKE_BUILD_TYPE=Release", "-DPBF_BACKENDS=reference;serial;threads", f"-DPBF_VARIANTS={VARIANTS}",
           "-DPBF_WERROR=ON", "-DPBF_BUILD_BENCH=OFF", "-DPBF_BUILD_EXAMPLES=OFF", "-DPBF_BUILD_TESTS=ON"]
-API = ["begun", "cancelled", "contract", "lies", "memory", "misuse", "motion", "particles", "reading", "sleep",
-       "snapshots", "state", "structs", "threads", "validation", "views"]
-TESTS = rf"^(same_bits\.|abi\.layout|loader_windows\.|api\.({'|'.join(API)})\.(ballistic|serial|threads)$)"
+# Tests of tests/api that want what POSIX alone has.
+OF_POSIX = {"batch_failures", "cycles", "exceptions", "forks", "fp_environment", "interrupted", "locale", "thread_cancelled"}
+# Those that take minutes where a processor is emulated, or has the scalar loops alone.
+SLOW = {"adhesion", "damping_compensation", "deep", "diffuse", "diffuse_held", "emitters", "full", "loads", "many_colliders", "no_slip", "overlap",
+        "partitions", "periodic", "phases", "queries", "ranges", "reservoirs", "shapes_fluid", "slosh", "steps", "surface", "surface_tension", "tiles", "walls"}
 
 
 def toolchain(name):
@@ -37,16 +39,17 @@ def toolchain(name):
 
 # only: targets in place of the usual ones. what: as the tables say it. packages: of Debian, beside those of a build. options: of CMake. strip: of its binary
 # utilities. python: packages of PyPI, in build/zig. without: targets that it has not got. more: those that it alone has. runs: False where nothing can run it here.
+# slow: whether the tests in SLOW are left out.
 PLATFORMS = {
     "gcc": {"what": "Linux x86-64, GCC", "packages": ["gcc", "g++"], "strip": "strip",
             "options": ["-DCMAKE_C_COMPILER=gcc", "-DCMAKE_CXX_COMPILER=g++"]},
     "clang": {"what": "Linux x86-64, clang", "packages": ["clang"], "strip": "strip",
               "options": ["-DCMAKE_C_COMPILER=clang", "-DCMAKE_CXX_COMPILER=clang++"]},
     "i686": {"what": "Linux x86, 32-bit", "packages": ["gcc-i686-linux-gnu", "g++-i686-linux-gnu"],
-             "strip": "i686-linux-gnu-strip", "options": toolchain("i686-linux-gnu"), "without": ["test_abi_layout"]},
+             "strip": "i686-linux-gnu-strip", "options": toolchain("i686-linux-gnu"), "without": ["test_abi_layout"], "slow": True},
     "arm64": {"what": "Linux AArch64, under qemu", "strip": "aarch64-linux-gnu-strip",
               "packages": ["gcc-aarch64-linux-gnu", "g++-aarch64-linux-gnu", "qemu-user-static"],
-              "options": toolchain("aarch64-linux-gnu")},
+              "options": toolchain("aarch64-linux-gnu"), "slow": True},
     "mingw": {"what": "Windows x86-64 by mingw-w64, under Wine", "strip": "x86_64-w64-mingw32-strip",
               "packages": ["gcc-mingw-w64-x86-64", "g++-mingw-w64-x86-64", "wine", "wine64"],
               "options": [*toolchain("x86_64-w64-mingw32"), "-DPBF_BACKENDS=reference;serial;threads;openmp"],
@@ -54,7 +57,7 @@ PLATFORMS = {
     "macos": {"what": "macOS AArch64, by Zig", "packages": ["python3-venv"], "python": ["ziglang"], "strip": "true",
               "options": toolchain("aarch64-macos"), "runs": False},
     "wasm": {"what": "WebAssembly by Emscripten, under node", "packages": ["emscripten"], "only": ["wasm_tests"],
-             "options": [*toolchain("wasm32-emscripten"), "-DPBF_BACKENDS=serial"]},
+             "options": [*toolchain("wasm32-emscripten"), "-DPBF_BACKENDS=serial"], "slow": True},
 }
 
 
@@ -66,12 +69,22 @@ def run(log, *command):
     return subprocess.run(list(map(str, command)), cwd=ROOT, stdout=log, stderr=subprocess.STDOUT, env=environment).returncode
 
 
+def api_tests(platform):
+    """Of tests/api, by name: so that a new one is among them."""
+    names = {file.stem for file in (ROOT / "tests" / "api").glob("*.c")} - OF_POSIX
+    return sorted(names - SLOW if platform.get("slow") else names)
+
+
+def pattern(platform):
+    return rf"^(same_bits\.|abi\.layout|loader_windows\.|api\.({'|'.join(api_tests(platform))})\.(ballistic|serial|threads)$)"
+
+
 def targets(platform):
     if "only" in platform:
         return platform["only"]
     names = ["pbf", "pbf_backend_reference", "pbf_backend_serial", "pbf_backend_threads"]
     if platform.get("runs", True):
-        names += ["same_bits", "stubs", "test_abi_layout", *(f"test_api_{name}" for name in API)]
+        names += ["same_bits", "stubs", "test_abi_layout", *(f"test_api_{name}" for name in api_tests(platform))]
     return [name for name in names if name not in platform.get("without", [])] + platform.get("more", [])
 
 
@@ -132,7 +145,7 @@ def measure(name):
         found = {}
         if platform.get("runs", True):
             (build / "tests.xml").unlink(missing_ok=True)
-            run(log, "ctest", "--test-dir", build, "-R", TESTS, "-j", os.cpu_count(), "--timeout", 1800, "--output-on-failure",
+            run(log, "ctest", "--test-dir", build, "-R", pattern(platform), "-LE", "^long$", "-j", os.cpu_count(), "--timeout", 1800, "--output-on-failure",
                 "--output-junit", build / "tests.xml")
             if not (build / "tests.xml").exists():
                 print(f"platforms: {name}: the tests did not end; the log is {build / 'log.txt'}", file=sys.stderr)

@@ -94,6 +94,9 @@ const char *pbf_environment(const char *name);
 /* Seconds by a clock that only goes forward. */
 double pbf_seconds(void);
 
+/* Seconds that a processor has worked for the calling thread. */
+double pbf_thread_seconds(void);
+
 /* CPUs that this process may use, at least 1. */
 uint32_t pbf_processors(void);
 

@@ -20,11 +20,14 @@ const char *pbf_environment(const char *name) {
 #endif
 }
 
-double pbf_seconds(void) {
+static double seconds_of(clockid_t clock) {
   struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
+  clock_gettime(clock, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
+
+double pbf_seconds(void) { return seconds_of(CLOCK_MONOTONIC); }
+double pbf_thread_seconds(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 uint32_t pbf_processors(void) {
 #if defined(__linux__)

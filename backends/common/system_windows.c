@@ -28,6 +28,17 @@ double pbf_seconds(void) {
   return (double)count.QuadPart / (double)frequency.QuadPart;
 }
 
+/* In units of 100 ns. */
+static double seconds_of(FILETIME time) {
+  return 429.4967296 * (double)time.dwHighDateTime + 1e-7 * (double)time.dwLowDateTime;
+}
+
+double pbf_thread_seconds(void) {
+  FILETIME begun, ended, in_system, in_program;
+  if (!GetThreadTimes(GetCurrentThread(), &begun, &ended, &in_system, &in_program)) return 0;
+  return seconds_of(in_system) + seconds_of(in_program);
+}
+
 uint32_t pbf_processors(void) {
   DWORD_PTR process = 0, system = 0;
   uint32_t count = 0;

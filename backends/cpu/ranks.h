@@ -5,12 +5,12 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include <pbf/ranks.h>
 
 #include "common/digest.h"
 #include "common/number.h"
+#include "common/system.h"
 #include "cpu/worker.h"
 
 static inline bool has_ranks(const solver *s) {
@@ -24,15 +24,10 @@ static inline uint32_t particles_of_all(const solver *s) {
 
 /* ---- Time ---------------------------------------------------------------------------------- */
 
-/* Of the calling thread's processor: what others do on the same one is no work of this rank's. */
-static inline double rank_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
+/* By what a processor has worked for the calling thread: what others do on the same one is no work
+ * of this rank's. */
 static inline void note_work(solver *s) {
-  const double now = rank_seconds();
+  const double now = pbf_thread_seconds();
   s->ranks.busy += now - s->ranks.since;
   s->ranks.since = now;
 }
@@ -48,7 +43,7 @@ static inline void refuse_on_ranks(solver *s, pbf_status status, const char *sen
 
 /* Of the others: what they hold is out of reach, for good. */
 static inline void note_communication(solver *s, pbf_status status) {
-  s->ranks.since = rank_seconds();
+  s->ranks.since = pbf_thread_seconds();
   if (status == PBF_OK) return;
   refuse_on_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));
   s->ranks.lost = true;
@@ -56,7 +51,7 @@ static inline void note_communication(solver *s, pbf_status status) {
 
 /* Begins a call that needs all. */
 static inline bool begin_on_ranks(solver *s) {
-  s->ranks.since = rank_seconds();
+  s->ranks.since = pbf_thread_seconds();
   if (!s->ranks.lost) s->ranks.failed = PBF_OK;
   return !s->ranks.lost;
 }

@@ -144,7 +144,14 @@ static inline range task_held(const worker *w, uint32_t task) {
   return r;
 }
 
+#ifdef PBF_TRACE_STAGES
+#include "cpu/trace.h"
+#endif
+
 static inline void stage_end(worker *w, pbf_stage stage) {
+#ifdef PBF_TRACE_STAGES
+  trace_stage(w, stage);
+#endif
   if (!(PBF_BUILT & PBF_FEATURE_TIMING) || !w->s->timing || w->self->thread != 0) return;
   double now = pbf_seconds();
   w->s->seconds[stage] += now - w->stage_begin;

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "check.h"
@@ -16,11 +17,22 @@ double pbf_value_at(const void *values, uint64_t index, uint32_t precision) {
                                   : ((const double *)values)[index];
 }
 
+/* As arrays of a program's lie: on 32-bit x86 doubles are aligned to 4 bytes. */
+static uint32_t alignment_of(uint32_t element_size) {
+  typedef struct behind_a_byte {
+    char byte;
+    double number;
+  } behind_a_byte;
+  const uint32_t most = offsetof(behind_a_byte, number);
+  return element_size < most ? element_size : most;
+}
+
 pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size) {
+  const uint32_t alignment = alignment_of(element_size);
   if (!values) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
-  if ((uintptr_t)values % element_size == 0) return PBF_OK;
+  if ((uintptr_t)values % alignment == 0) return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is %p; it must be aligned to %u bytes", name,
-                  (void *)(uintptr_t)values, element_size);
+                  (void *)(uintptr_t)values, alignment);
 }
 
 /* `count` where all are at most that in size; NaN is not. */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "compiler.h"
 #include "memory.h"
 #include "particles/numbers.h"
 #include "particles/particles.h"
@@ -213,10 +214,8 @@ static void store(pbf_query_index *index, const pbf_query_key *sorted) {
   while (entry <= index->entries) index->first[entry++] = index->count;
 }
 
-static inline __attribute__((always_inline)) void gather_as(const pbf_query_index *index,
-                                                            const pbf_numbers *numbers,
-                                                            uint32_t components, void *sorted,
-                                                            uint64_t size) {
+static PBF_ALWAYS_INLINE void gather_as(const pbf_query_index *index, const pbf_numbers *numbers,
+                                        uint32_t components, void *sorted, uint64_t size) {
   for (uint32_t i = 0; i < index->count; ++i) {
     const char *from = numbers->data + index->elements[i] * numbers->particle_stride;
     char *to = (char *)sorted + i * components * size;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "compiler.h"
 #include "fit.h"
 #include "near.h"
 
@@ -62,9 +63,8 @@ static inline void read_values(const pbf_query_index *index, uint32_t particle, 
     values[3] = pbf_query_number(index->pressures, particle, precision);
 }
 
-static inline __attribute__((always_inline)) void collect(const pbf_query_index *index,
-                                                          const pbf_near *n, uint32_t fields,
-                                                          uint32_t dimension, pbf_fit *m) {
+static PBF_ALWAYS_INLINE void collect(const pbf_query_index *index, const pbf_near *n,
+                                      uint32_t fields, uint32_t dimension, pbf_fit *m) {
   double values[PBF_FIT_VALUES] = {0};
   for (uint32_t j = 0; j < n->count; ++j) {
     read_values(index, n->particles[j], fields, values);                        /* NOLINT */

@@ -128,7 +128,8 @@ static void rows_out_of_range(void **state) {
   assert_fails(pbf_set_positions(s, 1, UINT32_MAX, numbers), bad, "count 4294967295");
   assert_fails(pbf_get_ids(s, 5, 0, integers), bad, "first is 5");
   assert_ok(pbf_get_positions(s, 4, 0, NULL));
-  assert_fails(pbf_get_positions(s, 0, 1, (char *)numbers + 1), bad, "aligned to 8");
+  assert_fails(pbf_get_positions(s, 0, 1, (char *)numbers + 1), bad,
+               "aligned to"); /* 8, or on 32-bit x86 4 */
   assert_fails(pbf_get_collider(s, 0, &collider), PBF_ERROR_NOT_FOUND, "has 0 colliders");
   assert_fails(pbf_set_timing(s, 2), bad, "enabled is 2");
   assert_fails(pbf_set_timing(s, 1), PBF_ERROR_UNSUPPORTED, "ballistic");

@@ -49,8 +49,10 @@ int _cmocka_run_group_tests(const char *name, const struct CMUnitTest *tests, si
 #define assert_null(pointer) assert_true((pointer) == NULL)
 #define assert_non_null(pointer) assert_true((pointer) != NULL)
 #define assert_ptr_equal(a, b) assert_true((const void *)(a) == (const void *)(b))
+#define assert_ptr_not_equal(a, b) assert_true((const void *)(a) != (const void *)(b))
 #define assert_string_equal(a, b) assert_true(strcmp(a, b) == 0)
 #define assert_memory_equal(a, b, size) assert_true(memcmp(a, b, size) == 0)
+#define assert_memory_not_equal(a, b, size) assert_true(memcmp(a, b, size) != 0)
 #define assert_int_equal(a, b) \
   test_assert_equal((uint64_t)(a), (uint64_t)(b), #a, __FILE__, __LINE__)
 #define assert_int_not_equal(a, b) assert_true((uint64_t)(a) != (uint64_t)(b))
