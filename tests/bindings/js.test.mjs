@@ -474,6 +474,42 @@ test("as much comes as the rate says", async () => {
   solver.destroy();
 });
 
+// Without drag it falls along a parabola.
+test("spray flies, and what can't be is refused", async () => {
+  const solver = await lattice();
+  const x = [0.7, 0.9, 0.7, 0.8, 0.9, 0.7], v = [0.5, 0, 0, 0, 0.25, 0];
+  refused(() => solver.addDiffuse(x, v, [1, 2]), /pbf_set_diffuse/, "PBF_ERROR_STATE");
+  assert.equal(solver.diffuse, null);
+  solver.setDiffuse({ capacity: 7 });
+  assert.equal(solver.diffuse.capacity, 7);
+  assert.equal(solver.diffuse.energyMax, solver.defaultDiffuse.energyMax);
+  solver.addDiffuse(x, v, [1, 2]);
+  solver.addDiffuse([0.8, 0.8, 0.8], null, [0.01]);
+  solver.shiftDiffuse([0, -0.25, 0]);
+  solver.step(8);
+  assert.deepEqual([solver.diffuseInfo.count, solver.diffuseInfo.spray, solver.diffuseInfo.expired], [2, 2, 1]);
+  const { positions, velocities, ages, lives, kinds, ids } = solver.diffuseParticles;
+  const { timeStep, gravity } = solver.params, time = 8 * timeStep;
+  near(positions[0], 0.7 + 0.5 * time, 1e-6);
+  near(positions[1], 0.65 + (gravity[1] / 2) * time ** 2, 1e-6);
+  near(positions[4], 0.65 + 0.25 * time + (gravity[1] / 2) * time ** 2, 1e-6);
+  near(velocities[4], 0.25 + gravity[1] * time, 1e-6);
+  near(lives[1], 2 - time, 1e-6);
+  near(ages[1], time, 1e-6);
+  assert.deepEqual([...kinds, ...ids], [constants.DIFFUSE_SPRAY, constants.DIFFUSE_SPRAY, 0n, 1n]);
+  refused(() => solver.addDiffuse(x, v, [1]), /^positions has 2 rows, lives 1 numbers$/);
+  refused(() => solver.addDiffuse(x, [0, 0, 0], [1, 2]), /^velocities has 1 rows/);
+  refused(() => solver.addDiffuse(x, null, [1, 0]), /lives\[1\]/);
+  refused(() => solver.shiftDiffuse([0, 0]), /way has 2 numbers/);
+  refused(() => solver.setDiffuse({ capacity: 0 }), /capacity is 0/);
+  refused(() => solver.setDiffuse({ foam: 3 }), /^diffuse has no foam/);
+  refused(() => solver.setDiffuse(7), /it must be an object or null/);
+  assert.equal(solver.diffuseInfo.count, 2);
+  solver.setDiffuse(null);
+  assert.deepEqual([solver.diffuseInfo.capacity, solver.diffuseParticles.ids.length], [0, 0]);
+  solver.destroy();
+});
+
 // Oil that begins below water: it rises, and the floor has the weight of both.
 test("oil floats, and the floor bears both", async () => {
   const solver = await Solver.create({ dimension: 2, capacity: 200, params: { domainMax: [0.5, 1], loads: 1 } });
