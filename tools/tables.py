@@ -147,7 +147,8 @@ WORDS = {
     "drain": "an object of fields of pbf_volume (query.h), those of its shape",
     "reservoir": "an object of fields of pbf_reservoir (emit.h)",
     "shape": "what a solid is made from (shapes.h): \"mesh\" with vertices and faces, or a file, "
-             "\"heights\", \"points\" of a hull, or a \"grid\" of distances; and cell",
+             "\"heights\", \"points\" of a hull, or a \"grid\" of distances, and cell; or "
+             "\"baked\" with a file",
 }
 KIND_KEYS = {"collider": "shape", "emitter": "shape", "drain": "shape", "shape": "from"}
 MORE_KEYS = {"collider": {"motion": {"$ref": "#/definitions/motion"}}}
@@ -192,15 +193,18 @@ def allowed(fields, more):
 def kind_schema(kind, key, fields, more):
     """What one kind of an object has and needs."""
     own = [field for field in fields if kind in (kinds_of(field) or [kind])]
-    needed = [field["name"] for field in own if kinds_of(field) and field["presence"] == "NEEDED"]
     either = [field for field in own if field["presence"] == "EITHER"]
+    alone = either if len(either) == 1 else []  # it stands in place of nothing
+    needed = [field["name"] for field in own
+              if kinds_of(field) and field["presence"] == "NEEDED" or field in alone]
     then = allowed(own, more)
     if needed:
         then = {"required": needed, **then}
-    if either:  # the text stands in place of the others
+    if len(either) > 1:  # the text stands in place of the others
         text = [field for field in either if field["type"] == "TEXT"]
         listed_in_scene = [field for field in either if field not in text]
-        then = {"if": {"required": [field["name"] for field in text]},
+        then = {"required": needed,
+                "if": {"required": [field["name"] for field in text]},
                 "then": allowed([field for field in own if field not in listed_in_scene], more),
                 "else": {"required": [field["name"] for field in listed_in_scene],
                          **allowed([field for field in own if field not in text], more)}}

@@ -13,20 +13,6 @@ namespace {
 
 constexpr uintmax_t max_mesh_size = 256u << 20;
 
-std::string content_of(const std::string &path) {
-  std::error_code failed;
-  const uintmax_t size = std::filesystem::file_size(path, failed);
-  if (failed) throw std::runtime_error(path + " can't be read: " + failed.message());
-  if (size > max_mesh_size)
-    throw std::runtime_error(path + " has " + std::to_string(size) + " bytes; a mesh has at most " +
-                             std::to_string(max_mesh_size));
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) throw std::runtime_error(path + " can't be read");
-  return text.str();
-}
-
 std::runtime_error at_line(const std::string &path, size_t line, const std::string &reason) {
   return std::runtime_error(path + ":" + std::to_string(line) + ": " + reason);
 }
@@ -140,8 +126,9 @@ Mesh read_mesh_file(const std::string &path, unsigned dimension) {
   for (char &c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   if (ending != ".obj" && ending != ".stl")
     throw std::runtime_error(path + " ends in \"" + ending +
-                             "\"; meshes are read from .obj and .stl files");
-  const std::string text = content_of(path);
+                             "\"; meshes are read from .obj and .stl files, and shapes of "
+                             "pbf-bake where \"from\" is \"baked\"");
+  const std::string text = content_of(path, max_mesh_size);
   return ending == ".obj" ? read_obj(path, text, dimension) : read_stl(path, text, dimension);
 }
 

@@ -56,17 +56,21 @@ std::vector<T> rows_of(const json &list, const Where &where, size_t length) {
   return numbers;
 }
 
+// What `read` makes of the object's file. A path of its own stays as it is.
+template <typename Read>
+auto of_file(const json &object, const Where &where, unsigned dimension, const std::string &folder,
+             Read read) {
+  const auto path = std::filesystem::path(folder) / object.at("file").get<std::string>();
+  try {
+    return read(path.string(), dimension);
+  } catch (const std::runtime_error &error) {
+    throw ValueError{where / "file", error.what()};
+  }
+}
+
 Mesh mesh_of(const json &object, const Where &where, unsigned dimension,
              const std::string &folder) {
-  if (object.contains("file")) {
-    // A path of its own stays as it is.
-    const auto path = std::filesystem::path(folder) / object.at("file").get<std::string>();
-    try {
-      return read_mesh_file(path.string(), dimension);
-    } catch (const std::runtime_error &error) {
-      throw ValueError{where / "file", error.what()};
-    }
-  }
+  if (object.contains("file")) return of_file(object, where, dimension, folder, read_mesh_file);
   return {rows_of<double>(object.at("vertices"), where / "vertices", dimension),
           rows_of<uint32_t>(object.at("faces"), where / "faces", dimension)};
 }
@@ -163,9 +167,10 @@ pbf_status bake_grid(const ShapeSource &source, unsigned dimension, pbf_shape **
 
 ShapeSource read_shape(const json &object, const Where &where, unsigned dimension,
                        const std::string &folder) {
+  const auto from = object.at("from").get<std::string>();
+  if (from == "baked") return of_file(object, where, dimension, folder, read_baked_file);
   ShapeSource source;
   read_fields(shape_numbers(), object, where, dimension, &source);
-  const auto from = object.at("from").get<std::string>();
   if (from == "mesh") {
     source.mesh = mesh_of(object, where, dimension, folder);
   } else if (from == "heights") {

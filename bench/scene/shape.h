@@ -22,6 +22,9 @@ struct Mesh {
 // An OBJ or STL file. Throws std::runtime_error with a sentence that names what is wrong.
 Mesh read_mesh_file(const std::string &path, unsigned dimension);
 
+// The bytes of a file of at most so many. Throws std::runtime_error.
+std::string content_of(const std::string &path, uintmax_t most);
+
 struct ShapeSource {
   enum class From { mesh, heights, points, grid } from = From::mesh;
   Mesh mesh;
@@ -33,6 +36,10 @@ struct ShapeSource {
   double spacing = 0, base = 0;
   double cell = 0;
 };
+
+// What pbf_save_shape or pbf-bake wrote: a grid of distances. Throws std::runtime_error with a
+// sentence that names what is wrong.
+ShapeSource read_baked_file(const std::string &path, unsigned dimension);
 
 using ShapeHandle = std::shared_ptr<pbf_shape>;
 

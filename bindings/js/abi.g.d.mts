@@ -211,6 +211,40 @@ export interface Reservoir {
   removed: number;
 }
 
+export interface Diffuse {
+  capacity: number;
+  seed: number;
+  interval: number;
+  foamNeighbors: number;
+  bubbleNeighbors: number;
+  trappedAirMin: number;
+  trappedAirMax: number;
+  waveCrestMin: number;
+  waveCrestMax: number;
+  energyMin: number;
+  energyMax: number;
+  trappedAirRate: number;
+  waveCrestRate: number;
+  lifetimeMin: number;
+  lifetimeMax: number;
+  buoyancy: number;
+  bubbleDrag: number;
+  sprayDrag: number;
+  scatter: number;
+}
+
+export interface DiffuseInfo {
+  capacity: number;
+  count: number;
+  spray: number;
+  foam: number;
+  bubbles: number;
+  time: number;
+  generated: number;
+  expired: number;
+  recycled: number;
+}
+
 export interface Phase {
   user: number;
   restDensity: number;

@@ -1,10 +1,10 @@
 import type {
-  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
+  Collider, ColliderLoad, Diffuse, DiffuseInfo, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
 } from "./abi.g.mjs";
 
 export { constants } from "./abi.g.mjs";
 export type {
-  Collider, ColliderLoad, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
+  Collider, ColliderLoad, Diffuse, DiffuseInfo, Emitter, Flow, InOut, Info, Params, Phase, Plan, Reservoir, ShapeInfo, Stats, Timings, Volume,
 } from "./abi.g.mjs";
 
 declare global {
@@ -25,6 +25,20 @@ export type EmitterFields = Shaped<Emitter>;
 export type PhaseFields = Settable<Phase>;
 /** `added` and `removed` are told, and not looked at where it is set. */
 export type ReservoirFields = Settable<Reservoir>;
+
+export type DiffuseFields = Settable<Diffuse>;
+
+/** Spray, foam and bubbles, the oldest first: copies. */
+export interface DiffuseParticles {
+  positions: Reals;
+  velocities: Reals;
+  ages: Reals;
+  /** Times that are left to them. */
+  lives: Reals;
+  /** constants.DIFFUSE_SPRAY, DIFFUSE_FOAM, DIFFUSE_BUBBLE. */
+  kinds: Uint32Array;
+  ids: BigUint64Array;
+}
 
 export interface Options {
   /** 2 or 3, the default. */
@@ -170,6 +184,19 @@ export declare class Solver {
   readonly reservoirs: Reservoir[];
   /** What came and went, in particles. */
   readonly inOut: InOut;
+
+  /** What suits the solver's dimension, smoothingRadius, spacing and gravity. */
+  readonly defaultDiffuse: Diffuse;
+  /** Has steps make and move spray, foam and bubbles: what differs from defaultDiffuse. null ends them. */
+  setDiffuse(changes: DiffuseFields | null): void;
+  /** What they are made by; null: there are none. */
+  readonly diffuse: Diffuse | null;
+  readonly diffuseInfo: DiffuseInfo;
+  readonly diffuseParticles: DiffuseParticles;
+  /** Adds your own, as many as `lives` has numbers; without velocities they are at rest. */
+  addDiffuse(positions: Numbers, velocities: Numbers | null, lives: Numbers): void;
+  /** Moves all of them, as where the world's origin is moved. */
+  shiftDiffuse(way: Numbers): void;
 
   /** Replaces all phases; with none all particles are alike again. */
   setPhases(phases: PhaseFields[]): void;

@@ -334,18 +334,18 @@ export class Solver {
     const arrays = [...fields].map((field) => {
       const Type = field === "wet" ? Uint8Array : Float64Array;
       if (!sampled.includes(field)) throw invalid(`fields has ${String(field)}; each must be one of ${sampled.join(", ")}`);
-      return { field, Type, length: field === "velocities" ? count * this.#dimension : count };
+      return [field, Type, field === "velocities" ? count * this.#dimension : count];
     });
-    const bytes = arrays.map(({ Type, length }) => 8 * Math.ceil((length * Type.BYTES_PER_ELEMENT) / 8));
-    return withBytes(bytes.reduce((a, b) => a + b, 0), (start) => {
-      let at = start;
-      arrays.forEach((array, k) => {
-        array.at = at;
-        at += bytes[k];
-      });
-      const places = Object.fromEntries(arrays.map(({ field, at: place }) => [field, place]));
-      withStruct("pbf_samples", "points", { count, points, ...places }, use);
-      return Object.fromEntries(arrays.map(({ field, Type, length, at: place }) => [field, new Type(exports.memory.buffer, place, length).slice()]));
+    return this.#withArrays(arrays, (places) => withStruct("pbf_samples", "points", { count, points, ...places }, use));
+  }
+
+  // Calls with places for arrays, each [name, Type, length], by their names, and gives the arrays that are there then.
+  #withArrays(arrays, use) {
+    const starts = [0];
+    for (const [, Type, length] of arrays) starts.push(starts.at(-1) + 8 * Math.ceil((length * Type.BYTES_PER_ELEMENT) / 8));
+    return withBytes(starts.at(-1), (at) => {
+      use(Object.fromEntries(arrays.map(([name], k) => [name, at + starts[k]])));
+      return Object.fromEntries(arrays.map(([name, Type, length], k) => [name, new Type(exports.memory.buffer, at + starts[k], length).slice()]));
     });
   }
 
@@ -419,6 +419,70 @@ export class Solver {
   /** What came and went, in particles. */
   get inOut() {
     return this.#struct("pbf_get_in_out", "pbf_in_out");
+  }
+
+  // ---- Spray, foam and bubbles, for looks
+
+  #withDiffuse(changes, use) {
+    const { size } = structs.pbf_diffuse_desc;
+    return withBytes(size, (at) => {
+      this.#call("pbf_diffuse_init", at, size);
+      write("pbf_diffuse_desc", "diffuse", at, changes);
+      return use(at);
+    });
+  }
+
+  /** What suits the solver's dimension, smoothingRadius, spacing and gravity. */
+  get defaultDiffuse() {
+    return this.#withDiffuse({}, (at) => read("pbf_diffuse_desc", at));
+  }
+
+  /** Has steps make and move them: what differs from defaultDiffuse, { capacity: 30000 } say. null ends them. */
+  setDiffuse(changes) {
+    if (changes === null) return this.#call("pbf_set_diffuse", 0);
+    if (typeof changes !== "object") throw invalid(`diffuse is ${String(changes)}; it must be an object or null`);
+    this.#withDiffuse(changes, (at) => this.#call("pbf_set_diffuse", at));
+  }
+
+  /** What they are made by; null: there are none. */
+  get diffuse() {
+    return this.diffuseInfo.capacity ? this.#struct("pbf_get_diffuse", "pbf_diffuse_desc") : null;
+  }
+
+  /** How many there are, by kind, and what became of others. */
+  get diffuseInfo() {
+    return this.#struct("pbf_get_diffuse_info", "pbf_diffuse_info");
+  }
+
+  /** All of them, the oldest first, in arrays of their own: { positions, velocities, ages, lives, kinds, ids }. */
+  get diffuseParticles() {
+    const { count } = this.diffuseInfo, Reals = this.#Array, vectors = count * this.#dimension;
+    const arrays = [
+      ["positions", Reals, vectors], ["velocities", Reals, vectors], ["ages", Reals, count], ["lives", Reals, count],
+      ["kinds", Uint32Array, count], ["ids", BigUint64Array, count],
+    ];
+    return this.#withArrays(arrays, (places) => withStruct("pbf_diffuse_read", "diffuse", { count, ...places }, (at) => this.#call("pbf_read_diffuse", at)));
+  }
+
+  /** Adds your own, as many as `lives` has numbers, the times that they have; without velocities they are at rest. */
+  addDiffuse(positions, velocities, lives) {
+    const components = this.#dimension;
+    this.#withRows("lives", lives, 1, (times, rows) => this.#withRows("positions", positions, components, (x, others) => {
+      if (others !== rows) throw invalid(`positions has ${others} rows, lives ${rows} numbers`);
+      if (!velocities) return this.#call("pbf_add_diffuse", rows, x, 0, times);
+      this.#withRows("velocities", velocities, components, (v, those) => {
+        if (those !== rows) throw invalid(`velocities has ${those} rows, lives ${rows} numbers`);
+        this.#call("pbf_add_diffuse", rows, x, v, times);
+      });
+    }));
+  }
+
+  /** Moves all of them, as where the world's origin is moved. */
+  shiftDiffuse(way) {
+    this.#withRows("way", way, this.#dimension, (at, rows) => {
+      if (rows !== 1) throw invalid(`way has ${way.length} numbers; it must have ${this.#dimension}`);
+      this.#call("pbf_shift_diffuse", at);
+    }, Float64Array);
   }
 
   // ---- Several fluids

@@ -12,6 +12,6 @@ build = {
   modules = {
     pbf = "pbf.lua", ["pbf.cdef"] = "pbf/cdef.lua", ["pbf.core"] = "pbf/core.lua", ["pbf.shapes"] = "pbf/shapes.lua",
     ["pbf.queries"] = "pbf/queries.lua", ["pbf.emission"] = "pbf/emission.lua", ["pbf.phases"] = "pbf/phases.lua",
-    ["pbf.reading"] = "pbf/reading.lua", ["pbf.batch"] = "pbf/batch.lua",
+    ["pbf.reading"] = "pbf/reading.lua", ["pbf.diffuse"] = "pbf/diffuse.lua", ["pbf.batch"] = "pbf/batch.lua",
   },
 }

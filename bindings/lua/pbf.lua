@@ -323,6 +323,7 @@ end
 for name, method in pairs(require("pbf.queries").methods) do Solver[name] = method end
 for name, method in pairs(require("pbf.emission")) do Solver[name] = method end
 for name, method in pairs(require("pbf.reading")) do Solver[name] = method end
+for name, method in pairs(require("pbf.diffuse")) do Solver[name] = method end
 for name, method in pairs(require("pbf.phases")) do Solver[name] = method end
 pbf.shape_from_grid, pbf.shape_from_mesh = shapes.from_grid, shapes.from_mesh
 pbf.shape_from_heights, pbf.shape_from_points = shapes.from_heights, shapes.from_points

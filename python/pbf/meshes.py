@@ -18,7 +18,8 @@ def read_mesh(path: Union[str, os.PathLike[str]], dimension: int = 3) -> Mesh:
     path = pathlib.Path(path)
     ending = path.suffix.lower()
     if ending not in (".obj", ".stl"):
-        raise DataError(f'{path} ends in "{ending}"; meshes are read from .obj and .stl files')
+        raise DataError(f'{path} ends in "{ending}"; meshes are read from .obj and .stl files, '
+                        'and shapes of pbf-bake where "from" is "baked"')
     try:
         content = path.read_bytes()
     except OSError as error:

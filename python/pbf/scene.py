@@ -255,7 +255,7 @@ def _scene_of(root: Any, name: str, folder: pathlib.Path) -> Scene:
     scene = Scene(name, dimension, params, list(root["blocks"]), int(root["steps"]),
                   root["description"], root["purpose"], int(root.get("lead_in_steps", 0)),
                   phases=[Phase(**each) for each in root.get("phases", [])],
-                  shapes={key: _with_mesh(key, shape, dimension, folder)
+                  shapes={key: _with_file(key, shape, dimension, folder)
                           for key, shape in root.get("shapes", {}).items()},
                   capacity=int(root.get("capacity", 0)))
     for i, block in enumerate(scene.blocks):
@@ -342,18 +342,37 @@ def _add_collider(path: Path, item: Mapping[str, Any], scene: Scene) -> None:
     scene.motions.append(motion)
 
 
-def _with_mesh(name: str, shape: Mapping[str, Any], dimension: int,
+def _with_file(name: str, shape: Mapping[str, Any], dimension: int,
                folder: pathlib.Path) -> dict[str, Any]:
-    """The same with the vertices and faces of its file."""
+    """The same with what its file holds: vertices and faces, or distances."""
     _check_lengths(("shapes", name), shape, dimension)
     if "file" not in shape:
         return dict(shape)
+    path = folder / shape["file"]
     try:
-        vertices, faces = read_mesh(folder / shape["file"], dimension)
+        if shape["from"] == "baked":
+            return _baked(path, dimension)
+        vertices, faces = read_mesh(path, dimension)
     except Error as error:
         raise DataError(said(("shapes", name, "file"), str(error))) from None
     kept = {key: value for key, value in shape.items() if key != "file"}
     return {**kept, "vertices": vertices, "faces": faces}
+
+
+def _baked(path: pathlib.Path, dimension: int) -> dict[str, Any]:
+    """The grid of distances that pbf-bake or Geometry.save wrote."""
+    try:
+        baked = Geometry.load(path)
+    except OSError as error:
+        raise DataError(f"{path} can't be read: {error.strerror}") from None
+    except Error as error:
+        raise DataError(f"{path}: {error}") from None
+    if baked.dimension != dimension:
+        raise DataError(f"{path} holds a shape of dimension {baked.dimension}; the scene has "
+                        f"{dimension}")
+    values = baked.values
+    return {"from": "grid", "nodes": list(values.shape), "origin": list(baked.origin),
+            "values": values.ravel(order="F"), "cell": baked.cell}
 
 
 def _geometry(name: str, shape: Mapping[str, Any], dimension: int) -> Geometry:

@@ -122,7 +122,12 @@ def change(path, value):
     (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1}}), '/shapes/cup: "vertices" is missing'),
     (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1, "file": "none.obj"}}),
      "none.obj can't be read"),
-    (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1, "file": "cup.3ds"}}), ".obj and .stl")])
+    (change(["shapes"], {"cup": {"from": "mesh", "cell": 0.1, "file": "cup.3ds"}}), ".obj and .stl"),
+    (change(["shapes"], {"cup": {"from": "baked"}}), '/shapes/cup: "file" is missing'),
+    (change(["shapes"], {"cup": {"from": "baked", "file": "none.pbfshape"}}),
+     "/shapes/cup/file: .*none.pbfshape can't be read: No such file"),
+    (change(["shapes"], {"cup": {"from": "baked", "file": "bad.json"}}),
+     "/shapes/cup/file: .*bad.json: the saved shape does not begin as one")])
 def test_bad_files_say_what_is_wrong(changed, words, tmp_path):
     scene = json.loads((pathlib.Path(pbf.__file__).parent / "scenes/dam-break-3d.json").read_text())
     changed(scene)
@@ -200,6 +205,20 @@ def test_meshes_of_files(tmp_path):
     (tmp_path / "scene.json").write_text(json.dumps(scene))
     with pytest.raises(pbf.DataError, match='cube.obj:2: "2" is none of the 1 vertices'):
         pbf.load_scene(tmp_path / "scene.json")
+
+
+def test_a_baked_file_is_the_shape_that_was_saved(tmp_path):
+    baked = pbf.Geometry.from_mesh(TETRAHEDRON, FACES, cell=0.005)
+    baked.save(tmp_path / "it.pbfshape")
+    scene = with_shape({"from": "baked", "file": "it.pbfshape"})
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    finer = pbf.load_scene(tmp_path / "scene.json").refined(2)
+    solid, = finer._with_geometries()
+    assert solid.geometry.save() == baked.save()
+    flat = with_shape(scene["shapes"]["it"], 2)
+    (tmp_path / "flat.json").write_text(json.dumps(flat))
+    with pytest.raises(pbf.DataError, match="holds a shape of dimension 3; the scene has 2"):
+        pbf.load_scene(tmp_path / "flat.json")
 
 
 def test_what_comes_and_goes():

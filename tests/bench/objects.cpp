@@ -8,6 +8,7 @@
 #include "core/manifest.h"
 #include "core/solver.h"
 #include "scene/objects.h"
+#include "scene/shape.h"
 #include "scene/scene.h"
 
 namespace {
@@ -181,6 +182,55 @@ Scene with_text(const std::string &more, const std::string &blocks, unsigned dim
   return load(path);
 }
 
+// ---- Files that are baked ----
+
+// A tetrahedron of volume 0.1³ / 6, as pbf_save_shape writes it.
+std::string baked_tetrahedron() {
+  const double vertices[] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
+  const uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  pbf_mesh_desc mesh = {};
+  mesh.struct_size = sizeof mesh;
+  mesh.dimension = 3;
+  mesh.vertex_count = mesh.face_count = 4;
+  mesh.vertices = vertices;
+  mesh.faces = faces;
+  mesh.cell = 0.005;
+  pbf_shape *shape = nullptr;
+  check_call(pbf_shape_from_mesh(&mesh, &shape));
+  uint64_t size = 0;
+  check_call(pbf_save_shape(shape, nullptr, &size));
+  std::string bytes(size, 0);
+  check_call(pbf_save_shape(shape, &bytes[0], &size));
+  pbf_release_shape(shape);
+  return bytes;
+}
+
+pbf_shape_info info_of(const SceneShape &shape) {
+  pbf_shape_info info = {};
+  info.struct_size = sizeof info;
+  check_call(pbf_get_shape_info(shape.handle.get(), &info));
+  return info;
+}
+
+// It is the shape that was saved, as the scene's own line in a recording is; in 2D it is none.
+void a_baked_file_is_the_shape_that_was_saved(void **) {
+  const std::string bytes = baked_tetrahedron(), blocks = R"([{"shape": "ball", "radius": 0.1, )";
+  write_text(PBF_TEST_WORK "/tetrahedron.pbfshape", bytes);
+  const Scene scene =
+      with_text(R"("shapes": {"it": {"from": "baked", "file": "tetrahedron.pbfshape"}})",
+                blocks + R"("center": [0.5, 0.5, 0.5]}])");
+  const pbf_shape_info info = info_of(scene.shapes.at(0));
+  uint64_t saved = 0;  // the header's hash
+  std::memcpy(&saved, bytes.data() + 64, sizeof saved);
+  assert_true(info.hash == saved);
+  assert_float_equal(info.volume, 1e-3 / 6, 0.05e-3 / 6);
+  const ShapeSource again =
+      read_shape(shape_json(scene.shapes[0].source, 3), nlohmann::json::json_pointer(), 3, "");
+  SceneShape recorded = scene.shapes[0];
+  recorded.handle = bake_shape(again, 3);
+  assert_true(info_of(recorded).hash == saved);
+}
+
 // A tap of 4 x 4 columns at 1 a second: 0.04 a second for a second is 320; of 0.25 s a quarter.
 void there_is_room_for_what_comes(void **) {
   const std::string tap =
@@ -261,16 +311,33 @@ const Refused cases[] = {
      ":4:19: ", "heights.heights[3] is 0; it must be above base"},
     {R"("shapes": {"bed": {"from": "grid", "nodes": [3, 3, 3], "origin": [0, 0, 0], "values": [1, 1], "cell": 0.1}})",
      ":4:87: ", "the list has 2 numbers; the nodes are 27"},
+    {R"("shapes": {"cup": {"from": "baked", "file": "none.pbfshape"}})",
+     ":4:45: ", "none.pbfshape can't be read: No such file"},
+    {R"("shapes": {"cup": {"from": "baked", "file": "cut.pbfshape"}})",
+     ":4:45: ", "cut.pbfshape: the saved shape has 100 bytes; by its header it has"},
+    {R"("shapes": {"cup": {"from": "baked", "file": "cup.obj"}})",
+     ":4:45: ", "cup.obj: the saved shape is cut short"},
+    {R"("shapes": {"cup": {"from": "baked"}})", ":4:19: ", "\"file\" is missing"},
+    {R"("shapes": {"cup": {"from": "baked", "file": "cut.pbfshape", "cell": 0.1}})",
+     ":4:69: ", "\"cell\" does not belong here"},
+    {R"("shapes": {"cup": {"from": "mesh", "file": "cut.pbfshape", "cell": 0.1}})",
+     ":4:44: ", "shapes of pbf-bake where \"from\" is \"baked\""},
     {R"("capacity": 10)", ":3:11: ", "PBF_ERROR_CAPACITY"},
     {R"("capacity": 0)", ":4:13: ", "wanted: a count of particles"},
 };
 
 void what_can_not_be_is_refused_with_its_place(void **) {
+  write_text(PBF_TEST_WORK "/tetrahedron.pbfshape", baked_tetrahedron());
+  write_text(PBF_TEST_WORK "/cut.pbfshape", baked_tetrahedron().substr(0, 100));
+  write_text(PBF_TEST_WORK "/cup.obj", "v 0 0 0\n");
   for (const Refused &wrong : cases) {
     const std::string message = refusal(wrong.more);
     expect_contains(message, std::string("objects.json") + wrong.place);
     expect_contains(message, wrong.reason);
   }
+  expect_contains(
+      refusal(R"("shapes": {"it": {"from": "baked", "file": "tetrahedron.pbfshape"}})", "", 2),
+      "tetrahedron.pbfshape holds a shape of dimension 3; the scene has 2");
   expect_contains(refusal(R"("steps_": 1)", "[]"), ":3:11: ");
   expect_contains(refusal(R"("capacity": 1)", "[]"), "at least one where there are no emitters");
   expect_contains(refusal(R"("colliders": [])",
@@ -304,6 +371,7 @@ int main() {
       cmocka_unit_test(a_periodic_channel_flows_as_poiseuille_says),
       cmocka_unit_test(a_dump_says_what_is_no_wall),
       cmocka_unit_test(cells_follow_what_is_finer),
+      cmocka_unit_test(a_baked_file_is_the_shape_that_was_saved),
       cmocka_unit_test(there_is_room_for_what_comes),
       cmocka_unit_test(what_can_not_be_is_refused_with_its_place),
       cmocka_unit_test(parameters_that_do_not_agree_are_refused_with_their_place),

@@ -348,7 +348,7 @@ internal static partial class Binding
             StructsLieAsInC, AParticleFalls, LoadsAreTheMomentumThatIsGone, AccelerationsHoldUp,
             ErrorsHaveTheSentence, StructSizesAreSet, ViewsOutliveSolvers, SnapshotsOutliveSolvers, OtherThreadsCancel, StatesGoOnAlike, TheLogIsHeard,
             ExceptionsOfTheLogComeAfterTheCall, WhatIsDroppedIsCollected, PlansAndBackendsAreTold,
-            ShapesAreAsFarAsTheirFaces, ShapesComeBackFromBytes, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
+            SprayFlies, WhatIsNoSprayIsRefused, ShapesAreAsFarAsTheirFaces, ShapesComeBackFromBytes, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
             QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
             FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
             WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall

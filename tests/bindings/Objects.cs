@@ -219,7 +219,7 @@ internal static partial class Binding
         }
     }
 
-    // Oil that begins below water: it rises, and the floor has the weight of both.
+    // Oil that begins below water: it rises, and the floor has the weight of both, beside what the full tank's ceiling pushes back.
     private static void OilFloatsAndTheFloorBearsBoth()
     {
         var parameters = Params.Default;
@@ -244,8 +244,9 @@ internal static partial class Binding
             var phases = fluid.GetParticlePhases();
             Func<uint, double> mean = phase => Enumerable.Range(0, 200).Where(i => phases[i] == phase).Average(i => x[2 * i + 1]);
             Equal(true, mean(1) > mean(0) + .3);
-            var floor = fluid.GetWallLoads()[Constants.WallYMin];
-            Near(1, floor.ImpulseSum.Y / floor.TimeSum / (D * D * (100 + .5 * 100) * parameters.Gravity.Y), .02);
+            var loads = fluid.GetWallLoads();
+            double impulse = loads[Constants.WallYMin].ImpulseSum.Y + loads[Constants.WallYMax].ImpulseSum.Y;
+            Near(1, impulse / loads[0].TimeSum / (D * D * (100 + .5 * 100) * parameters.Gravity.Y), .005);
             Refused(Status.InvalidArgument, "phases[0] is 2", () => fluid.SetParticlePhases(new uint[] { 2 }));
             Refused(Status.InvalidArgument, "phases[0].rest_density is -1", () => fluid.SetPhases(Phase.Of(-1), Phase.Of(1)));
         }
@@ -356,6 +357,71 @@ internal static partial class Binding
             Refused(Status.NotFound, "world is 2", () => batch[2].Step());
         }
         Refused(wrong, "worlds is 0", () => new Batch(0, DescOf(3, 2)));
+    }
+
+    // Without drag it falls along a parabola.
+    private static void SprayFlies()
+    {
+        float[] x = { .7f, .9f, .7f, .8f, .9f, .7f }, v = { .5f, 0, 0, 0, .25f, 0 }, times = { 1, 2 };
+        using (var fluid = Block())
+        {
+            Refused(Status.State, "pbf_set_diffuse", () => fluid.AddDiffuse(x, v, times));
+            Equal(false, fluid.GetDiffuse().HasValue);
+            var wanted = fluid.GetDefaultDiffuse();
+            wanted.Capacity = 7;
+            wanted.StructSize = 0;
+            fluid.SetDiffuse(wanted);
+            Equal(7u, fluid.GetDiffuse().Value.Capacity);
+            fluid.AddDiffuse(x, v, times);
+            fluid.AddDiffuse(new[] { .8f, .8f, .8f }, null, new[] { .01f });
+            fluid.ShiftDiffuse(At(0, -.25, 0));
+            fluid.Step(8);
+            var info = fluid.GetDiffuseInfo();
+            Equal(2u, info.Count);
+            Equal(2u, info.Spray);
+            Equal(1ul, info.Expired);
+
+            double[] at = new double[6], speeds = new double[6], ages = new double[2], lives = new double[2];
+            uint[] kinds = { 9, 9 };
+            var ids = new ulong[2];
+            fluid.ReadDiffuse(0, 2, at, speeds, ages, lives, kinds, ids);
+            var parameters = fluid.Parameters;
+            double time = 8 * parameters.TimeStep, fall = parameters.Gravity.Y / 2 * time * time;
+            Near(.7 + .5 * time, at[0], 1e-6);
+            Near(.65 + fall, at[1], 1e-6);
+            Near(.65 + .25 * time + fall, at[4], 1e-6);
+            Near(.25 + parameters.Gravity.Y * time, speeds[4], 1e-6);
+            Near(2 - time, lives[1], 1e-6);
+            Near(time, ages[1], 1e-6);
+            Equal(Constants.DiffuseSpray, kinds[1]);
+            Equal(1ul, ids[1]);
+            var left = new float[1];
+            fluid.ReadDiffuse(1, 1, lives: left);
+            Near(lives[1], left[0], 1e-6);
+        }
+    }
+
+    private static void WhatIsNoSprayIsRefused()
+    {
+        using (var fluid = Block())
+        {
+            var wanted = fluid.GetDefaultDiffuse();
+            fluid.SetDiffuse(wanted);
+            float[] one = { .7f, .9f, .7f };
+            fluid.AddDiffuse(one, null, new[] { 1f });
+            var wrong = Status.InvalidArgument;
+            Refused(wrong, "lives has 2 elements; it must have 1", () => fluid.ReadDiffuse(0, 1, lives: new float[2]));
+            Refused(Status.NotFound, "there are 1 diffuse", () => fluid.ReadDiffuse(1, 1));
+            Refused(wrong, "positions has 3 elements; it must have 6", () => fluid.AddDiffuse(one, null, new[] { 1f, 2f }));
+            Refused(wrong, "positions is null", () => fluid.AddDiffuse(null, null, new[] { 1f }));
+            Refused(wrong, "lives[0]", () => fluid.AddDiffuse(one, null, new[] { 0f }));
+            Refused(wrong, "precision", () => fluid.AddDiffuse(new double[3], null, new[] { 1d }));
+            wanted.Capacity = 0;
+            Refused(wrong, "capacity is 0", () => fluid.SetDiffuse(wanted));
+            Equal(1u, fluid.GetDiffuseInfo().Count);
+            fluid.SetDiffuse(null);
+            Equal(0u, fluid.GetDiffuseInfo().Capacity);
+        }
     }
 
     private static void WorldsAndBatchesGoInAnyOrder()

@@ -44,6 +44,12 @@ export async function asked(): Promise<number> {
   fluid.setDrains(fluid.drains);
   fluid.setReservoirs([{ position: [0.5, 0.5], halfExtents: [0.5, 0.5], depth: 0.1 }]);
   fluid.setReservoirs(fluid.reservoirs);
+  fluid.setDiffuse({ ...fluid.defaultDiffuse, capacity: 10 });
+  fluid.addDiffuse([0.5, 0.5], null, [1]);
+  fluid.shiftDiffuse([0, 0.1]);
+  const { kinds, ids } = fluid.diffuseParticles;
+  const drops: number = kinds[0]! + Number(ids[0]!) + fluid.diffuseInfo.spray + (fluid.diffuse?.buoyancy ?? 0);
+  fluid.setDiffuse(null);
   fluid.setPhases([{}, { restDensity: 0.9 }]);
   fluid.setParticlePhases(new Uint32Array(1));
   const batch = new Batch({ worlds: 2, capacity: 10 });
@@ -52,7 +58,7 @@ export async function asked(): Promise<number> {
   batch.reset();
   const failure: string | undefined = batch.failures[0]?.message;
   return first!.position[0]! + wet[0]! + densities[0]! + velocities[0]! + level + filled + fluid.inOut.emitted + (failure?.length ?? 0)
-    + batch.world(1).count + batch.read("position")[0]! + rock.distance([0, 0]).distance + rock.info.volume;
+    + drops + batch.world(1).count + batch.read("position")[0]! + rock.distance([0, 0]).distance + rock.info.volume;
 }
 
 // @ts-expect-error a field that was not asked for

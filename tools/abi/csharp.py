@@ -6,7 +6,7 @@ SCALARS = {"void": "void", "uint8_t": "byte", "int32_t": "int", "uint32_t": "uin
 VECTORS = {("double", 3): "Vector3d", ("double", 4): "Vector4d", ("double", 6): "Walls",
            ("uint32_t", 2): "Vector2u", ("uint32_t", 3): "Vector3u"}
 OWNED = {name: f"Native{camel(name)}" for name in (
-    "pbf_desc", "pbf_allocator", "pbf_read_desc", "pbf_anisotropy_desc", "pbf_samples", "pbf_sample_grid",
+    "pbf_desc", "pbf_allocator", "pbf_read_desc", "pbf_anisotropy_desc", "pbf_diffuse_read", "pbf_samples", "pbf_sample_grid",
     "pbf_grid_desc", "pbf_mesh_desc", "pbf_heights_desc", "pbf_hull_desc", "pbf_collider",
     "pbf_view", "pbf_snapshot")}  # with pointers: a class or a method wraps them
 OBJECTS = {"pbf_collider": {"geometry": "Pbf.Shape"}}  # seen with these classes for pointers

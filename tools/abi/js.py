@@ -21,9 +21,9 @@ SEEN = {"pbf_params": "Params", "pbf_collider": "Collider", "pbf_collider_load":
         "pbf_plan_stage": "PlanStage", "pbf_plan_array": "PlanArray", "pbf_plan": "Plan",
         "pbf_stage_time": "StageTime", "pbf_timings": "Timings",
         "pbf_volume": "Volume", "pbf_volume_flow": "Flow", "pbf_emitter": "Emitter", "pbf_in_out": "InOut",
-        "pbf_reservoir": "Reservoir",
+        "pbf_reservoir": "Reservoir", "pbf_diffuse_desc": "Diffuse", "pbf_diffuse_info": "DiffuseInfo",
         "pbf_phase": "Phase", "pbf_shape_info": "ShapeInfo"}
-USED = ["pbf_desc", *SEEN, "pbf_view", "pbf_read_desc", "pbf_samples", "pbf_sample_grid", "pbf_grid_desc",
+USED = ["pbf_desc", *SEEN, "pbf_view", "pbf_read_desc", "pbf_samples", "pbf_sample_grid", "pbf_diffuse_read", "pbf_grid_desc",
         "pbf_mesh_desc", "pbf_heights_desc", "pbf_hull_desc", "pbf_batch_info"]
 NOT_SEEN = ("struct_size", "reserved")
 # Fields that are something else there than a number.

@@ -486,7 +486,7 @@ namespace Pbf
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-    public partial struct DiffuseRead
+    internal partial struct NativeDiffuseRead
     {
         public uint StructSize;
         public uint First;
@@ -1014,7 +1014,7 @@ namespace Pbf
             { typeof(BatchInfo), new[] { "16", "StructSize=0", "Worlds=4", "Threads=8", "DeviceType=12" } },
             { typeof(DiffuseDesc), new[] { "136", "StructSize=0", "Capacity=4", "Seed=8", "Interval=12", "FoamNeighbors=16", "BubbleNeighbors=20", "TrappedAirMin=24", "TrappedAirMax=32", "WaveCrestMin=40", "WaveCrestMax=48", "EnergyMin=56", "EnergyMax=64", "TrappedAirRate=72", "WaveCrestRate=80", "LifetimeMin=88", "LifetimeMax=96", "Buoyancy=104", "BubbleDrag=112", "SprayDrag=120", "Scatter=128" } },
             { typeof(DiffuseInfo), new[] { "56", "StructSize=0", "Capacity=4", "Count=8", "Spray=12", "Foam=16", "Bubbles=20", "Time=24", "Generated=32", "Expired=40", "Recycled=48" } },
-            { typeof(DiffuseRead), new[] { "80", "StructSize=0", "First=4", "Count=8", "ElementType=12", "Components=16", "Reserved=20", "Stride=24", "Positions=32", "Velocities=40", "Ages=48", "Lives=56", "Kinds=64", "Ids=72" } },
+            { typeof(NativeDiffuseRead), new[] { "80", "StructSize=0", "First=4", "Count=8", "ElementType=12", "Components=16", "Reserved=20", "Stride=24", "Positions=32", "Velocities=40", "Ages=48", "Lives=56", "Kinds=64", "Ids=72" } },
             { typeof(Volume), new[] { "128", "StructSize=0", "Shape=4", "Position=8", "Orientation=32", "HalfExtents=64", "Axis=88", "Radius=112", "HalfLength=120" } },
             { typeof(VolumeFlow), new[] { "72", "StructSize=0", "Reserved=4", "Volume=8", "Fraction=16", "Centre=24", "Velocity=48" } },
             { typeof(NativeSamples), new[] { "48", "StructSize=0", "Count=4", "Points=8", "Densities=16", "Velocities=24", "Pressures=32", "Wet=40" } },

@@ -16,6 +16,7 @@
 //! goes on when the call has returned.
 mod batch;
 mod collider;
+mod diffuse;
 mod emission;
 mod error;
 mod handle;
@@ -33,6 +34,7 @@ mod view;
 
 pub use batch::{Batch, World};
 pub use collider::Collider;
+pub use diffuse::{Diffuse, DiffuseArrays};
 pub use emission::{Emitter, Reservoir};
 pub use error::{Error, Result, Status};
 pub use log::{Level, LogFn};
@@ -40,6 +42,7 @@ pub use params::{Desc, Params};
 pub use pbf_sys as sys;
 pub use pbf_sys::pbf_batch_info as BatchInfo;
 pub use pbf_sys::pbf_collider_load as Load;
+pub use pbf_sys::pbf_diffuse_info as DiffuseInfo;
 pub use pbf_sys::pbf_in_out as InOut;
 pub use pbf_sys::pbf_shape_info as ShapeInfo;
 pub use pbf_sys::pbf_stats as Stats;

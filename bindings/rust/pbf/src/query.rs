@@ -64,7 +64,7 @@ pub struct SampleGrid {
 }
 
 /// Where there is one, its address, if it has as many elements as are wanted.
-fn place<E>(name: &str, array: Option<&mut [E]>, wanted: usize) -> Result<*mut E> {
+pub(crate) fn place<E>(name: &str, array: Option<&mut [E]>, wanted: usize) -> Result<*mut E> {
     match array {
         None => Ok(null_mut()),
         Some(array) if array.len() == wanted => Ok(array.as_mut_ptr()),
@@ -72,7 +72,7 @@ fn place<E>(name: &str, array: Option<&mut [E]>, wanted: usize) -> Result<*mut E
     }
 }
 
-fn uneven(name: &str, has: usize, wanted: usize) -> Error {
+pub(crate) fn uneven(name: &str, has: usize, wanted: usize) -> Error {
     Error::invalid(format!("{name} has {has} elements; it must have {wanted}"))
 }
 
