@@ -43,7 +43,8 @@ uint32_t pbf_processors(void) {
 
 static uint32_t process_last_told;
 
-static uint32_t ask_for_process(void) {
+/* 1 where the system tells. */
+static int ask_for_process(void) {
   const pid_t now = getpid();
   if (now > 0) __atomic_store_n(&process_last_told, (uint32_t)now, __ATOMIC_RELAXED);
   return now > 0;

@@ -43,9 +43,9 @@ static void wake(uint32_t *word, int threads) {
 }
 
 int pbf_can_wait(void) {
-  uint32_t nobody_waits = 0;
+  uint32_t unused = 0;
   const int before = errno;
-  const int can = call_kernel(&nobody_waits, FUTEX_WAKE, 1) == 0;
+  const int can = call_kernel(&unused, FUTEX_WAKE, 1) == 0;
   errno = before;
   return can;
 }

@@ -206,18 +206,22 @@ static int run_by_turns(void) {
   return 0;
 }
 
-static void assert_child(int (*run)(void)) {
+static void assert_ends_well(pid_t child, const char *why_skipped) {
   int status = 0;
+  assert_int_equal(waitpid(child, &status, 0), child);
+  assert_true(WIFEXITED(status));
+  if (WEXITSTATUS(status) == SKIPPED) test_skip(why_skipped);
+  assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+static void assert_child(int (*run)(void)) {
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) {
     alarm(60);
     _exit(run());
   }
-  assert_int_equal(waitpid(child, &status, 0), child);
-  assert_true(WIFEXITED(status));
-  if (WEXITSTATUS(status) == SKIPPED) test_skip("the system does not tell");
-  assert_int_equal(WEXITSTATUS(status), 0);
+  assert_ends_well(child, "the system does not tell");
 }
 
 static void callers_by_turns_have_one_pool(void **state) {
@@ -264,7 +268,6 @@ static int run_named(const char *name) {
 
 /* The runtime reads its environment when it is loaded. */
 static void assert_with(const char *variable, const char *value, const char *name) {
-  int status = 0;
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) {
@@ -273,10 +276,7 @@ static void assert_with(const char *variable, const char *value, const char *nam
     execl("/proc/self/exe", "sandboxes", name, (char *)NULL);
     _exit(SKIPPED);
   }
-  assert_int_equal(waitpid(child, &status, 0), child);
-  assert_true(WIFEXITED(status));
-  if (WEXITSTATUS(status) == SKIPPED) test_skip("the system has no such limit");
-  assert_int_equal(WEXITSTATUS(status), 0);
+  assert_ends_well(child, "the system has no such limit");
 }
 
 static void more_threads_than_processors(void **state) {

@@ -1,5 +1,5 @@
 /* What earlier calls have left on the caller's stack is in no result: particles deep in solids,
- * whose cells of the pressure grid are cut by them, see no point of these cells. */
+ * in cells of the pressure grid that are cut by them, see no point of these cells. */
 #include "cpu_support.h"
 
 enum { COUNT = 350, COLLIDERS = 4 };
