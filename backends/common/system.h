@@ -106,6 +106,9 @@ uint32_t pbf_processors(void);
  * in the child of a fork. */
 uint32_t pbf_process(void);
 
+/* 0 where a sandbox does not tell the calling process's number. */
+int pbf_process_is_told(void);
+
 /* Has them called around each fork; each may be null. 1 for success. Where processes do not fork,
  * never. */
 int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void));

@@ -43,24 +43,23 @@ uint32_t pbf_processors(void) {
 
 static uint32_t process_last_told;
 
-/* 1 where the system tells. */
-static int ask_for_process(void) {
+int pbf_process_is_told(void) {
   const pid_t now = getpid();
   if (now > 0) __atomic_store_n(&process_last_told, (uint32_t)now, __ATOMIC_RELAXED);
   return now > 0;
 }
 
 static void become_another(void) {
-  if (!ask_for_process()) __atomic_fetch_add(&process_last_told, 1, __ATOMIC_RELAXED);
+  if (!pbf_process_is_told()) __atomic_fetch_add(&process_last_told, 1, __ATOMIC_RELAXED);
 }
 
 __attribute__((constructor)) static void begin_to_ask(void) {
-  if (!ask_for_process()) process_last_told = 1;
+  if (!pbf_process_is_told()) process_last_told = 1;
   pthread_atfork(NULL, NULL, become_another);
 }
 
 uint32_t pbf_process(void) {
-  ask_for_process();
+  pbf_process_is_told();
   return __atomic_load_n(&process_last_told, __ATOMIC_RELAXED);
 }
 

@@ -15,6 +15,7 @@
 /* OMP_NUM_THREADS may want more than there are CPUs: then `auto` would prefer this runtime, which
  * ends the process where it can't start a thread. */
 static uint32_t team_size(uint32_t wanted) {
+  if (!pbf_process_is_told()) return 1; /* not a call of the runtime: see below */
   uint32_t threads = wanted ? wanted : (uint32_t)omp_get_max_threads();
   if (!wanted && threads > pbf_processors()) threads = pbf_processors();
   uint32_t limit = (uint32_t)omp_get_thread_limit();
@@ -29,6 +30,10 @@ static void nothing(void) {}
 /* Where OpenMP's threads are: they do not go along with a fork, and the runtime would wait for them
  * in the child for ever, also for those that the program's own loops have left it. 0: nowhere. */
 static uint32_t home;
+
+/* LLVM's runtime names memory that all processes see after the process's number: the second process
+ * that is not told its own would find that of the first, and end. */
+static int may_use_runtime(void) { return pbf_process() == home && pbf_process_is_told(); }
 
 /* GCC's runtime ends threads by pthread_exit, for which the C library then loads the unwinder, and
  * ends the process where there is no memory for that: it has to be there before. */
@@ -77,7 +82,7 @@ __attribute__((destructor)) static void end_last_runs(void) { pbf_per_thread_end
 
 static uint32_t team_threads(uint32_t threads) {
   const last_run *last = pbf_per_thread_look(&last_runs);
-  if (pbf_process() != home) return 1;
+  if (!may_use_runtime()) return 1;
   return last && last->max_threads && last->max_threads < threads ? last->max_threads : threads;
 }
 
@@ -90,7 +95,7 @@ static uint32_t threads_there(const last_run *last) {
 
 /* OpenMP's runtime ends the process when it can't start a thread. `last` may be null. */
 static uint32_t threads_to_be_had(last_run *last, uint32_t threads) {
-  if (!last || threads == 1 || pbf_process() != home || !pbf_can_wait()) return 1;
+  if (!last || threads == 1 || !may_use_runtime() || !pbf_can_wait()) return 1;
   uint32_t there = threads_there(last);
   uint32_t had = threads;
   if (threads > there) had = there + startable_threads(threads - there, stack_bytes);
@@ -143,6 +148,23 @@ static void run_alone(team *all, team_function function, void *context) {
   function(context, &alone);
 }
 
+/* Not inlined: LLVM's compiler calls the runtime where a function begins that has such a loop. */
+__attribute__((noinline)) static void run_together(team *all, uint32_t threads,
+                                                   team_function function, void *context,
+                                                   long *numbers) {
+#pragma omp parallel num_threads((int)threads)
+  {
+    numbers[omp_get_thread_num()] = thread_number();
+    pbf_fp_environment before = pbf_fp_begin();
+    team_thread self = {.api = &cpu_team,
+                        .team = all,
+                        .thread = (uint32_t)omp_get_thread_num(),
+                        .threads = (uint32_t)omp_get_num_threads()};
+    function(context, &self);
+    pbf_fp_end(before);
+  }
+}
+
 static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_function function,
                      void *context) {
   (void)tasks;
@@ -154,18 +176,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
     run_alone(all, function, context);
     return;
   }
-  long *into = last->numbers; /* of this thread, not of those that run it */
-#pragma omp parallel num_threads((int)threads)
-  {
-    into[omp_get_thread_num()] = thread_number();
-    pbf_fp_environment before = pbf_fp_begin();
-    team_thread self = {.api = &cpu_team,
-                        .team = all,
-                        .thread = (uint32_t)omp_get_thread_num(),
-                        .threads = (uint32_t)omp_get_num_threads()};
-    function(context, &self);
-    pbf_fp_end(before);
-  }
+  run_together(all, threads, function, context, last->numbers);
   wait_for_surplus(last, kept_before);
   give_back_if_by_turns(all, last);
 }
