@@ -4,16 +4,12 @@
 #define PBF_PHYSICS_BASINS_H
 
 #include "physics/groups.h"
+#include "physics/region_depth.h"
+#include "physics/room.h"
 
-/* Points are spaced evenly in a region, and two next to each other are connected unless a solid is
- * between them, as in pressure_grid/compartments.h. Level by level, those that hang together are a
- * basin, unless water would leave the region from it. */
-enum {
-  PBF_BASIN_POINTS = 12, /* along an axis */
-  PBF_BASIN_LEVEL = PBF_DIM == 3 ? PBF_BASIN_POINTS * PBF_BASIN_POINTS : PBF_BASIN_POINTS,
-  PBF_BASIN_ALL = PBF_BASIN_LEVEL * PBF_BASIN_POINTS
-};
-
+/* Two points of a region next to each other are connected unless a solid is between them, as in
+ * pressure_grid/compartments.h. Level by level, those that hang together are a basin, unless water
+ * would leave the region from it. */
 typedef struct pbf_basin_region {
   double lower[PBF_DIM], spacing[PBF_DIM];
   int walled[2 * PBF_DIM]; /* whether the domain's walls are at its ends */
@@ -132,19 +128,8 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, const pbf_basin_
   }
 }
 
-/* The basins of a region, without one that is all of the domain: of those with so many levels the
- * fewest points, 0 where there are none. For any amount of fluid one of these is the deepest. */
-typedef struct pbf_region_basins {
-  uint32_t fewest[PBF_BASIN_POINTS + 1];
-  double height, volume; /* that a point stands for */
-} pbf_region_basins;
-
-static inline void pbf_basin_note(pbf_region_basins *basins, int levels, uint32_t points) {
-  uint32_t *fewest = &basins->fewest[levels];
-  if (!*fewest || points < *fewest) *fewest = points;
-}
-
-/* `grid` is of the surfaces, within the distance between two points. */
+/* Without one that is all of the domain. `grid` is of the surfaces, within the distance between two
+ * points. */
 static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_surface *surfaces,
                                         const pbf_surface_grid *grid, pbf_region_basins *basins) {
   pbf_basin_points points;
@@ -183,17 +168,6 @@ static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_sur
   }
 }
 
-/* The largest depth of so much fluid in one of them. */
-static inline double pbf_region_depth(const pbf_region_basins *basins, double fluid) {
-  double depth = 0;
-  for (int levels = 1; levels <= PBF_BASIN_POINTS; ++levels) {
-    if (!basins->fewest[levels]) continue;
-    const double part = fmin(fluid / (basins->fewest[levels] * basins->volume), 1);
-    depth = fmax(depth, levels * part * basins->height);
-  }
-  return depth;
-}
-
 /* All of the domain, or of it what solids reach. */
 static inline int pbf_basin_region_of(const pbf_params *params, int axis, uint32_t count,
                                       const pbf_surface *surfaces, int of_solids,
@@ -227,11 +201,13 @@ typedef struct pbf_basins {
   double domain[2 * PBF_DIM], gap;
   uint32_t count; /* of colliders */
   int axis, down; /* of gravity */
-  int solids;
-  int known;      /* 0: nothing is; */
-  int sought;     /* 1: regions have been looked through */
-  double deepest; /* none can be deeper */
-  pbf_region_basins regions[2];
+  int solids, planes;
+  int known;          /* 0: nothing is; */
+  int sought;         /* 1: regions have been looked through */
+  int room_sought;    /* and the room that planes leave */
+  double deepest;     /* none between solids can be deeper, … */
+  double room_height; /* … and what planes hold */
+  pbf_region_basins regions[2], room;
   pbf_collider *colliders; /* memory for so many as are asked about, from here on */
   uint64_t *shapes;        /* their geometries' ids: a pointer may be another one's */
   pbf_surface *surfaces;   /* this and what follows hold nothing from one call to another */
@@ -302,15 +278,23 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
   return 0;
 }
 
-/* Notes between what basins are to be, and how deep they can be along an axis. */
+static inline void pbf_basins_place_surfaces(pbf_basins *b) {
+  for (uint32_t k = 0; k < b->count; ++k) b->surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
+}
+
+/* Notes between what basins are to be, and how deep those of solids can be along an axis. */
 static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params, uint32_t count,
                                         const pbf_collider *colliders, int axis) {
   if (pbf_basins_are_of(b, params, count, colliders, axis)) return b->deepest;
-  b->sought = b->solids = 0;
-  b->deepest = 0;
-  for (uint32_t k = 0; k < count; ++k) b->solids += pbf_is_solid(&colliders[k]);
+  b->sought = b->room_sought = b->solids = b->planes = 0;
+  b->deepest = b->room_height = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    b->solids += pbf_is_solid(&colliders[k]);
+    b->planes += pbf_is_plane(&colliders[k]);
+  }
+  if (b->planes) b->room_height = params->domain_max[axis] - params->domain_min[axis];
   if (!b->solids) return 0;
-  for (uint32_t k = 0; k < count; ++k) b->surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
+  pbf_basins_place_surfaces(b);
   b->deepest =
       pbf_groups_deepest(params, count, colliders, b->surfaces, axis, b->groups, b->numbers);
   return b->deepest;
@@ -331,11 +315,19 @@ static inline void pbf_basins_find(pbf_basins *b, const pbf_params *params) {
   if (b->sought) return;
   b->sought = 1;
   memset(b->regions, 0, sizeof b->regions);
-  for (uint32_t k = 0; k < b->count && b->solids; ++k)
-    b->surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
+  if (b->solids) pbf_basins_place_surfaces(b);
   for (int of_solids = 0; of_solids < 2 && b->solids; ++of_solids)
     if (pbf_basin_region_of(params, b->axis, b->count, b->surfaces, of_solids, &region))
       pbf_basins_find_in(b, params, &region, &b->regions[of_solids]);
+}
+
+/* Looks for the room that noted planes leave, once. */
+static inline void pbf_basins_find_room(pbf_basins *b, const pbf_params *params) {
+  if (b->room_sought) return;
+  b->room_sought = 1;
+  pbf_basins_place_surfaces(b);
+  const pbf_group_walls walls = pbf_group_walls_of(params, b->count, b->surfaces, b->numbers);
+  pbf_room_find(&walls, b->axis, b->down, &b->room);
 }
 
 /* The largest depth of so much fluid at rest in one of them. */

@@ -99,8 +99,8 @@ static inline pbf_settled pbf_settled_of(const pbf_params *params, uint32_t coll
   return s;
 }
 
-/* Whether `is_deep` holds for them there, or between other colliders. What holds at a depth holds
- * at a larger one. */
+/* Whether `is_deep` holds for them there, between other colliders, or where planes leave room. What
+ * holds at a depth holds at a larger one. */
 static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, int axis,
                                                     double depth),
                                      const pbf_params *params, pbf_basins *basins,
@@ -108,10 +108,13 @@ static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, in
   const pbf_settled s = pbf_settled_of(params, colliders, list, count);
   if (is_deep(params, s.axis, s.depth)) return 1;
   if (!is_deep(params, s.axis, s.height * (1 + 1e-9))) return 0; /* no basin is deeper */
-  if (!is_deep(params, s.axis, pbf_basins_deepest(basins, params, colliders, list, s.axis)))
-    return 0;
-  pbf_basins_find(basins, params);
-  return is_deep(params, s.axis, pbf_basins_depth(basins, s.fluid));
+  if (is_deep(params, s.axis, pbf_basins_deepest(basins, params, colliders, list, s.axis))) {
+    pbf_basins_find(basins, params);
+    if (is_deep(params, s.axis, pbf_basins_depth(basins, s.fluid))) return 1;
+  }
+  if (!is_deep(params, s.axis, basins->room_height)) return 0;
+  pbf_basins_find_room(basins, params);
+  return is_deep(params, s.axis, pbf_region_depth(&basins->room, s.fluid));
 }
 
 /* Its cells end at walls: a domain that is periodic along any axis has none. */

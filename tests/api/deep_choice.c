@@ -99,11 +99,75 @@ static void bottles_are_deep(void **state) {
   test_for_long_kinds(check_bottle);
 }
 
+/* Planes at the column's sides, `farther` out of it, that lean outwards by `lean` for each length.
+ */
+static void set_planes(pbf_solver *s, uint32_t dimension, const pbf_params *column, double farther,
+                       double lean) {
+  pbf_collider planes[4];
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < dimension; k += 2)
+    for (int side = 0; side < 2; ++side) {
+      pbf_collider *p = &planes[count++];
+      assert_ok(pbf_collider_init(p, sizeof *p, PBF_COLLIDER_PLANE));
+      p->position[k] = side ? column->domain_max[k] + farther : -farther;
+      p->axis[k] = side ? -1 : 1;
+      p->axis[1] = lean;
+    }
+  assert_ok(pbf_set_colliders(s, count, planes));
+}
+
+/* The part of its mean height that a column loses between walls that lean outwards. */
+static double lost_to_lean(uint32_t dimension, const pbf_params *column, double lean) {
+  const double step = 1e-4 * column->domain_max[1], thick = dimension == 3 ? 3 * spacing : 1;
+  const double all = COLUMNS * spacing * LAYERS * spacing * thick;
+  double volume = 0, moment = 0;
+  for (double y = step / 2; volume < all; y += step) {
+    const double more = 2 * lean * y;
+    const double slice =
+        step * (COLUMNS * spacing + more) * (dimension == 3 ? thick + more : thick);
+    volume += slice;
+    moment += y * slice;
+  }
+  return 1 - moment / volume / (0.5 * spacing * LAYERS);
+}
+
+/* So they may be planes, upright on an axis and others. */
+static void check_between_planes(uint32_t dimension, uint32_t precision) {
+  const pbf_params column = column_params(-1);
+  pbf_params params = column;
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  for (int k = 0; k < 3; k += 2) {
+    params.domain_min[k] = -50 * spacing;
+    params.domain_max[k] += 50 * spacing;
+  }
+  for (int leaning = 0; leaning < 2; ++leaning) {
+    const double lean = leaning ? 1e-3 : 0, right = lost_to_lean(dimension, &column, lean);
+    pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
+    assert_false(keeps_grid(s));
+    set_planes(s, dimension, &column, 40 * spacing, lean);
+    assert_false(keeps_grid(s));
+    set_planes(s, dimension, &column, 0, lean);
+    assert_true(keeps_grid(s));
+    assert_ok(pbf_step(s, 400));
+    if (!(fabs(lost_height(s) - right) < 0.01))
+      fail_msg("%uD, leaning %g: %g of the height lost for %g", dimension, lean, lost_height(s),
+               right);
+    pbf_destroy(s);
+  }
+}
+
+static void planes_hold_deep_water(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_between_planes);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(where_eddies_want_it),
       cmocka_unit_test(where_water_could_be_deep),
       cmocka_unit_test(bottles_are_deep),
+      cmocka_unit_test(planes_hold_deep_water),
   };
   return TEST_RUN(tests);
 }
