@@ -156,6 +156,20 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
   memset(storage->places + t->first, 0, t->max_further * sizeof *storage->places);
 }
 
+/* Whether it is divided by a shape that none of these colliders has. */
+static inline bool pbf_topology_loses_shape(const pbf_pressure_grid_storage *storage,
+                                            uint32_t count, const pbf_collider *colliders) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  for (int k = 0; k < t->surface_count; ++k) {
+    const pbf_shape *field = t->surfaces[k].field;
+    if (!field || ((uint32_t)k < count && colliders[k].geometry == field)) continue;
+    uint32_t c = 0;
+    while (c < count && colliders[c].geometry != field) ++c;
+    if (c == count) return true;
+  }
+  return false;
+}
+
 static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_topology *t) {
   return t->surface_count ? t->first + pbf_pressure_grid_further_count(t, PBF_FURTHER_COMPARTMENTS)
                           : t->first;

@@ -4,6 +4,8 @@
  *
  *   keep_arrays, wake_all, wake_near_moving, init_new   as they declare them
  *   void settle_pressures(Solver *)                 before what pressures come from changes
+ *   void settle_for(Solver *, uint32_t count, const pbf_collider *)
+ *                                                   before these take the place of the colliders
  *   bool step_of_no_time(Solver *, double time)     whether there was memory for it
  *   pbf_vec velocity_of(const Solver *, uint32_t i)
  *   const char *refusal_of(const Solver *, const pbf_params *, const pbf_schedule *)
@@ -160,6 +162,7 @@ static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collide
   const pbf_moving_obstacles changed = pbf_changed_surfaces(
       s->collider_count, t->list, count, colliders, s->moving_obstacles, t->changed);
   wake_near_moving(s, changed, s->now);
+  settle_for(s, count, colliders);
   if (s->load_tally)
     pbf_forget_loads(s->load_tally, count < s->collider_count ? count : s->collider_count);
   if (count) memcpy(t->list, colliders, count * sizeof *colliders);

@@ -38,6 +38,13 @@ static pbf_status no_memory_for_neighbors(const solver *s) {
 /* ---- Life ---------------------------------------------------------------------------------- */
 
 static void settle_pressures(solver *s) { add_weight(s); }
+
+/* The grid of the last step asks for the distances of its solids. Shapes that none of the new
+ * colliders has may be gone once these are set. */
+static void settle_for(solver *s, uint32_t count, const pbf_collider *colliders) {
+  if (s->grid_pressure_pending && pbf_topology_loses_shape(&s->pressure_grid, count, colliders))
+    add_weight(s);
+}
 static const char *refusal_of(const solver *, const pbf_params *, const pbf_schedule *) {
   return NULL;
 }

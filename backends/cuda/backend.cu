@@ -299,6 +299,8 @@ static pbf_status replace_colliders(solver *s, uint32_t count, const pbf_collide
   pbf_status status = take_shapes(s->allocator, &s->memory, s->shapes, count, colliders, &shapes);
   if (status) return status;
   status = apply_params(s, &s->params, room, first);
+  /* What the grid of the last step adds to pressures goes by its shapes. */
+  if (!status && s->shapes.memory != shapes.memory && s->topology_memory) status = add_weight(s);
   if (!status) status = wake_near_colliders(s, changed, s->time);
   if (!status) status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
   if (status) {

@@ -10,6 +10,7 @@
 #include "reference/step.h"
 
 static void settle_pressures(solver *) {} /* a step's end adds the grid's */
+static void settle_for(solver *, uint32_t, const pbf_collider *) {}
 static const char *refusal_of(const solver *, const pbf_params *, const pbf_schedule *) {
   return NULL;
 }

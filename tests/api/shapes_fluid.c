@@ -348,11 +348,81 @@ static void scales_are_sizes(void **state) {
   test_for_long_kinds(a_scale_is_a_size);
 }
 
+/* ---- Shapes that go ------------------------------------------------------------------------- */
+
+static const double block_half[3] = {0.06, 0.06, 0.06};
+
+static double block(const double p[3], uint32_t dimension) {
+  return box_of(p, dimension, block_half);
+}
+
+/* Water around a block that divides cells of its pressure grid; after a step a ball takes its
+ * place. The pressures are still those of that step: its hash and theirs, once the caller has given
+ * the block's shape back, be that before or after. */
+static void pressures_after_a_shape(uint32_t dimension, uint32_t precision, int kept,
+                                    uint64_t *hash, double *pressures) {
+  enum { ROOM = 64 };
+  void *others[ROOM];
+  scene *s = scene_of(dimension, precision);
+  s->params.pressure_grid = 2;
+  for (uint32_t k = 0; k < 3; ++k) s->params.domain_min[k] = 0, s->params.domain_max[k] = 1;
+  const uint32_t side = dimension == 3 ? 8 : 10;
+  for (uint32_t i = 0; i < (dimension == 3 ? side * side * side : side * side); ++i) {
+    const uint32_t at[3] = {i % side, i / side % side, i / side / side};
+    for (uint32_t k = 0; k < 3; ++k) s->points[3 * s->count + k] = d * (at[k] + 0.5);
+    ++s->count;
+  }
+  const double reach[3] = {block_half[0], block_half[1], block_half[2]};
+  pbf_shape *before = shape_of(dimension, block, reach, 0.25 * d);
+  s->collider = collider_of(before);
+  for (uint32_t k = 0; k < dimension; ++k) s->collider.position[k] = 0.2;
+  pbf_solver *solver = started(s);
+  assert_ok(pbf_step(solver, 1));
+  if (!kept) {
+    pbf_release_shape(before);
+    s->collider.geometry = NULL;
+  }
+  pbf_collider ball_there;
+  assert_ok(pbf_collider_init(&ball_there, sizeof ball_there, PBF_COLLIDER_SPHERE));
+  ball_there.position[0] = -3;
+  assert_ok(pbf_set_colliders(solver, 1, &ball_there));
+  for (size_t k = 0; k < ROOM; ++k) { /* which memory that is free again goes to */
+    others[k] = malloc(1000 * (k + 1));
+    assert_non_null(others[k]);
+    memset(others[k], 0x5a, 1000 * (k + 1));
+  }
+  void *values = malloc((size_t)s->count * precision);
+  assert_ok(pbf_get_pressures(solver, 0, s->count, values));
+  for (uint32_t i = 0; i < s->count; ++i) pressures[i] = test_value(values, i, precision);
+  assert_ok(pbf_remove_particles(solver, 1, (const uint32_t[]){3}));
+  assert_ok(pbf_step(solver, 2));
+  *hash = test_hash(solver);
+  for (size_t k = 0; k < ROOM; ++k) free(others[k]);
+  free(values);
+  end(s, solver);
+}
+
+static void a_shape_goes(uint32_t dimension, uint32_t precision) {
+  uint64_t with, without;
+  double right[MOST], found[MOST];
+  pressures_after_a_shape(dimension, precision, 1, &with, right);
+  pressures_after_a_shape(dimension, precision, 0, &without, found);
+  assert_int_equal(without, with);
+  for (uint32_t i = 0; i < 100; ++i) assert_true(found[i] == right[i]);
+}
+
+static void pressures_outlive_shapes(void **state) {
+  (void)state;
+  skip_without_fluid();
+  test_for_each_kind(a_shape_goes);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cups_hold_water),  cmocka_unit_test(carried_cups_hold_water),
       cmocka_unit_test(boxes_are_boxes),  cmocka_unit_test(nothing_passes_a_plate),
       cmocka_unit_test(bowls_hold_water), cmocka_unit_test(scales_are_sizes),
+      cmocka_unit_test(pressures_outlive_shapes),
   };
   return TEST_RUN(tests);
 }
