@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "held_snapshots.h"
+#include "lock.h"
 #include "memory.h"
 
 static uint64_t rounded(uint64_t bytes) { return (bytes + 63) / 64 * 64; }
@@ -24,6 +26,9 @@ uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snap
 
 void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots) {
   if (!snapshots) return;
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  for (uint32_t k = 0; k < snapshots->count; ++k) pbf_snapshot_forget(&snapshots->list[k]);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
   pbf_memory_free(&solver->allocator, snapshots, pbf_snapshots_bytes(solver, snapshots));
 }
 

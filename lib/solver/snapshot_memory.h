@@ -6,6 +6,7 @@
 
 typedef struct snapshot {
   pbf_solver *solver;
+  struct snapshot *next_held; /* in a list of held_snapshots.h */
   uint32_t readers; /* that hold it */
   uint32_t count;
   uint64_t step;
@@ -25,7 +26,7 @@ pbf_status pbf_snapshots_allocate(pbf_solver *solver, uint32_t count, pbf_snapsh
 
 uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snapshots);
 
-/* Null is a no-op. */
+/* Null is a no-op. None of them is held. */
 void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots);
 
 #endif

@@ -3,6 +3,7 @@
 #include "backend_call.h"
 #include "error.h"
 #include "handles.h"
+#include "held_snapshots.h"
 #include "ids.h"
 #include "lock.h"
 #include "snapshot_memory.h"
@@ -94,7 +95,7 @@ static snapshot *hold_latest(pbf_solver *solver) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   if (solver->snapshots) {
     latest = solver->snapshots->latest;
-    ++latest->readers;
+    pbf_snapshot_hold(latest);
   }
   pbf_lock_release(PBF_LOCK_SOLVERS);
   return latest;
@@ -139,13 +140,16 @@ pbf_status pbf_release_snapshot(pbf_snapshot *theirs) {
   pbf_status status = pbf_struct_check_out(&pbf_kind_snapshot, theirs);
   if (status == PBF_OK) status = pbf_lock_check();
   if (status != PBF_OK) return status;
-  snapshot *held = theirs->owner;
-  if (!held) return pbf_fail(PBF_ERROR_STATE, "snapshot.owner is null: nothing is held");
-  pbf_struct_out(&pbf_kind_snapshot, &none, theirs, theirs->struct_size);
-  pbf_solver *solver = held->solver; /* which may free what is held from here on */
+  if (!theirs->owner) return pbf_fail(PBF_ERROR_STATE, "snapshot.owner is null: nothing is held");
   pbf_lock_take(PBF_LOCK_SOLVERS);
-  --held->readers;
+  pbf_solver *solver = pbf_snapshot_let_go(theirs->owner);
   pbf_lock_release(PBF_LOCK_SOLVERS);
-  pbf_let_go(solver);
+  if (!solver)
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "snapshot.owner is %p, which pbf_acquire_snapshot did not give, or "
+                    "pbf_release_snapshot has taken back",
+                    theirs->owner);
+  pbf_struct_out(&pbf_kind_snapshot, &none, theirs, theirs->struct_size);
+  pbf_let_go(solver); /* which may free what was held */
   return PBF_OK;
 }

@@ -247,6 +247,18 @@ static void refusals(void **state) {
   assert_fails(pbf_acquire_snapshot(s, &snapshot), PBF_ERROR_STATE, "released first");
   assert_ok(pbf_release_snapshot(&snapshot));
   assert_fails(pbf_release_snapshot(&snapshot), PBF_ERROR_STATE, "nothing is held");
+  /* A copy of what has been released, and what never was one. */
+  assert_ok(pbf_acquire_snapshot(s, &snapshot));
+  pbf_snapshot copy = snapshot;
+  assert_ok(pbf_release_snapshot(&snapshot));
+  assert_fails(pbf_release_snapshot(&copy), bad, "pbf_acquire_snapshot did not give");
+  assert_ok(pbf_set_snapshots(s, 0)); /* none is held any more, and none less than none */
+  void *const others[] = {(void *)1, (void *)UINTPTR_MAX, s, &copy, copy.owner};
+  for (size_t k = 0; k < sizeof others / sizeof *others; ++k) {
+    copy.owner = others[k];
+    assert_fails(pbf_release_snapshot(&copy), bad, "pbf_acquire_snapshot did not give");
+    assert_true(copy.owner == others[k]);
+  }
   snapshot.struct_size = 4;
   assert_fails(pbf_acquire_snapshot(s, &snapshot), PBF_ERROR_STRUCT_SIZE, "pbf_snapshot");
   assert_fails(pbf_release_snapshot(&snapshot), PBF_ERROR_STRUCT_SIZE, "pbf_snapshot");
