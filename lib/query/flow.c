@@ -86,10 +86,24 @@ static pbf_volume_flow flow_in(pbf_query_place *place, const pbf_volume_frame *f
   return flow;
 }
 
+/* Numbers that are accepted each may have a product that is none. */
+static pbf_status check_sizes(uint32_t dimension, uint32_t count, const pbf_volume *volumes) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const pbf_volume volume = pbf_volumes_get(volumes, i);
+    const pbf_volume_frame frame = pbf_volume_frame_of(&volume, dimension);
+    if (isfinite(pbf_volume_size(&frame))) continue;
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "volumes[%u] is so large that its volume is no number; smaller sizes would do",
+                    i);
+  }
+  return PBF_OK;
+}
+
 static pbf_status measure(pbf_solver *solver, uint32_t count, const pbf_volume *volumes,
                           pbf_volume_flow *flows) {
   pbf_query_place place = {0};
   pbf_status status = pbf_volumes_check(solver->kind, "volumes", count, volumes);
+  if (status == PBF_OK) status = check_sizes(solver->kind.dimension, count, volumes);
   if (status != PBF_OK || count == 0) return status;
   if (!flows) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "flows is null");
   const uint32_t size = pbf_struct_size(flows);

@@ -119,11 +119,35 @@ static void found_in_volumes(void **state) {
   test_for_each_kind(check_found);
 }
 
+/* Sizes that are accepted each, of which a volume is no number: in 3D their product overflows. */
+static void volumes_are_numbers(void **state) {
+  (void)state;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    if (!test_has_kind(dimension, PBF_FLOAT64)) continue;
+    pbf_solver *s = test_filled(dimension, PBF_FLOAT64, 8, 8);
+    for (uint32_t shape = PBF_VOLUME_BOX; shape <= PBF_VOLUME_CAPSULE; ++shape) {
+      pbf_volume_flow result = {.struct_size = sizeof result, .volume = 77};
+      pbf_volume v = volume_of(shape);
+      v.half_extents[0] = v.half_extents[1] = v.half_extents[2] = v.radius = 1e120;
+      if (dimension == 2) {
+        assert_ok(pbf_measure_volumes(s, 1, &v, &result));
+        assert_true(isfinite(result.volume) && result.volume > 1e239);
+      } else {
+        assert_fails(pbf_measure_volumes(s, 1, &v, &result), PBF_ERROR_INVALID_ARGUMENT,
+                     "volumes[0] is so large");
+        assert_true(result.volume == 77);
+      }
+    }
+    pbf_destroy(s);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(half_sunk),
       cmocka_unit_test(capsules),
       cmocka_unit_test(found_in_volumes),
+      cmocka_unit_test(volumes_are_numbers),
   };
   return TEST_RUN(tests);
 }
