@@ -45,8 +45,25 @@ static rlim_t bytes(void) {
   return pages * (rlim_t)sysconf(_SC_PAGESIZE);
 }
 
+/* Of a process that has given all keys of thread-specific data to others. OpenMP's runtime would
+ * end it. */
+static int look_without_keys(void) {
+  enum { MOST = 4096 };
+  static pthread_key_t keys[MOST];
+  int taken = 0;
+  while (taken < MOST && pthread_key_create(&keys[taken], NULL) == 0) ++taken;
+  if (taken == MOST) return IT_HAS_NO_LIMIT;
+  for (int k = 0; k < 2; ++k) {
+    if (created() == PBF_OK) return IT_WAS_NEVER_SHORT;
+    if (!strstr(pbf_last_error(), "pthread_key_create")) return IT_GAVE_NO_REASON;
+  }
+  while (taken > 0) pthread_key_delete(keys[--taken]);
+  return created() == PBF_OK ? 0 : IT_FOUND_NONE_LATER;
+}
+
 static int look(const char *resource) {
   enum { A_LITTLE = 1 << 16 };
+  if (strcmp(resource, "keys") == 0) return look_without_keys();
   if (strcmp(resource, "descriptors") == 0) return look_twice(RLIMIT_NOFILE, 3);
   return bytes() == 0 ? IT_HAS_NO_LIMIT : look_twice(RLIMIT_AS, bytes() + A_LITTLE);
 }
@@ -69,6 +86,11 @@ static void assert_finds_later(const char *resource) {
 static void descriptors(void **state) {
   (void)state;
   assert_finds_later("descriptors");
+}
+
+static void keys(void **state) {
+  (void)state;
+  assert_finds_later("keys");
 }
 
 static void memory(void **state) {
@@ -174,6 +196,7 @@ int main(int count, char **arguments) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(descriptors),
       cmocka_unit_test(memory),
+      cmocka_unit_test(keys),
       cmocka_unit_test(a_new_thread_without_memory_lives),
   };
   return TEST_RUN(tests);
