@@ -102,8 +102,9 @@ uint32_t pbf_processors(void);
 
 /* ---- Processes ------------------------------------------------------------------------------ */
 
-/* The calling process, never 0; where a sandbox does not tell, as it was last told, and another one
- * in the child of a fork. */
+/* The calling process, never 0: another number than in all that it comes of by forks, be it that
+ * the system has the same for both, does not call what is to be called around a fork, or does not
+ * tell. */
 uint32_t pbf_process(void);
 
 /* 0 where a sandbox does not tell the calling process's number. */
@@ -122,7 +123,7 @@ uintptr_t pbf_this_thread(void);
 void pbf_yield(void);
 
 /* A thread on which no signal of the program is handled; 1 once it runs. `stack_bytes` 0: the
- * system's default. The struct stays where it is until the thread has begun. */
+ * program's default, and 256 KiB at least. The struct stays where it is until the thread has begun. */
 int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user);
 void pbf_thread_join(pbf_thread *thread);
 

@@ -41,26 +41,37 @@ uint32_t pbf_processors(void) {
 
 /* ---- Processes ------------------------------------------------------------------------------ */
 
-static uint32_t process_last_told;
+/* Two processes may have the same number: in namespaces of their own, or once it is free again. So
+ * those that are seen to come of each other are counted. */
+static uint32_t process_last_told, processes;
+
+/* One thread notes what the others see, too. */
+static void note_process(uint32_t told, uint32_t now) {
+  if (__atomic_compare_exchange_n(&process_last_told, &told, now, 0, __ATOMIC_RELAXED,
+                                  __ATOMIC_RELAXED))
+    __atomic_fetch_add(&processes, 1, __ATOMIC_RELAXED);
+}
 
 int pbf_process_is_told(void) {
   const pid_t now = getpid();
-  if (now > 0) __atomic_store_n(&process_last_told, (uint32_t)now, __ATOMIC_RELAXED);
+  const uint32_t told = __atomic_load_n(&process_last_told, __ATOMIC_RELAXED);
+  if (now > 0 && (uint32_t)now != told) note_process(told, (uint32_t)now);
   return now > 0;
 }
 
 static void become_another(void) {
-  if (!pbf_process_is_told()) __atomic_fetch_add(&process_last_told, 1, __ATOMIC_RELAXED);
+  __atomic_fetch_add(&processes, 1, __ATOMIC_RELAXED);
+  pbf_process_is_told();
 }
 
 __attribute__((constructor)) static void begin_to_ask(void) {
-  if (!pbf_process_is_told()) process_last_told = 1;
+  become_another();
   pthread_atfork(NULL, NULL, become_another);
 }
 
 uint32_t pbf_process(void) {
   pbf_process_is_told();
-  return __atomic_load_n(&process_last_told, __ATOMIC_RELAXED);
+  return __atomic_load_n(&processes, __ATOMIC_RELAXED);
 }
 
 int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void)) {
@@ -73,11 +84,19 @@ uintptr_t pbf_this_thread(void) { return (uintptr_t)pthread_self(); }
 
 void pbf_yield(void) { sched_yield(); }
 
+/* A program may have made it small, for threads that do little. */
+static size_t usual_stack(const pthread_attr_t *attributes) {
+  enum { LEAST = 1 << 18 };
+  size_t usual = 0;
+  return pthread_attr_getstacksize(attributes, &usual) == 0 && usual > LEAST ? usual : LEAST;
+}
+
 int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
   sigset_t all, before;
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return 0;
-  if (stack_bytes) pthread_attr_setstacksize(&attributes, stack_bytes);
+  if (!stack_bytes) stack_bytes = usual_stack(&attributes);
+  pthread_attr_setstacksize(&attributes, stack_bytes);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before); /* which a thread has from the one that starts it */
   const int failed = pthread_create(&thread->thread, &attributes, run, user);

@@ -55,6 +55,7 @@ static struct pool {
   atomic_uint refused; /* 1: no more are to be had */
   uint32_t generation; /* of the present threads: those of another generation end */
   uint32_t forks_are_watched;
+  uint32_t process; /* that the threads are in */
   limit limit;
   pbf_thread threads[TEAM_MAX_THREADS];
 } pool = {.lock = PBF_MUTEX_INITIALIZER, .wake = PBF_CONDITION_INITIALIZER};
@@ -126,12 +127,24 @@ static void *work(void *generation) {
 static void before_fork(void) { pbf_mutex_lock(&pool.lock); }
 static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
 static void in_child(void) {
+  pool.process = pbf_process();
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
   pool.regions = NULL;
   pool.sleeping = 0;
   pool.size = 0;
   pool.refused = 0;
+}
+
+/* A fork by the system call alone, as some runtimes make it, calls none of these. Before the lock is
+ * taken, which may be left taken then. */
+static void see_process(void) {
+  const uint32_t now = pbf_process();
+  uint32_t before = __atomic_load_n(&pool.process, __ATOMIC_RELAXED);
+  if (before == now || !__atomic_compare_exchange_n(&pool.process, &before, now, 0,
+                                                    __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+    return;
+  if (before) in_child();
 }
 
 /* With the lock held. */
@@ -149,6 +162,7 @@ static void grow(uint32_t threads) {
 }
 
 static void team_begin(void) {
+  see_process();
   pbf_mutex_lock(&pool.lock);
   if (!pool.forks_are_watched)
     pool.forks_are_watched = pbf_at_fork(before_fork, in_parent, in_child);
@@ -160,6 +174,7 @@ static void team_begin(void) {
 static void team_end(void) {
   pbf_thread threads[TEAM_MAX_THREADS];
   uint32_t count = 0;
+  see_process();
   pbf_mutex_lock(&pool.lock);
   /* Where threads may no longer be woken those that sleep stay, for solvers to come. */
   if (--pool.users == 0 && pbf_can_wait()) {
@@ -314,6 +329,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
                      void *context) {
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
   const double begin = pbf_seconds();
+  see_process();
   if (threads > 1 && tasks->enqueue && can_be_had()) {
     run_as_task(tasks, &r);
   } else if (threads > 1 && !tasks->enqueue && open_region(&r, begin) > 1) {

@@ -1,4 +1,5 @@
 /* Threads with as little stack as pbf.h asks for, from the search for backends on. */
+#define _GNU_SOURCE /* pthread_setattr_default_np */
 #include <pthread.h>
 #include <stdio.h>
 
@@ -83,8 +84,40 @@ static void little_stack_will_do(void **state) {
   if (worst != PBF_ERROR_UNSUPPORTED) assert_int_equal(worst, PBF_OK);
 }
 
+/* A program whose threads have next to no stack unless they ask for more: the thread that
+ * pbf_begin_step starts does. */
+static void begun_steps_have_enough(void **state) {
+  (void)state;
+#if defined(__GLIBC__)
+  enum { LITTLE = 16 << 10 };
+  pthread_attr_t attributes, before;
+  if (TEST_INSTRUMENTED) test_skip("a sanitizer's threads need more");
+  assert_int_equal(pthread_getattr_default_np(&before), 0);
+  assert_int_equal(pthread_attr_init(&attributes), 0);
+  assert_int_equal(pthread_attr_setstacksize(&attributes, LITTLE), 0);
+  pbf_solver *solver = test_filled(3, PBF_FLOAT32, COUNT, COUNT);
+  pbf_solver *twin = test_filled(3, PBF_FLOAT32, COUNT, COUNT);
+  assert_int_equal(pthread_setattr_default_np(&attributes), 0);
+  const pbf_status begun = pbf_begin_step(solver, 5);
+  assert_int_equal(pthread_setattr_default_np(&before), 0);
+  assert_ok(begun);
+  assert_ok(pbf_end_step(solver));
+  assert_ok(pbf_step(twin, 5));
+  assert_int_equal(test_hash(solver), test_hash(twin));
+  pbf_destroy(solver);
+  pbf_destroy(twin);
+  pthread_attr_destroy(&attributes);
+  pthread_attr_destroy(&before);
+#else
+  test_skip("the C library has no such default");
+#endif
+}
+
 int main(void) {
-  const struct CMUnitTest stacks[] = {cmocka_unit_test(little_stack_will_do)};
+  const struct CMUnitTest stacks[] = {
+      cmocka_unit_test(little_stack_will_do),
+      cmocka_unit_test(begun_steps_have_enough),
+  };
   was_run = !TEST_INSTRUMENTED && run_in_thread();
   return TEST_RUN(stacks);
 }

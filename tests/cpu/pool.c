@@ -1,5 +1,6 @@
 /* The pool of `threads`: how many threads there are, and what they come to when the system gives
  * none, when the process forks, and when its solvers are gone. */
+#define _GNU_SOURCE /* unshare, syscall */
 #include <dirent.h>
 #include <errno.h>
 #include <pthread.h>
@@ -8,6 +9,10 @@
 #include <stdio.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#if defined(__linux__)
+#include <sched.h>
+#include <sys/syscall.h>
+#endif
 #include <unistd.h>
 
 #include "cpu_support.h"
@@ -237,6 +242,79 @@ static void a_child_has_a_new_pool(void **state) {
   pbf_destroy(c.solver);
 }
 
+/* ---- Processes that look alike ---------------------------------------------------------------- */
+
+enum { TOO_LONG = 20 /* seconds: for what waits for threads that are not there */ };
+
+/* The child of a fork of which nothing is told: runtimes make them by the system call. */
+static void a_child_that_was_not_told(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("a sanitizer's runtime wants to be told of forks");
+#if defined(__linux__)
+  int status = 0;
+  caller c = {.solver = make("threads", 3), .hash = expected_hash()};
+  assert_ok(pbf_begin_step(c.solver, 1));
+  assert_ok(pbf_end_step(c.solver));
+  const pid_t child = (pid_t)syscall(SYS_clone, SIGCHLD, 0, 0, 0, 0);
+  if (child == 0) {
+    alarm(TOO_LONG);
+    if (pbf_step(c.solver, 1) != PBF_OK) _exit(1);
+    if (pbf_begin_step(c.solver, STEPS - 2) != PBF_OK || pbf_end_step(c.solver) != PBF_OK) _exit(2);
+    if (test_hash(c.solver) != c.hash) _exit(3);
+    pbf_destroy(c.solver);
+    _exit(0);
+  }
+  assert_int_equal(waitpid(child, &status, 0), child);
+  pbf_destroy(c.solver);
+  assert_int_equal(status, 0);
+#endif
+}
+
+#if defined(__linux__)
+
+/* In the first process of a namespace, whose child is the first one of another. */
+static int fork_as_the_first(void) {
+  caller c = {.solver = make("threads", 3)};
+  int status = 0;
+  if (getpid() != 1) return 10;
+  if (pbf_begin_step(c.solver, 1) != PBF_OK || pbf_end_step(c.solver) != PBF_OK) return 11;
+  if (unshare(CLONE_NEWPID) != 0) return 77;
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(TOO_LONG);
+    if (getpid() != 1) _exit(12);
+    if (pbf_begin_step(c.solver, 1) != PBF_OK || pbf_end_step(c.solver) != PBF_OK) _exit(13);
+    if (pbf_step(c.solver, 1) != PBF_OK) _exit(14);
+    pbf_destroy(c.solver);
+    _exit(0);
+  }
+  if (waitpid(child, &status, 0) != child) return 15;
+  pbf_destroy(c.solver);
+  return status == 0 ? 0 : 16;
+}
+
+#endif
+
+static void a_child_of_the_same_number(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("ThreadSanitizer has no threads in a child of threads");
+#if defined(__linux__)
+  int status = 0;
+  const pid_t outer = fork();
+  if (outer == 0) {
+    if (unshare(CLONE_NEWPID) != 0) _exit(77);
+    const pid_t first = fork();
+    if (first == 0) _exit(fork_as_the_first());
+    if (waitpid(first, &status, 0) != first || !WIFEXITED(status)) _exit(17);
+    _exit(WEXITSTATUS(status));
+  }
+  assert_int_equal(waitpid(outer, &status, 0), outer);
+  assert_true(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) test_skip("this process may not make namespaces");
+  assert_int_equal(WEXITSTATUS(status), 0);
+#endif
+}
+
 /* ---- Signal handlers ----------------------------------------------------------------------- */
 
 /* What the handler has: a solver of its own. */
@@ -306,6 +384,8 @@ int main(void) {
       cmocka_unit_test(signals_are_blocked),
       cmocka_unit_test(without_threads_the_caller_does_it),
       cmocka_unit_test(a_child_has_a_new_pool),
+      cmocka_unit_test(a_child_that_was_not_told),
+      cmocka_unit_test(a_child_of_the_same_number),
       cmocka_unit_test(a_handler_steps_another_solver),
   };
   /* A sanitizer's own thread comes with the first one. */
