@@ -24,7 +24,6 @@ const kernels PBF_VARIANT_API = {
 #endif
     .search = search_groups,
     .lambda = lambda,
-    .mobility = mobility,
     .move = move,
     .curl = PBF_BUILT & PBF_FEATURE_VORTICITY ? curl : NULL,
     .confine = PBF_BUILT & PBF_FEATURE_VORTICITY ? confine : NULL,

@@ -94,6 +94,7 @@ typedef struct pair_pass {
   const pbf_real *residual_density;  /* null: none */
   int64_t *error_units;              /* lambda adds the density error to it; null: none is wanted */
   const pbf_real *activity;          /* null: nothing sleeps */
+  const pbf_real *mobility;          /* null: phases do not differ; lambda alone asks for it */
   boundary_cache boundary;           /* lambda leaves it for move, at the same places */
 } pair_pass;
 
@@ -200,9 +201,6 @@ typedef struct kernels {
   list_size (*search)(const search *s, uint32_t first, uint32_t last, list_arena *space);
   void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                  uint32_t last);
-  /* passes/mobility.h */
-  void (*mobility)(const pair_pass *p, const pbf_real *mobility, pbf_real *around, uint32_t first,
-                   uint32_t last);
   void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
   void (*curl)(const pair_pass *p, field v, pbf_real *const curl[PBF_CURL_DIM], pbf_real *size,
                uint32_t first, uint32_t last);

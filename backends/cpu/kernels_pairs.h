@@ -90,6 +90,15 @@ static __attribute__((noinline)) lane add_boundary(const pair_pass *p, uint32_t 
   return lane_load(boundary.density);
 }
 
+PBF_FN void add_boundary_to(const pair_pass *p, uint32_t g, lambda_sums<lane> *sums) {
+  if (!contributing_obstacles(p) || !group_near_obstacles(p, g)) return;
+  lane_values gradients;
+  for (int k = 0; k < PBF_DIM; ++k) lane_store(gradients.c[k], sums->gradient.c[k]);
+  const lane boundary = add_boundary(p, g, &gradients);
+  sums->density = sums->density + boundary;
+  for (int k = 0; k < PBF_DIM; ++k) sums->gradient.c[k] = lane_load(gradients.c[k]);
+}
+
 template <class Features>
 PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambda, pbf_real *added,
                           uint32_t first, uint32_t last) {
@@ -102,13 +111,7 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
       sums = with_ghosts;
     else
       sums = sums_of_group(pass, p, {}, {}, g);
-    if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
-      lane_values gradients;
-      for (int k = 0; k < PBF_DIM; ++k) lane_store(gradients.c[k], sums.gradient.c[k]);
-      const lane boundary = add_boundary(p, g, &gradients);
-      sums.density = sums.density + boundary;
-      for (int k = 0; k < PBF_DIM; ++k) sums.gradient.c[k] = lane_load(gradients.c[k]);
-    }
+    add_boundary_to(p, g, &sums);
     if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.density, g);
     lambda_group(pass, &sums.density, lane_sums<pass_type::template sums>(sums),
                  p->residual_density ? p->residual_density + g * WIDTH : NULL, lambda + g * WIDTH,
@@ -116,29 +119,56 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
   }
 }
 
+/* Of a group from its sums where phases differ: what particles are moved by is found and bounded.
+ */
+static __attribute__((noinline)) void mobile_lambda_group(
+    const mobile_lambda_pass<int, SCALED_SUMS> &pass, const pair_pass *p,
+    const mobile_lambda_sums<lane> &sums, pbf_real *lambda, pbf_real *added, uint32_t g) {
+  const pbf_constants c = *pass.c;
+  const lane_sums<mobile_lambda_sums> each(sums);
+  alignas(64) pbf_real densities[WIDTH], found[WIDTH], mobility[WIDTH];
+  lane_store(densities, sums.lambda.density);
+  for (uint32_t l = 0; l < WIDTH; ++l) mobility[l] = 1; /* lanes without a particle */
+  memcpy(mobility, p->mobility + g * WIDTH, lanes_in_group(&p->lists, g) * sizeof *mobility);
+  const pbf_real *residual_density = p->residual_density ? p->residual_density + g * WIDTH : NULL;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    found[l] = pass.of_lambda().finish(each[l].lambda, residual_density ? residual_density[l] : 0);
+    mobility[l] = pass.mobility(each[l], mobility[l]);
+  }
+  if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c.accelerated)
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      pbf_accelerate_for(&c, mobility[l], densities[l], found[l], &lambda[l], &added[l]);
+  else
+    for (uint32_t l = 0; l < WIDTH; ++l) lambda[l] = pbf_lambda_for(mobility[l], found[l]);
+}
+
+/* One loop for both kernels. */
+static void lambda_of_phases(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
+                             uint32_t last) {
+  const pbf_constants c = *p->constants;
+  const mobile_lambda_pass<int, SCALED_SUMS> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
+  const lookups of = {p->mobility, NULL};
+  for (uint32_t g = first; g < last; ++g) {
+    mobile_lambda_sums<lane> sums;
+    lane_ghost_walls m;
+    if (has_ghosts(p) && find_ghost_walls(p, g, &m))
+      sums = sums_with_ghosts(pass, p, of, g, m);
+    else
+      sums = sums_of_group(pass, p, of, {lane_load(p->mobility + g * WIDTH)}, g);
+    add_boundary_to(p, g, &sums.lambda);
+    if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.lambda.density, g);
+    mobile_lambda_group(pass, p, sums, lambda + g * WIDTH, added + g * WIDTH, g);
+  }
+}
+
 static void lambda(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
                    uint32_t last) {
-  if (hot_features(p) & PBF_FEATURE_POLY6)
+  if (p->mobility)
+    lambda_of_phases(p, lambda, added, first, last);
+  else if (hot_features(p) & PBF_FEATURE_POLY6)
     lambda_groups(fixed<PBF_FEATURE_POLY6>{}, p, lambda, added, first, last);
   else
     lambda_groups(fixed<0>{}, p, lambda, added, first, last);
-}
-
-/* What neighbours' numbers make, in one loop for all that asks for any of it. */
-static __attribute__((noinline)) mobility_pass<int>::sums<lane> sums_of_numbers(
-    const pair_pass *p, const pbf_real *numbers, uint32_t g) {
-  const mobility_pass<int> pass = {p->constants, hot_features(p) & PBF_FEATURE_POLY6};
-  return sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
-}
-
-static void mobility(const pair_pass *p, const pbf_real *mobility, pbf_real *around, uint32_t first,
-                     uint32_t last) {
-  const mobility_pass<int> pass = {p->constants, 0};
-  for (uint32_t g = first; g < last; ++g) {
-    const lane_sums<mobility_pass<int>::sums> sums(sums_of_numbers(p, mobility, g));
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      around[i] = pass.finish(sums[l], mobility[i]);
-  }
 }
 
 /* The walls' part of the change, by what lambda has left of it. */
@@ -500,6 +530,12 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];
     }
   }
+}
+
+static __attribute__((noinline)) mobility_pass<int>::sums<lane> sums_of_numbers(
+    const pair_pass *p, const pbf_real *numbers, uint32_t g) {
+  const mobility_pass<int> pass = {p->constants, hot_features(p) & PBF_FEATURE_POLY6};
+  return sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
 }
 
 static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real *densities,

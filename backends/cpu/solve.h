@@ -21,6 +21,7 @@ static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); 
 /* Pairs of the solve. */
 static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pair_pass pairs = pairs_at(w, x_star(w), packed);
+  pairs.mobility = w->s->mobility;
   pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
   return pairs;
 }
@@ -109,32 +110,6 @@ static const pbf_real *pushes_of(const solver *s) {
   return s->schedule.accelerated ? s->added : s->lambda;
 }
 
-/* The particles of groups. */
-static range particles_of_groups(const solver *s, range groups, range all) {
-  const uint64_t width = s->kernels->width, last = groups.last * width;
-  return (range){(uint32_t)(groups.first * width), last < all.last ? (uint32_t)last : all.last};
-}
-
-/* Where phases differ the loop for lambda finds and bounds what particles are moved by, over what
- * their mobility makes of it: passes/mobility.h. */
-static void begin_mobility(const worker *w, const pair_pass *pairs, range groups, range all) {
-  const solver *s = w->s;
-  const range r = particles_of_groups(s, groups, all);
-  s->kernels->mobility(pairs, s->mobility, s->mobility_around, groups.first, groups.last);
-  for (uint32_t i = r.first; i < r.last && s->schedule.accelerated; ++i) {
-    s->lambda[i] *= s->mobility_around[i];
-    s->added[i] *= s->mobility_around[i];
-  }
-}
-
-static void end_mobility(const worker *w, range groups, range all) {
-  const solver *s = w->s;
-  const range r = particles_of_groups(s, groups, all);
-  for (uint32_t i = r.first; i < r.last; ++i) s->lambda[i] /= s->mobility_around[i];
-  for (uint32_t i = r.first; i < r.last && s->schedule.accelerated; ++i)
-    s->added[i] /= s->mobility_around[i];
-}
-
 /* Returns how many do not solve. */
 static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t task) {
   solver *s = w->s;
@@ -142,11 +117,8 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t ta
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
-       g = solving_groups(w, g.last, r.last)) {
-    if (s->mobility) begin_mobility(w, pairs, g, all);
+       g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
-    if (s->mobility) end_mobility(w, g, all);
-  }
   uint32_t inactive = clear_inactive(w, all);
   fill_packed(s, packed_lambda(s), &pairs->x, pushes_of(s), all);
   return inactive;

@@ -45,6 +45,54 @@ struct mobility_pass {
   }
 };
 
+/* Lambda's sums, and these of neighbours, in one loop; ghosts have no part in mobilities. */
+template <class L>
+struct mobile_lambda_sums {
+  lambda_sums<L> lambda;
+  L slope2, mobile; /* of mobility_pass */
+};
+
+template <class Features, scaling SCALING>
+struct mobile_lambda_pass {
+  enum { NUMBER = 1 /* mobility */, VECTOR = 0 };
+  const pbf_constants *c;
+  Features features;
+
+  template <class L>
+  struct own {
+    L mobility;
+  };
+  template <class L>
+  using sums = mobile_lambda_sums<L>;
+
+  PBF_IN lambda_pass<Features, SCALING> of_lambda() const { return {c, features}; }
+
+  template <class L>
+  PBF_IN sums<L> begin() const {
+    return {of_lambda().template begin<L>(), ops<L>::set(0), ops<L>::set(0)};
+  }
+
+  template <class L, class Weight = unweighted>
+  PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j, Weight weight = {}) const {
+    const pair_kernel<L> kernel = of_lambda().pair(&s->lambda, {}, j, weight);
+    if constexpr (!is_of_ghosts<Weight>::value) {
+      const L slope2 = kernel.slope * j.r2 * kernel.slope;
+      s->slope2 = s->slope2 + slope2;
+      s->mobile = ops<L>::multiply_add(slope2, j.number, s->mobile);
+    }
+  }
+
+  template <class L>
+  PBF_IN void end(sums<L> *s) const {
+    of_lambda().end(&s->lambda);
+  }
+
+  PBF_IN pbf_real mobility(const sums<pbf_real> &s, pbf_real alone) const {
+    const mobility_pass<Features> pass = {c, features};
+    return pass.finish({0, s.slope2, s.mobile}, alone);
+  }
+};
+
 }  // namespace
 
 /* From a lambda in which neighbours have the reference's mass. */
