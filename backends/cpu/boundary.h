@@ -154,18 +154,69 @@ static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c
   int met = 0;
   pbf_vec normal;
   const auto is_near = [&](const pbf_surface &s) {
-    return !pbf_surface_is_beyond(&s, x, contribution_reach(c)) &&
-           !(pbf_surface_distance(&s, x, &normal) > contribution_reach(c));
+    if (!pbf_may_be_within(&s, x, contribution_reach(c))) return false;
+    if (pbf_surface_is_field(&s) && s.sign > 0) return true; /* as others will ask anew */
+    return !(pbf_surface_distance(&s, x, &normal) > contribution_reach(c));
   };
   for (int k = 0; k < near->count && !met; ++k) met = is_near(near->surfaces[k]);
   if (met) *boundary = pbf_boundary_at(c, *near, x);
   return met;
 }
 
-/* pbf_boundary_at in all lanes. */
+/* How far particles may get in a step's iterations before whether colliders are near them is asked
+ * anew. */
+PBF_FN pbf_real clear_way(const pbf_constants *c) { return c->h / 8; }
+
+PBF_FN pbf_real clear_reach(const pbf_constants *c) { return contribution_reach(c) + clear_way(c); }
+
+/* Lanes whose particles may be near colliders. */
+typedef struct lanes_asked {
+  int any;
+  uint8_t is[WIDTH];
+} lanes_asked;
+
+/* Whether none of some colliders has anything to do with what is less than clear_reach from x: as
+ * bounds_are_within, distances change by no more than `steepest` times the way. */
+static __attribute__((noinline)) int is_clear_of(const pbf_constants *c, const pbf_obstacles *near,
+                                                 pbf_vec x) {
+  pbf_vec normal;
+  for (int k = 0; k < near->count; ++k) {
+    const pbf_surface *s = &near->surfaces[k];
+    if (16 * s->skin > clear_way(c)) return 0;
+    if (!pbf_surface_is_beyond(s, x, clear_reach(c)) &&
+        !(pbf_surface_distance(s, x, &normal) > s->steepest * clear_reach(c)))
+      return 0;
+  }
+  return 1;
+}
+
+/* Notes which are clear, at x. */
+static __attribute__((noinline)) void find_clear(const pbf_constants *c, const pbf_obstacles *o,
+                                                 const lane_values *x, pbf_real *is_clear) {
+  pbf_obstacles near;
+  const group_bounds these = bounds_of_group(x, x);
+  const int met = obstacles_within(o, &these, clear_reach(c), &near);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    is_clear[l] = !met || is_clear_of(c, &near, lane_value(x, l)) ? 1 : 0;
+}
+
+/* Those that have not been clear, or are no longer where they were then. */
+PBF_FN lanes_asked lanes_beyond(const pbf_real *is_clear, const lane_values *from,
+                                const lane_values *x, pbf_real way) {
+  lanes_asked asked = {0, {0}};
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_vec gone = pbf_sub(lane_value(x, l), lane_value(from, l));
+    asked.is[l] = !(is_clear[l] > 0 && pbf_dot(gone, gone) < way * way);
+    asked.any |= asked.is[l];
+  }
+  return asked;
+}
+
+/* pbf_boundary_at in all lanes; of lanes that are not asked no collider is near. */
 static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
                                                         const pbf_obstacles *o,
                                                         const lane_values *x,
+                                                        const lanes_asked *asked,
                                                         lane_boundary *boundary) {
   memset(boundary, 0, sizeof *boundary);
   if (!pbf_surface_count(*o)) {
@@ -173,14 +224,18 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     return;
   }
   pbf_obstacles near;
-  const group_bounds these = bounds_of_group(x, x);
-  const int met = obstacles_within(o, &these, contribution_reach(c), &near);
+  int met = 0;
+  if (!asked || asked->any) {
+    const group_bounds these = bounds_of_group(x, x);
+    met = obstacles_within(o, &these, contribution_reach(c), &near);
+  }
   pbf_real distances[WIDTH];
-  if (domain_distances(&near, x, distances) < contribution_reach(c))
+  if (domain_distances(o, x, distances) < contribution_reach(c))
     boundary_of_domain(c, &o->domain, x, boundary);
   for (uint32_t l = 0; l < WIDTH && met; ++l) {
     pbf_boundary by_all;
     pbf_vec gradient = {{0}};
+    if (asked && !asked->is[l]) continue;
     if (!boundary_by_surfaces(c, &near, lane_value(x, l), &by_all)) continue;
     boundary->density[l] = 0;
     pbf_add_boundary(&by_all, &boundary->density[l], &gradient);

@@ -81,6 +81,13 @@ typedef struct boundary_cache {
   pbf_real *rest;
 } boundary_cache;
 
+/* Which particles no collider is near in the iterations of a step. */
+typedef struct clear_particles {
+  pbf_real *is_clear; /* 1 or 0; null: nothing is known */
+  int first;          /* iteration, in which lambda finds them */
+  field predicted;    /* where they were then */
+} clear_particles;
+
 /* What a pass over pairs needs beside the lists and its own arrays. */
 typedef struct pair_pass {
   const pbf_constants *constants;
@@ -95,7 +102,8 @@ typedef struct pair_pass {
   int64_t *error_units;              /* lambda adds the density error to it; null: none is wanted */
   const pbf_real *activity;          /* null: nothing sleeps */
   const pbf_real *mobility;          /* null: phases do not differ; lambda alone asks for it */
-  boundary_cache boundary;           /* lambda leaves it for move, at the same places */
+  clear_particles clear;
+  boundary_cache boundary; /* lambda leaves it for move, at the same places */
 } pair_pass;
 
 /* What an iteration moves particles by, and to. */

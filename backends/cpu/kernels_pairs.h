@@ -73,7 +73,14 @@ static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, ui
 PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g) {
   const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
   lane_boundary boundary;
-  boundary_of_group(p->constants, p->contributing, &xs, &boundary);
+  const clear_particles *clear = &p->clear;
+  lanes_asked asked;
+  if (clear->first) find_clear(p->constants, p->contributing, &xs, clear->is_clear + g * WIDTH);
+  if (clear->is_clear) {
+    const lane_values from = load_lanes(&clear->predicted, g * WIDTH, WIDTH);
+    asked = lanes_beyond(clear->is_clear + g * WIDTH, &from, &xs, clear_way(p->constants));
+  }
+  boundary_of_group(p->constants, p->contributing, &xs, clear->is_clear ? &asked : NULL, &boundary);
   return boundary;
 }
 
@@ -188,9 +195,55 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   }
 }
 
-static __attribute__((noinline)) void resolve_group(const pbf_obstacles *obstacles,
+/* Those whose ways may meet colliders: the domain pushes a particle by no more than twice what it
+ * is out of it. */
+static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
+                                                             const pbf_domain *domain,
+                                                             const lane_values *from,
+                                                             const lane_values *x, uint32_t first) {
+  const pbf_real way = clear_reach(p->constants) / 4;
+  lanes_asked asked = lanes_beyond(p->clear.is_clear + first, from, x, way);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    asked.is[l] |= !(pbf_domain_distance(domain, lane_value(x, l)) > -way);
+    asked.any |= asked.is[l];
+  }
+  return asked;
+}
+
+static __attribute__((noinline)) void resolve_clear(const pbf_obstacles *obstacles,
+                                                    const lanes_asked *asked,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t lanes) {
+  lane_values ways = *x, starts = *from;
+  uint32_t some = 0;
+  while (!asked->is[some]) ++some;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    if (asked->is[l] && l < lanes) continue;
+    set_lane(&ways, l, lane_value(x, some));
+    set_lane(&starts, l, lane_value(from, some));
+  }
+  const group_bounds these = bounds_of_group(&starts, &ways);
+  clamp_group(obstacles, x);
+  resolve_ways(obstacles, &these, 0, [&](auto resolve) {
+    for (uint32_t l = 0; l < lanes; ++l)
+      if (asked->is[l]) set_lane(x, l, resolve(lane_value(&starts, l), lane_value(&ways, l)));
+  });
+}
+
+static __attribute__((noinline)) void resolve_group(const pair_pass *p,
+                                                    const pbf_obstacles *obstacles,
+                                                    const lane_values *from, lane_values *x,
+                                                    uint32_t first, uint32_t lanes) {
+  if (p->clear.is_clear) {
+    const lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
+    uint8_t any = 0;
+    for (uint32_t l = 0; l < lanes; ++l) any |= asked.is[l];
+    if (any)
+      resolve_clear(obstacles, &asked, from, x, lanes);
+    else
+      clamp_group(obstacles, x);
+    return;
+  }
   const group_bounds these = bounds_of_group(from, x);
   if (!resolve_ways(obstacles, &these, 0, [&](auto resolve) {
         for (uint32_t l = 0; l < lanes; ++l)
@@ -301,7 +354,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     lane_values after = moved;
     if (m->collide && pbf_surface_count(*m->obstacles)) {
       const lane_values starts = values_of(load_vector(m->predicted, g * WIDTH));
-      resolve_group(m->obstacles, &starts, &after, lanes);
+      resolve_group(p, m->obstacles, &starts, &after, g * WIDTH, lanes);
     } else if (m->collide) {
       clamp_group(m->obstacles, &after);
     }

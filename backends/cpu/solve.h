@@ -16,12 +16,20 @@ static void clear_totals(solver *s, range groups) {
   memset(s->added + groups.first * width, 0, bytes);
 }
 
+static void forget_clear(const solver *s, pbf_real *is_clear, range groups) {
+  const uint64_t width = s->kernels->width;
+  memset(is_clear + groups.first * width, 0,
+         (groups.last - groups.first) * width * sizeof *is_clear);
+}
+
 static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); }
 
 /* Pairs of the solve. */
 static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pair_pass pairs = pairs_at(w, x_star(w), packed);
   pairs.mobility = w->s->mobility;
+  if (pairs.contributing && pbf_surface_count(w->obstacles))
+    pairs.clear = (clear_particles){w->b.is_clear(), w->iteration == 0, w->b.sorted_predicted};
   pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
   return pairs;
 }
@@ -116,6 +124,7 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t ta
   range r = task_groups(w, task), all = task_sorted(w, task);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
+  if (pairs->clear.first) forget_clear(s, pairs->clear.is_clear, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);
