@@ -157,8 +157,52 @@ static void one_that_meets_nobody(void **state) {
   test_for_each_kind(one_near_nobody);
 }
 
+/* Particles that are all neighbours, and part, next to a box that is near some of them sooner or
+ * later. */
+static pbf_solver *crowd_that_parts(const char *backend, uint32_t dimension, uint64_t seed) {
+  enum { CROWD = 5 };
+  uint64_t random = seed;
+  double x[CROWD * 3], v[CROWD * 3] = {0};
+  pbf_collider collider;
+  pbf_params params;
+  assert_ok(pbf_params_init(&params, sizeof params));
+  params.prestabilization = params.pressure_grid = 0;
+  params.iterations = 4;
+  for (uint32_t k = 0; k < 3; ++k) params.domain_max[k] = 100 * spacing;
+  for (uint32_t i = 0; i < CROWD * dimension; ++i)
+    x[i] = (50 + between(&random, -0.25, 0.25)) * spacing;
+  assert_ok(pbf_collider_init(&collider, sizeof collider, PBF_COLLIDER_BOX));
+  for (uint32_t k = 0; k < dimension; ++k) {
+    collider.half_extents[k] = 10 * spacing;
+    collider.position[k] = 50 * spacing;
+  }
+  collider.position[0] = (60 + between(&random, 1, 2.5)) * spacing;
+  pbf_desc desc = cpu_desc(backend, dimension, PBF_FLOAT64, CROWD, 1);
+  pbf_solver *s = test_create(&desc, &params);
+  assert_ok(pbf_set_colliders(s, 1, &collider));
+  cpu_add(s, PBF_FLOAT64, dimension, CROWD, x, v);
+  assert_ok(pbf_step(s, 1));
+  return s;
+}
+
+/* Whether one is near them changes from iteration to iteration. */
+static void one_that_comes_near(void **state) {
+  (void)state;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
+    for (uint64_t seed = 1; seed <= 200 && test_has_kind(dimension, PBF_FLOAT64); ++seed) {
+      pbf_solver *s = crowd_that_parts("serial", dimension, seed);
+      pbf_solver *expected = crowd_that_parts("reference", dimension, seed);
+      const double off = cpu_difference(s, expected, PBF_FIELD_POSITION);
+      if (!(off < 1e-6 * spacing))
+        fail_msg("%uD, scene %u: %g spacings off", dimension, (unsigned)seed, off / spacing);
+      pbf_destroy(s);
+      pbf_destroy(expected);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(many_in_2d), cmocka_unit_test(many_in_3d),
-                                     cmocka_unit_test(one_that_meets_nobody)};
+                                     cmocka_unit_test(one_that_meets_nobody),
+                                     cmocka_unit_test(one_that_comes_near)};
   return TEST_RUN(tests);
 }
