@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_BARRIER_H
 #define PBF_CUDA_BARRIER_H
 
-#include <stdint.h>
+#include "cuda/ptx.h"
 
 /* Of one barrier that recurs: arrivals in the lower half, failures in the upper one. No block may
  * arrive again before all have seen the last outcome: another barrier in between sees to that. */
@@ -19,26 +19,19 @@ static __device__ __forceinline__ unsigned long long arrival(bool failed) {
 
 /* What the block wrote before a __syncthreads, others see after their barrier. */
 static __device__ __forceinline__ void arrive(grid_counter *counter, bool failed) {
-  asm volatile("red.release.gpu.global.add.u64 [%0], %1;" ::"l"(&counter->arrivals),
-               "l"(arrival(failed))
-               : "memory");
+  add_release(&counter->arrivals, arrival(failed));
 }
 
 /* For a barrier that hands over the outcome alone. */
 static __device__ __forceinline__ void arrive_relaxed(grid_counter *counter, bool failed) {
-  asm volatile("red.relaxed.gpu.global.add.u64 [%0], %1;" ::"l"(&counter->arrivals),
-               "l"(arrival(failed))
-               : "memory");
+  add_relaxed(&counter->arrivals, arrival(failed));
 }
 
 /* Waits for arrival `turn` = 1, 2, … of all blocks; returns the failures since the launch. */
 static __device__ __forceinline__ uint32_t await_all(const grid_counter *counter, uint32_t turn) {
   unsigned long long seen;
   do {
-    asm volatile("ld.acquire.gpu.global.u64 %0, [%1];"
-                 : "=l"(seen)
-                 : "l"(&counter->arrivals)
-                 : "memory");
+    seen = load_acquire(&counter->arrivals);
   } while ((uint32_t)seen < turn * gridDim.x);
   return (uint32_t)(seen >> PBF_FAILURE_SHIFT);
 }

@@ -8,6 +8,7 @@
 #include "cuda/grid.h"
 #include "cuda/launch.h"
 #include "cuda/particles.h"
+#include "cuda/ptx.h"
 #include "physics/constants.h"
 
 enum {
@@ -59,9 +60,8 @@ struct alignas(16 * sizeof(uint32_t)) row_bases {
 /* The neighbour that one half of a list's word stands for; `bases` in shared memory. */
 static __device__ __forceinline__ uint32_t neighbor_at(uint32_t bases, uint32_t word, bool upper) {
   enum { ROW_SHIFT = PBF_PLACE_BITS - 2 }; /* of a row's bits, to where they count bytes */
-  uint32_t row = word >> ((upper ? 16 : 0) + ROW_SHIFT) & 15 << 2, base;
-  asm("ld.shared.u32 %0, [%1];" : "=r"(base) : "r"(bases | row));
-  return base + (upper ? word >> 16 : word & 0xffff);
+  uint32_t row = word >> ((upper ? 16 : 0) + ROW_SHIFT) & 15 << 2;
+  return load_shared(bases | row) + (upper ? word >> 16 : word & 0xffff);
 }
 
 /* Calls take(bases, word, count) for the words of particle i's list, four at a time, of whose
@@ -82,7 +82,7 @@ static __device__ __forceinline__ void for_chunks(const sorted_particles &p, con
   }
   __syncwarp();
   if (i >= p.count) return;
-  uint32_t shared = (uint32_t)__cvta_generic_to_shared(bases);
+  uint32_t shared = shared_address(bases);
   const uint4 *chunk = list_of(lists, i);
   uint4 ahead = *chunk; /* there is always a first one */
   uint32_t size = lists.sizes[i], first = PBF_CHUNK * share, stride = PBF_CHUNK * SHARES;

@@ -6,6 +6,7 @@
 
 #include "common/rank_shares.h"
 #include "cuda/launch.h"
+#include "cuda/ptx.h"
 #include "cuda/ranks.h"
 #include "cuda/sort.h"
 
@@ -32,16 +33,7 @@ static __device__ __forceinline__ void tell_ranks(const rank_place &p) {
   __threadfence_system();
   for (uint32_t r = threadIdx.x; r < p.count; r += blockDim.x)
     if (r != p.rank)
-      asm volatile(
-          "st.release.sys.global.u64 [%0], %1;" ::"l"(rank_arrivals(p.control->rooms[r]) + p.rank),
-          "l"(p.sequence)
-          : "memory");
-}
-
-static __device__ __forceinline__ unsigned long long nanoseconds() {
-  unsigned long long now;
-  asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(now));
-  return now;
+      store_release_of_system(rank_arrivals(p.control->rooms[r]) + p.rank, p.sequence);
 }
 
 /* Waits until all have come as far. After a minute it gives up, and so do all that wait later. */
@@ -52,7 +44,7 @@ static __device__ __forceinline__ void await_ranks(const rank_place &p) {
     const uint64_t *arrival = rank_arrivals(p.control->rooms[p.rank]) + r;
     uint64_t seen = 0;
     while (!*static_cast<volatile uint32_t *>(&p.control->lost)) {
-      asm volatile("ld.acquire.sys.global.u64 %0, [%1];" : "=l"(seen) : "l"(arrival) : "memory");
+      seen = load_acquire_of_system(arrival);
       if (seen >= p.sequence) break;
       if (nanoseconds() - begin < patience) continue;
       p.control->lost = 1;

@@ -44,7 +44,7 @@ pbf_status launch_small(cudaStream_t stream, int features, uint32_t blocks,
     void *pointers[] = {const_cast<small_scene *>(&scene), const_cast<small_buffers *>(&buffers),
                         const_cast<general_buffers *>(&general)};
     status = pbf_cuda_check(
-        cudaLaunchCooperativeKernel(address_of(kernel), dim3(blocks), dim3(SMALL_THREADS), pointers,
+        cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(SMALL_THREADS), pointers,
                                     scene.layout.bytes(), stream),
         "small_kernel");
   });

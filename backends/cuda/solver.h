@@ -148,8 +148,7 @@ static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t block
                                   size_t shared, const char *name, Arguments... arguments) {
   void *pointers[] = {&arguments...};
   return pbf_cuda_check(
-      cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel), dim3(blocks),
-                                  dim3(threads), pointers, shared, s->stream),
+      cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(threads), pointers, shared, s->stream),
       name);
 }
 

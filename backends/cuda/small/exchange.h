@@ -8,8 +8,7 @@
 #ifndef PBF_CUDA_SMALL_EXCHANGE_H
 #define PBF_CUDA_SMALL_EXCHANGE_H
 
-#include <stdint.h>
-
+#include "cuda/ptx.h"
 #include "physics/real.h"
 
 struct particle_exchange {
@@ -21,31 +20,13 @@ static __device__ __forceinline__ unsigned long long word_of(uint32_t low, uint3
   return low | (unsigned long long)high << 32;
 }
 
-static __device__ __forceinline__ void store_whole(ulonglong2 *to, ulonglong2 value) {
-  asm volatile(
-      "{\n\t.reg .b128 whole;\n\tmov.b128 whole, {%1, %2};\n\t"
-      "st.relaxed.gpu.global.b128 [%0], whole;\n\t}" ::"l"(to),
-      "l"(value.x), "l"(value.y)
-      : "memory");
-}
-
-static __device__ __forceinline__ ulonglong2 load_whole(const ulonglong2 *from) {
-  ulonglong2 value;
-  asm volatile(
-      "{\n\t.reg .b128 whole;\n\tld.relaxed.gpu.global.b128 whole, [%2];\n\t"
-      "mov.b128 {%0, %1}, whole;\n\t}"
-      : "=l"(value.x), "=l"(value.y)
-      : "l"(from)
-      : "memory");
-  return value;
-}
-
 static __device__ __forceinline__ void publish_position(const particle_exchange &e, uint32_t i,
                                                         pbf_vec x, uint32_t pass) {
   uint32_t last = PBF_DIM == 3 ? __float_as_uint((float)x.c[PBF_DIM - 1]) : 0;
-  store_whole(e.positions[pass % 2] + i,
-              {word_of(__float_as_uint((float)x.c[0]), __float_as_uint((float)x.c[1])),
-               word_of(last, pass)});
+  const ulonglong2 whole = {
+      word_of(__float_as_uint((float)x.c[0]), __float_as_uint((float)x.c[1])),
+      word_of(last, pass)};
+  store_relaxed(e.positions[pass % 2] + i, whole);
 }
 
 static __device__ __forceinline__ pbf_vec position_in(ulonglong2 word) {
@@ -71,7 +52,7 @@ static __device__ __forceinline__ void await_positions(const particle_exchange &
   do {
     ulonglong2 words[N];
 #pragma unroll
-    for (int k = 0; k < N; ++k) words[k] = load_whole(from + particles[k]);
+    for (int k = 0; k < N; ++k) words[k] = load_relaxed(from + particles[k]);
     all = true;
 #pragma unroll
     for (int k = 0; k < N; ++k) {
@@ -83,16 +64,7 @@ static __device__ __forceinline__ void await_positions(const particle_exchange &
 
 static __device__ __forceinline__ void publish_lambda(const particle_exchange &e, uint32_t i,
                                                       pbf_real lambda, uint32_t pass) {
-  asm volatile("st.relaxed.gpu.global.b64 [%0], %1;" ::"l"(e.lambdas + i),
-               "l"(word_of(__float_as_uint((float)lambda), pass))
-               : "memory");
-}
-
-static __device__ __forceinline__ unsigned long long load_lambda(const particle_exchange &e,
-                                                                 uint32_t i) {
-  unsigned long long word;
-  asm volatile("ld.relaxed.gpu.global.b64 %0, [%1];" : "=l"(word) : "l"(e.lambdas + i) : "memory");
-  return word;
+  store_relaxed(e.lambdas + i, word_of(__float_as_uint((float)lambda), pass));
 }
 
 /* The lambdas of N particles, once all are of `pass`. */
@@ -104,7 +76,7 @@ static __device__ __forceinline__ void await_lambdas(const particle_exchange &e,
   do {
     unsigned long long words[N];
 #pragma unroll
-    for (int k = 0; k < N; ++k) words[k] = load_lambda(e, particles[k]);
+    for (int k = 0; k < N; ++k) words[k] = load_relaxed(e.lambdas + particles[k]);
     all = true;
 #pragma unroll
     for (int k = 0; k < N; ++k) {
@@ -116,7 +88,7 @@ static __device__ __forceinline__ void await_lambdas(const particle_exchange &e,
 
 /* The number of no pass, before the first: the words may hold anything. */
 static __device__ __forceinline__ void forget(const particle_exchange &e, uint32_t i) {
-  for (int k = 0; k < 2; ++k) store_whole(e.positions[k] + i, {0, 0});
+  for (int k = 0; k < 2; ++k) store_relaxed(e.positions[k] + i, ulonglong2{0, 0});
   publish_lambda(e, i, 0, 0);
 }
 
