@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <atomic>
+#include <memory>
 #include <vector>
 
 #include "cuda_runtime_api.h"
@@ -38,11 +39,10 @@ enum : uint32_t { VARIABLES_BYTES = 64 * 1024, POISON = 0xff };
 std::atomic<int> shared_variables;
 std::atomic<bool> lost;
 
-struct shared_memory {
-  char *memory = nullptr;
-  size_t bytes = 0;
-  ~shared_memory() { free(memory); }
+struct release {
+  void operator()(char *memory) const { free(memory); }
 };
+typedef std::unique_ptr<char, release> shared_memory;
 
 struct machine {
   const launch_shape *shape;
@@ -225,8 +225,8 @@ void begin_block(block *b, uint3 index, uint32_t rank) {
   }
   shared_memory &s = m->shared[rank];
   const size_t bytes = VARIABLES_BYTES + SHARED_MOST;
-  if (!s.memory) s.memory = static_cast<char *>(aligned_alloc(1024, (bytes + 1023) / 1024 * 1024));
-  b->shared = s.memory;
+  if (!s) s.reset(static_cast<char *>(aligned_alloc(1024, (bytes + 1023) / 1024 * 1024)));
+  b->shared = s.get();
   memset(b->shared, POISON, m->variables_end);
   memset(b->shared + VARIABLES_BYTES, POISON, m->shape->shared);
 }
