@@ -21,7 +21,9 @@ __thread thread *current;
 struct warp {
   thread *lanes;
   uint32_t present; /* lanes that have not ended */
-  uint32_t able;    /* lanes that wait for nothing */
+  uint32_t able;    /* lanes that wait for nothing, … */
+  uint32_t came;    /* … for others of their warp, … */
+  uint32_t asks;    /* … or to know which are active */
 };
 
 struct block {
@@ -98,10 +100,9 @@ void wake(thread *t) {
 
 /* The lanes of a warp that ask which of them are active, once none of them can come yet. */
 void tell_active(warp *w) {
-  uint32_t active = 0;
-  if (w->able) return;
-  for (uint32_t k = 0; k < 32; ++k)
-    if (w->present >> k & 1 && w->lanes[k].waits == AT_ACTIVE_MASK) active |= 1u << k;
+  const uint32_t active = w->asks;
+  if (w->able || !active) return;
+  w->asks = 0;
   for (uint32_t k = 0; k < 32; ++k)
     if (active >> k & 1) {
       w->lanes[k].mask = active;
@@ -147,18 +148,22 @@ void try_cluster() {
 /* Lets the lanes of `mask` go on once all have come to the same. */
 void try_lanes(warp *w, uint32_t mask, warp_operation operation) {
   const uint32_t asked = mask & w->present;
+  if ((w->came & asked) != asked) return;
   for (uint32_t k = 0; k < 32; ++k) {
     const thread &t = w->lanes[k];
-    if (asked >> k & 1 && (t.waits != IN_WARP || t.mask != mask || t.operation != operation)) return;
+    if (asked >> k & 1 && (t.mask != mask || t.operation != operation)) return;
   }
+  w->came &= ~asked;
   gathered all;
-  memset(all.values, POISON, sizeof all.values);
   all.lanes = asked;
   for (uint32_t k = 0; k < 32; ++k)
-    if (asked >> k & 1) all.values[k] = w->lanes[k].value;
+    all.values[k] = asked >> k & 1 ? w->lanes[k].value : ~0ull; /* which nothing may use */
   for (uint32_t k = 0; k < 32; ++k)
     if (asked >> k & 1) {
-      *w->lanes[k].result = all;
+      if (operation == SYNC_WARP)
+        w->lanes[k].result->lanes = asked;
+      else
+        *w->lanes[k].result = all;
       wake(&w->lanes[k]);
     }
 }
@@ -173,8 +178,8 @@ void end_thread(thread *t) {
   w->able &= ~bit(t);
   t->fiber = nullptr;
   current = nullptr;
-  for (uint32_t k = 0; k < 32; ++k)
-    if (w->present >> k & 1 && w->lanes[k].waits == IN_WARP && w->lanes[k].mask & bit(t))
+  for (uint32_t k = 0; w->came && k < 32; ++k)
+    if (w->came >> k & 1 && w->lanes[k].mask & bit(t))
       try_lanes(w, w->lanes[k].mask, w->lanes[k].operation);
   tell_active(w);
   try_block(t->block);
@@ -221,7 +226,7 @@ void begin_block(block *b, uint3 index, uint32_t rank) {
   for (uint32_t k = 0; k < b->warps.size(); ++k) {
     const uint32_t lanes = threads - 32 * k;
     b->warps[k] = {&b->threads[32 * k], lanes < 32 ? (1u << lanes) - 1 : ~0u,
-                   lanes < 32 ? (1u << lanes) - 1 : ~0u};
+                   lanes < 32 ? (1u << lanes) - 1 : ~0u, 0, 0};
   }
   shared_memory &s = m->shared[rank];
   const size_t bytes = VARIABLES_BYTES + SHARED_MOST;
@@ -333,12 +338,14 @@ void in_warp(warp_operation operation, uint32_t mask, uint64_t value, gathered *
   t->value = value;
   t->result = result;
   wait_as(IN_WARP, names[operation]);
+  t->warp->came |= bit(t);
   try_lanes(t->warp, mask, operation);
   wait();
 }
 
 uint32_t active_mask() {
   wait_as(AT_ACTIVE_MASK, "activemask");
+  current->warp->asks |= bit(current);
   wait();
   return current->mask;
 }

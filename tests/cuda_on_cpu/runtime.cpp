@@ -32,7 +32,7 @@ int multiprocessors() {
   static const int value = [] {
     const char *text = getenv("PBF_CUDA_EMULATED_MULTIPROCESSORS");
     const int number = text ? atoi(text) : 0;
-    return number > 0 ? number : 8;
+    return number > 0 ? number : 4;
   }();
   return value;
 }
@@ -440,7 +440,8 @@ cudaError_t set_attribute(const void *kernel, cudaFuncAttribute attribute, int v
 }
 
 cudaError_t occupancy(int *clusters, const void *, const cudaLaunchConfig_t *config) {
-  *clusters = config->gridDim.x <= 16 && config->dynamicSmemBytes <= SHARED_MOST;
+  *clusters = config->gridDim.x <= (unsigned)multiprocessors() &&
+              config->dynamicSmemBytes <= SHARED_MOST;
   return cudaSuccess;
 }
 

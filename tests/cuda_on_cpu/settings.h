@@ -10,7 +10,7 @@ namespace emulated {
  * streams run in an order of this seed, and as late as CUDA allows. */
 uint64_t seed();
 
-/* PBF_CUDA_EMULATED_MULTIPROCESSORS: 8, unless it is set. */
+/* PBF_CUDA_EMULATED_MULTIPROCESSORS: 4, unless it is set. */
 int multiprocessors();
 
 /* A number below `limit`, of a sequence that the seed begins. */
