@@ -43,10 +43,9 @@ pbf_status launch_small(cudaStream_t stream, int features, uint32_t blocks,
                       : small_kernel<FEATURES, false, NO_SURFACES>;
     void *pointers[] = {const_cast<small_scene *>(&scene), const_cast<small_buffers *>(&buffers),
                         const_cast<general_buffers *>(&general)};
-    status = pbf_cuda_check(
-        cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(SMALL_THREADS), pointers,
-                                    scene.layout.bytes(), stream),
-        "small_kernel");
+    status = pbf_cuda_check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(SMALL_THREADS),
+                                                        pointers, scene.layout.bytes(), stream),
+                            "small_kernel");
   });
   return status;
 }

@@ -56,7 +56,7 @@ struct machine {
   size_t first_ready, ready_count;
   std::vector<thread *> starts; /* those not started yet, the next one last */
   uint32_t remaining, cluster_arrived;
-  uint64_t looks;     /* since something last happened */
+  uint64_t looks; /* since something last happened */
   uint32_t variables_end;
   std::vector<int> variable_places;
   std::vector<shared_memory> shared;
@@ -71,9 +71,7 @@ void fail(const char *why) {
 
 /* ---- Ready threads ------------------------------------------------------------------------- */
 
-void push_ready(thread *t) {
-  m->ready[(m->first_ready + m->ready_count++) % m->ready.size()] = t;
-}
+void push_ready(thread *t) { m->ready[(m->first_ready + m->ready_count++) % m->ready.size()] = t; }
 
 thread *pop_ready() {
   const size_t size = m->ready.size();
@@ -275,8 +273,7 @@ void run_present_blocks() {
   m->cluster_arrived = 0;
   m->looks = 0;
   while (m->remaining && !m->failure) {
-    const bool starts =
-        !m->starts.empty() && (!seed() || !m->ready_count || random_below(2));
+    const bool starts = !m->starts.empty() && (!seed() || !m->ready_count || random_below(2));
     if (starts) {
       if (idle.empty()) {
         idle.push_back(new_fiber(run_threads, nullptr));

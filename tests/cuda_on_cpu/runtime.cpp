@@ -440,8 +440,8 @@ cudaError_t set_attribute(const void *kernel, cudaFuncAttribute attribute, int v
 }
 
 cudaError_t occupancy(int *clusters, const void *, const cudaLaunchConfig_t *config) {
-  *clusters = config->gridDim.x <= (unsigned)multiprocessors() &&
-              config->dynamicSmemBytes <= SHARED_MOST;
+  *clusters =
+      config->gridDim.x <= (unsigned)multiprocessors() && config->dynamicSmemBytes <= SHARED_MOST;
   return cudaSuccess;
 }
 
@@ -490,17 +490,28 @@ cudaError_t cudaPeekAtLastError() { return last_error; }
 
 const char *cudaGetErrorName(cudaError_t error) {
   switch (error) {
-    case cudaSuccess: return "cudaSuccess";
-    case cudaErrorInvalidValue: return "cudaErrorInvalidValue";
-    case cudaErrorMemoryAllocation: return "cudaErrorMemoryAllocation";
-    case cudaErrorInvalidConfiguration: return "cudaErrorInvalidConfiguration";
-    case cudaErrorInvalidDevice: return "cudaErrorInvalidDevice";
-    case cudaErrorInvalidResourceHandle: return "cudaErrorInvalidResourceHandle";
-    case cudaErrorNotReady: return "cudaErrorNotReady";
-    case cudaErrorLaunchFailure: return "cudaErrorLaunchFailure";
-    case cudaErrorCooperativeLaunchTooLarge: return "cudaErrorCooperativeLaunchTooLarge";
-    case cudaErrorNotSupported: return "cudaErrorNotSupported";
-    default: return "another error";
+    case cudaSuccess:
+      return "cudaSuccess";
+    case cudaErrorInvalidValue:
+      return "cudaErrorInvalidValue";
+    case cudaErrorMemoryAllocation:
+      return "cudaErrorMemoryAllocation";
+    case cudaErrorInvalidConfiguration:
+      return "cudaErrorInvalidConfiguration";
+    case cudaErrorInvalidDevice:
+      return "cudaErrorInvalidDevice";
+    case cudaErrorInvalidResourceHandle:
+      return "cudaErrorInvalidResourceHandle";
+    case cudaErrorNotReady:
+      return "cudaErrorNotReady";
+    case cudaErrorLaunchFailure:
+      return "cudaErrorLaunchFailure";
+    case cudaErrorCooperativeLaunchTooLarge:
+      return "cudaErrorCooperativeLaunchTooLarge";
+    case cudaErrorNotSupported:
+      return "cudaErrorNotSupported";
+    default:
+      return "another error";
   }
 }
 const char *cudaGetErrorString(cudaError_t error) { return cudaGetErrorName(error); }

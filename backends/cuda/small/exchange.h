@@ -23,9 +23,8 @@ static __device__ __forceinline__ unsigned long long word_of(uint32_t low, uint3
 static __device__ __forceinline__ void publish_position(const particle_exchange &e, uint32_t i,
                                                         pbf_vec x, uint32_t pass) {
   uint32_t last = PBF_DIM == 3 ? __float_as_uint((float)x.c[PBF_DIM - 1]) : 0;
-  const ulonglong2 whole = {
-      word_of(__float_as_uint((float)x.c[0]), __float_as_uint((float)x.c[1])),
-      word_of(last, pass)};
+  const ulonglong2 whole = {word_of(__float_as_uint((float)x.c[0]), __float_as_uint((float)x.c[1])),
+                            word_of(last, pass)};
   store_relaxed(e.positions[pass % 2] + i, whole);
 }
 

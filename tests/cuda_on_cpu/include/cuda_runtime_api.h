@@ -206,7 +206,12 @@ struct pending_call {
     static void run_thread(const void *, void *kept) {
       /* A kernel may change its parameters. */
       std::tuple<Values...> own = *static_cast<const std::tuple<Values...> *>(kept);
-      std::apply([](auto &...each) { Kernel *none = nullptr; (*none)(each...); }, own);
+      std::apply(
+          [](auto &...each) {
+            Kernel *none = nullptr;
+            (*none)(each...);
+          },
+          own);
     }
     void run() override { run_grid(shape, run_thread, &values); }
   };
@@ -256,12 +261,10 @@ inline cudaError_t cudaLaunchCooperativeKernel(void (*kernel)(Parameters...), di
 template <class... Parameters, class... Arguments>
 inline cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t *config,
                                       void (*kernel)(Parameters...), Arguments &&...arguments) {
-  const emulated::launch_shape shape = {"a kernel of a cluster",
-                                        reinterpret_cast<const void *>(kernel),
-                                        config->gridDim,
-                                        config->blockDim,
-                                        config->dynamicSmemBytes,
-                                        config->numAttrs > 0};
+  const emulated::launch_shape shape = {
+      "a kernel of a cluster",  reinterpret_cast<const void *>(kernel),
+      config->gridDim,          config->blockDim,
+      config->dynamicSmemBytes, config->numAttrs > 0};
   return emulated::launch_on(
       config->stream, shape,
       new emulated::kernel_work<Parameters...>(shape, {std::forward<Arguments>(arguments)...}));

@@ -212,8 +212,7 @@ inline int __all_sync(uint32_t mask, int yes) {
 template <class T>
 inline T __shfl_sync(uint32_t mask, T value, int from, int width = 32) {
   return emulated::shuffled(
-      mask, value,
-      emulated::segment_of(emulated::current->lane, width) + (from & (width - 1)));
+      mask, value, emulated::segment_of(emulated::current->lane, width) + (from & (width - 1)));
 }
 template <class T>
 inline T __shfl_xor_sync(uint32_t mask, T value, int by, int width = 32) {
@@ -224,8 +223,8 @@ inline T __shfl_xor_sync(uint32_t mask, T value, int by, int width = 32) {
 template <class T>
 inline T __shfl_up_sync(uint32_t mask, T value, unsigned by, int width = 32) {
   const int lane = (int)emulated::current->lane, from = lane - (int)by;
-  return emulated::shuffled(
-      mask, value, from < emulated::segment_of((uint32_t)lane, width) ? lane : from);
+  return emulated::shuffled(mask, value,
+                            from < emulated::segment_of((uint32_t)lane, width) ? lane : from);
 }
 template <class T>
 inline T __shfl_down_sync(uint32_t mask, T value, unsigned by, int width = 32) {
@@ -303,12 +302,12 @@ inline int __clz(int a) { return a ? __builtin_clz((unsigned)a) : 32; }
 inline unsigned __funnelshift_l(unsigned low, unsigned high, unsigned by) {
   return (unsigned)(((uint64_t)high << 32 | low) << (by & 31) >> 32);
 }
-inline unsigned __float_as_uint(float a) { return emulated::value_of<unsigned>(emulated::bits_of(a)); }
+inline unsigned __float_as_uint(float a) {
+  return emulated::value_of<unsigned>(emulated::bits_of(a));
+}
 inline float __uint_as_float(unsigned a) { return emulated::value_of<float>(a); }
 inline long long __double_as_longlong(double a) { return (long long)emulated::bits_of(a); }
-inline double __longlong_as_double(long long a) {
-  return emulated::value_of<double>((uint64_t)a);
-}
+inline double __longlong_as_double(long long a) { return emulated::value_of<double>((uint64_t)a); }
 inline int __double2hiint(double a) { return (int)(emulated::bits_of(a) >> 32); }
 inline float __fmul_rn(float a, float b) { return a * b; }
 inline float __fmaf_rn(float a, float b, float c) { return fmaf(a, b, c); }
