@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <sys/mman.h>
 
+#include <atomic>
+
 #if !defined(__x86_64__)
 #include <ucontext.h>
 #endif
@@ -115,6 +117,8 @@ struct fiber_pool {
   }
 };
 thread_local fiber_pool pool;
+std::atomic<int> stacks;
+enum { GUARDED_MOST = 8192 };
 
 }  // namespace
 
@@ -126,7 +130,8 @@ fiber *new_fiber(void (*run)(void *), void *argument) {
     f = new fiber();
     void *memory = mmap(nullptr, GUARD_BYTES + STACK_BYTES, PROT_READ | PROT_WRITE,
                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (memory == MAP_FAILED || mprotect(memory, GUARD_BYTES, PROT_NONE) != 0) {
+    const bool guarded = stacks++ < GUARDED_MOST; /* the system has so many mappings, and no more */
+    if (memory == MAP_FAILED || (guarded && mprotect(memory, GUARD_BYTES, PROT_NONE) != 0)) {
       fprintf(stderr, "cuda on a CPU: no memory for the stack of a thread\n");
       abort();
     }

@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -50,10 +51,11 @@ struct machine {
   const launch_shape *shape;
   thread_function run;
   void *arguments;
-  std::vector<block> blocks; /* at the same time; those before `count` */
+  std::deque<block> blocks; /* at the same time; those before `count` */
   uint32_t count;
-  std::vector<thread *> ready; /* a ring */
-  size_t first_ready, ready_count;
+  std::vector<uint32_t> order; /* of all blocks; those from `next` on have not begun */
+  size_t next;
+  std::deque<thread *> ready;
   std::vector<thread *> starts; /* those not started yet, the next one last */
   uint32_t remaining, cluster_arrived;
   uint64_t looks; /* since something last happened */
@@ -71,18 +73,12 @@ void fail(const char *why) {
 
 /* ---- Ready threads ------------------------------------------------------------------------- */
 
-void push_ready(thread *t) { m->ready[(m->first_ready + m->ready_count++) % m->ready.size()] = t; }
+void push_ready(thread *t) { m->ready.push_back(t); }
 
 thread *pop_ready() {
-  const size_t size = m->ready.size();
-  if (seed()) {
-    thread *&one = m->ready[(m->first_ready + random_below((uint32_t)m->ready_count)) % size];
-    thread *&first = m->ready[m->first_ready];
-    std::swap(one, first);
-  }
-  thread *t = m->ready[m->first_ready];
-  m->first_ready = (m->first_ready + 1) % size;
-  --m->ready_count;
+  if (seed()) std::swap(m->ready.front(), m->ready[random_below((uint32_t)m->ready.size())]);
+  thread *t = m->ready.front();
+  m->ready.pop_front();
   return t;
 }
 
@@ -234,7 +230,18 @@ void begin_block(block *b, uint3 index, uint32_t rank) {
   memset(b->shared + VARIABLES_BYTES, POISON, m->shape->shared);
 }
 
-void shuffle_starts() {
+/* One more block beside those that run. */
+void add_block() {
+  const uint32_t number = m->order[m->next++], rank = m->count++;
+  const dim3 grid = m->shape->grid;
+  if (m->blocks.size() < m->count) m->blocks.resize(m->count);
+  if (m->shared.size() < m->count) m->shared.resize(m->count);
+  block *b = &m->blocks[rank];
+  begin_block(b, {number % grid.x, number / grid.x % grid.y, number / grid.x / grid.y}, rank);
+  m->remaining += b->present;
+  m->looks = 0;
+  for (uint32_t i = (uint32_t)b->threads.size(); i-- > 0;) m->starts.push_back(&b->threads[i]);
+  if (!seed()) return;
   for (size_t k = m->starts.size(); k > 1; --k)
     std::swap(m->starts[k - 1], m->starts[random_below((uint32_t)k)]);
 }
@@ -268,12 +275,17 @@ void look_at_clock(time_t *since) {
 void run_present_blocks() {
   std::vector<fiber *> idle;
   time_t since = 0;
-  m->ready.resize(m->remaining + 1);
-  m->first_ready = m->ready_count = 0;
+  m->ready.clear();
   m->cluster_arrived = 0;
-  m->looks = 0;
   while (m->remaining && !m->failure) {
-    const bool starts = !m->starts.empty() && (!seed() || !m->ready_count || random_below(2));
+    /* Those that run may wait for another device, or for what a block does that has not begun. */
+    if (m->starts.empty() && m->looks > 4 * m->ready.size()) {
+      if (m->next < m->order.size())
+        add_block();
+      else if (m->looks % (m->ready.size() + 1) == 0)
+        sched_yield();
+    }
+    const bool starts = !m->starts.empty() && (!seed() || m->ready.empty() || random_below(2));
     if (starts) {
       if (idle.empty()) {
         idle.push_back(new_fiber(run_threads, nullptr));
@@ -281,7 +293,7 @@ void run_present_blocks() {
       }
       switch_to(idle.back());
       if (current) idle.pop_back(); /* it waits on that stack */
-    } else if (m->ready_count) {
+    } else if (!m->ready.empty()) {
       thread *t = pop_ready();
       fiber *of = static_cast<fiber *>(t->fiber);
       current = t;
@@ -398,29 +410,16 @@ void run_grid(const launch_shape &shape, thread_function run, void *arguments) {
   gridDim = {shape.grid.x, shape.grid.y, shape.grid.z};
   blockDim = {shape.block.x, shape.block.y, shape.block.z};
   const uint32_t all = shape.grid.x * shape.grid.y * shape.grid.z;
-  std::vector<uint32_t> order(all);
-  for (uint32_t k = 0; k < all; ++k) order[k] = k;
-  if (seed())
-    for (uint32_t k = all; k > 1; --k) std::swap(order[k - 1], order[random_below(k)]);
-  for (uint32_t first = 0; first < all && !m->failure; first += m->count) {
-    m->count = shape.together ? all : seed() ? 1 + random_below(4) : 1;
-    if (m->count > all - first) m->count = all - first;
-    if (m->blocks.size() < m->count) m->blocks.resize(m->count);
-    if (m->shared.size() < m->count) m->shared.resize(m->count);
-    m->remaining = 0;
+  m->order.resize(all);
+  for (uint32_t k = 0; k < all; ++k) m->order[k] = k;
+  if (seed() && !shape.together)
+    for (uint32_t k = all; k > 1; --k) std::swap(m->order[k - 1], m->order[random_below(k)]);
+  m->next = 0;
+  while (m->next < all && !m->failure) {
+    const uint32_t at_once = shape.together ? all : seed() ? 1 + random_below(4) : 1;
+    m->count = m->remaining = 0;
     m->starts.clear();
-    for (uint32_t k = 0; k < m->count; ++k) {
-      const uint32_t number = shape.together ? k : order[first + k];
-      begin_block(&m->blocks[k],
-                  {number % shape.grid.x, number / shape.grid.x % shape.grid.y,
-                   number / shape.grid.x / shape.grid.y},
-                  k);
-      m->remaining += m->blocks[k].present;
-    }
-    for (uint32_t k = m->count; k-- > 0;)
-      for (uint32_t i = (uint32_t)m->blocks[k].threads.size(); i-- > 0;)
-        m->starts.push_back(&m->blocks[k].threads[i]);
-    if (seed()) shuffle_starts();
+    while (m->count < at_once && m->next < all) add_block();
     run_present_blocks();
     if (m->failure) report();
     for (fiber *f : m->fibers) free_fiber(f);

@@ -28,12 +28,19 @@ uint64_t seed() {
   return value;
 }
 
+static int number_in(const char *name, int unset, int most) {
+  const char *text = getenv(name);
+  const int number = text ? atoi(text) : 0;
+  return number < 1 ? unset : number < most ? number : most;
+}
+
 int multiprocessors() {
-  static const int value = [] {
-    const char *text = getenv("PBF_CUDA_EMULATED_MULTIPROCESSORS");
-    const int number = text ? atoi(text) : 0;
-    return number > 0 ? number : 4;
-  }();
+  static const int value = number_in("PBF_CUDA_EMULATED_MULTIPROCESSORS", 4, 1024);
+  return value;
+}
+
+int devices() {
+  static const int value = number_in("PBF_CUDA_EMULATED_DEVICES", 1, DEVICES_MOST);
   return value;
 }
 
@@ -72,6 +79,7 @@ struct operation {
 struct CUstream_st {
   std::deque<operation> queue;
   std::thread::id caller; /* the last one */
+  int device = 0;
   bool busy = false;
 };
 
@@ -180,6 +188,7 @@ cudaError_t run_on(cudaStream_t stream, work *work) {
 cudaError_t cudaStreamCreate(cudaStream_t *stream) {
   std::lock_guard<std::recursive_mutex> held(lock);
   *stream = new CUstream_st;
+  cudaGetDevice(&(*stream)->device);
   streams.push_back(*stream);
   return tell();
 }
@@ -521,20 +530,34 @@ cudaError_t cudaDriverGetVersion(int *version) {
   return cudaSuccess;
 }
 cudaError_t cudaGetDeviceCount(int *count) {
-  *count = 1;
+  *count = emulated::devices();
   return cudaSuccess;
 }
+
+namespace {
+
+/* A device has one context, which the driver's functions hand out. */
+char contexts[emulated::DEVICES_MOST];
+thread_local void *current_context;
+
+}  // namespace
+
 cudaError_t cudaGetDevice(int *device) {
-  *device = 0;
+  *device = current_context ? (int)(static_cast<char *>(current_context) - contexts) : 0;
   return tell();
 }
-cudaError_t cudaSetDevice(int device) { return device ? fails(cudaErrorInvalidDevice) : tell(); }
+cudaError_t cudaSetDevice(int device) {
+  if (device < 0 || device >= emulated::devices()) return fails(cudaErrorInvalidDevice);
+  current_context = contexts + device;
+  return tell();
+}
 
 cudaError_t cudaGetDeviceProperties(cudaDeviceProp *properties, int device) {
-  if (device) return fails(cudaErrorInvalidDevice);
+  if (device < 0 || device >= emulated::devices()) return fails(cudaErrorInvalidDevice);
   memset(properties, 0, sizeof *properties);
   snprintf(properties->name, sizeof properties->name, "emulated on a CPU");
   memcpy(properties->uuid.bytes, "emulated on CPU", sizeof properties->uuid.bytes);
+  properties->uuid.bytes[15] = (char)device;
   properties->major = 9;
   properties->multiProcessorCount = emulated::multiprocessors();
   properties->sharedMemPerBlock = emulated::SHARED_UNASKED;
@@ -546,10 +569,10 @@ cudaError_t cudaDeviceGetAttribute(int *value, cudaDeviceAttr attribute, int) {
   return cudaSuccess;
 }
 cudaError_t cudaDeviceCanAccessPeer(int *can, int, int) {
-  *can = 0;
+  *can = 1;
   return cudaSuccess;
 }
-cudaError_t cudaDeviceEnablePeerAccess(int, unsigned) { return fails(cudaErrorNotSupported); }
+cudaError_t cudaDeviceEnablePeerAccess(int, unsigned) { return tell(); }
 
 cudaError_t cudaIpcGetMemHandle(cudaIpcMemHandle_t *, void *) {
   return fails(cudaErrorNotSupported);
@@ -559,11 +582,8 @@ cudaError_t cudaIpcOpenMemHandle(void **, cudaIpcMemHandle_t, unsigned) {
 }
 cudaError_t cudaIpcCloseMemHandle(void *) { return fails(cudaErrorNotSupported); }
 
-/* Of the driver, what the backend keeps a caller's context by: there is one context. */
+/* Of the driver, what the backend keeps a caller's context by. */
 namespace {
-
-char the_context;
-thread_local void *current_context;
 
 int get_current(void **context) {
   *context = current_context;
@@ -573,8 +593,8 @@ int set_current(void *context) {
   current_context = context;
   return 0;
 }
-int stream_context(void *, void **context) {
-  *context = &the_context;
+int stream_context(void *stream, void **context) {
+  *context = contexts + static_cast<CUstream_st *>(stream)->device;
   return 0;
 }
 

@@ -13,6 +13,10 @@ uint64_t seed();
 /* PBF_CUDA_EMULATED_MULTIPROCESSORS: 4, unless it is set. */
 int multiprocessors();
 
+/* PBF_CUDA_EMULATED_DEVICES: 1, unless it is set. Each sees the others' memory. */
+enum { DEVICES_MOST = 16 };
+int devices();
+
 /* A number below `limit`, of a sequence that the seed begins. */
 uint32_t random_below(uint32_t limit);
 
