@@ -254,8 +254,8 @@ void report() {
       if (t.fiber && told < 20) {
         const char *const kinds[] = {"runs", "waits for its block", "waits for its cluster",
                                      "waits for its warp", "asks which lanes are active"};
-        fprintf(stderr, "  block %u, thread %u: %s", m->blocks[b].rank, t.linear, kinds[t.waits]);
-        fprintf(stderr, t.waits == IN_WARP ? " (mask %08x, %s)\n" : "%.0x%s\n",
+        fprintf(stderr, "  block %u, thread %u: %s ", m->blocks[b].rank, t.linear, kinds[t.waits]);
+        fprintf(stderr, t.waits == IN_WARP ? "(mask %08x, %s)\n" : "%.0x%s\n",
                 t.waits == IN_WARP ? t.mask : 0, t.at && t.waits ? t.at : "");
         ++told;
       }
