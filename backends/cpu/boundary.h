@@ -201,8 +201,9 @@ static __attribute__((noinline)) void find_clear(const pbf_constants *c, const p
 }
 
 /* Those that have not been clear, or are no longer where they were then. */
-PBF_FN lanes_asked lanes_beyond(const pbf_real *is_clear, const lane_values *from,
-                                const lane_values *x, pbf_real way) {
+static __attribute__((noinline)) lanes_asked lanes_beyond(const pbf_real *is_clear,
+                                                          const lane_values *from,
+                                                          const lane_values *x, pbf_real way) {
   lanes_asked asked = {0, {0}};
   for (uint32_t l = 0; l < WIDTH; ++l) {
     const pbf_vec gone = pbf_sub(lane_value(x, l), lane_value(from, l));

@@ -70,25 +70,32 @@ static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, ui
   return near_obstacles(p->constants, p->contributing, &xs, distances);
 }
 
-PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g) {
+PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g, const lanes_asked *asked) {
   const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
   lane_boundary boundary;
-  const clear_particles *clear = &p->clear;
-  lanes_asked asked;
-  if (clear->first) find_clear(p->constants, p->contributing, &xs, clear->is_clear + g * WIDTH);
-  if (clear->is_clear) {
-    const lane_values from = load_lanes(&clear->predicted, g * WIDTH, WIDTH);
-    asked = lanes_beyond(clear->is_clear + g * WIDTH, &from, &xs, clear_way(p->constants));
-  }
-  boundary_of_group(p->constants, p->contributing, &xs, clear->is_clear ? &asked : NULL, &boundary);
+  boundary_of_group(p->constants, p->contributing, &xs, asked, &boundary);
   return boundary;
+}
+
+/* Which of a group's particles may be near colliders; null: all. */
+static __attribute__((noinline)) const lanes_asked *ask_lanes(const pair_pass *p, uint32_t g,
+                                                              lanes_asked *asked) {
+  const clear_particles *clear = &p->clear;
+  if (!clear->is_clear) return NULL;
+  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
+  const lane_values from = load_lanes(&clear->predicted, g * WIDTH, WIDTH);
+  pbf_real *is_clear = clear->is_clear + g * WIDTH;
+  if (clear->first) find_clear(p->constants, p->contributing, &xs, is_clear);
+  *asked = lanes_beyond(is_clear, &from, &xs, clear_way(p->constants));
+  return asked;
 }
 
 /* What surfaces contribute to a group's densities; adds to their gradients, and leaves it for move.
  */
 static __attribute__((noinline)) lane add_boundary(const pair_pass *p, uint32_t g,
                                                    lane_values *gradients) {
-  const lane_boundary boundary = group_boundary(p, g);
+  lanes_asked asked;
+  const lane_boundary boundary = group_boundary(p, g, ask_lanes(p, g, &asked));
   lane_store(p->boundary.rest + g * WIDTH, lane_load(boundary.rest));
   for (int k = 0; k < PBF_DIM; ++k) {
     lane_store(p->boundary.gradient.c[k] + g * WIDTH, lane_load(boundary.gradient.c[k]));
@@ -149,9 +156,10 @@ static __attribute__((noinline)) void mobile_lambda_group(
     for (uint32_t l = 0; l < WIDTH; ++l) lambda[l] = pbf_lambda_for(mobility[l], found[l]);
 }
 
-/* One loop for both kernels. */
-static void lambda_of_phases(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
-                             uint32_t last) {
+/* Loops for both kernels. */
+static __attribute__((noinline)) void lambda_of_phases(const pair_pass *p, pbf_real *lambda,
+                                                       pbf_real *added, uint32_t first,
+                                                       uint32_t last) {
   const pbf_constants c = *p->constants;
   const mobile_lambda_pass<int, SCALED_SUMS> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   const lookups of = {p->mobility, NULL};
@@ -202,7 +210,10 @@ static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
                                                              const lane_values *from,
                                                              const lane_values *x, uint32_t first) {
   const pbf_real way = clear_reach(p->constants) / 4;
-  lanes_asked asked = lanes_beyond(p->clear.is_clear + first, from, x, way);
+  lanes_asked asked;
+  memset(&asked, 1, sizeof asked); /* where nothing is known */
+  if (!p->clear.is_clear) return asked;
+  asked = lanes_beyond(p->clear.is_clear + first, from, x, way);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     asked.is[l] |= !(pbf_domain_distance(domain, lane_value(x, l)) > -way);
     asked.any |= asked.is[l];
@@ -210,46 +221,37 @@ static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
   return asked;
 }
 
-static __attribute__((noinline)) void resolve_clear(const pbf_obstacles *obstacles,
-                                                    const lanes_asked *asked,
-                                                    const lane_values *from, lane_values *x,
-                                                    uint32_t lanes) {
-  lane_values ways = *x, starts = *from;
+/* Bounds of those that are asked, on their ways. */
+static __attribute__((noinline)) group_bounds bounds_of_asked(const lanes_asked *asked,
+                                                              const lane_values *from,
+                                                              const lane_values *x,
+                                                              uint32_t lanes) {
+  lane_values starts = *from, ends = *x;
   uint32_t some = 0;
-  while (!asked->is[some]) ++some;
+  while (some + 1 < lanes && !asked->is[some]) ++some;
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    if (asked->is[l] && l < lanes) continue;
-    set_lane(&ways, l, lane_value(x, some));
-    set_lane(&starts, l, lane_value(from, some));
+    if (l < lanes && asked->is[l]) continue;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      starts.c[k][l] = from->c[k][some];
+      ends.c[k][l] = x->c[k][some];
+    }
   }
-  const group_bounds these = bounds_of_group(&starts, &ways);
-  clamp_group(obstacles, x);
-  resolve_ways(obstacles, &these, 0, [&](auto resolve) {
-    for (uint32_t l = 0; l < lanes; ++l)
-      if (asked->is[l]) set_lane(x, l, resolve(lane_value(&starts, l), lane_value(&ways, l)));
-  });
+  return bounds_of_group(&starts, &ends);
 }
 
 static __attribute__((noinline)) void resolve_group(const pair_pass *p,
                                                     const pbf_obstacles *obstacles,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t first, uint32_t lanes) {
-  if (p->clear.is_clear) {
-    const lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
-    uint8_t any = 0;
-    for (uint32_t l = 0; l < lanes; ++l) any |= asked.is[l];
-    if (any)
-      resolve_clear(obstacles, &asked, from, x, lanes);
-    else
-      clamp_group(obstacles, x);
-    return;
-  }
-  const group_bounds these = bounds_of_group(from, x);
-  if (!resolve_ways(obstacles, &these, 0, [&](auto resolve) {
-        for (uint32_t l = 0; l < lanes; ++l)
-          set_lane(x, l, resolve(lane_value(from, l), lane_value(x, l)));
-      }))
-    clamp_group(obstacles, x);
+  const lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
+  const lane_values ends = *x;
+  clamp_group(obstacles, x);
+  if (!asked.any) return;
+  const group_bounds these = bounds_of_asked(&asked, from, &ends, lanes);
+  resolve_ways(obstacles, &these, 0, [&](auto resolve) {
+    for (uint32_t l = 0; l < lanes; ++l)
+      if (asked.is[l]) set_lane(x, l, resolve(lane_value(from, l), lane_value(&ends, l)));
+  });
 }
 
 /* Of a group's velocities, by what walls and colliders made of its moves. */
@@ -579,7 +581,7 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
     lane_store(densities + g * WIDTH, density);
     if (neighbors) u32_store(neighbors + g * WIDTH, count);
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
-      const lane_boundary boundary = group_boundary(p, g);
+      const lane_boundary boundary = group_boundary(p, g, NULL);
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];
     }
   }
