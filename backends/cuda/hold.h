@@ -74,8 +74,8 @@ static inline bool read_plan(solver *s) {
   for (uint32_t k = 1; *sequence != wanted; ++k) {
     if (k % 4096) continue;
     const cudaError_t error = cudaStreamQuery(s->stream);
+    if (error != cudaSuccess) cudaGetLastError(); /* "not ready" would be the next launch's, too */
     if (error != cudaSuccess && error != cudaErrorNotReady) {
-      cudaGetLastError();
       lose_ranks(s, PBF_ERROR_DEVICE, cudaGetErrorString(error));
       return false;
     }
