@@ -123,7 +123,8 @@ uintptr_t pbf_this_thread(void);
 void pbf_yield(void);
 
 /* A thread on which no signal of the program is handled; 1 once it runs. `stack_bytes` 0: the
- * program's default, and 256 KiB at least. The struct stays where it is until the thread has begun. */
+ * program's default, and 256 KiB at least. The struct stays where it is until the thread has begun.
+ */
 int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user);
 void pbf_thread_join(pbf_thread *thread);
 

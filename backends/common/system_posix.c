@@ -64,8 +64,9 @@ static void become_another(void) {
   pbf_process_is_told();
 }
 
+/* What begins earlier may have asked already. */
 __attribute__((constructor)) static void begin_to_ask(void) {
-  become_another();
+  if (!pbf_process_is_told() && processes == 0) processes = 1;
   pthread_atfork(NULL, NULL, become_another);
 }
 

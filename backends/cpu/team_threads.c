@@ -136,8 +136,8 @@ static void in_child(void) {
   pool.refused = 0;
 }
 
-/* A fork by the system call alone, as some runtimes make it, calls none of these. Before the lock is
- * taken, which may be left taken then. */
+/* A fork by the system call alone, as some runtimes make it, calls none of these. Before the lock
+ * is taken, which may be left taken then. */
 static void see_process(void) {
   const uint32_t now = pbf_process();
   uint32_t before = __atomic_load_n(&pool.process, __ATOMIC_RELAXED);

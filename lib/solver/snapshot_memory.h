@@ -7,7 +7,7 @@
 typedef struct snapshot {
   pbf_solver *solver;
   struct snapshot *next_held; /* in a list of held_snapshots.h */
-  uint32_t readers; /* that hold it */
+  uint32_t readers;           /* that hold it */
   uint32_t count;
   uint64_t step;
   double time;

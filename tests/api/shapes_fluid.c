@@ -419,9 +419,9 @@ static void pressures_outlive_shapes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cups_hold_water),  cmocka_unit_test(carried_cups_hold_water),
-      cmocka_unit_test(boxes_are_boxes),  cmocka_unit_test(nothing_passes_a_plate),
-      cmocka_unit_test(bowls_hold_water), cmocka_unit_test(scales_are_sizes),
+      cmocka_unit_test(cups_hold_water),          cmocka_unit_test(carried_cups_hold_water),
+      cmocka_unit_test(boxes_are_boxes),          cmocka_unit_test(nothing_passes_a_plate),
+      cmocka_unit_test(bowls_hold_water),         cmocka_unit_test(scales_are_sizes),
       cmocka_unit_test(pressures_outlive_shapes),
   };
   return TEST_RUN(tests);

@@ -84,6 +84,14 @@ static void little_stack_will_do(void **state) {
   if (worst != PBF_ERROR_UNSUPPORTED) assert_int_equal(worst, PBF_OK);
 }
 
+#if defined(__GLIBC__)
+static void *pass_gate(void *gate) {
+  pthread_mutex_lock(gate);
+  pthread_mutex_unlock(gate);
+  return NULL;
+}
+#endif
+
 /* A program whose threads have next to no stack unless they ask for more: the thread that
  * pbf_begin_step starts does. */
 static void begun_steps_have_enough(void **state) {
@@ -95,8 +103,20 @@ static void begun_steps_have_enough(void **state) {
   assert_int_equal(pthread_getattr_default_np(&before), 0);
   assert_int_equal(pthread_attr_init(&attributes), 0);
   assert_int_equal(pthread_attr_setstacksize(&attributes, LITTLE), 0);
+  pbf_params params = test_params();
   pbf_solver *solver = test_filled(3, PBF_FLOAT32, COUNT, COUNT);
   pbf_solver *twin = test_filled(3, PBF_FLOAT32, COUNT, COUNT);
+  params.loads = 1;
+  if (!test_is_stub()) assert_ok(pbf_set_params(solver, &params));
+  if (!test_is_stub()) assert_ok(pbf_set_params(twin, &params));
+  /* It has the stack of the thread before, which the C library would give to the next one. */
+  pthread_t other;
+  pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+  pthread_mutex_lock(&gate);
+  pthread_attr_t as_before;
+  assert_int_equal(pthread_attr_init(&as_before), 0);
+  assert_int_equal(pthread_attr_setstacksize(&as_before, STACK), 0);
+  assert_int_equal(pthread_create(&other, &as_before, pass_gate, &gate), 0);
   assert_int_equal(pthread_setattr_default_np(&attributes), 0);
   const pbf_status begun = pbf_begin_step(solver, 5);
   assert_int_equal(pthread_setattr_default_np(&before), 0);
@@ -106,6 +126,9 @@ static void begun_steps_have_enough(void **state) {
   assert_int_equal(test_hash(solver), test_hash(twin));
   pbf_destroy(solver);
   pbf_destroy(twin);
+  pthread_mutex_unlock(&gate);
+  pthread_join(other, NULL);
+  pthread_attr_destroy(&as_before);
   pthread_attr_destroy(&attributes);
   pthread_attr_destroy(&before);
 #else
