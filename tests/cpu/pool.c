@@ -242,8 +242,7 @@ static void a_child_has_a_new_pool(void **state) {
   pbf_destroy(c.solver);
 }
 
-/* ---- Processes that look alike ----------------------------------------------------------------
- */
+/* ---- Processes that look alike --------------------------------------------------------------- */
 
 enum { TOO_LONG = 20 /* seconds: for what waits for threads that are not there */ };
 
