@@ -169,7 +169,7 @@ PBF_FN pbf_real clear_way(const pbf_constants *c) { return c->h / 8; }
 
 PBF_FN pbf_real clear_reach(const pbf_constants *c) { return contribution_reach(c) + clear_way(c); }
 
-/* Lanes whose particles may be near colliders. */
+/* Lanes with particles that may be near colliders. */
 typedef struct lanes_asked {
   int any;
   uint8_t is[WIDTH];

@@ -203,8 +203,8 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   }
 }
 
-/* Those whose ways may meet colliders: the domain pushes a particle by no more than twice what it
- * is out of it. */
+/* Those that may meet colliders on their ways: the domain pushes a particle by no more than twice
+ * what it is out of it. */
 static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
                                                              const pbf_domain *domain,
                                                              const lane_values *from,

@@ -84,13 +84,12 @@ static inline int pbf_is_plane(const pbf_collider *collider) {
   return collider->shape == PBF_COLLIDER_PLANE;
 }
 
-/* Where more than this part of a room is left, there is no reason to look more closely. */
-#define PBF_ROOM_SHRINKS 0.6
-
-/* What water can stand in, between walls that planes are among. */
+/* What water can stand in, between walls that planes are among. Where more than a part of a room is
+ * left, there is no reason to look more closely. */
 static inline void pbf_room_find(const pbf_group_walls *walls, int axis, int down,
                                  pbf_region_basins *found) {
   enum { ROUNDS = 12 };
+  const double shrinks = 0.6;
   pbf_room room = {{0}, {0}, walls};
   double smaller = 0;
   *found = pbf_region_basins{};
@@ -99,7 +98,7 @@ static inline void pbf_room_find(const pbf_group_walls *walls, int axis, int dow
     room.upper[k] = walls->upper[k];
     if (!(room.lower[k] < room.upper[k])) return;
   }
-  for (int round = 0; walls->count && round < ROUNDS && smaller < PBF_ROOM_SHRINKS; ++round)
+  for (int round = 0; walls->count && round < ROUNDS && smaller < shrinks; ++round)
     if (!pbf_room_shrink(&room, &smaller)) return;
   pbf_room_note_levels(&room, axis, down, found);
 }

@@ -92,7 +92,7 @@ static void *pass_gate(void *gate) {
 }
 #endif
 
-/* A program whose threads have next to no stack unless they ask for more: the thread that
+/* In a program where threads have next to no stack unless they ask for more: the thread that
  * pbf_begin_step starts does. */
 static void begun_steps_have_enough(void **state) {
   (void)state;

@@ -272,7 +272,7 @@ static void a_child_that_was_not_told(void **state) {
 
 #if defined(__linux__)
 
-/* In the first process of a namespace, whose child is the first one of another. */
+/* In the first process of a namespace; its child is the first one of another. */
 static int fork_as_the_first(void) {
   caller c = {.solver = make("threads", 3)};
   int status = 0;

@@ -25,7 +25,7 @@
 #define __grid_constant__
 #define __launch_bounds__(...)
 #define __forceinline__ inline __attribute__((always_inline, unused))
-#define __noinline__ /* also an attribute of GNU C, whose headers name it */
+#define __noinline__ /* also an attribute of GNU C, by which its headers name it */
 
 /* ---- Vectors ------------------------------------------------------------------------------- */
 
