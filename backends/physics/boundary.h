@@ -226,17 +226,27 @@ PBF_FN void pbf_add_boundary_at(const pbf_constants *c, const Obstacles &o, pbf_
  */
 #define PBF_TANGENTIAL_FRACTION 0.75
 
-/* A sum of moves with the surfaces' part, where these contribute a density with a gradient, which
- * is `rest` for a fluid at rest. A corner of three walls comes to 0.75 at h = 5 spacings; colliders
- * that face each other in a slot may add up to more than there is. */
-PBF_FN pbf_vec pbf_boundary_correction(pbf_vec sum, pbf_real lambda, pbf_real rest,
-                                       pbf_vec gradient) {
+/* By how much more, beside surfaces that contribute `rest` to a fluid at rest. A corner of three
+ * walls comes to 0.75 at h = 5 spacings; colliders that face each other in a slot may add up to
+ * more than there is. */
+PBF_FN pbf_real pbf_tangential_excess(pbf_real rest) {
   pbf_real part = pbf_real_min(rest, (pbf_real)0.75);
-  pbf_real more = (pbf_real)PBF_TANGENTIAL_FRACTION * part / (1 - part);
+  return (pbf_real)PBF_TANGENTIAL_FRACTION * part / (1 - part);
+}
+
+/* A sum of moves with the surfaces' part, where these contribute a density with a gradient:
+ * `excess` more of what is along them. */
+PBF_FN pbf_vec pbf_corrected_beside(pbf_vec sum, pbf_real lambda, pbf_real excess,
+                                    pbf_vec gradient) {
   pbf_real steep2 = pbf_dot(gradient, gradient);
   pbf_real across = pbf_dot(sum, gradient) / (steep2 > 0 ? steep2 : 1);
   pbf_vec along = pbf_add_scaled(sum, -across, gradient);
-  return pbf_add_scaled(pbf_add_scaled(sum, more, along), lambda, gradient);
+  return pbf_add_scaled(pbf_add_scaled(sum, excess, along), lambda, gradient);
+}
+
+PBF_FN pbf_vec pbf_boundary_correction(pbf_vec sum, pbf_real lambda, pbf_real rest,
+                                       pbf_vec gradient) {
+  return pbf_corrected_beside(sum, lambda, pbf_tangential_excess(rest), gradient);
 }
 
 PBF_FN pbf_vec pbf_boundary_correction(pbf_vec sum, pbf_real lambda, const pbf_boundary *boundary) {

@@ -47,7 +47,7 @@ static inline uint32_t small_own_alone(const solver *s) {
  * are worth. */
 static inline uint32_t small_lanes(const solver *s) {
   uint32_t own = small_own_alone(s);
-  if (own <= SMALL_THREADS / 16) return 8;
+  if (own <= SMALL_THREADS / 8) return 8;
   return own <= SMALL_THREADS / 4 ? 4 : own <= SMALL_THREADS / 2 ? 2 : 1;
 }
 

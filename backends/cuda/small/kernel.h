@@ -78,28 +78,37 @@ static __device__ __forceinline__ void fetch_positions(const small_tile &t,
     fetch_positions_of<2>(t, exchange, ghosts, pass);
 }
 
-/* Adds what obstacles contribute at x to lambda's sums; returns what the move at the same place
- * needs of it: the gradient, and in place of lambda the part of a fluid at rest. */
+/* What obstacles contribute at a place: to lambda's density, and to its gradient, which the move
+ * needs as well, with pbf_tangential_excess in place of lambda. */
+struct obstacle_part {
+  pbf_real density;
+  point move;
+};
+
 template <surfaces_met SURFACES>
-static __device__ __forceinline__ point add_obstacles(const pbf_constants *c,
-                                                      const step_obstacles &obstacles, pbf_vec x,
-                                                      lambda_sums<pbf_real> *sums) {
+static __device__ __forceinline__ obstacle_part obstacles_at(const pbf_constants *c,
+                                                             const step_obstacles &obstacles,
+                                                             pbf_vec x) {
   const pbf_boundary boundary = boundary_at<SURFACES>(c, obstacles, x);
-  pbf_vec gradient = vec_of(sums->gradient), alone = {{0}};
-  pbf_real density = 0;
-  pbf_add_boundary(&boundary, &sums->density, &gradient);
-  sums->gradient = lanes_of(gradient);
-  pbf_add_boundary(&boundary, &density, &alone);
-  point kept = point_at(alone);
-  kept.lambda = boundary.rest;
-  return kept;
+  obstacle_part part = {};
+  pbf_vec gradient = {{0}};
+  pbf_add_boundary(&boundary, &part.density, &gradient);
+  part.move = point_at(gradient);
+  part.move.lambda = pbf_tangential_excess(boundary.rest);
+  return part;
+}
+
+static __device__ __forceinline__ void add_obstacles(const obstacle_part &part,
+                                                     lambda_sums<pbf_real> *sums) {
+  sums->density += part.density;
+  sums->gradient = lanes_of(pbf_add_scaled(vec_of(sums->gradient), 1, position_of(part.move)));
 }
 
 /* The move's part of it. */
 static __device__ __forceinline__ void correct_move(pbf_real lambda, const point &obstacles,
                                                     move_sums<pbf_real> *sums) {
-  sums->change = lanes_of(pbf_boundary_correction(vec_of(sums->change), lambda, obstacles.lambda,
-                                                  position_of(obstacles)));
+  sums->change = lanes_of(
+      pbf_corrected_beside(vec_of(sums->change), lambda, obstacles.lambda, position_of(obstacles)));
 }
 
 /* What the threads of a block tell each other. */
@@ -128,11 +137,13 @@ static __device__ __forceinline__ small_thread thread_of(const small_scene &scen
 }
 
 /* Enters the particles into their cells, and numbers the cells of the tile; returns how many. The
- * barrier in between is number `turn`. */
+ * barrier in between is number `turn`; until all blocks are there, a block does what it does
+ * meanwhile. */
+template <class Meanwhile>
 static __device__ __forceinline__ uint32_t
 fill_cells(const small_tile &tile, const small_buffers &buffers, const cell_grid &grid,
            const small_thread &thread, const small_search &look, uint32_t cell, uint32_t shift,
-           uint32_t pass, uint32_t turn, small_board *board) {
+           uint32_t pass, uint32_t turn, small_board *board, Meanwhile meanwhile) {
   bool crowded = false;
   uint32_t place = 0;
   if (threadIdx.x == 0) {
@@ -157,8 +168,8 @@ fill_cells(const small_tile &tile, const small_buffers &buffers, const cell_grid
   }
   crowded = __syncthreads_or(crowded);
   if (threadIdx.x == 0) arrive(&buffers.control->filled, crowded);
-  /* While the others arrive. */
   uint32_t cells = number_cells(tile, board->marked);
+  meanwhile();
   if (threadIdx.x == 0) board->outcome = await_all(&buffers.control->filled, turn);
   __syncthreads();
   return cells;
@@ -179,9 +190,9 @@ static __device__ __forceinline__ void find_neighbors(
   } else {
     load_slots(tile, predicted, slots);
     __syncthreads();
-    if (thread.real) {
-      near->slot = own_slot(tile, grid, look);
-      search_tile(tile, grid, look, near->slot, &near->list);
+    if (thread.works) {
+      near->slot = own_slot(tile, grid, look, thread.real);
+      search_tile(tile, grid, look, near->slot, thread.real, &near->list);
     }
   }
   bool all_fit = !__syncthreads_or(near->list.size > near->list.max_size);
@@ -247,8 +258,12 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
     if (scene.collide_after_prediction) y = resolve_collisions<SURFACES>(obstacles, 1, x, y);
     const small_search look = {place_in(grid, y), y, i, thread.lane, thread.lanes, c->h2};
     const uint32_t cell = cell_number(grid, look.place.at);
-    uint32_t cells =
-        fill_cells(tile, buffers, grid, thread, look, cell, shift, first_pass, step + 1, &board);
+    obstacle_part part = {};
+    const auto meet_obstacles = [&] {
+      if (thread.works && wall_density) part = obstacles_at<SURFACES>(c, obstacles, y);
+    };
+    const uint32_t cells = fill_cells(tile, buffers, grid, thread, look, cell, shift, first_pass,
+                                      step + 1, &board, meet_obstacles);
     bool failed = board.outcome != fill_failures;
     fill_failures = board.outcome;
     small_neighbors near = {tile,
@@ -275,7 +290,6 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       small_pairs<FEATURES> pairs;
       pairs.change = of_pairs.template begin<pbf_real>();
       pbf_real lambda = 0;
-      point boundary = {};
       if (thread.works) {
         lambda_sums<pbf_real> sums = {};
         pairs.meet(of_lambda, of_pairs, near, y, pass, &sums);
@@ -283,7 +297,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         sum_lanes(&sums, thread.lanes);
         add_sums(&sums, of_lambda.template begin<pbf_real>()); /* once for all its threads */
         of_lambda.end(&sums);
-        if (wall_density) boundary = add_obstacles<SURFACES>(c, obstacles, y, &sums);
+        if (wall_density) add_obstacles(part, &sums);
         lambda = of_lambda.finish(sums, 0);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
@@ -295,6 +309,9 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         if (!near.in_memory) tile.lambdas[near.slot] = (float)lambda;
       }
       /* While the others' lambdas are under way. */
+      pbf_vec predicted_velocity = v;
+      if (k == 0)
+        predicted_velocity = pbf_predicted_velocity(&forces, x, v, pbf_predict(&forces, x, v), y);
       if (k == 0 && threadIdx.x + 1 == SMALL_THREADS)
         board.outcome = await_all(&buffers.control->searched, searches);
       fetch_lambdas(tile, buffers.exchange, ghosts, pass);
@@ -305,7 +322,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         if (failed) break;
         /* From here the step can't fail: what it started from gives way. */
         if (thread.leads) clear_count(buffers, cell, shift);
-        v = pbf_predicted_velocity(&forces, x, v, pbf_predict(&forces, x, v), y);
+        v = predicted_velocity;
         x = y;
       }
       if (thread.works) {
@@ -313,7 +330,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         __syncwarp();
         sum_lanes(&pairs.change, thread.lanes);
         of_pairs.end(&pairs.change);
-        if (wall_density) correct_move(lambda, boundary, &pairs.change);
+        if (wall_density) correct_move(lambda, part.move, &pairs.change);
         y = finish_move<SURFACES>(
             of_move, obstacles,
             {false, scene.collide_in_iteration + (last && scene.collide_after_solve),
@@ -324,6 +341,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
       if (thread.leads) publish_position(buffers.exchange, i, y, pass + 1);
       __syncthreads();
       if (thread.leads && !near.in_memory) set_position(tile, near.slot, y);
+      meet_obstacles(); /* while the others' positions are under way */
       fetch_positions(tile, buffers.exchange, ghosts, pass + 1);
       __syncthreads();
     }

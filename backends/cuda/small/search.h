@@ -56,39 +56,66 @@ struct small_search {
   }
 };
 
+/* Those of a warp call it together, with `real` for those that have a particle. */
 static __device__ __forceinline__ uint32_t own_slot(const small_tile &t, const cell_grid &grid,
-                                                    const small_search &s) {
-  uint32_t slot = t.starts[t.index_of(cell_number(grid, s.place.at))];
-  while (t.ids[slot] != s.own) ++slot;
-  return slot;
+                                                    const small_search &s, bool real) {
+  uint32_t found = 0;
+  if (real) {
+    const uint32_t index = t.index_of(cell_number(grid, s.place.at)), end = t.starts[index + 1];
+    for (uint32_t slot = t.starts[index] + s.lane; slot < end; slot += s.lanes)
+      if (t.ids[slot] == s.own) found = slot;
+  }
+  for (uint32_t step = 1; step < s.lanes; step *= 2)
+    found = max(found, __shfl_xor_sync(~0u, found, (int)step));
+  return found;
 }
 
-static __device__ __forceinline__ void search_tile(const small_tile &t, const cell_grid &grid,
-                                                   const small_search &s, uint32_t own,
+/* Lists what is near in so many runs, AHEAD candidates at a time. Each thread finds the first and
+ * last slot of some runs, slots_of(run), for all threads of its particle: to find a run takes
+ * longer than to look at its candidates. Those of a warp call it together. */
+template <uint32_t AHEAD, class Tile, class Slots>
+static __device__ __forceinline__ void search_runs(const Tile &t, const small_search &s,
+                                                   uint32_t own, uint32_t runs, Slots slots_of,
                                                    small_list *list) {
   uint32_t seen = 0;
   uint16_t *next = list->entries, *full = &list->at(list->max_size);
 #pragma unroll 1
-  for (uint32_t run = 0, runs = runs_around(grid, s.place); run < runs; ++run) {
-    uint32_t cell, cells;
-    if (!run_around(grid, s.place, run, &cell, &cells)) continue;
-    uint32_t index = t.index_of(cell), start = t.starts[index], end = t.starts[index + cells];
-    for (uint32_t slot = start + ((s.lane - seen) & (s.lanes - 1)); slot < end && next <= full;
-         slot += 4 * s.lanes) {
-      pbf_vec others[4]; /* some beyond the last slot: whatever is there */
+  for (uint32_t first = 0; first < runs; first += s.lanes) {
+    const uint32_t mine = slots_of(first + s.lane);
+#pragma unroll 1
+    for (uint32_t run = 0; run < min(runs - first, s.lanes); ++run) {
+      const uint32_t slots = __shfl_sync(~0u, mine, (int)run, (int)s.lanes);
+      const uint32_t start = slots & 0xffff, end = slots >> 16;
+      for (uint32_t slot = start + ((s.lane - seen) & (s.lanes - 1)); slot < end && next <= full;
+           slot += AHEAD * s.lanes) {
+        pbf_vec others[AHEAD]; /* some beyond the last slot: whatever is there */
 #pragma unroll
-      for (uint32_t q = 0; q < 4; ++q) others[q] = position_in(t, slot + q * s.lanes);
+        for (uint32_t q = 0; q < AHEAD; ++q) others[q] = position_in(t, slot + q * s.lanes);
 #pragma unroll
-      for (uint32_t q = 0; q < 4; ++q) {
-        uint32_t candidate = slot + q * s.lanes;
-        bool counts = s.is_near(others[q]) && candidate < end && candidate != own;
-        *next = (uint16_t)candidate;
-        next += counts ? SMALL_THREADS : 0;
+        for (uint32_t q = 0; q < AHEAD; ++q) {
+          const uint32_t candidate = slot + q * s.lanes;
+          const bool counts = s.is_near(others[q]) && candidate < end && candidate != own;
+          *next = (uint16_t)candidate;
+          next += counts ? SMALL_THREADS : 0;
+        }
       }
+      seen += end - start;
     }
-    seen += end - start;
   }
   list->size = (uint32_t)(next - list->entries) / SMALL_THREADS;
+}
+
+static __device__ __forceinline__ void search_tile(const small_tile &t, const cell_grid &grid,
+                                                   const small_search &s, uint32_t own, bool real,
+                                                   small_list *list) {
+  const uint32_t own_runs = real ? runs_around(grid, s.place) : 0;
+  const auto slots_of = [&](uint32_t run) -> uint32_t {
+    uint32_t cell, cells;
+    if (run >= own_runs || !run_around(grid, s.place, run, &cell, &cells)) return 0;
+    const uint32_t index = t.index_of(cell);
+    return t.starts[index] | (uint32_t)t.starts[index + cells] << 16;
+  };
+  search_runs<4>(t, s, own, most_runs(grid), slots_of, list);
   if (list->size > list->max_size) return;
   for (uint32_t k = 0; k < list->size; ++k) t.used[list->at(k)] = 1;
 }

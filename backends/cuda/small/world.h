@@ -149,48 +149,17 @@ static __device__ __forceinline__ bool fill_world(const world_tile &t, const sma
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
-/* The slots of a run of cells; none where there is no run. */
-static __device__ __forceinline__ uint32_t run_slots(const world_tile &t, const cell_grid &grid,
-                                                     const cell_place &place, uint32_t run,
-                                                     uint32_t runs) {
-  uint32_t cell, cells;
-  if (run >= runs || !run_around(grid, place, run, &cell, &cells)) return 0;
-  return t.starts[cell] | (uint32_t)t.starts[cell + cells] << 16;
-}
-
-/* search_tile by the threads of a warp together: each finds the slots of some runs for all threads
- * of its particle. */
+/* search_tile by slots that are in the order of all cells. */
 static __device__ __forceinline__ void search_world(const world_tile &t, const cell_grid &grid,
-                                                    const small_search &s, uint32_t own,
-                                                    uint32_t own_runs, uint32_t runs,
+                                                    const small_search &s, uint32_t own, bool real,
                                                     small_list *list) {
-  uint32_t seen = 0;
-  uint16_t *next = list->entries, *full = &list->at(list->max_size);
-#pragma unroll 1
-  for (uint32_t first = 0; first < runs; first += WORLD_LANES) {
-    const uint32_t mine = run_slots(t, grid, s.place, first + s.lane, own_runs);
-#pragma unroll 1
-    for (uint32_t run = 0; run < min(runs - first, (uint32_t)WORLD_LANES); ++run) {
-      const uint32_t slots = __shfl_sync(~0u, mine, (int)run, WORLD_LANES);
-      const uint32_t start = slots & 0xffff, end = slots >> 16;
-      for (uint32_t slot = start + ((s.lane - seen) % WORLD_LANES); slot < end && next <= full;
-           slot += WORLD_AHEAD * WORLD_LANES) {
-        pbf_vec others[WORLD_AHEAD]; /* some beyond the last slot: whatever is there */
-#pragma unroll
-        for (uint32_t q = 0; q < WORLD_AHEAD; ++q)
-          others[q] = position_in(t, slot + q * WORLD_LANES);
-#pragma unroll
-        for (uint32_t q = 0; q < WORLD_AHEAD; ++q) {
-          const uint32_t candidate = slot + q * WORLD_LANES;
-          const bool counts = s.is_near(others[q]) && candidate < end && candidate != own;
-          *next = (uint16_t)candidate;
-          next += counts ? SMALL_THREADS : 0;
-        }
-      }
-      seen += end - start;
-    }
-  }
-  list->size = (uint32_t)(next - list->entries) / SMALL_THREADS;
+  const uint32_t own_runs = real ? runs_around(grid, s.place) : 0;
+  const auto slots_of = [&](uint32_t run) -> uint32_t {
+    uint32_t cell, cells;
+    if (run >= own_runs || !run_around(grid, s.place, run, &cell, &cells)) return 0;
+    return t.starts[cell] | (uint32_t)t.starts[cell + cells] << 16;
+  };
+  search_runs<WORLD_AHEAD>(t, s, own, most_runs(grid), slots_of, list);
 }
 
 /* A thread's list goes to memory, as far as the longest of its particle's. */
@@ -214,14 +183,13 @@ static __device__ __forceinline__ bool list_world(const world_tile &t, const wor
   const small_scene &scene = world.scene;
   const uint32_t n = scene.count, lane = threadIdx.x % WORLD_LANES;
   const pbf_real h2 = scene.constants.h2;
-  const uint32_t runs = grid.turn > 0 ? 2 * PBF_ROWS : PBF_ROWS;
   bool fits = true;
   for (uint32_t first = 0; first < n; first += blockDim.x / WORLD_LANES) {
     const uint32_t slot = first + threadIdx.x / WORLD_LANES;
     small_list list = {t.lists + threadIdx.x, 0, scene.layout.list_capacity - SMALL_CHUNK};
     const pbf_vec x = position_in(t, min(slot, n - 1));
     const small_search look = {place_in(grid, x), x, slot, lane, WORLD_LANES, h2};
-    search_world(t, grid, look, slot, slot < n ? runs_around(grid, look.place) : 0, runs, &list);
+    search_world(t, grid, look, slot, slot < n, &list);
     if (list.size > list.max_size) {
       fits = false;
       list.size = 0;
@@ -406,8 +374,11 @@ static __device__ __forceinline__ void world_lambda(const world_tile &t, const w
     auto sums = passes::sum_lambda(of_pairs, lists_in(world, t, slot), points, x);
     add_sums(&sums, of_lambda.template begin<pbf_real>());
     of_lambda.end(&sums);
-    if (scene.wall_density)
-      store(moved, slot, add_obstacles<SURFACES>(&scene.constants, obstacles, x, &sums));
+    if (scene.wall_density) {
+      const obstacle_part part = obstacles_at<SURFACES>(&scene.constants, obstacles, x);
+      add_obstacles(part, &sums);
+      store(moved, slot, part.move);
+    }
     pbf_real lambda = of_lambda.finish(sums, 0);
     if (accelerated) {
       pbf_real change = own.lambda, total = k == 0 ? 0 : t.totals[slot];

@@ -29,10 +29,11 @@ PBF_FN pbf_vec pbf_break_symmetry(const pbf_constants *c, pbf_real lambda, bool 
   const uint32_t hash = (id + 1) * 2654435761u; /* Knuth's multiplicative hash */
   if (!(lambda < 0)) return x;
   for (int k = 0; k < PBF_DIM; ++k) {
+    const bool is_moved = change.c[k] < 0 || change.c[k] > 0;
+    if (is_moved && !overlaps) continue; /* nearly always */
     const pbf_real part = ((pbf_real)(hash >> 8 * k & 255) - (pbf_real)127.5) / (pbf_real)127.5;
     const pbf_real offset = c->symmetry_offset + 2 * pbf_last_bit(x.c[k]);
-    const bool is_moved = change.c[k] < 0 || change.c[k] > 0;
-    if (overlaps || !is_moved) x.c[k] += part * offset;
+    x.c[k] += part * offset;
   }
   return x;
 }
