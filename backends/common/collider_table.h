@@ -69,13 +69,6 @@ static inline uint64_t pbf_collider_table_bytes(uint32_t room, uint32_t threads)
 /* Room that is taken for so many colliders. */
 static inline uint32_t pbf_collider_room(uint32_t count) { return (count + 15) / 16 * 16; }
 
-/* How many colliders a backend with such a table takes; null where something else is asked for. */
-static inline const void *pbf_colliders_extension(const char *name) {
-  static const uint32_t most = PBF_MAX_COLLIDERS;
-  const bool asked = strcmp(name, PBF_BACKEND_COLLIDERS) == 0;
-  return (PBF_BUILT & PBF_FEATURE_COLLIDERS) && asked ? &most : NULL;
-}
-
 /* Where colliders stand at a time, for a caller that is alone with the solver. */
 static inline void pbf_place_all_obstacles(const pbf_params *params, pbf_collider_table *t,
                                            uint32_t count, double set_at, double time,

@@ -1,4 +1,5 @@
 /* The CPU backends' table for one variant: life, parameters, particles, reports. */
+#include "common/extensions.h"
 #include "common/host_only.h"
 #include "common/number.h"
 #include "common/scene.h"
@@ -164,7 +165,9 @@ static pbf_status read_own(solver *s, uint32_t which, const pbf_rows *rows, void
   if (which == PBF_BACKEND_FIELD_REST) {
     read_rest(s, rows, (pbf_real *)out);
   } else if (which == PBF_BACKEND_FIELD_OVERLAP) {
-    read_overlap(s, rows, (pbf_real *)out);
+    read_reals(s, s->buffers.overlap, rows, (pbf_real *)out);
+  } else if (which == PBF_BACKEND_FIELD_LAST_PRESSURE) {
+    read_reals(s, s->buffers.last_pressure, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
@@ -208,7 +211,11 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
     return PBF_OK;
   }
   if (which == PBF_BACKEND_FIELD_OVERLAP) {
-    write_overlap(s, rows, (const pbf_real *)in);
+    write_reals(s, s->buffers.overlap, rows, (const pbf_real *)in);
+    return PBF_OK;
+  }
+  if (which == PBF_BACKEND_FIELD_LAST_PRESSURE) {
+    write_reals(s, s->buffers.last_pressure, rows, (const pbf_real *)in);
     return PBF_OK;
   }
   wake_all(s);
@@ -317,7 +324,7 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
   const bool asked = strcmp(name, PBF_BACKEND_RANKS) == 0;
-  return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : pbf_colliders_extension(name);
+  return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : pbf_common_extension(name);
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API;

@@ -14,6 +14,7 @@
 #include "physics/passes/move.h"
 #include "physics/passes/overlap.h"
 #include "physics/passes/pressure_fit.h"
+#include "physics/passes/smooth_pressure.h"
 #include "physics/passes/viscosity.h"
 #include "physics/passes/viscous_stress.h"
 
@@ -29,6 +30,17 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 }
 
 /* ---- Density constraint -------------------------------------------------------------------- */
+
+/* Of one group, in the last iteration. */
+static __attribute__((noinline)) void smooth_group(const pair_pass *p, pbf_real *lambda,
+                                                   pbf_real *added, uint32_t g) {
+  for (uint32_t i = g * WIDTH; i < (g + 1) * WIDTH; ++i)
+    pbf_smooth_pressure(p->constants, p->last_pressure[i], &lambda[i], &added[i]);
+}
+
+PBF_FN bool smooths(const pair_pass *p) {
+  return (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && p->last_pressure;
+}
 
 /* Lambda of one group from its sums. */
 template <class Pass>
@@ -130,6 +142,7 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
     lambda_group(pass, &sums.density, lane_sums<pass_type::template sums>(sums),
                  p->residual_density ? p->residual_density + g * WIDTH : NULL, lambda + g * WIDTH,
                  added + g * WIDTH);
+    if (smooths(p)) smooth_group(p, lambda, added, g);
   }
 }
 
@@ -173,6 +186,7 @@ static __attribute__((noinline)) void lambda_of_phases(const pair_pass *p, pbf_r
     add_boundary_to(p, g, &sums.lambda);
     if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.lambda.density, g);
     mobile_lambda_group(pass, p, sums, lambda + g * WIDTH, added + g * WIDTH, g);
+    if (smooths(p)) smooth_group(p, lambda, added, g);
   }
 }
 

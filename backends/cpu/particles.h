@@ -15,6 +15,8 @@ static void append(solver *s, const pbf_particles *p) {
     }
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
   memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
+  if (s->buffers.last_pressure)
+    memset(s->buffers.last_pressure + s->count, 0, p->count * sizeof(pbf_real));
   if (s->buffers.overlap) memset(s->buffers.overlap + s->count, 0, p->count * sizeof(pbf_real));
   if (s->buffers.phase) memset(s->buffers.phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
@@ -29,6 +31,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
     if (b->activity) b->activity[kept] = b->activity[i];
+    if (b->last_pressure) b->last_pressure[kept] = b->last_pressure[i];
     if (b->overlap) b->overlap[kept] = b->overlap[i];
     if (b->phase) b->phase[kept] = b->phase[i];
     b->ids[kept++] = b->ids[i];
@@ -80,17 +83,17 @@ static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
   }
 }
 
-static void read_overlap(const solver *s, const pbf_rows *rows, pbf_real *out) {
+static void read_reals(const solver *s, const pbf_real *of, const pbf_rows *rows, pbf_real *out) {
   for (uint32_t i = 0; i < s->count; ++i) {
     const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) out[row] = s->buffers.overlap[i];
+    if (row < rows->count) out[row] = of[i];
   }
 }
 
-static void write_overlap(solver *s, const pbf_rows *rows, const pbf_real *in) {
+static void write_reals(const solver *s, pbf_real *to, const pbf_rows *rows, const pbf_real *in) {
   for (uint32_t i = 0; i < s->count; ++i) {
     const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) s->buffers.overlap[i] = in[row];
+    if (row < rows->count) to[i] = in[row];
   }
 }
 

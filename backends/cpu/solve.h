@@ -7,6 +7,7 @@
 #include "cpu/loads.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/overlap.h"
+#include "physics/passes/smooth_pressure.h"
 
 /* Lambda of all iterations starts from nothing in each step. */
 static void clear_totals(solver *s, range groups) {
@@ -28,6 +29,7 @@ static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); 
 static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pair_pass pairs = pairs_at(w, x_star(w), packed);
   pairs.mobility = w->s->mobility;
+  if (w->iteration + 1 == w->s->params.iterations) pairs.last_pressure = w->b.sorted_last_pressure;
   if (pairs.contributing && pbf_surface_count(w->obstacles))
     pairs.clear = (clear_particles){w->b.is_clear(), w->iteration == 0, w->b.sorted_predicted};
   pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
@@ -250,6 +252,13 @@ static int has_convergence_check(const solver *s) {
   return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence;
 }
 
+/* Of the step, for the next one. */
+static void keep_pressure(const worker *w, range r) {
+  pbf_real *kept = w->b.sorted_last_pressure;
+  for (uint32_t i = r.first; i < r.last && kept; ++i)
+    kept[i] = pbf_pressure_to_keep(&w->constants, w->s->lambda[i]);
+}
+
 static void velocity_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
@@ -265,6 +274,7 @@ static void velocity_task(void *context, uint32_t task) {
   zero_woken_velocity(w, all, &w->b.sorted_velocity);
   if (notes_pushes(s)) end_noting(s, &w->b.sorted_velocity, all);
   keep_sleeping_lambda(w, all);
+  keep_pressure(w, all);
   if (s->schedule.collide_after_solve) fill_packed(s, packed_positions(s), &x_star(w), NULL, all);
 }
 

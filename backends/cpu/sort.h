@@ -227,6 +227,8 @@ static void sort_range(void *context, uint32_t task) {
     gather_reals(s->order, places, w->activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
+  if (w->sort_last_pressure && w->sort_payload)
+    gather_reals(s->order, places, w->sort_last_pressure, w->b.sorted_last_pressure);
   if (w->sort_overlap && w->sort_payload)
     for (uint32_t i = places.first; i < places.last; ++i)
       w->b.sorted_overlap[i] =
@@ -246,6 +248,8 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
     what[arrays++] = {payload->c[k], payload_to->c[k], sizeof(pbf_real)};
   for (int k = 0; k < PBF_DIM && w->sort_push; ++k)
     what[arrays++] = {w->sort_push->c[k], s->held_push.c[k], sizeof(pbf_real)};
+  if (w->b.last_pressure)
+    what[arrays++] = {w->b.last_pressure, s->held_last_pressure, sizeof(pbf_real)};
   if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
   if (sleep_is_on(w)) {
     what[arrays++] = {w->activity, s->held_activity, sizeof(pbf_real)};
@@ -257,6 +261,7 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   w->sort_positions = to;
   w->sort_payload = payload ? payload_to : NULL;
   w->sort_ids = s->ranks.ids;
+  if (w->b.last_pressure) w->sort_last_pressure = s->held_last_pressure;
   if (w->b.overlap) w->sort_overlap = s->held_overlap;
   if (sleep_is_on(w)) w->activity = s->held_activity, w->sleeping_lambda = s->held_sleeping_lambda;
   if (w->b.phase) w->sort_phase = s->held_phase;

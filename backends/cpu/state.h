@@ -67,6 +67,7 @@ struct buffers {
     exchange(&ids, &sorted_ids);
     exchange(&activity, &sorted_activity);
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
+    exchange(&last_pressure, &sorted_last_pressure);
     exchange(&overlap, &sorted_overlap);
     exchange(&phase, &sorted_phase);
   }

@@ -24,13 +24,14 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   place_step_obstacles(
       w, begin, end,
       (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && (s->residual_density || finds_overlap(w)));
-  pbf_set_target_density(&w->constants, &s->constants, &s->params, particles_of_all(s),
-                         &s->schedule, end);
+  pbf_set_constants_of_step(&w->constants, &s->constants, &s->params, particles_of_all(s),
+                            &s->schedule, end);
   w->sort_positions = &w->b.predicted();
   w->sorted_positions = &w->b.sorted_predicted;
   w->sort_payload = &w->b.predicted_velocity();
   w->sorted_payload = &w->b.sorted_velocity;
   w->sort_ids = w->b.ids;
+  w->sort_last_pressure = w->b.last_pressure;
   w->sort_overlap = w->b.overlap;
   w->sort_phase = w->b.phase;
   w->sort_push = has_ranks(s) && notes_pushes(s) ? &s->push : NULL;

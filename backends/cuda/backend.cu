@@ -1,5 +1,6 @@
 /* The `cuda` backend's table for one variant: life, parameters, steps, views, reports. */
 #include "common/derived_tables.h"
+#include "common/extensions.h"
 #include "common/without.h"
 #include "cuda/plugin.h"
 
@@ -55,12 +56,13 @@ static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, ui
                                    bool small) {
   uint64_t padded = ((uint64_t)s->capacity + 31) / 32 * 32,
            largest = padded * chunks * sizeof(uint4);
-  for (uint64_t other : {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
-                         small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
-                         small ? (unsigned long long)world_list_room(s, params) : 0ull,
-                         has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true) +
-                                                             rank_scratch_bytes(s->capacity))
-                                      : 0ull})
+  for (uint64_t other :
+       {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
+        small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
+        small ? (unsigned long long)world_list_room(s, params) : 0ull,
+        has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true, true) +
+                                            rank_scratch_bytes(s->capacity))
+                     : 0ull})
     largest = other > largest ? other : largest;
   return largest;
 }
@@ -647,7 +649,7 @@ static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
-  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : pbf_colliders_extension(name);
+  return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : pbf_common_extension(name);
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API = {

@@ -254,6 +254,7 @@ struct executor : launcher {
   void lambda(uint32_t) {
     run(PBF_STAGE_LAMBDA, [&] {
       const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
+      const bool smooths = place.last && s->last_pressure;
       if (s->phase)
         with_kernel(s->schedule.features, [&](auto features) {
           launch(begin_mobility_kernel<decltype(features)::value>, n, extras, place.first,
@@ -263,10 +264,11 @@ struct executor : launcher {
         with_kernel(s->schedule.features,
                     [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
         launch_lambda(s, part, extras,
-                      {place.first, in_steps ? s->residual_density : n.particles.overlap, ghosts,
+                      {place.first, smooths && !s->phase,
+                       in_steps ? s->residual_density : n.particles.overlap, ghosts,
                        boundary_sums_of(s, moved)});
       });
-      if (s->phase) launch(end_mobility_kernel, n, extras, s->mobility_around);
+      if (s->phase) launch(end_mobility_kernel, n, extras, smooths, s->mobility_around);
     });
   }
 
@@ -319,6 +321,7 @@ struct executor : launcher {
     if (n.particles.points == s->other) swap_arrays(&s->points, &s->other);
     swap_arrays(&s->ids, &s->other_ids);
     swap_arrays(&s->activity, &s->other_activity);
+    swap_arrays(&s->last_pressure, &s->other_last_pressure);
     swap_arrays(&s->overlap, &s->other_overlap);
     swap_arrays(&s->phase, &s->other_phase);
     s->ordered = false;

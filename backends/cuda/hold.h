@@ -146,20 +146,22 @@ static inline bool grow_rooms(solver *s) {
 /* Behind the inbox, in the room of the lists: cells, arrivals, ids. */
 static inline sort_scratch rank_scratch_of(const solver *s, uint32_t from) {
   const uint64_t n = s->capacity;
-  uint32_t *room = reinterpret_cast<uint32_t *>(static_cast<char *>(s->list_storage) +
-                                                rank_inbox_bytes(s->capacity, s->overlap));
+  uint32_t *room =
+      reinterpret_cast<uint32_t *>(static_cast<char *>(s->list_storage) +
+                                   rank_inbox_bytes(s->capacity, s->last_pressure, s->overlap));
   return {room + from, room + 2 * n + from, room + 4 * n};
 }
 
 /* Laid out as by send_particles_kernel, which is given the same of `own` on each rank. */
 static inline unsorted_particles inbox_of(const solver *s, const unsorted_particles &own,
                                           uint32_t count) {
-  const rank_inbox in =
-      rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity, own.overlap != nullptr);
+  const rank_inbox in = rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity,
+                                      own.last_pressure != nullptr, own.overlap != nullptr);
   unsorted_particles from = own;
   from.points = in.points;
   from.velocities = in.velocities;
   from.ids = in.ids;
+  from.last_pressure = in.last_pressure;
   from.overlap = in.overlap;
   from.count = count;
   return from;

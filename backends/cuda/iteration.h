@@ -8,6 +8,7 @@
 #include "cuda/watch.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
+#include "physics/passes/smooth_pressure.h"
 #include "physics/passes/velocity.h"
 
 /* Whether the build has the accelerated solve. */

@@ -27,7 +27,7 @@ constexpr bool PBF_DAMPING_COMPENSATION = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPE
 
 /* How an iteration's lambda comes about, other than from neighbours. */
 struct lambda_parts {
-  bool first;
+  bool first, smooths; /* by the last pressure, unless phases differ: then end_mobility_kernel */
   const pbf_real *residual_density;    /* in very short steps; else null */
   const lambda_sums<pbf_real> *ghosts; /* where walls have them (ghosts.h); else null */
   boundary_sums boundary;
@@ -95,6 +95,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
   if (accelerated) {
     pbf_real change = points[i].lambda;
     pbf_accelerate(c, sums.density, lambda, &total, &change);
+    if (parts.smooths) pbf_smooth_pressure(c, n.particles.last_pressure[i], &total, &change);
     extras.total[i] = total;
     lambda = change;
   }
@@ -134,11 +135,16 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    end_mobility_kernel(neighborhood n, iteration_extras extras, const pbf_real *around) {
+    end_mobility_kernel(neighborhood n, iteration_extras extras, bool smooths,
+                        const pbf_real *around) {
   const uint32_t i = own_index(n.particles);
   if (!has_lambda(n, extras, i)) return;
-  n.particles.points[i].lambda /= around[i];
-  if (extras.total) extras.total[i] /= around[i];
+  pbf_real *change = &n.particles.points[i].lambda;
+  *change /= around[i];
+  if (!extras.total) return;
+  extras.total[i] /= around[i];
+  if (smooths)
+    pbf_smooth_pressure(&n.constants, n.particles.last_pressure[i], &extras.total[i], change);
 }
 
 /* The sleeping boundary's move: its place, with the lambda that others read, and in the state the
@@ -173,6 +179,13 @@ static __device__ __forceinline__ void keep_inactive(const iteration_extras &ext
   store(moved, i, to);
 }
 
+/* Of the step, for the next one. */
+static __device__ __forceinline__ void keep_pressure(const neighborhood &n, uint32_t i,
+                                                     pbf_real total) {
+  if (PBF_CHEBYSHEV && n.particles.last_pressure)
+    n.particles.last_pressure[i] = pbf_pressure_to_keep(&n.constants, total);
+}
+
 /* From n.particles.points to `moved`. ALL and SLEEP are EXTRAS, too. */
 template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>
 static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
@@ -203,6 +216,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
       keep_inactive(extras, own, end, last, moved, i);
     else
       keep_sleeping_boundary(n, extras, own, end, last, moved, i);
+    if (last) keep_pressure(n, i, moved[i].lambda);
   }
   if (SLEEP && __all_sync(~0u, asleep)) return;
   pbf_vec x = position_of(own);
@@ -223,7 +237,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
   bool accelerated = EXTRAS && PBF_CHEBYSHEV && extras.total;
   point to = point_at(x);
   if (accelerated || SLEEP) to.lambda = own.lambda;
-  if (accelerated && last) to.lambda = extras.total[i];
+  if (accelerated && last) {
+    to.lambda = extras.total[i];
+    keep_pressure(n, i, to.lambda);
+  }
   store(moved, i, to);
   if (SLEEP && last && pbf_just_woke(&extras.rest.sleep, extras.rest.activity[i])) v = {{0}};
   end.velocities[i] = v;

@@ -46,8 +46,8 @@ struct launcher {
     n = neighborhood_of(s,
                         grid_over(&domain(), &prediction_inputs.periods, s->params.smoothing_radius,
                                   grid_cell_limit(particles_of_all(s)), PBF_FINEST));
-    pbf_set_target_density(&n.constants, &s->constants, &s->params, particles_of_all(s), &has,
-                           time);
+    pbf_set_constants_of_step(&n.constants, &s->constants, &s->params, particles_of_all(s), &has,
+                              time);
     moved = s->points;
     ghosts = ghosts_between(s, domain());
     status = PBF_OK;

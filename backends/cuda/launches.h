@@ -171,6 +171,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
       sizeof(pbf_real) == sizeof(float) ? (pbf_real)FLT_MAX : (pbf_real)DBL_MAX;
   unsorted_particles from = state_of(s);
   from.activity = nullptr;
+  from.last_pressure = nullptr;
   from.overlap = nullptr;
   from.phase = nullptr;
   if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;

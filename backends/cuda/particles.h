@@ -78,9 +78,10 @@ struct sorted_particles {
   uint32_t count;       /* the end of those that stages work on, … */
   uint32_t first;       /* … from here on: all, or on ranks its own among those that it holds */
   pbf_real *activity;   /* where fluid sleeps, else null */
-  pbf_real *overlap;    /* where fluid has been placed in other fluid, else null */
-  uint8_t *phase;       /* where phases differ, else null, … */
-  pbf_real *mobility;   /* … as this */
+  pbf_real *last_pressure; /* where lambda adds up, else null */
+  pbf_real *overlap;       /* where fluid has been placed in other fluid, else null */
+  uint8_t *phase;          /* where phases differ, else null, … */
+  pbf_real *mobility;      /* … as this */
 };
 
 /* The particle of a thread, of those that stages work on. */

@@ -94,6 +94,10 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
       p->velocities
           ? copy_in(s, velocities, p->velocities, bytes)
           : pbf_cuda_check(cudaMemsetAsync(velocities, 0, bytes, s->stream), "cudaMemsetAsync");
+  if (status == PBF_OK && s->last_pressure)
+    status = pbf_cuda_check(cudaMemsetAsync(s->last_pressure + s->count, 0,
+                                            p->count * sizeof *s->last_pressure, s->stream),
+                            "cudaMemsetAsync");
   if (status == PBF_OK && s->overlap)
     status = pbf_cuda_check(
         cudaMemsetAsync(s->overlap + s->count, 0, p->count * sizeof *s->overlap, s->stream),
@@ -119,14 +123,16 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-      {s->points, s->velocities, s->ids, s->activity, s->overlap, s->phase}, s->count, place,
-      {s->other, s->other_velocities, s->other_ids, s->other_activity, s->other_overlap,
-       s->other_phase});
+      {s->points, s->velocities, s->ids, s->activity, s->last_pressure, s->overlap, s->phase},
+      s->count, place,
+      {s->other, s->other_velocities, s->other_ids, s->other_activity, s->other_last_pressure,
+       s->other_overlap, s->other_phase});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   swap_arrays(&s->points, &s->other);
   swap_arrays(&s->velocities, &s->other_velocities);
   swap_arrays(&s->ids, &s->other_ids);
   swap_arrays(&s->activity, &s->other_activity);
+  swap_arrays(&s->last_pressure, &s->other_last_pressure);
   swap_arrays(&s->overlap, &s->other_overlap);
   swap_arrays(&s->phase, &s->other_phase);
   s->count -= count;
@@ -213,25 +219,28 @@ static inline pbf_status population_write_rest(solver *s, const pbf_rows *rows, 
   return pbf_cuda_check_launch("write_rest_kernel");
 }
 
-static inline pbf_status population_read_overlap(solver *s, const pbf_rows *rows, void *out) {
-  if (!s->overlap) return PBF_OK;
+/* A number of each, where there are any. */
+static inline pbf_status population_read_reals(solver *s, const pbf_real *of, const pbf_rows *rows,
+                                               void *out) {
+  if (!of) return PBF_OK;
   row_range range;
   pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
-  read_values_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->overlap, s->ids,
-                                                                        s->count, range, staged);
+  read_values_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(of, s->ids, s->count, range,
+                                                                        staged);
   if (pbf_status status = pbf_cuda_check_launch("read_values_kernel")) return status;
   return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
 }
 
-static inline pbf_status population_write_overlap(solver *s, const pbf_rows *rows, const void *in) {
-  if (!s->overlap) return PBF_OK;
+static inline pbf_status population_write_reals(solver *s, pbf_real *to, const pbf_rows *rows,
+                                                const void *in) {
+  if (!to) return PBF_OK;
   row_range range;
   pbf_real *staged = reinterpret_cast<pbf_real *>(s->other);
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   if (pbf_status status = copy_in(s, staged, in, rows->count * sizeof(pbf_real))) return status;
-  write_values_kernel<pbf_real><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      s->overlap, s->ids, s->count, range, staged);
+  write_values_kernel<pbf_real>
+      <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(to, s->ids, s->count, range, staged);
   return pbf_cuda_check_launch("write_values_kernel");
 }
 
@@ -251,7 +260,9 @@ static inline pbf_status population_read(solver *s, uint32_t field, const pbf_ro
                                          void *out) {
   if (!rows->count) return PBF_OK;
   if (field == PBF_BACKEND_FIELD_REST) return population_read_rest(s, rows, out);
-  if (field == PBF_BACKEND_FIELD_OVERLAP) return population_read_overlap(s, rows, out);
+  if (field == PBF_BACKEND_FIELD_OVERLAP) return population_read_reals(s, s->overlap, rows, out);
+  if (field == PBF_BACKEND_FIELD_LAST_PRESSURE)
+    return population_read_reals(s, s->last_pressure, rows, out);
   if (field == PBF_FIELD_DENSITY) return read_densities(s, rows, static_cast<pbf_real *>(out));
   row_range range;
   uint32_t blocks = blocks_for(s->count);
@@ -326,7 +337,9 @@ static inline pbf_status population_write(solver *s, uint32_t field, const pbf_r
                                           const void *in) {
   if (field == PBF_BACKEND_FIELD_REST) return population_write_rest(s, rows, in);
   if (!rows->count) return PBF_OK;
-  if (field == PBF_BACKEND_FIELD_OVERLAP) return population_write_overlap(s, rows, in);
+  if (field == PBF_BACKEND_FIELD_OVERLAP) return population_write_reals(s, s->overlap, rows, in);
+  if (field == PBF_BACKEND_FIELD_LAST_PRESSURE)
+    return population_write_reals(s, s->last_pressure, rows, in);
   if (field == PBF_BACKEND_FIELD_PHASE) return population_write_phases(s, rows, in);
   if (field == PBF_FIELD_POSITION) {
     s->owned = 0;

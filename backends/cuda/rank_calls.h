@@ -60,6 +60,8 @@ static inline pbf_status settle_state(solver *s) {
   } copies[] = {{s->other, s->points + first, n * sizeof *s->points},
                 {s->other_velocities, s->velocities + first, n * sizeof *s->velocities},
                 {s->other_ids, s->ids + first, n * sizeof *s->ids},
+                {s->other_last_pressure, s->last_pressure ? s->last_pressure + first : nullptr,
+                 s->last_pressure ? n * sizeof *s->last_pressure : 0},
                 {s->other_overlap, s->overlap ? s->overlap + first : nullptr,
                  s->overlap ? n * sizeof *s->overlap : 0}};
   for (const auto &copy : copies)
@@ -71,6 +73,7 @@ static inline pbf_status settle_state(solver *s) {
   swap_arrays(&s->points, &s->other);
   swap_arrays(&s->velocities, &s->other_velocities);
   swap_arrays(&s->ids, &s->other_ids);
+  swap_arrays(&s->last_pressure, &s->other_last_pressure);
   swap_arrays(&s->overlap, &s->other_overlap);
   s->first = 0;
   return PBF_OK;
@@ -220,9 +223,10 @@ static inline pbf_status read_state_on_ranks(solver *s, uint32_t field, const pb
                                              void *out) {
   if (pbf_status status = settle_state(s)) return status;
   if (field == PBF_BACKEND_FIELD_REST) return PBF_OK;
-  if (field == PBF_BACKEND_FIELD_OVERLAP)
-    return s->overlap ? share_rows(s, rows, s->ids, s->overlap, s->count, sizeof(pbf_real), out)
-                      : PBF_OK;
+  if (field == PBF_BACKEND_FIELD_OVERLAP || field == PBF_BACKEND_FIELD_LAST_PRESSURE) {
+    const pbf_real *numbers = field == PBF_BACKEND_FIELD_OVERLAP ? s->overlap : s->last_pressure;
+    return numbers ? share_rows(s, rows, s->ids, numbers, s->count, sizeof(pbf_real), out) : PBF_OK;
+  }
   const void *values = s->velocities;
   if (field == PBF_FIELD_POSITION) {
     pbf_vec *places = reinterpret_cast<pbf_vec *>(s->other);

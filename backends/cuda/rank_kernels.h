@@ -204,10 +204,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     slot = __shfl_sync(~0u, slot, 0) + plan->inbox_first[r] +
            (uint32_t)__popc(lanes & ((1u << lane) - 1));
     if (!holds) continue;
-    const rank_inbox to = rank_inbox_in(c->inboxes[r], capacity, from.overlap != nullptr);
+    const rank_inbox to = rank_inbox_in(c->inboxes[r], capacity, from.last_pressure != nullptr,
+                                        from.overlap != nullptr);
     store(to.points, slot, load(from.points, i));
     to.velocities[slot] = from.velocities[i];
     to.ids[slot] = from.ids[i];
+    if (to.last_pressure) to.last_pressure[slot] = from.last_pressure[i];
     if (to.overlap) to.overlap[slot] = from.overlap[i];
   }
 }

@@ -79,22 +79,26 @@ struct rank_inbox {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
-  pbf_real *overlap; /* null: none */
+  pbf_real *last_pressure, *overlap; /* null: none */
 };
 
 /* The capacity is a multiple of RANK_GROUP. */
-static inline __host__ __device__ uint64_t rank_inbox_bytes(uint32_t capacity, bool overlap) {
-  return (uint64_t)capacity *
-         (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) + (overlap ? sizeof(pbf_real) : 0));
+static inline __host__ __device__ uint64_t rank_inbox_bytes(uint32_t capacity, bool pressure,
+                                                            bool overlap) {
+  const uint64_t numbers = (uint64_t)pressure + overlap;
+  return capacity *
+         (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) + numbers * sizeof(pbf_real));
 }
 
 static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t capacity,
-                                                           bool overlap) {
+                                                           bool pressure, bool overlap) {
   rank_inbox in;
   in.points = reinterpret_cast<point *>(at);
   in.velocities = reinterpret_cast<pbf_vec *>(in.points + capacity);
-  in.overlap = reinterpret_cast<pbf_real *>(in.velocities + capacity);
+  in.last_pressure = reinterpret_cast<pbf_real *>(in.velocities + capacity);
+  in.overlap = in.last_pressure + (pressure ? capacity : 0);
   in.ids = reinterpret_cast<uint32_t *>(in.overlap + (overlap ? capacity : 0));
+  if (!pressure) in.last_pressure = nullptr;
   if (!overlap) in.overlap = nullptr;
   return in;
 }

@@ -94,9 +94,10 @@ struct particle_arrays {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
-  pbf_real *activity; /* where fluid sleeps, else null */
-  pbf_real *overlap;  /* where fluid has been placed in other fluid, else null */
-  uint8_t *phase;     /* where phases differ, else null */
+  pbf_real *activity;      /* where fluid sleeps, else null */
+  pbf_real *last_pressure; /* where lambda adds up, else null */
+  pbf_real *overlap;       /* where fluid has been placed in other fluid, else null */
+  uint8_t *phase;          /* where phases differ, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -108,6 +109,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   to.velocities[place[i]] = from.velocities[i];
   to.ids[place[i]] = from.ids[i];
   if (from.activity) to.activity[place[i]] = from.activity[i];
+  if (from.last_pressure) to.last_pressure[place[i]] = from.last_pressure[i];
   if (from.overlap) to.overlap[place[i]] = from.overlap[i];
   if (from.phase) to.phase[place[i]] = from.phase[i];
 }

@@ -165,6 +165,7 @@ static inline unsorted_particles state_of(const solver *s) {
           s->activity,
           s->tally ? &s->tally->all : nullptr,
           s->tally ? &s->tally->some : nullptr,
+          s->last_pressure ? s->last_pressure + s->first : nullptr,
           s->overlap ? s->overlap + s->first : nullptr,
           s->constants.overlap_decay,
           s->phase};
@@ -173,7 +174,7 @@ static inline unsorted_particles state_of(const solver *s) {
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
   return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start,
            has_ranks(s) ? s->ranks.last : s->count, s->ranks.first, s->other_activity,
-           s->other_overlap, s->other_phase, s->mobility},
+           s->other_last_pressure, s->other_overlap, s->other_phase, s->mobility},
           grid,
           s->lists,
           s->constants};

@@ -26,12 +26,13 @@ struct unsorted_particles {
   const pbf_vec *velocities;
   const uint32_t *ids;
   uint32_t count;
-  const pbf_real *activity;   /* where fluid sleeps, else null, */
-  const uint32_t *all_asleep; /* and then: when not 0 all stay in their order; */
-  uint32_t *some_asleep;      /* the sort sets it where a particle sleeps */
-  const pbf_real *overlap;    /* where fluid has been placed in other fluid, else null; */
-  pbf_real overlap_decay;     /* in this step */
-  const uint8_t *phase;       /* where phases differ, else null */
+  const pbf_real *activity;      /* where fluid sleeps, else null, */
+  const uint32_t *all_asleep;    /* and then: when not 0 all stay in their order; */
+  uint32_t *some_asleep;         /* the sort sets it where a particle sleeps */
+  const pbf_real *last_pressure; /* where lambda adds up, else null */
+  const pbf_real *overlap;       /* where fluid has been placed in other fluid, else null; */
+  pbf_real overlap_decay;        /* in this step */
+  const uint8_t *phase;          /* where phases differ, else null */
 };
 
 /* Of a particle that other ranks hold alone. */
@@ -102,6 +103,7 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
   if (ALL && PBF_SLEEP && from.activity) to.activity[place] = from.activity[i];
+  if (from.last_pressure) to.last_pressure[place] = from.last_pressure[i];
   if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
   if (ALL && from.phase) to.phase[place] = from.phase[i];
   to.ids[place] = id;

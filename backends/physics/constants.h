@@ -54,6 +54,8 @@ typedef struct pbf_constants {
   pbf_real max_change;          /* of lambda in an iteration, see pbf_accelerate */
   double scorr_step, scorr_max; /* an iteration's artificial pressure, and all of it, see
                                     pbf_max_scorr */
+  pbf_real smoothing;           /* smooth_pressure.h: what the last pressure counts, … */
+  pbf_real time_step2, inv_time_step2; /* … and dt², 1 / dt² */
   pbf_real pressure; /* over -lambda, once it has added up, see pbf_pressure; 0 where it does not */
   pbf_real residual_density;  /* part of a density error that a step leaves, … */
   pbf_real max_undone;        /* … and what it undoes of it at most, … */
@@ -191,6 +193,16 @@ static inline void pbf_set_acceleration(pbf_constants *c, const pbf_params *para
   c->max_undone = (pbf_real)pbf_max_undone_of(params, pbf_residual_part(params));
   c->max_residual_part = (pbf_real)pbf_max_residual_part(pbf_residual_part(params));
   if (c->accelerated) c->omega = 1;
+}
+
+/* A twentieth, where the square of the step's length is a number and not 0. */
+static inline void pbf_set_smoothing(pbf_constants *c, const pbf_params *params) {
+  const double part = 0.05, dt2 = params->time_step * params->time_step;
+  const double least = sizeof(pbf_real) == sizeof(float) ? 1e-37 : 1e-300;
+  const int acts = c->accelerated && dt2 > least && dt2 < 1 / least;
+  c->smoothing = (pbf_real)(acts ? part : 0);
+  c->time_step2 = (pbf_real)(acts ? dt2 : 0);
+  c->inv_time_step2 = (pbf_real)(acts ? 1 / dt2 : 0);
 }
 
 /* Fluid that is torn apart inside, where water would not be, pulls itself together: lambda may be
@@ -372,6 +384,7 @@ static inline pbf_constants pbf_constants_from(const pbf_params *params, const p
   pbf_set_surface_tension(&c, params, &d);
   c.scorr_n = (int)params->scorr_n;
   pbf_set_acceleration(&c, params, d.stiffness, d.pressure);
+  pbf_set_smoothing(&c, params);
   pbf_set_tension(&c, params, &d);
   for (int k = 0; k < PBF_DIM; ++k) c.period.c[k] = pbf_period_of(params, k);
   if (!same) pbf_set_walls(&c, params, &d);

@@ -1,4 +1,5 @@
 /* The `reference` backend's table for one variant: particles in and out, statistics, plan. */
+#include "common/extensions.h"
 #include "common/host_only.h"
 #include "common/report.h"
 #include "common/rows.h"
@@ -19,7 +20,7 @@ static uint32_t threads_of(const solver *) { return 1; }
 
 static void bounded_step(solver *s, double begin, double end, uint64_t nth) {
   const pbf_constants usual = s->constants;
-  pbf_set_target_density(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
+  pbf_set_constants_of_step(&s->constants, &usual, &s->params, s->count, &s->schedule, end);
   solver_step(s, begin, end, nth);
   s->constants = usual;
 }
@@ -79,6 +80,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
     memcpy(s->v + s->count, p->velocities, bytes);
   else
     memset(s->v + s->count, 0, bytes);
+  if (s->last_pressure) memset(s->last_pressure + s->count, 0, p->count * sizeof *s->lambda);
   if (s->overlap) memset(s->overlap + s->count, 0, p->count * sizeof *s->overlap);
   if (s->phase) memset(s->phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
@@ -98,6 +100,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->v[kept] = s->v[i];
     s->lambda[kept] = s->lambda[i];
     if (sleeps(s)) s->activity[kept] = s->activity[i];
+    if (s->last_pressure) s->last_pressure[kept] = s->last_pressure[i];
     if (s->overlap) s->overlap[kept] = s->overlap[i];
     if (s->phase) s->phase[kept] = s->phase[i];
     s->ids[kept++] = s->ids[i];
@@ -130,6 +133,8 @@ static pbf_status read_field(solver *s, uint32_t field, const pbf_rows *rows, vo
     read_rest(s, rows, (pbf_real *)out);
   else if (field == PBF_BACKEND_FIELD_OVERLAP)
     memcpy(out, s->overlap + rows->first, rows->count * sizeof *s->overlap);
+  else if (field == PBF_BACKEND_FIELD_LAST_PRESSURE)
+    memcpy(out, s->last_pressure + rows->first, rows->count * sizeof *s->last_pressure);
   else if (field == PBF_FIELD_DENSITY)
     read_densities(s, rows, (pbf_real *)out);
   else
@@ -145,6 +150,10 @@ static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, c
   }
   if (field == PBF_BACKEND_FIELD_OVERLAP) {
     memcpy(s->overlap + rows->first, in, rows->count * sizeof *s->overlap);
+    return PBF_OK;
+  }
+  if (field == PBF_BACKEND_FIELD_LAST_PRESSURE) {
+    memcpy(s->last_pressure + rows->first, in, rows->count * sizeof *s->last_pressure);
     return PBF_OK;
   }
   wake_all(s);
@@ -244,7 +253,7 @@ const pbf_backend_api PBF_VARIANT_API = {
     .get_stats = get_stats,
     .get_plan = get_plan,
     .describe = describe,
-    .get_extension = pbf_colliders_extension,
+    .get_extension = pbf_common_extension,
     .read_pressures = read_pressures,
     .map_pressures = map_pressures,
     .project = PBF_BUILT & PBF_FEATURE_STATS ? project : NULL,

@@ -15,6 +15,7 @@
 #include "physics/passes/torque.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/shear_stress.h"
+#include "physics/passes/smooth_pressure.h"
 #include "physics/passes/surface_tension.h"
 #include "physics/passes/pressure_fit.h"
 #include "physics/passes/velocity.h"
@@ -164,8 +165,10 @@ static inline pbf_real mobility_around(const solver *s, uint32_t i) {
   return pass.finish(sums_around(s, pass, s->moved, {s->mobility, NULL}, {}, i), s->mobility[i]);
 }
 
-/* Returns the density error, where it is wanted, in pbf_error_units's units. */
-static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
+/* Returns the density error, where it is wanted, in pbf_error_units's units. `last_pressure` is
+ * null before the last iteration. */
+static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o,
+                                     const pbf_real *last_pressure) {
   const pbf_constants *c = &s->constants;
   const lambda_pass<int, SCALED_PAIRS> pass = {c, s->schedule.features};
   int64_t error_units = 0;
@@ -192,6 +195,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o) {
       pbf_accelerate_for(c, mobility, sums.density, lambda, &s->lambda[i], &s->added[i]);
     else
       s->lambda[i] = pbf_lambda_for(mobility, lambda);
+    if (last_pressure) pbf_smooth_pressure(c, last_pressure[i], &s->lambda[i], &s->added[i]);
   }
   return error_units;
 }
@@ -244,6 +248,8 @@ static inline void end_solve(solver *s, const pbf_obstacles *o) {
       s->lambda[i] = s->held[i];
     else
       s->held[i] = s->lambda[i];
+  for (uint32_t i = 0; i < s->count && s->last_pressure; ++i)
+    s->last_pressure[i] = pbf_pressure_to_keep(&s->constants, s->lambda[i]);
   if (s->schedule.collide_after_solve) collide_moving(s, o);
   for (uint32_t i = 0; i < s->count; ++i)
     if (just_woke(s, i)) {
@@ -532,7 +538,10 @@ struct executor {
   void pressure_grid() { solve_pressure_grid(s, &obstacles); }
   bool is_converged(uint32_t) const { return over; }
   void begin_iteration(uint32_t k) { pbf_set_iteration(&s->constants, k); }
-  void lambda(uint32_t) { over = compute_lambda(s, &obstacles) <= limit; }
+  void lambda(uint32_t k) {
+    const pbf_real *last = k + 1 == s->params.iterations ? s->last_pressure : NULL;
+    over = compute_lambda(s, &obstacles, last) <= limit;
+  }
   void torque_deficit(uint32_t) { add_torques(s); }
   void move(uint32_t k) {
     ::move(s, &obstacles);

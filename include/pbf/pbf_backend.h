@@ -162,6 +162,12 @@ enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
 /* And while it knows of an overlap: what is left of it, a number of each particle. */
 enum { PBF_BACKEND_FIELD_OVERLAP = 101 };
 
+/* Of a backend with this extension, a uint32_t of 1, while params.solver is PBF_SOLVER_CHEBYSHEV:
+ * the pressure of the last step, of which the next one takes over a part. A number of each
+ * particle, 0 of new ones. */
+#define PBF_BACKEND_LAST_PRESSURE "pbf.last_pressure/1"
+enum { PBF_BACKEND_FIELD_LAST_PRESSURE = 103 };
+
 /* To be written between set_phases with a table and without: its phase, a uint8_t a particle. */
 enum { PBF_BACKEND_FIELD_PHASE = 102 };
 
@@ -247,7 +253,8 @@ struct pbf_backend_api {
 
   /* Copies a field (PBF_FIELD_POSITION, _VELOCITY, _DENSITY), rows ascending by id. Only of a
    * solver that accepted a sleep_speed: PBF_BACKEND_FIELD_REST, here and in `write`; only between
-   * set_overlap with an overlap and without: PBF_BACKEND_FIELD_OVERLAP. */
+   * set_overlap with an overlap and without: PBF_BACKEND_FIELD_OVERLAP; and with its extension
+   * PBF_BACKEND_FIELD_LAST_PRESSURE. */
   pbf_status (*read)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows, void *out);
 
   /* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY, which wakes all. */

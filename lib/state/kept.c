@@ -8,11 +8,18 @@ static const struct {
 } kinds_of[PBF_KEPT_COUNT] = {
     [PBF_KEPT_REST] = {PBF_BACKEND_FIELD_REST, PBF_BACKEND_REST_COMPONENTS},
     [PBF_KEPT_OVERLAP] = {PBF_BACKEND_FIELD_OVERLAP, 1},
+    [PBF_KEPT_LAST_PRESSURE] = {PBF_BACKEND_FIELD_LAST_PRESSURE, 1},
 };
+
+static int has_last_pressure(const pbf_solver *solver) {
+  const pbf_backend_api *api = &solver->plugin->api;
+  return api->get_extension && api->get_extension(PBF_BACKEND_LAST_PRESSURE);
+}
 
 uint32_t pbf_kept_by(const pbf_solver *solver) {
   uint32_t rest = solver->params.sleep_speed > 0, overlap = solver->overlap.end > 0;
-  return rest << PBF_KEPT_REST | overlap << PBF_KEPT_OVERLAP;
+  uint32_t pressure = solver->params.solver == PBF_SOLVER_CHEBYSHEV && has_last_pressure(solver);
+  return rest << PBF_KEPT_REST | overlap << PBF_KEPT_OVERLAP | pressure << PBF_KEPT_LAST_PRESSURE;
 }
 
 uint32_t pbf_kept_field(pbf_kept kept) { return kinds_of[kept].field; }
@@ -46,7 +53,7 @@ pbf_status pbf_kept_write(pbf_solver *solver, uint32_t count, const uint32_t *id
                           const pbf_kept_fields *fields) {
   const pbf_rows rows = {sizeof rows, 0, count, count, ids};
   for (int k = 0; k < PBF_KEPT_COUNT; ++k) {
-    if (!fields->data[k]) continue;
+    if (!fields->data[k] || (k == PBF_KEPT_LAST_PRESSURE && !has_last_pressure(solver))) continue;
     pbf_status status =
         solver->api.write(solver->backend, kinds_of[k].field, &rows, fields->data[k]);
     if (status != PBF_OK) return pbf_backend_result(solver, status, "write");

@@ -4,7 +4,12 @@
 
 #include "solver/solver.h"
 
-typedef enum pbf_kept { PBF_KEPT_REST, PBF_KEPT_OVERLAP, PBF_KEPT_COUNT } pbf_kept;
+typedef enum pbf_kept {
+  PBF_KEPT_REST,
+  PBF_KEPT_OVERLAP,
+  PBF_KEPT_LAST_PRESSURE, /* states without it begin with none */
+  PBF_KEPT_COUNT
+} pbf_kept;
 
 /* Memory for one field of each kind; null where it is not kept. */
 typedef struct pbf_kept_fields {
@@ -29,7 +34,8 @@ pbf_status pbf_kept_allocate(const pbf_solver *solver, uint32_t kinds, uint32_t 
                              const char *purpose, pbf_kept_fields *fields);
 void pbf_kept_free(const pbf_solver *solver, pbf_kept_fields *fields);
 
-/* To the backend, after the particles with these ids, which they belong to. */
+/* To the backend, after the particles with these ids, which they belong to. A backend of another
+ * plugin may have no pressures. */
 pbf_status pbf_kept_write(pbf_solver *solver, uint32_t count, const uint32_t *ids,
                           const pbf_kept_fields *fields);
 

@@ -114,6 +114,8 @@ static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
   if (status != PBF_OK) return status;
   if ((in->header.kept >> PBF_KEPT_REST & 1) != (in->params.sleep_speed > 0))
     return reject("contradicts itself in what sleeps");
+  if ((in->header.kept >> PBF_KEPT_LAST_PRESSURE & 1) && in->params.solver != PBF_SOLVER_CHEBYSHEV)
+    return reject("contradicts itself in its pressures");
   if (!is_overlap_sound(&in->header)) return reject("contradicts itself in what overlaps");
   in->time = in->header.time_base + (double)in->header.steps_since * in->params.time_step;
   if (!isfinite(in->time) || !isfinite(in->header.collider_time) ||

@@ -411,21 +411,22 @@ static void sleep_is_saved(void **state) {
 /* A state in which particles sleep, with parameters by which none does. */
 static void a_forged_state(void **state) {
   (void)state;
-  enum { AT_HAS_REST = 44 };
+  enum { AT_KEPT = 44 };
+  uint32_t kept;
   const uint32_t none = 0, two = 2;
   uint64_t size;
   pbf_solver *s = pool(3, PBF_FLOAT32);
   until_asleep(s, particles_in(3));
   char *saved = test_save(s, &size);
-  memcpy(saved + AT_HAS_REST, &two, sizeof two);
+  memcpy(&kept, saved + AT_KEPT, sizeof kept);
+  memcpy(saved + AT_KEPT, &two, sizeof two);
   test_seal(saved, size);
   assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "sizes");
-  memcpy(saved + AT_HAS_REST, &none, sizeof none);
+  memcpy(saved + AT_KEPT, &none, sizeof none);
   test_seal(saved, size);
   assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "sizes");
   const float nan = NAN;
-  const uint32_t one = 1;
-  memcpy(saved + AT_HAS_REST, &one, sizeof one);
+  memcpy(saved + AT_KEPT, &kept, sizeof kept);
   memcpy(saved + size - 8 - sizeof nan, &nan, sizeof nan);
   test_seal(saved, size);
   assert_fails(pbf_load(s, saved, size), PBF_ERROR_DATA, "must be finite");

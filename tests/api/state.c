@@ -211,14 +211,14 @@ static void forged_headers(void **state) {
   pbf_destroy(a);
 }
 
-/* 27 ids, padded to 112 bytes, before 27 positions, velocities and numbers of the overlap (a sphere
- * has been placed), and the checksum. */
+/* 27 ids, padded to 112 bytes, before 27 positions, velocities, numbers of the overlap (a sphere
+ * has been placed) and pressures, and the checksum. */
 static void forged_ids(void **state) {
   (void)state;
   uint64_t size;
   pbf_solver *a = busy_solver(2, PBF_FLOAT64);
   unsigned char *saved = test_save(a, &size);
-  uint64_t ids = size - 8 - (test_is_stub() ? 0 : 27 * 8) - 2 * 27 * 2 * 8 - 112;
+  uint64_t ids = size - 8 - (test_is_stub() ? 0 : 2 * 27 * 8) - 2 * 27 * 2 * 8 - 112;
   forge(saved, size, ids + 4, 1, 4); /* 1, 1, 3, … */
   assert_fails(pbf_load(a, saved, size), PBF_ERROR_DATA, "ids that do not ascend");
   forge(saved, size, ids + 4, 2, 4); /* as it was: 1, 2, 3, … */

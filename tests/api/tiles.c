@@ -301,15 +301,16 @@ static double speed_at_rest(const wall *w, uint32_t precision, double support) {
   return sqrt(sum / all / (load_gravity * load_spacing));
 }
 
-/* As in front of one box, whose water is not quite at rest. */
+/* As in front of one box, whose water is not quite at rest. With h = 3 d it moves on by 0.1 and
+ * more before either, and by how much is chance. */
 static void check_rest(uint32_t dimension, uint32_t precision) {
   const double d = load_spacing;
   if (dimension == 3) return;
   wall w = {dimension, 0, 2 * d, 12 * d, 0, 0, BOXES, 0.5 * d, 0};
-  const double right = speed_at_rest(&w, precision, 3);
+  const double right = speed_at_rest(&w, precision, 2.5);
   for (w.of = HULLS; w.of <= HULLS_AND_BOXES; ++w.of)
     for (w.tile = d; w.tile < 3 * d; w.tile += d) {
-      const double speed = speed_at_rest(&w, precision, 3);
+      const double speed = speed_at_rest(&w, precision, 2.5);
       if (!(speed < 1.5 * right + 0.01))
         fail_msg("float%u, tiles %d of %g: water moves at %g √(g d), before one box at %g",
                  8 * precision, w.of, w.tile / d, speed, right);

@@ -1,6 +1,8 @@
 /* lambda and the position change: against finite differences of the constraint, and momentum. */
 #include "support.h"
 
+#include "physics/passes/smooth_pressure.h"
+
 typedef struct sums {
   double density, slope2;
   pbf_vec gradient;
@@ -241,6 +243,58 @@ static void fluid_inside_pulls_with_a_weight(void **state) {
   assert_near(pull(0.999, 0, dt, g), 0, 0);
 }
 
+/* Lambda after a step, in parts of it, where it was `before` times as much in a step that was
+ * `longer` times as long; the change goes along. */
+static double smoothed(double before, double now, double longer) {
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2), q = p;
+  p.solver = q.solver = PBF_SOLVER_CHEBYSHEV;
+  q.time_step = longer * p.time_step;
+  const pbf_constants c = pbf_constants_of(&p), last = pbf_constants_of(&q);
+  const double unit = 1e-3;
+  double total = now * unit, change = 0.25 * unit;
+  pbf_smooth_pressure(&c, pbf_pressure_to_keep(&last, before * unit), &total, &change);
+  assert_near(change - 0.25 * unit, total - now * unit, 1e-15);
+  return total / unit;
+}
+
+/* A twentieth of the last pressure; what has more than trebled counts as three times, what has come
+ * to less than a third as a third, and what pulls as nothing. */
+static void the_last_pressure_counts(void **state) {
+  (void)state;
+  const double tiny = 1e-12;
+  assert_near(smoothed(-1, -1, 1), -1, tiny);
+  assert_near(smoothed(-2, -1, 1), -1.05, tiny);
+  assert_near(smoothed(-1, -2, 1), -1.95, tiny);
+  assert_near(smoothed(-1, -3, 1), -2.9, tiny);
+  assert_near(smoothed(-1, -4, 1), -3.9, tiny);
+  assert_near(smoothed(-3, -1, 1), -1.1, tiny);
+  assert_near(smoothed(-4, -1, 1), -1.1, tiny);
+  assert_near(smoothed(0, -1, 1), -1, tiny);
+  assert_near(smoothed(-1, 0, 1), 0, tiny);
+  assert_near(smoothed(0.5, -1, 1), -1, tiny);
+  assert_near(smoothed(-1, 0.5, 1), 0.5, tiny);
+  /* Pressure is lambda over the square of the step. */
+  assert_near(smoothed(-4, -1, 2), -1, tiny);
+  assert_near(smoothed(-1, -1, 0.8), -1 - 0.05 * (1 / 0.64 - 1), tiny);
+}
+
+/* Without a length, or one whose square is no number, there is none. */
+static void steps_of_no_time_keep_no_pressure(void **state) {
+  (void)state;
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  const double lengths[] = {0, 1e-200, 1e200};
+  for (double time_step : lengths) {
+    p.time_step = time_step;
+    const pbf_constants c = pbf_constants_of(&p);
+    assert_near(pbf_pressure_to_keep(&c, -1), 0, 0);
+    double total = -1, change = -1;
+    pbf_smooth_pressure(&c, 1, &total, &change);
+    assert_near(total, -1, 0);
+    assert_near(change, -1, 0);
+  }
+}
+
 /* A crowd of a density pushes by as many lambdas: less of it the denser it is, and it would draw in
  * what is around it. Nor may it push more than its own eigenvalue allows. */
 static void crowds_push_no_less_the_denser_they_are(void **state) {
@@ -436,6 +490,8 @@ int main(void) {
       cmocka_unit_test(crowds_and_few_neighbors_add_less),
       cmocka_unit_test(short_steps_undo_little),
       cmocka_unit_test(moves_push),
+      cmocka_unit_test(the_last_pressure_counts),
+      cmocka_unit_test(steps_of_no_time_keep_no_pressure),
       cmocka_unit_test(stiffness_of_a_lattice),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

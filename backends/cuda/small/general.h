@@ -110,6 +110,7 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
       if (PBF_CHEBYSHEV && scene.accelerated) {
         pbf_real change = points[i].lambda, total = k == 0 ? 0 : buffers.total[i];
         pbf_accelerate(&now, sums.density, lambda, &total, &change);
+        if (last) pbf_smooth_pressure(&now, scene.last_pressure[p.ids[i]], &total, &change);
         buffers.total[i] = total;
         lambda = change;
       }
@@ -132,7 +133,10 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
       to.lambda = own.lambda;
       store(moved, i, to);
       if (!last) continue;
-      if (PBF_CHEBYSHEV && scene.accelerated) to.lambda = buffers.total[i];
+      if (PBF_CHEBYSHEV && scene.accelerated) {
+        to.lambda = buffers.total[i];
+        scene.last_pressure[p.ids[i]] = pbf_pressure_to_keep(c, to.lambda);
+      }
       store(scene.points, p.ids[i], to);
       scene.velocities[p.ids[i]] = v;
     }

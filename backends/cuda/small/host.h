@@ -187,10 +187,11 @@ static inline general_buffers general_buffers_of(const solver *s) {
 static inline pbf_status small_order(solver *s) {
   if (s->ordered) return PBF_OK;
   order_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
-      state_of(s), s->other, s->other_velocities, s->other_ids);
+      state_of(s), s->other, s->other_velocities, s->other_ids, s->other_last_pressure);
   swap_arrays(&s->points, &s->other);
   swap_arrays(&s->velocities, &s->other_velocities);
   swap_arrays(&s->ids, &s->other_ids);
+  swap_arrays(&s->last_pressure, &s->other_last_pressure);
   s->ordered = true;
   return pbf_cuda_check_launch("order_kernel");
 }
@@ -262,6 +263,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   small_scene scene = {};
   scene.points = s->points;
   scene.velocities = s->velocities;
+  scene.last_pressure = s->last_pressure;
   scene.owners = s->owners;
   scene.count = s->count;
   scene.cells = small_cells(s->count);
@@ -269,7 +271,7 @@ static inline small_scene small_scene_of(const solver *s, double time, uint32_t 
   scene.iterations = s->params.iterations;
   scene.lanes = small_lanes(s);
   scene.constants = s->constants;
-  pbf_set_target_density(&scene.constants, &s->constants, &s->params, s->count, &has, time);
+  pbf_set_constants_of_step(&scene.constants, &s->constants, &s->params, s->count, &has, time);
   scene.forces = pbf_forces_of(&s->params, s->time); /* but for `rounding`, a step's own */
   scene.inv_time_step = (pbf_real)(1 / s->params.time_step);
   scene.wall_density = has.wall_density;

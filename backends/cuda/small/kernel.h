@@ -247,7 +247,8 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   clear_counts(buffers, scene.cells);
   clear_marks(tile, {0, scene.layout.words - 1});
   team.meet();
-  pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves */
+  pbf_real total = 0; /* accelerated: the lambda that adds up, which the last step leaves, … */
+  pbf_real last_pressure = accelerated && thread.real ? scene.last_pressure[i] : 0; /* … and this */
   for (uint32_t step = 0; step < scene.steps; ++step) {
     const cell_grid &grid = table[step].grid;
     const uint32_t shift = count_shift(step), first_pass = step * scene.iterations + 1;
@@ -301,6 +302,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         lambda = of_lambda.finish(sums, 0);
         if (accelerated) {
           pbf_accelerate(&now, sums.density, lambda, &total, &change);
+          if (last) pbf_smooth_pressure(&now, last_pressure, &total, &change);
           lambda = change;
         }
       }
@@ -350,6 +352,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         clear_count(buffers, cell, shift);
         store(scene.points, i, point_at(x));
         scene.velocities[i] = v;
+        if (accelerated) scene.last_pressure[i] = last_pressure;
       }
       general_step<FEATURES, SURFACES>(scene, general, step, &team);
       if (thread.leads) forget(buffers.exchange, i);
@@ -358,9 +361,11 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
         x = position_of(own);
         v = scene.velocities[i];
         total = own.lambda;
+        if (accelerated) last_pressure = scene.last_pressure[i];
       }
     } else {
       x = y;
+      last_pressure = pbf_pressure_to_keep(c, total);
     }
   }
   if (!thread.leads) return;
@@ -368,6 +373,7 @@ static __global__ void __launch_bounds__(SMALL_THREADS, 1)
   own.lambda = total;
   store(scene.points, i, own);
   scene.velocities[i] = v;
+  if (accelerated) scene.last_pressure[i] = last_pressure;
 }
 
 #endif

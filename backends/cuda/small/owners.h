@@ -10,7 +10,7 @@
 
 /* Into the order of ids: a particle's place is the number of ids below its own. */
 static __global__ void order_kernel(unsorted_particles from, point *points, pbf_vec *velocities,
-                                    uint32_t *ids) {
+                                    uint32_t *ids, pbf_real *last_pressure) {
   uint32_t i = thread_index(), place = 0;
   if (i >= from.count) return;
   uint32_t id = from.ids[i];
@@ -18,6 +18,7 @@ static __global__ void order_kernel(unsorted_particles from, point *points, pbf_
   store(points, place, load(from.points, i));
   velocities[place] = from.velocities[i];
   ids[place] = id;
+  if (from.last_pressure) last_pressure[place] = from.last_pressure[i];
 }
 
 struct owner_grid {

@@ -76,8 +76,9 @@ struct small_layout {
 struct small_scene {
   point *points;
   pbf_vec *velocities;
-  const uint16_t *owners; /* the particles in the order in which blocks own them */
-  uint32_t count, own;    /* particles in all, and of a block */
+  pbf_real *last_pressure; /* where lambda adds up, else null */
+  const uint16_t *owners;  /* the particles in the order in which blocks own them */
+  uint32_t count, own;     /* particles in all, and of a block */
   uint32_t cells, steps, iterations;
   uint32_t lanes; /* threads of a particle, a power of two up to 8 */
   small_layout layout;

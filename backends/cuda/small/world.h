@@ -383,6 +383,8 @@ static __device__ __forceinline__ void world_lambda(const world_tile &t, const w
     if (accelerated) {
       pbf_real change = own.lambda, total = k == 0 ? 0 : t.totals[slot];
       pbf_accelerate(&now, sums.density, lambda, &total, &change);
+      if (k + 1 == scene.iterations)
+        pbf_smooth_pressure(&now, scene.last_pressure[t.ids[slot]], &total, &change);
       t.totals[slot] = total;
       lambda = change;
     }
@@ -427,6 +429,7 @@ static __device__ __forceinline__ void world_move(const world_tile &t, const wor
                                               predicted, x, sums, &v));
     if (last) {
       to.lambda = accelerated ? t.totals[slot] : 0;
+      if (accelerated) scene.last_pressure[i] = pbf_pressure_to_keep(&scene.constants, to.lambda);
       store(scene.points, i, to);
       scene.velocities[i] = v;
     } else {
