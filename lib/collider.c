@@ -1,5 +1,6 @@
 #include "collider.h"
 
+#include <float.h>
 #include <math.h>
 
 #include <pbf/pbf_backend.h>
@@ -44,6 +45,76 @@ static const pbf_real_rule reals[] = {
 static const pbf_real_rule turn_3d = REAL(angular_velocity, 3, PBF_ANY);
 static const pbf_real_rule turn_2d = {"angular_velocity[2]",
                                       offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY, 0};
+
+/* What lies between these two meets all the rules above: nearly all that callers give. They are
+ * compared without a look at the rules, which say what is wrong with the rest. */
+#define THREE(number) \
+  { number, number, number }
+static const pbf_collider least = {
+    .position = THREE(-FLT_MAX),
+    .orientation = {-2, -2, -2, -2},
+    .velocity = THREE(-FLT_MAX),
+    .angular_velocity = THREE(-FLT_MAX),
+    .axis = THREE(-FLT_MAX),
+    .half_extents = THREE(-FLT_MAX),
+    .radius = -FLT_MAX,
+    .half_length = -FLT_MAX,
+    .half_extents_rate = THREE(-FLT_MAX),
+    .radius_rate = -FLT_MAX,
+    .half_length_rate = -FLT_MAX,
+    .scale = -FLT_MAX,
+    .scale_rate = -FLT_MAX,
+};
+static const pbf_collider most = {
+    .shape = PBF_COLLIDER_SHAPE,
+    .inverted = 1,
+    .path = PBF_PATH_SCREW,
+    .position = THREE(FLT_MAX),
+    .orientation = {2, 2, 2, 2},
+    .velocity = THREE(FLT_MAX),
+    .angular_velocity = THREE(FLT_MAX),
+    .axis = THREE(FLT_MAX),
+    .half_extents = THREE(FLT_MAX),
+    .radius = FLT_MAX,
+    .half_length = FLT_MAX,
+    .half_extents_rate = THREE(FLT_MAX),
+    .radius_rate = FLT_MAX,
+    .half_length_rate = FLT_MAX,
+    .duration = FLT_MAX,
+    .scale = FLT_MAX,
+    .scale_rate = FLT_MAX,
+    .friction = FLT_MAX,
+    .static_friction = FLT_MAX,
+    .no_slip = 1,
+    .adhesion = 1,
+};
+enum {
+  NUMBERS = (offsetof(pbf_collider, geometry) - offsetof(pbf_collider, position)) / sizeof(double),
+  MORE_NUMBERS = (sizeof(pbf_collider) - offsetof(pbf_collider, scale)) / sizeof(double)
+};
+
+static int are_between(const double *low, const double *numbers, const double *high, int count) {
+  int outside = 0;
+  for (int i = 0; i < count; ++i) outside |= !(numbers[i] >= low[i]) | !(numbers[i] <= high[i]);
+  return !outside;
+}
+
+static int is_ordinary(const pbf_collider *collider) {
+  return collider->shape <= most.shape && collider->inverted <= most.inverted &&
+         collider->path <= most.path &&
+         are_between(least.position, collider->position, most.position, NUMBERS) &&
+         are_between(&least.scale, &collider->scale, &most.scale, MORE_NUMBERS);
+}
+
+/* The same for sizes, of an ordinary one. */
+static int has_ordinary_sizes(const pbf_collider *collider) {
+  const double *extents = collider->half_extents;
+  if (collider->shape == PBF_COLLIDER_SPHERE) return collider->radius >= FLT_MIN;
+  if (collider->shape == PBF_COLLIDER_CAPSULE)
+    return collider->radius >= FLT_MIN && collider->half_length >= 0;
+  return collider->shape == PBF_COLLIDER_BOX && extents[0] >= FLT_MIN && extents[1] >= FLT_MIN &&
+         extents[2] >= FLT_MIN;
+}
 
 /* The sizes that the shape has, which are above 0, or, of one that has shrunk, at least that. */
 static pbf_status check_sizes(const pbf_collider *collider, const char *label, pbf_check_kind kind,
@@ -117,14 +188,21 @@ static pbf_status check_axis(const pbf_collider *collider, const char *label, pb
                   label, length);
 }
 
-static pbf_status check(const pbf_collider *collider, const char *label, pbf_check_kind kind,
-                        pbf_range sizes) {
+static pbf_status check_numbers(const pbf_collider *collider, const char *label,
+                                pbf_check_kind kind) {
+  const pbf_real_rule *turn = kind.dimension == 2 ? &turn_2d : &turn_3d;
   pbf_status status = pbf_check_counts(counts, LENGTH(counts), label, collider);
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, collider, kind);
-  if (status == PBF_OK)
-    status = pbf_check_real(kind.dimension == 2 ? &turn_2d : &turn_3d, label, collider, kind);
+  return status == PBF_OK ? pbf_check_real(turn, label, collider, kind) : status;
+}
+
+static pbf_status check(const pbf_collider *collider, const char *label, pbf_check_kind kind,
+                        pbf_range sizes) {
+  const int ordinary = is_ordinary(collider);
+  pbf_status status = ordinary ? PBF_OK : check_numbers(collider, label, kind);
   if (status == PBF_OK) status = check_geometry(collider, label, kind);
-  if (status == PBF_OK) status = check_sizes(collider, label, kind, sizes);
+  if (status == PBF_OK && !(ordinary && has_ordinary_sizes(collider)))
+    status = check_sizes(collider, label, kind, sizes);
   if (status == PBF_OK) status = check_orientation(collider, label, kind);
   if (status == PBF_OK) status = check_axis(collider, label, kind);
   return status;
@@ -138,13 +216,4 @@ pbf_status pbf_collider_check(const pbf_collider *collider, const char *label,
 pbf_status pbf_collider_check_moving(const pbf_collider *collider, const char *label,
                                      pbf_check_kind kind) {
   return check(collider, label, kind, PBF_AT_LEAST_ZERO);
-}
-
-pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dimension) {
-  pbf_collider clean = *collider;
-  if (dimension == 3) return clean;
-  clean.position[2] = clean.velocity[2] = clean.axis[2] = clean.half_extents[2] = 0;
-  clean.half_extents_rate[2] = 0;
-  clean.angular_velocity[0] = clean.angular_velocity[1] = 0;
-  return clean;
 }

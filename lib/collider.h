@@ -10,7 +10,12 @@ pbf_status pbf_collider_check(const pbf_collider *collider, const char *label, p
 pbf_status pbf_collider_check_moving(const pbf_collider *collider, const char *label,
                                      pbf_check_kind kind);
 
-/* As a backend gets it: what the dimension ignores is zero. */
-pbf_collider pbf_collider_for_backend(const pbf_collider *collider, uint32_t dimension);
+/* As a backend gets it: what the dimension ignores becomes zero. */
+static inline void pbf_collider_clean(pbf_collider *collider, uint32_t dimension) {
+  if (dimension == 3) return;
+  collider->position[2] = collider->velocity[2] = collider->axis[2] = 0;
+  collider->half_extents[2] = collider->half_extents_rate[2] = 0;
+  collider->angular_velocity[0] = collider->angular_velocity[1] = 0;
+}
 
 #endif

@@ -76,8 +76,9 @@ pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *
                     "only, so the rest must be 0",
                     i, kind->name, size, bytes[i], kind->size);
   }
-  memset(ours, 0, kind->size);
-  memcpy(ours, theirs, size < kind->size ? size : kind->size);
+  const uint32_t common = size < kind->size ? size : kind->size;
+  memcpy(ours, theirs, common);
+  memset((unsigned char *)ours + common, 0, kind->size - common);
   memcpy(ours, &kind->size, sizeof kind->size);
   return PBF_OK;
 }

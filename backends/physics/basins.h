@@ -3,6 +3,7 @@
 #ifndef PBF_PHYSICS_BASINS_H
 #define PBF_PHYSICS_BASINS_H
 
+#include "physics/apart.h"
 #include "physics/groups.h"
 #include "physics/region_depth.h"
 #include "physics/room.h"
@@ -279,7 +280,7 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
 }
 
 static inline void pbf_basins_place_surfaces(pbf_basins *b) {
-  for (uint32_t k = 0; k < b->count; ++k) b->surfaces[k] = pbf_surface_at(&b->colliders[k], 0, 0);
+  for (uint32_t k = 0; k < b->count; ++k) b->surfaces[k] = pbf_surface_as_set(&b->colliders[k]);
 }
 
 /* Notes between what basins are to be, and how deep those of solids can be along an axis. */
@@ -293,7 +294,7 @@ static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params,
     b->planes += pbf_is_plane(&colliders[k]);
   }
   if (b->planes) b->room_height = params->domain_max[axis] - params->domain_min[axis];
-  if (!b->solids) return 0;
+  if (!b->solids || pbf_solids_are_apart(params, count, colliders)) return 0;
   pbf_basins_place_surfaces(b);
   b->deepest =
       pbf_groups_deepest(params, count, colliders, b->surfaces, axis, b->groups, b->numbers);

@@ -59,7 +59,7 @@ static inline double pbf_containers_depth(uint32_t count, const pbf_collider *co
   double depth = 0;
   for (uint32_t k = 0; k < count; ++k) {
     if (!pbf_is_container(&colliders[k])) continue;
-    pbf_surface s = pbf_surface_at(&colliders[k], 0, 0);
+    pbf_surface s = pbf_surface_as_set(&colliders[k]);
     double part = fmin(fluid / pbf_container_volume(&colliders[k], 0), 1);
     depth = fmax(depth, 2 * pbf_surface_extent(&s, axis) * part);
   }

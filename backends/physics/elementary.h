@@ -3,6 +3,10 @@
  * with about 100 bits, by + - * / and roots alone, and then rounded once. Where a start is wanted
  * it is the library's, which no bit depends on. Host only; C17 and C++17.
  *
+ * Of small angles, as solids turn by in a frame, some 60 bits are enough to know how it is rounded
+ * nearly always, and take a tenth of the time (Ziv, ACM Transactions on Mathematical Software 17,
+ * 1991): those functions try that first.
+ *
  * Sums and products of pairs: Dekker, Numerische Mathematik 18, 1971. */
 #ifndef PBF_PHYSICS_ELEMENTARY_H
 #define PBF_PHYSICS_ELEMENTARY_H
@@ -93,23 +97,84 @@ static inline pbf_pair_real pbf_pair_sine_ahead(double x, int ahead) {
   if (!(fabs(x) < 0x1p52)) return none;
   if (fabs(x) < 0x1p-30) return small;
   const double turns = floor(x * 0x1.45f306dc9c883p-1 + 0.5);
-  const pbf_pair_real left = pbf_beyond_quarters(x, turns);
+  const pbf_pair_real whole = {x, 0};
+  const pbf_pair_real left = turns == 0 ? whole : pbf_beyond_quarters(x, turns);
   const int quarter = (int)((int64_t)turns + ahead) & 3;
   const pbf_pair_real value = quarter & 1 ? pbf_pair_cosine(left) : pbf_pair_sine(left);
   return quarter & 2 ? pbf_pair_negate(value) : value;
 }
 
-static inline double pbf_sin(double x) { return pbf_pair_sine_ahead(x, 0).high; }
-static inline double pbf_cos(double x) { return pbf_pair_sine_ahead(x, 1).high; }
+/* ---- Those of small angles ------------------------------------------------------------------ */
+
+/* Up to here what follows is known well enough 15 times of 16 and more. */
+#define PBF_SMALL_ANGLE 0.125
+
+/* Whether the sum of a number and one that is much less, which is known to within `error`, is
+ * rounded to *sum wherever it lies. */
+static inline int pbf_rounds_surely(double number, double less, double error, double *sum) {
+  const double high = number + less, low = less - (high - number);
+  *sum = high;
+  return high + (low + error) == high && high + (low - error) == high;
+}
+
+/* What rounding takes from a series that begins with the square, times what it is a part of: less
+ * than three times the last bit of a sixth or a half of it, doubled; and what pairs are off by. */
+static inline double pbf_small_series_error(double square) { return 0x1p-51 * square + 0x1p-90; }
+
+static inline int pbf_small_sine(double x, double *sine) {
+  const double s = x * x;
+  const double rest = 1 / 362880.0 + s * (-1 / 39916800.0 + s * (1 / 6227020800.0));
+  const double part = s * (-1 / 6.0 + s * (1 / 120.0 + s * (-1 / 5040.0 + s * rest)));
+  return fabs(x) < PBF_SMALL_ANGLE && fabs(x) > 0x1p-30 &&
+         pbf_rounds_surely(x, x * part, fabs(x) * pbf_small_series_error(s), sine);
+}
+
+static inline int pbf_small_cosine(double x, double *cosine) {
+  const double s = x * x;
+  const double rest = 1 / 40320.0 + s * (-1 / 3628800.0 + s * (1 / 479001600.0));
+  const double part = s * (-0.5 + s * (1 / 24.0 + s * (-1 / 720.0 + s * rest)));
+  return fabs(x) < PBF_SMALL_ANGLE && fabs(x) > 0x1p-30 &&
+         pbf_rounds_surely(1, part, pbf_small_series_error(s), cosine);
+}
+
+/* Of a tangent y / x, by the arctangent's series. */
+static inline int pbf_small_angle(double y, double x, double *angle) {
+  const double t = y / x, s = t * t;
+  if (!(t < PBF_SMALL_ANGLE && t > 0x1p-30 && x > 0x1p-30)) return 0;
+  const pbf_pair_real product = pbf_pair_product_of(t, x);
+  const double left = ((y - product.high) - product.low) / x;
+  double rest = -1 / 15.0 + s * (1 / 17.0 + s * (-1 / 19.0));
+  rest = -1 / 11.0 + s * (1 / 13.0 + s * rest);
+  rest = -1 / 7.0 + s * (1 / 9.0 + s * rest);
+  const double part = s * (-1 / 3.0 + s * (1 / 5.0 + s * rest));
+  return pbf_rounds_surely(t, t * part + left, t * pbf_small_series_error(s), angle);
+}
+
+/* ---- Of any angle --------------------------------------------------------------------------- */
+
+static inline double pbf_sin(double x) {
+  double sine;
+  return pbf_small_sine(x, &sine) ? sine : pbf_pair_sine_ahead(x, 0).high;
+}
+
+static inline double pbf_cos(double x) {
+  double cosine;
+  return pbf_small_cosine(x, &cosine) ? cosine : pbf_pair_sine_ahead(x, 1).high;
+}
 
 /* The angle of (x, y), neither of which is below 0: Newton's step from the library's. */
-static inline double pbf_angle(double y, double x) {
+static inline double pbf_angle_by_newton(double y, double x) {
   const double start = atan2(y, x);
   const pbf_pair_real sine = pbf_pair_sine_ahead(start, 0), cosine = pbf_pair_sine_ahead(start, 1);
   const pbf_pair_real a = {y, 0}, b = {-x, 0};
   const pbf_pair_real off = pbf_pair_add(pbf_pair_multiply(a, cosine), pbf_pair_multiply(b, sine));
   const double along = y * sine.high + x * cosine.high;
   return along > 0 ? pbf_pair_of(start, off.high / along).high : start;
+}
+
+static inline double pbf_angle(double y, double x) {
+  double angle;
+  return pbf_small_angle(y, x, &angle) ? angle : pbf_angle_by_newton(y, x);
 }
 
 /* ---- Powers --------------------------------------------------------------------------------- */

@@ -51,10 +51,11 @@ static inline double pbf_motion_length(const double v[3]) {
 static inline void pbf_motion_turned(const double v[3], const double axis[3], double angle,
                                      double turned[3]) {
   const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
+  const double cosine = pbf_cos(angle), sine = pbf_sin(angle);
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     const double across = v[a] - along * axis[a], round = axis[b] * v[c] - axis[c] * v[b];
-    turned[a] = along * axis[a] + pbf_cos(angle) * across + pbf_sin(angle) * round;
+    turned[a] = along * axis[a] + cosine * across + sine * round;
   }
 }
 
@@ -69,8 +70,8 @@ static inline void pbf_motion_turned(const double v[3], const double axis[3], do
 static inline void pbf_motion_screw_way(const double v[3], const double w[3], double time,
                                         double way[3]) {
   const double rate = pbf_motion_length(w), angle = rate * time;
-  const double sine = pbf_sin(angle) / rate,
-               versine = 2 * pbf_sin(0.5 * angle) * pbf_sin(0.5 * angle) / rate;
+  const double sine = pbf_sin(angle) / rate, sine_of_half = pbf_sin(0.5 * angle);
+  const double versine = 2 * sine_of_half * sine_of_half / rate;
   const double axis[3] = {w[0] / rate, w[1] / rate, w[2] / rate};
   const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
   for (int a = 0; a < 3; ++a) {
@@ -102,7 +103,7 @@ static inline void pbf_motion_turn_rate(const double from[4], const double to[4]
   double turn[4];
   pbf_motion_quaternion_product(to, conjugate, turn);
   const double sign = turn[3] < 0 ? -1 : 1, sine = pbf_motion_length(turn);
-  const double angle = 2 * pbf_angle(sine, sign * turn[3]);
+  const double angle = sine > 0 ? 2 * pbf_angle(sine, sign * turn[3]) : 0;
   for (int a = 0; a < 3; ++a) w[a] = sine > 0 ? sign * turn[a] / sine * angle / time : 0;
 }
 
@@ -128,13 +129,24 @@ static inline double pbf_motion_size(double size, double rate, double time) {
   return rate != 0 && !(grown > 0) ? 0 : grown;
 }
 
+/* Where it is `elapsed` after the place in *at_set, on such a path. */
+static inline void pbf_motion_position(const pbf_collider *at_set, uint32_t path, double elapsed,
+                                       double position[3]) {
+  const double time = pbf_motion_time(at_set, elapsed);
+  double way[3];
+  for (int a = 0; a < 3; ++a) way[a] = time * at_set->velocity[a];
+  if (path == PBF_PATH_SCREW && pbf_motion_turns(at_set))
+    pbf_motion_screw_way(at_set->velocity, at_set->angular_velocity, time, way);
+  for (int a = 0; a < 3; ++a) position[a] = at_set->position[a] + way[a];
+}
+
 /* Its pose and sizes `elapsed` after those in *at_set. */
 static inline void pbf_motion_collider(const pbf_collider *at_set, double elapsed,
                                        pbf_collider *now) {
   const double time = pbf_motion_time(at_set, elapsed);
-  const double *v = at_set->velocity, *w = at_set->angular_velocity;
+  const double *w = at_set->angular_velocity;
   *now = *at_set;
-  for (int a = 0; a < 3; ++a) now->position[a] += time * v[a];
+  pbf_motion_position(at_set, at_set->path, elapsed, now->position);
   for (int a = 0; a < 3; ++a)
     now->half_extents[a] =
         pbf_motion_size(at_set->half_extents[a], at_set->half_extents_rate[a], time);
@@ -146,10 +158,6 @@ static inline void pbf_motion_collider(const pbf_collider *at_set, double elapse
   double s = pbf_sin(0.5 * rate * time) / rate;
   double turn[4] = {s * w[0], s * w[1], s * w[2], pbf_cos(0.5 * rate * time)};
   pbf_motion_quaternion_product(turn, at_set->orientation, now->orientation);
-  if (at_set->path != PBF_PATH_SCREW) return;
-  double way[3];
-  pbf_motion_screw_way(v, w, time, way);
-  for (int a = 0; a < 3; ++a) now->position[a] = at_set->position[a] + way[a];
 }
 
 /* The same with how it goes on from there. */

@@ -85,7 +85,8 @@ static double bound_of(const pbf_collider *c, uint32_t dimension) {
 
 static solid solid_at(const pbf_solver *solver, uint32_t index, double time) {
   solid s = {.dimension = solver->kind.dimension};
-  const pbf_collider moving = pbf_collider_for_backend(&solver->colliders[index], s.dimension);
+  pbf_collider moving = solver->colliders[index];
+  pbf_collider_clean(&moving, s.dimension);
   pbf_motion_collider_state(&moving, time - solver->collider_time, &s.now);
   set_frame(&s);
   s.bound = bound_of(&s.now, s.dimension);

@@ -4,11 +4,11 @@
 #include "colliders.h"
 #include "shape/registry.h"
 
-pbf_status pbf_collider_hold(const pbf_collider *collider, const char *label) {
-  char geometry[48]; /* labels have up to 32 */
+pbf_status pbf_collider_hold(const pbf_collider *collider, const char *name, uint32_t index) {
+  char label[48];
   if (!collider->geometry) return PBF_OK;
-  snprintf(geometry, sizeof geometry, "%s.geometry", label);
-  return pbf_shape_hold(collider->geometry, geometry);
+  snprintf(label, sizeof label, "%s[%u].geometry", name, index);
+  return pbf_shape_hold(collider->geometry, label);
 }
 
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders) {

@@ -16,11 +16,20 @@
 #include "solver_time.h"
 #include "structs.h"
 
+/* A label is written for what is refused alone: it takes as long as a check. */
+static pbf_status check_one(const pbf_solver *solver, const char *name, uint32_t index,
+                            const pbf_collider *collider) {
+  char label[32];
+  pbf_status status = pbf_collider_check(collider, name, solver->kind);
+  if (status == PBF_OK) return PBF_OK;
+  snprintf(label, sizeof label, "%s[%u]", name, index);
+  return pbf_collider_check(collider, label, solver->kind);
+}
+
 /* Every struct of the array, which the message calls `name`, has the size of the first; *held
  * counts those that have their references. */
 static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t count,
                           const pbf_collider *theirs, pbf_collider *ours, uint32_t *held) {
-  char label[32];
   uint32_t stride = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
     const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
@@ -31,11 +40,10 @@ static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t c
                       stride);
     }
     pbf_status status = pbf_struct_in(&pbf_kind_collider, one, &ours[i]);
-    snprintf(label, sizeof label, "%s[%u]", name, i);
-    if (status == PBF_OK) status = pbf_collider_hold(&ours[i], label);
+    if (status == PBF_OK) status = pbf_collider_hold(&ours[i], name, i);
     if (status != PBF_OK) return status;
     ++*held;
-    status = pbf_collider_check(&ours[i], label, solver->kind);
+    status = check_one(solver, name, i, &ours[i]);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;
@@ -49,7 +57,9 @@ static pbf_status take(const pbf_solver *solver, const char *name, uint32_t coun
   pbf_status status = pbf_memory_allocate(&solver->allocator, pbf_colliders_bytes(solver, count),
                                           "the colliders", &memory);
   if (status != PBF_OK) return status;
-  memset(memory, 0, pbf_colliders_bytes(solver, count));
+  if (pbf_collider_words(count) > 0)
+    memset(pbf_colliders_marked(solver, count, memory, (enum pbf_collider_mark)0), 0,
+           PBF_COLLIDER_MARKS * (uint64_t)pbf_collider_words(count) * sizeof(uint64_t));
   status = copy_in(solver, name, count, theirs, memory, &held);
   *ours = memory;
   if (status == PBF_OK) return PBF_OK;
@@ -69,8 +79,10 @@ pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count, pbf_coll
                                     double time) {
   const int copies = solver->kind.dimension == 2; /* in 3D nothing is ignored */
   pbf_collider *clean = copies && count > 0 ? colliders + count : colliders;
-  for (uint32_t i = 0; i < count && copies; ++i)
-    clean[i] = pbf_collider_for_backend(&colliders[i], solver->kind.dimension);
+  for (uint32_t i = 0; i < count && copies; ++i) {
+    clean[i] = colliders[i];
+    pbf_collider_clean(&clean[i], solver->kind.dimension);
+  }
   pbf_status status = solver->api.set_colliders(solver->backend, count, clean, time);
   return pbf_backend_result(solver, status, "set_colliders");
 }
@@ -83,18 +95,22 @@ static double distance2(const double a[3], const double b[3]) {
   return sum;
 }
 
+static int is_zero(const double v[3]) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
+
+static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
 /* How far from where it is set now a collider that was set before would be by that path. */
 static double miss_of(const pbf_collider *before, uint32_t path, double elapsed,
                       const pbf_collider *now) {
-  pbf_collider moving = *before, moved;
-  moving.path = path;
-  pbf_motion_collider(&moving, elapsed, &moved);
-  return distance2(moved.position, now->position);
+  double position[3];
+  pbf_motion_position(before, path, elapsed, position);
+  return distance2(position, now->position);
 }
 
 /* A velocity may be meant as a chord to the next pose, or as what it is at the time: whichever has
  * foretold better where the collider is set now is how it goes on. */
 static uint32_t path_after(const pbf_collider *before, double elapsed, const pbf_collider *now) {
+  if (!pbf_motion_turns(before) || is_zero(before->velocity)) return before->path;
   const double straight = miss_of(before, PBF_PATH_STRAIGHT, elapsed, now);
   const double screw = miss_of(before, PBF_PATH_SCREW, elapsed, now);
   if (straight == screw) return before->path;
@@ -145,16 +161,22 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
   solver->step_length_checked = 0;
 }
 
-/* How far the surface of a collider goes at most as it turns from one pose to another. */
-static double turn_between(const pbf_collider *a, const pbf_collider *b) {
+/* The farthest point of its surface from the axes that it turns about. */
+static double size_of(const pbf_collider *c) {
+  if (c->shape == PBF_COLLIDER_BOX) return length_of(c->half_extents);
+  return c->shape == PBF_COLLIDER_SHAPE ? c->scale * c->geometry->bound
+                                        : c->radius + c->half_length;
+}
+
+static double cosine_of_half_turn(const pbf_collider *a, const pbf_collider *b) {
   double dot = 0;
   for (int k = 0; k < 4; ++k) dot += a->orientation[k] * b->orientation[k];
-  double size = a->shape == PBF_COLLIDER_BOX
-                    ? sqrt(pow(a->half_extents[0], 2) + pow(a->half_extents[1], 2) +
-                           pow(a->half_extents[2], 2))
-                : a->shape == PBF_COLLIDER_SHAPE ? a->scale * a->geometry->bound
-                                                 : a->radius + a->half_length;
-  return 2 * acos(fmin(fabs(dot), 1)) * size;
+  return fmin(fabs(dot), 1);
+}
+
+/* How far the surface of a collider goes at most as it turns from one pose to another. */
+static double turn_between(const pbf_collider *a, const pbf_collider *b) {
+  return 2 * acos(cosine_of_half_turn(a, b)) * size_of(a);
 }
 
 static int same_shape(const pbf_collider *a, const pbf_collider *b) {
@@ -163,8 +185,37 @@ static int same_shape(const pbf_collider *a, const pbf_collider *b) {
          memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
 }
 
-static double distance_of(const double a[3], const double b[3]) {
-  return sqrt(pow(b[0] - a[0], 2) + pow(b[1] - a[1], 2) + pow(b[2] - a[2], 2));
+static double distance_of(const double a[3], const double b[3]) { return sqrt(distance2(a, b)); }
+
+static int keeps_size(const pbf_collider *c) {
+  return c->radius_rate == 0 && c->half_length_rate == 0 && c->scale_rate == 0 &&
+         is_zero(c->half_extents_rate);
+}
+
+/* Whether it is sure, without sines, that one which was set `elapsed` ago is less than h from where
+ * it is set now: no point of it has gone farther, on its way and from where it was to where it is
+ * now, than all that is added up here. */
+static int is_surely_near(const pbf_collider *before, double elapsed, const pbf_collider *next,
+                          double h) {
+  const double by_norm = 0.004;        /* that orientations have to 1e-6 */
+  const double most_per_sine = 1.5708; /* asin x <= pi / 2 x */
+  if (!keeps_size(before) || !same_shape(before, next)) return 0;
+  const double cosine = cosine_of_half_turn(before, next);
+  const double sine = sqrt(0.5 * (1 - cosine)); /* of a quarter of the turn between the poses */
+  const double turn =
+      by_norm + 4 * most_per_sine * sine + elapsed * length_of(before->angular_velocity);
+  const double way =
+      distance_of(before->position, next->position) + elapsed * length_of(before->velocity);
+  return way + turn * size_of(before) < 0.999 * h;
+}
+
+/* How far it is set from where its motion has led, and *turn, how far its surface has turned. */
+static void find_jump(const pbf_collider *before, double elapsed, const pbf_collider *next,
+                      double way[3], double *turn) {
+  pbf_collider now = *next;
+  if (before) pbf_motion_collider(before, elapsed, &now);
+  *turn = before && same_shape(&now, next) ? turn_between(&now, next) : INFINITY;
+  for (int a = 0; a < 3; ++a) way[a] = next->position[a] - now.position[a];
 }
 
 /* The colliders that have been set to other places than their motion has led to. */
@@ -176,6 +227,7 @@ typedef struct jumps {
 /* Where they have been shifted alike, the world's origin may have been. */
 static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
   const double h = solver->params.smoothing_radius, nowhere[3] = {0, 0, 0};
+  const double elapsed = pbf_solver_time(solver) - solver->collider_time;
   const uint32_t words = pbf_collider_words(count);
   jumps found = {
       {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_IN)},
@@ -184,14 +236,10 @@ static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *
   };
   int any = 0;
   for (uint32_t k = 0; k < count; ++k) {
-    pbf_collider now = next[k];
-    double turn = INFINITY, way[3];
-    if (k < solver->collider_count)
-      pbf_motion_collider(&solver->colliders[k], pbf_solver_time(solver) - solver->collider_time,
-                          &now);
-    if (k < solver->collider_count && same_shape(&now, &next[k]))
-      turn = turn_between(&now, &next[k]);
-    for (int a = 0; a < 3; ++a) way[a] = next[k].position[a] - now.position[a];
+    const pbf_collider *before = k < solver->collider_count ? &solver->colliders[k] : NULL;
+    double turn, way[3];
+    if (before && is_surely_near(before, elapsed, &next[k], h)) continue;
+    find_jump(before, elapsed, &next[k], way, &turn);
     if (turn + distance_of(nowhere, way) < h) continue;
     if (!any) memcpy(found.shift, way, sizeof way);
     const int alike = turn + distance_of(found.shift, way) < h;
@@ -249,29 +297,18 @@ pbf_status pbf_set_colliders(pbf_solver *solver, uint32_t count, const pbf_colli
 
 /* ---- Moving --------------------------------------------------------------------------------- */
 
-/* As it stands and moves now; what the dimension ignores is as it was set. */
-static pbf_collider present_collider(const pbf_solver *solver, uint32_t index) {
+/* As it stands and moves now, without what the dimension ignores. */
+static void find_present(const pbf_solver *solver, uint32_t index, pbf_collider *now) {
+  const double elapsed = pbf_solver_time(solver) - solver->collider_time;
   const uint32_t dimension = solver->kind.dimension;
-  const pbf_collider moving = pbf_collider_for_backend(&solver->colliders[index], dimension);
-  pbf_collider collider = solver->colliders[index], now;
-  pbf_motion_collider_state(&moving, pbf_solver_time(solver) - solver->collider_time, &now);
-  for (uint32_t k = 0; k < dimension; ++k) {
-    collider.position[k] = now.position[k];
-    collider.velocity[k] = now.velocity[k];
-    collider.half_extents[k] = now.half_extents[k];
-    collider.half_extents_rate[k] = now.half_extents_rate[k];
+  if (dimension == 2) {
+    pbf_collider moving = solver->colliders[index];
+    pbf_collider_clean(&moving, dimension);
+    pbf_motion_collider_state(&moving, elapsed, now);
+    pbf_collider_clean(now, dimension);
+  } else {
+    pbf_motion_collider_state(&solver->colliders[index], elapsed, now);
   }
-  memcpy(collider.orientation, now.orientation, sizeof now.orientation);
-  for (uint32_t k = dimension == 2 ? 2 : 0; k < 3; ++k)
-    collider.angular_velocity[k] = now.angular_velocity[k];
-  collider.radius = now.radius;
-  collider.radius_rate = now.radius_rate;
-  collider.half_length = now.half_length;
-  collider.half_length_rate = now.half_length_rate;
-  collider.scale = now.scale;
-  collider.scale_rate = now.scale_rate;
-  collider.duration = now.duration;
-  return collider;
 }
 
 static int has_axis(const pbf_collider *collider) {
@@ -306,12 +343,12 @@ static pbf_status aim(const pbf_solver *solver, uint32_t count, double duration,
                       pbf_collider *targets) {
   const uint32_t dimension = solver->kind.dimension;
   for (uint32_t i = 0; i < count; ++i) {
-    const pbf_collider target = pbf_collider_for_backend(&targets[i], dimension);
-    pbf_status status = check_target(&solver->colliders[i], &target, i, dimension);
+    pbf_collider moving;
+    pbf_collider_clean(&targets[i], dimension);
+    pbf_status status = check_target(&solver->colliders[i], &targets[i], i, dimension);
     if (status != PBF_OK) return status;
-    targets[i] = present_collider(solver, i);
-    pbf_collider moving = pbf_collider_for_backend(&targets[i], dimension);
-    pbf_motion_towards(&moving, &target, duration);
+    find_present(solver, i, &moving);
+    pbf_motion_towards(&moving, &targets[i], duration);
     status = check_way(solver, &moving, i, duration);
     if (status != PBF_OK) return status;
     targets[i] = moving;
@@ -360,6 +397,16 @@ pbf_status pbf_get_collider_count(pbf_solver *solver, uint32_t *count) {
   return pbf_leave(solver, pbf_count_out(solver->collider_count, count));
 }
 
+/* What 2D ignores is as it was set. */
+static void restore_ignored(const pbf_collider *at_set, pbf_collider *now) {
+  now->position[2] = at_set->position[2];
+  now->velocity[2] = at_set->velocity[2];
+  now->axis[2] = at_set->axis[2];
+  now->half_extents[2] = at_set->half_extents[2];
+  now->half_extents_rate[2] = at_set->half_extents_rate[2];
+  for (int k = 0; k < 2; ++k) now->angular_velocity[k] = at_set->angular_velocity[k];
+}
+
 static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_collider *theirs) {
   pbf_status status = pbf_struct_check_out(&pbf_kind_collider, theirs);
   if (status != PBF_OK) return status;
@@ -367,7 +414,9 @@ static pbf_status get_collider(const pbf_solver *solver, uint32_t index, pbf_col
     return pbf_fail(PBF_ERROR_NOT_FOUND, "index is %u; the solver has %u colliders", index,
                     solver->collider_count);
   }
-  const pbf_collider now = present_collider(solver, index);
+  pbf_collider now;
+  find_present(solver, index, &now);
+  if (solver->kind.dimension == 2) restore_ignored(&solver->colliders[index], &now);
   pbf_struct_out(&pbf_kind_collider, &now, theirs, theirs->struct_size);
   return PBF_OK;
 }

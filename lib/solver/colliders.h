@@ -48,8 +48,8 @@ static inline pbf_collider_set pbf_colliders_set(const pbf_solver *solver, uint6
 /* Fails for more than the backend takes. */
 pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count);
 
-/* A reference to the geometry of colliders[index], where it has one. Fails for what is none. */
-pbf_status pbf_collider_hold(const pbf_collider *collider, const char *label);
+/* A reference to the geometry of an array's collider, where it has one. Fails for what is none. */
+pbf_status pbf_collider_hold(const pbf_collider *collider, const char *name, uint32_t index);
 
 /* Gives the references of so many colliders back. */
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders);

@@ -19,7 +19,7 @@ static double colliders_speed(const pbf_solver *solver, const pbf_params *params
   for (uint32_t i = 0; i < solver->collider_count; ++i) {
     pbf_collider now;
     pbf_motion_collider_state(&solver->colliders[i], elapsed, &now);
-    now = pbf_collider_for_backend(&now, solver->kind.dimension);
+    pbf_collider_clean(&now, solver->kind.dimension);
     fastest = fmax(fastest, pbf_fastest_collider(params, solver->kind.dimension, 1, &now));
   }
   return fastest;

@@ -119,9 +119,57 @@ static void large_angles_are_turned_back(void **state) {
   expect("pbf_cos", -1e300, pbf_cos(-1e300), 1);
 }
 
+/* Such that some 60 bits round them the other way; of 113 bits (libquadmath, GCC 12). */
+static void small_angles_are_rounded_once(void **state) {
+  (void)state;
+  static const double sines[][2] = {{0x1.e03d141b079a4p-4, 0x1.df239a3b9b8dfp-4},
+                                    {0x1.d157df60c9b0fp-4, 0x1.d057c5e51ecefp-4},
+                                    {0x1.e271703396a79p-4, 0x1.e15411e2c26ddp-4},
+                                    {0x1.8a9e930f24bdp-4, 0x1.8a025dde06601p-4}};
+  static const double cosines[][2] = {{0x1.7009047ddd198p-4, 0x1.fdef412d81439p-1},
+                                      {0x1.3371411d52d66p-4, 0x1.fe8ef389ff101p-1},
+                                      {0x1.f5aff9458cd46p-4, 0x1.fc2a104038edfp-1},
+                                      {0x1.08f6aaca136bdp-4, 0x1.feeddacc8a059p-1}};
+  static const double of_tangents[][3] = {
+      {0x1.c8de4b7100d92p-5, 0x1.24aa56203d3a2p-1, 0x1.8e5ee03e42e8fp-4},
+      {0x1.3e11cac2ee927p-4, 0x1.440cab8973984p-1, 0x1.f40d682ed8a9bp-4},
+      {0x1.ec45075cc4eecp-5, 0x1.bec31f767f994p-1, 0x1.19a1b3742a901p-4},
+      {0x1.27b352a167415p-4, 0x1.6f765fe248317p-1, 0x1.9aa14a95e2273p-4}};
+  for (int k = 0; k < 4; ++k) {
+    expect("pbf_sin", sines[k][0], pbf_sin(sines[k][0]), sines[k][1]);
+    expect("pbf_cos", cosines[k][0], pbf_cos(cosines[k][0]), cosines[k][1]);
+    expect("pbf_angle", of_tangents[k][0], pbf_angle(of_tangents[k][0], of_tangents[k][1]),
+           of_tangents[k][2]);
+  }
+}
+
+/* What is tried first has the bits of pairs, where it says that it knows. */
+static void small_angles_are_known(void **state) {
+  (void)state;
+  enum { DRAWS = 300000 };
+  uint64_t draw = 1;
+  int known = 0;
+  for (int k = 0; k < DRAWS; ++k) {
+    draw = draw * 6364136223846793005u + 1442695040888963407u; /* Knuth */
+    const double part = (double)(draw >> 11) * 0x1p-53;
+    const double x = (k & 1 ? 1 : -1) * (1 + part) * (PBF_SMALL_ANGLE / (double)(2u << k % 24));
+    double found;
+    const int sine = pbf_small_sine(x, &found);
+    if (sine) expect("sine", x, found, pbf_pair_sine_ahead(x, 0).high);
+    const int cosine = pbf_small_cosine(x, &found);
+    if (cosine) expect("cosine", x, found, pbf_pair_sine_ahead(x, 1).high);
+    const double right = 0.5 + part, up = fabs(x) * right;
+    const int angle = pbf_small_angle(up, right, &found);
+    if (angle) expect("angle", x, found, pbf_angle_by_newton(up, right));
+    known += sine + cosine + angle;
+  }
+  assert_true(known > 0.97 * 3 * DRAWS);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(values_are_rounded_once),
-                                     cmocka_unit_test(ends_are_exact),
-                                     cmocka_unit_test(large_angles_are_turned_back)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(values_are_rounded_once), cmocka_unit_test(ends_are_exact),
+      cmocka_unit_test(large_angles_are_turned_back),
+      cmocka_unit_test(small_angles_are_rounded_once), cmocka_unit_test(small_angles_are_known)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
  */
 #include "support.h"
 
+#include "physics/apart.h"
 #include "physics/groups.h"
 
 namespace {
@@ -54,7 +55,9 @@ double deepest(const pbf_collider (&colliders)[N]) {
   for (uint32_t k = 0; k < N; ++k) surfaces[k] = pbf_surface_at(&colliders[k], 0, 0);
   static pbf_group groups[PBF_FEW_COLLIDERS];
   static uint16_t numbers[PBF_FEW_COLLIDERS];
-  return pbf_groups_deepest(&params, N, colliders, surfaces, 1, groups, numbers);
+  const double depth = pbf_groups_deepest(&params, N, colliders, surfaces, 1, groups, numbers);
+  assert_false(pbf_solids_are_apart(&params, N, colliders) && depth > 0);
+  return depth;
 }
 
 void expect(double found, double right) {
@@ -68,6 +71,32 @@ void what_encloses_nothing(void **) {
   expect(deepest({ball(2, 5, 1), ball(5, 5, 1), ball(8, 5, 1)}), 0);
   expect(deepest({ball(3, 1, 1), ball(5.3, 1, 1)}), 0); /* apart by more than 0.2 */
   expect(deepest({box(4, 0, 4, 6, 9, 6)}), 0);
+}
+
+/* Where it is known without their poses it is right, and it is known of most that are apart. */
+void what_is_surely_apart(void **) {
+  enum { SOLIDS = 6, DRAWS = 20000 };
+  int apart = 0, known = 0;
+  uint32_t draw = 1;
+  const auto next = [&](double from, double to) {
+    draw = draw * 1664525u + 1013904223u; /* Knuth and Lewis */
+    return from + (to - from) * (draw / 4294967296.0);
+  };
+  for (int k = 0; k < DRAWS; ++k) {
+    pbf_collider all[SOLIDS];
+    for (pbf_collider &c : all) {
+      const double x = next(0, 10), y = next(0, 10), z = next(0, 10), r = next(0.05, 0.5);
+      c = ball(x, y, r);
+      if (next(0, 1) < 0.5) c = box(x - r, y - r / 2, z - r / 3, x + r, y + r / 2, z + r / 3);
+      c.position[2] = z;
+      c.orientation[2] = next(-1, 1);
+      c.orientation[3] = sqrt(1 - c.orientation[2] * c.orientation[2]);
+    }
+    const pbf_params params = params_of();
+    apart += !(deepest({all[0], all[1], all[2], all[3], all[4], all[5]}) > 0);
+    known += pbf_solids_are_apart(&params, SOLIDS, all);
+  }
+  assert_true(apart > DRAWS / 4 && known > apart / 2 && known <= apart);
 }
 
 /* As high as its bounds, and the gap on both sides. */
@@ -104,8 +133,11 @@ void in_containers(void **) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_encloses_nothing), cmocka_unit_test(what_lies_within_its_bounds),
-      cmocka_unit_test(what_parts_the_domain), cmocka_unit_test(before_planes),
+      cmocka_unit_test(what_encloses_nothing),
+      cmocka_unit_test(what_is_surely_apart),
+      cmocka_unit_test(what_lies_within_its_bounds),
+      cmocka_unit_test(what_parts_the_domain),
+      cmocka_unit_test(before_planes),
       cmocka_unit_test(in_containers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

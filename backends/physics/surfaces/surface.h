@@ -122,9 +122,8 @@ static inline void pbf_set_field(pbf_surface *s, const pbf_collider *collider) {
   s->steepest = (pbf_real)collider->geometry->steepest;
 }
 
-/* At the end of a step, in which a collider has come from `before` to `now`. What grows stretches
- * space: along with it go those before it. */
-static inline pbf_surface pbf_surface_between(const pbf_collider *before, const pbf_collider *now) {
+/* What of a surface does not go by how it moves. */
+static inline pbf_surface pbf_surface_of(const pbf_collider *now, double bound) {
   pbf_surface s = {0};
   s.shape = (int)now->shape;
   s.sign = now->inverted ? (pbf_real)-1 : (pbf_real)1;
@@ -132,9 +131,23 @@ static inline pbf_surface pbf_surface_between(const pbf_collider *before, const 
   s.half_length = (pbf_real)now->half_length;
   for (int k = 0; k < PBF_DIM; ++k) s.half_extents.c[k] = (pbf_real)now->half_extents[k];
   pbf_set_field(&s, now);
-  const double bound = fmax(pbf_bound(before), pbf_bound(now));
   s.bound = (pbf_real)(now->inverted ? INFINITY : 1.0001 * bound);
   pbf_place_surface(now, &s.center, s.frame);
+  return s;
+}
+
+/* As a collider has been set, without a motion. */
+static inline pbf_surface pbf_surface_as_set(const pbf_collider *collider) {
+  pbf_surface s = pbf_surface_of(collider, pbf_bound(collider));
+  s.start_center = s.center;
+  for (int row = 0; row < PBF_DIM; ++row) s.start_frame[row] = s.frame[row];
+  return s;
+}
+
+/* At the end of a step, in which a collider has come from `before` to `now`. What grows stretches
+ * space: along with it go those before it. */
+static inline pbf_surface pbf_surface_between(const pbf_collider *before, const pbf_collider *now) {
+  pbf_surface s = pbf_surface_of(now, fmax(pbf_bound(before), pbf_bound(now)));
   pbf_place_surface(before, &s.start_center, s.start_frame);
   for (int row = 0; row < PBF_DIM; ++row) {
     const pbf_real growth = (pbf_real)pbf_growth(before, now, row);
