@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include <pbf/pbf_backend.h>
 
@@ -46,64 +47,34 @@ static const pbf_real_rule turn_3d = REAL(angular_velocity, 3, PBF_ANY);
 static const pbf_real_rule turn_2d = {"angular_velocity[2]",
                                       offsetof(pbf_collider, angular_velocity[2]), 1, PBF_ANY, 0};
 
-/* What lies between these two meets all the rules above: nearly all that callers give. They are
- * compared without a look at the rules, which say what is wrong with the rest. */
-#define THREE(number) \
-  { number, number, number }
-static const pbf_collider least = {
-    .position = THREE(-FLT_MAX),
-    .orientation = {-2, -2, -2, -2},
-    .velocity = THREE(-FLT_MAX),
-    .angular_velocity = THREE(-FLT_MAX),
-    .axis = THREE(-FLT_MAX),
-    .half_extents = THREE(-FLT_MAX),
-    .radius = -FLT_MAX,
-    .half_length = -FLT_MAX,
-    .half_extents_rate = THREE(-FLT_MAX),
-    .radius_rate = -FLT_MAX,
-    .half_length_rate = -FLT_MAX,
-    .scale = -FLT_MAX,
-    .scale_rate = -FLT_MAX,
-};
-static const pbf_collider most = {
-    .shape = PBF_COLLIDER_SHAPE,
-    .inverted = 1,
-    .path = PBF_PATH_SCREW,
-    .position = THREE(FLT_MAX),
-    .orientation = {2, 2, 2, 2},
-    .velocity = THREE(FLT_MAX),
-    .angular_velocity = THREE(FLT_MAX),
-    .axis = THREE(FLT_MAX),
-    .half_extents = THREE(FLT_MAX),
-    .radius = FLT_MAX,
-    .half_length = FLT_MAX,
-    .half_extents_rate = THREE(FLT_MAX),
-    .radius_rate = FLT_MAX,
-    .half_length_rate = FLT_MAX,
-    .duration = FLT_MAX,
-    .scale = FLT_MAX,
-    .scale_rate = FLT_MAX,
-    .friction = FLT_MAX,
-    .static_friction = FLT_MAX,
-    .no_slip = 1,
-    .adhesion = 1,
-};
+/* Nearly all that callers give meets the rules above, which say what is wrong with the rest. It is
+ * found to without a look at them. */
+
 enum {
   NUMBERS = (offsetof(pbf_collider, geometry) - offsetof(pbf_collider, position)) / sizeof(double),
   MORE_NUMBERS = (sizeof(pbf_collider) - offsetof(pbf_collider, scale)) / sizeof(double)
 };
 
-static int are_between(const double *low, const double *numbers, const double *high, int count) {
-  int outside = 0;
-  for (int i = 0; i < count; ++i) outside |= !(numbers[i] >= low[i]) | !(numbers[i] <= high[i]);
-  return !outside;
+/* Bits of sizes are ordered as these are, with infinity and what is no number behind them; several
+ * are compared at once. */
+static int are_finite(const double *numbers, int count) {
+  const uint64_t size = UINT64_MAX >> 1, most = UINT64_C(0x47EFFFFFE0000000); /* FLT_MAX */
+  uint64_t beyond = 0;
+  for (int i = 0; i < count; ++i) {
+    uint64_t bits;
+    memcpy(&bits, &numbers[i], sizeof bits);
+    beyond |= most - (bits & size);
+  }
+  return !(beyond & ~size);
 }
 
-static int is_ordinary(const pbf_collider *collider) {
-  return collider->shape <= most.shape && collider->inverted <= most.inverted &&
-         collider->path <= most.path &&
-         are_between(least.position, collider->position, most.position, NUMBERS) &&
-         are_between(&least.scale, &collider->scale, &most.scale, MORE_NUMBERS);
+static int is_fraction(double number) { return number >= 0 && number <= 1; }
+
+static int is_ordinary(const pbf_collider *c) {
+  return c->shape <= PBF_COLLIDER_SHAPE && c->inverted <= 1 && c->path <= PBF_PATH_SCREW &&
+         are_finite(c->position, NUMBERS) && are_finite(&c->scale, MORE_NUMBERS) &&
+         c->duration >= 0 && c->friction >= 0 && c->static_friction >= 0 &&
+         is_fraction(c->no_slip) && is_fraction(c->adhesion);
 }
 
 /* The same for sizes, of an ordinary one. */

@@ -264,6 +264,14 @@ static const real_case collider_reals[] = {
     {"of norm 1.00001", C(orientation[3]), 1.00001},
     {"of norm 0;", C(orientation[3]), 0},
     {"colliders[1].orientation is (NaN, 0, 0, 1), of norm NaN;", C(orientation[0]), -NAN},
+    {"colliders[1].radius is 1e-39; it must be a normal number", C(radius), 1e-39},
+    {"colliders[1].duration is -1; it must be at least 0", C(duration), -1},
+    {"colliders[1].friction is -1; it must be at least 0", C(friction), -1},
+    {"colliders[1].static_friction is -1", C(static_friction), -1},
+    {"colliders[1].no_slip is 1.5; it must be from 0 to 1", C(no_slip), 1.5},
+    {"colliders[1].no_slip is -0.1", C(no_slip), -0.1},
+    {"colliders[1].adhesion is 1.5", C(adhesion), 1.5},
+    {"colliders[1].adhesion is -0.1", C(adhesion), -0.1},
     {"colliders[1].axis has length 0", C(axis[1]), 0},
     {"colliders[1].axis[1] is", C(axis[1]), NAN},
 };
@@ -309,10 +317,24 @@ static void nothing_in_colliders_that_is_not_a_number(void **state) {
     const char *name;
     size_t offset;
     int components;
-  } fields[] = {{"position", C(position), 3}, {"orientation", C(orientation), 4},
-                {"velocity", C(velocity), 3}, {"angular_velocity", C(angular_velocity), 3},
-                {"axis", C(axis), 3},         {"half_extents", C(half_extents), 3},
-                {"radius", C(radius), 1},     {"half_length", C(half_length), 1}};
+  } fields[] = {{"position", C(position), 3},
+                {"orientation", C(orientation), 4},
+                {"velocity", C(velocity), 3},
+                {"angular_velocity", C(angular_velocity), 3},
+                {"axis", C(axis), 3},
+                {"half_extents", C(half_extents), 3},
+                {"radius", C(radius), 1},
+                {"half_length", C(half_length), 1},
+                {"half_extents_rate", C(half_extents_rate), 3},
+                {"radius_rate", C(radius_rate), 1},
+                {"half_length_rate", C(half_length_rate), 1},
+                {"duration", C(duration), 1},
+                {"scale", C(scale), 1},
+                {"scale_rate", C(scale_rate), 1},
+                {"friction", C(friction), 1},
+                {"static_friction", C(static_friction), 1},
+                {"no_slip", C(no_slip), 1},
+                {"adhesion", C(adhesion), 1}};
   const double values[] = {NAN, INFINITY, -INFINITY, 1e39};
   pbf_solver *s = test_solver(3, PBF_FLOAT32, 10);
   for (size_t f = 0; f < LENGTH(fields); ++f) {
