@@ -88,6 +88,9 @@ typedef void (*pbf_os_function)(void);
 /* Whether an error is one of too few descriptors, or too little memory. */
 int pbf_os_is_shortage(int error);
 
+/* Whether the process can have one more key of thread-specific data. */
+int pbf_os_has_thread_key(void);
+
 /* Loads it for the life of the process, with what it depends on: threads of a backend's runtime
  * may outlive a library that is closed. Null with a reason on failure, and in *failed the error
  * where it is known. */

@@ -191,6 +191,8 @@ static int is_shortage(DWORD error) {
          error == ERROR_COMMITMENT_LIMIT;
 }
 
+int pbf_os_has_thread_key(void) { return 1; }
+
 void *pbf_os_load(const char *path, char *reason, size_t size, int *failed) {
   wchar_t wide[PBF_OS_PATH_SIZE];
   HMODULE pinned;

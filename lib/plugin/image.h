@@ -10,7 +10,7 @@
  * broken copy, ends the process with SIGBUS within dlopen, and one with bits turned over by some
  * other signal. So all that the loader reads before any code runs is looked at, mostly by what a
  * linker has stated twice. Code and data are not. Says nothing where shared objects are not ELF
- * files. */
+ * files. Notes whether it brings in others. */
 pbf_status pbf_image_check(int file, uint64_t size, pbf_plugin *plugin);
 
 #endif

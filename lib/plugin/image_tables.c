@@ -240,6 +240,24 @@ static int is_needed(const tables *t, const char *file) {
   return 0;
 }
 
+/* Of the C library and the compiler. */
+static int is_basic(const char *file) {
+  static const char *const names[] = {"libc.",       "libm.",  "libdl.",    "ld-",
+                                      "libpthread.", "librt.", "libgcc_s.", "ld64."};
+  for (size_t k = 0; k < sizeof names / sizeof names[0]; ++k)
+    if (strncmp(file, names[k], strlen(names[k])) == 0) return 1;
+  return 0;
+}
+
+/* It needs libraries of others, or loads some itself. */
+static int brings_others(const tables *t) {
+  for (const dynamic *e = t->entries; e->d_tag != DT_NULL; ++e)
+    if (e->d_tag == DT_NEEDED && !is_basic(t->names + e->d_un.d_val)) return 1;
+  for (uint32_t k = 0; k < t->symbol_count; ++k)
+    if (strcmp(t->names + t->symbols[k].st_name, "dlopen") == 0) return 1;
+  return 0;
+}
+
 /* ---- Symbols -----------------------------------------------------------------------------------
  */
 
@@ -475,7 +493,9 @@ static pbf_status check(tables *t) {
   if (status == PBF_OK) status = check_symbols(t);
   if (status == PBF_OK) status = check_hash(t);
   if (status == PBF_OK) status = check_versions(t);
-  return status == PBF_OK ? check_all_relocations(t) : status;
+  if (status == PBF_OK) status = check_all_relocations(t);
+  if (status == PBF_OK) t->it->plugin->brings = brings_others(t);
+  return status;
 }
 
 pbf_status pbf_image_check_tables(image *it) {

@@ -14,6 +14,7 @@ typedef struct pbf_plugin {
   char build_id[96];
   char path[256];   /* cut when longer */
   char reason[256]; /* why it is not usable; empty: usable */
+  int brings;       /* code of others: libraries beside the C library's own */
   pbf_backend_api api;
 } pbf_plugin;
 

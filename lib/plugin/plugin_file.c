@@ -36,9 +36,20 @@ static pbf_status check_file(const char *path, pbf_plugin *plugin) {
   return status;
 }
 
+/* OpenMP's runtime ends the process where it gets no key of thread-specific data, and others may.
+ */
+static pbf_status check_keys(pbf_plugin *plugin) {
+  if (!plugin->brings || pbf_os_has_thread_key()) return PBF_OK;
+  was_short = 1;
+  return pbf_plugin_refuse(plugin, PBF_ERROR_UNAVAILABLE,
+                           "the process has no key of pthread_key_create left, which libraries "
+                           "that it brings may want");
+}
+
 /* Once it has been looked at. */
 static pbf_status load_file(const char *path, pbf_plugin *plugin, void **library) {
   pbf_status status = check_file(path, plugin);
+  if (status == PBF_OK) status = check_keys(plugin);
   if (status != PBF_OK) return status;
   int error = 0;
   *library = pbf_os_load(path, plugin->reason, sizeof plugin->reason, &error);

@@ -9,7 +9,13 @@
 
 #include "child.h"
 
-enum { IT_WAS_NEVER_SHORT = 1, IT_FOUND_NONE_LATER, IT_GAVE_NO_REASON, IT_HAS_NO_LIMIT };
+enum {
+  IT_WAS_NEVER_SHORT = 1,
+  IT_FOUND_NONE,
+  IT_FOUND_NONE_LATER,
+  IT_GAVE_NO_REASON,
+  IT_HAS_NO_LIMIT
+};
 
 static pbf_status created(void) {
   pbf_desc desc;
@@ -45,19 +51,29 @@ static rlim_t bytes(void) {
   return pages * (rlim_t)sysconf(_SC_PAGESIZE);
 }
 
+/* Whether a backend that is there is left out, with that reason; 1 where it is not there. */
+static int is_left_out(const char *name, const char *why) {
+  pbf_backend_info info;
+  if (find_backend(name, NULL, &info) < 0 || strstr(info.reason, "no pbf_backend_")) return 1;
+  return !info.available && strstr(info.reason, why);
+}
+
 /* Of a process that has given all keys of thread-specific data to others. OpenMP's runtime would
- * end it. */
+ * end it; backends that bring no libraries serve. */
 static int look_without_keys(void) {
   enum { MOST = 4096 };
   static pthread_key_t keys[MOST];
+  pbf_backend_info info;
   int taken = 0;
   while (taken < MOST && pthread_key_create(&keys[taken], NULL) == 0) ++taken;
   if (taken == MOST) return IT_HAS_NO_LIMIT;
   for (int k = 0; k < 2; ++k) {
-    if (created() == PBF_OK) return IT_WAS_NEVER_SHORT;
-    if (!strstr(pbf_last_error(), "pthread_key_create")) return IT_GAVE_NO_REASON;
+    if (created() != PBF_OK) return IT_FOUND_NONE;
+    if (!is_left_out("openmp", "pthread_key_create")) return IT_GAVE_NO_REASON;
   }
   while (taken > 0) pthread_key_delete(keys[--taken]);
+  if (find_backend("openmp", NULL, &info) >= 0 && strstr(info.reason, "pthread_key_create"))
+    return IT_FOUND_NONE_LATER;
   return created() == PBF_OK ? 0 : IT_FOUND_NONE_LATER;
 }
 
