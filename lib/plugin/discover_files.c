@@ -56,7 +56,12 @@ int pbf_discover_name(const char *name) {
     if (tried[0]) pbf_text_append(tried, sizeof tried, separator);
     pbf_text_append(tried, sizeof tried, folder);
   }
-  if (!candidates)
+  if (!candidates && !tried[0])
+    snprintf(reason, sizeof reason,
+             "no folder to look for pbf_backend_%s" PBF_PLUGIN_SUFFIX
+             " in: where libpbf is loaded from can't be told; PBF_BACKEND_PATH can name one",
+             name);
+  else if (!candidates)
     snprintf(reason, sizeof reason, "no pbf_backend_%s" PBF_PLUGIN_SUFFIX " in %s", name, tried);
   if (!pbf_entries_name(name)) pbf_entries_append_failure(name, "", reason, PBF_ROOM_SEARCH);
   return is_settled;

@@ -1,10 +1,16 @@
 /* Where plugins are looked for, with a libpbf of the test's own in a folder of the test's own. */
+#define _GNU_SOURCE /* unshare */
 #include <stdio.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <grp.h>
+
+#if defined(__linux__)
+#include <sched.h>
+#include <sys/mount.h>
+#endif
 
 #include "child.h"
 #include "support.h"
@@ -26,9 +32,20 @@ static int tear_down(void **state) {
   return unsetenv("PBF_BACKEND_PATH");
 }
 
+/* Has nothing in /proc from now on; 0 where that can't be done. */
+static int hide_proc(void) {
+#if defined(__linux__)
+  return unshare(CLONE_NEWNS) == 0 && mount(NULL, "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0 &&
+         mount("none", "/proc", "tmpfs", 0, NULL) == 0;
+#else
+  return 0;
+#endif
+}
+
 /* Runs the program as it stands in the folder, from `directory`, for a user of no rank if so
  * wished; false when that can't be done here. */
-static void ask(const char *directory, const char *library, int as_nobody) {
+static int try_to_ask(const char *directory, const char *library, int as_nobody, int has_proc) {
+  enum { CANT_HIDE = 93 };
   char program[128];
   int ends[2], status = 0;
   snprintf(program, sizeof program, "%s/list", folder);
@@ -38,6 +55,7 @@ static void ask(const char *directory, const char *library, int as_nobody) {
   if (child == 0) {
     dup2(ends[1], STDOUT_FILENO);
     if (chdir(directory) != 0) _exit(90);
+    if (!has_proc && !hide_proc()) _exit(CANT_HIDE);
     if (as_nobody && (setgroups(0, NULL) || setgid(65534) || setuid(65534))) _exit(91);
     execl(program, program, library, (char *)NULL);
     _exit(92);
@@ -50,7 +68,13 @@ static void ask(const char *directory, const char *library, int as_nobody) {
   close(ends[0]);
   assert_int_equal(waitpid(child, &status, 0), child);
   assert_true(WIFEXITED(status));
+  if (WEXITSTATUS(status) == CANT_HIDE) return 0;
   assert_int_equal(WEXITSTATUS(status), 0);
+  return 1;
+}
+
+static void ask(const char *directory, const char *library, int as_nobody) {
+  try_to_ask(directory, library, as_nobody, 1);
 }
 
 static void ask_plainly(void) {
@@ -71,6 +95,17 @@ static void nothing_there(void **state) {
   assert_says("serial|0||no pbf_backend_serial.so in %s", folder);
   assert_says("cuda|0||no pbf_backend_cuda.so in %s", folder);
   assert_says("auto|none%s", "");
+}
+
+/* Opened by a relative name, in a process that can't ask the kernel where that was. */
+static void no_folder_to_look_in(void **state) {
+  (void)state;
+  if (!try_to_ask(folder, "./libpbf.so", 0, 0)) test_skip("/proc can't be hidden here");
+  assert_says("serial|0||no folder to look for pbf_backend_serial.so in: where libpbf%s", " is");
+  assert_int_equal(setenv("PBF_BACKEND_PATH", folder, 1), 0);
+  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
+  assert_true(try_to_ask(folder, "./libpbf.so", 0, 0));
+  assert_says("serial|1|%s/pbf_backend_serial.so|", folder);
 }
 
 /* Only then does "auto" take it. */
@@ -193,6 +228,7 @@ static void elevated_privileges(void **state) {
 int main(void) {
   const struct CMUnitTest places[] = {
       PLACE(nothing_there),
+      PLACE(no_folder_to_look_in),
       PLACE(reference_alone),
       PLACE(beside_and_below),
       PLACE(a_failure_is_not_the_end),
