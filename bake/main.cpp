@@ -16,9 +16,12 @@
 #include <string>
 #include <vector>
 
+#include "core/standard_streams.h"
 #include "mesh_file.h"
 
 namespace {
+
+namespace fs = std::filesystem;
 
 enum { exit_failure = 1, exit_usage = 2 };
 
@@ -108,18 +111,37 @@ Shape bake_hull(const bake::Mesh &mesh, const Options &options, double cell) {
 
 // ---- Files ---------------------------------------------------------------------------------------
 
+bool write_bytes(const fs::path &path, const std::vector<char> &bytes) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  return static_cast<bool>(out);
+}
+
+// Beside the file that is there, and in its place once it is whole: where it can't be written the
+// old one stays. What is no file, as a pipe, has none beside it.
+bool replace_file(const std::string &path, const std::vector<char> &bytes) {
+  std::error_code failed;
+  const fs::file_status there = fs::status(path, failed);
+  if (fs::exists(there) && !fs::is_regular_file(there)) return write_bytes(path, bytes);
+  fs::path target = fs::weakly_canonical(path, failed);
+  if (failed) target = path;
+  const fs::path fresh = target.string() + ".new";
+  if (write_bytes(fresh, bytes)) {
+    if (fs::exists(there)) fs::permissions(fresh, there.permissions(), failed);
+    fs::rename(fresh, target, failed);
+    if (!failed) return true;
+  }
+  fs::remove(fresh, failed);
+  return false;
+}
+
 void write(pbf_shape *shape, const std::string &path) {
   uint64_t size = 0;
   check(pbf_save_shape(shape, nullptr, &size), path);
   std::vector<char> bytes(size);
   check(pbf_save_shape(shape, bytes.data(), &size), path);
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(size));
-  out.close();
-  if (out) return;
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
-  throw std::runtime_error(path + " can't be written");
+  if (!replace_file(path, bytes)) throw std::runtime_error(path + " can't be written");
 }
 
 Shape read(const std::string &path) {
@@ -220,14 +242,7 @@ int run(const Options &options) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char **argv) {
-  CLI::App app("Makes a shape of a mesh: signed distances, for pbf_load_shape", "pbf-bake");
-  Options options;
-  add_options(app, options);
-  app.footer("Exit codes: 0 done; 1 the mesh or a file is at fault; 2 wrong command line.");
-  app.failure_message(CLI::FailureMessage::simple);
+int run_command(CLI::App &app, const Options &options, int argc, char **argv) {
   try {
     app.parse(argc, argv);
     return run(options);
@@ -237,4 +252,16 @@ int main(int argc, char **argv) {
     std::fprintf(stderr, "pbf-bake: %s\n", error.what());
     return exit_failure;
   }
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  bench::prepare_standard_streams();
+  CLI::App app("Makes a shape of a mesh: signed distances, for pbf_load_shape", "pbf-bake");
+  Options options;
+  add_options(app, options);
+  app.footer("Exit codes: 0 done; 1 the mesh or a file is at fault; 2 wrong command line.");
+  app.failure_message(CLI::FailureMessage::simple);
+  return bench::exit_after_output(run_command(app, options, argc, argv), exit_failure, "pbf-bake");
 }

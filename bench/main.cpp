@@ -5,6 +5,7 @@
 #include "commands/commands.h"
 #include "core/error.h"
 #include "core/solver.h"
+#include "core/standard_streams.h"
 
 namespace {
 
@@ -18,7 +19,7 @@ const char *const footer =
     "Exit codes: 0 done; 1 failed at run time; 2 wrong command line or scene; 3 no backend can "
     "serve;\n130 interrupted (what there was has been written).";
 
-int run_command(CLI::App &app, int argc, char **argv) {
+int run_parsed(CLI::App &app, int argc, char **argv) {
   std::vector<std::pair<CLI::App *, Command>> commands;
   for (const AddCommand add : add_commands) commands.push_back(add(app));
   try {
@@ -33,9 +34,22 @@ int run_command(CLI::App &app, int argc, char **argv) {
   return exit_usage;
 }
 
+int run_command(CLI::App &app, int argc, char **argv) {
+  try {
+    return run_parsed(app, argc, argv);
+  } catch (const Error &error) {
+    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    return error.code;
+  } catch (const std::exception &error) {
+    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    return exit_failure;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char **argv) {
+  prepare_standard_streams();
   CLI::App app("Position based fluids: scenes, speed and error", "pbf-bench");
   app.require_subcommand(1);
   app.footer(footer);
@@ -44,13 +58,5 @@ int main(int argc, char **argv) {
       ->type_name("FILE")
       ->expected(1, -1)
       ->allow_extra_args(false);
-  try {
-    return run_command(app, argc, argv);
-  } catch (const Error &error) {
-    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
-    return error.code;
-  } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
-    return exit_failure;
-  }
+  return exit_after_output(run_command(app, argc, argv), exit_failure, "pbf-bench");
 }

@@ -6,6 +6,7 @@ import pathlib
 import struct as binary
 from typing import TYPE_CHECKING, Any, Union
 
+from . import _files
 from ._callbacks import log_to_logging
 from ._choices import PRECISIONS
 from ._errors import DataError, StateError
@@ -30,7 +31,7 @@ class State(Reading):
         self._call(lib.pbf_save, ffi.from_buffer(buffer), size)
         state = bytes(buffer[:size[0]])
         if path is not None:
-            pathlib.Path(path).write_bytes(state)
+            _files.replace(path, state)
         return state
 
     def load(self, source: PathLike | bytes | bytearray | memoryview) -> None:

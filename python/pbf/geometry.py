@@ -1,7 +1,6 @@
 """Geometries: any solid, as signed distances on a grid, for `Solid` colliders."""
 from __future__ import annotations
 
-import pathlib
 import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _files
 from ._arrays import AnyArray, numpy_of, pointer
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
@@ -122,7 +122,7 @@ class Geometry:
         check(lib.pbf_save_shape(self._handle, ffi.from_buffer(buffer), size))
         saved = bytes(buffer)
         if path is not None:
-            pathlib.Path(path).write_bytes(saved)
+            _files.replace(path, saved)
         return saved
 
     @classmethod

@@ -78,3 +78,21 @@ def test_pickle_of_a_class_of_ones_own(run_in):
 
 class Pool(pbf.Solver):
     pass
+
+
+def test_an_old_file_stays_where_a_new_one_finds_no_room(run_in, tmp_path):
+    resource = pytest.importorskip("resource")
+    run_in.save(tmp_path / "kept.state")
+    before = (tmp_path / "kept.state").read_bytes()
+    run_in.step(3)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))  # as on a full disk
+    try:
+        with pytest.raises(OSError):
+            run_in.save(tmp_path / "kept.state")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (tmp_path / "kept.state").read_bytes() == before
+    assert [left.name for left in tmp_path.iterdir()] == ["kept.state"]
+    run_in.save(tmp_path / "kept.state")
+    assert (tmp_path / "kept.state").read_bytes() != before

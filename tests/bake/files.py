@@ -4,7 +4,9 @@
 """
 import math
 import pathlib
+import os
 import re
+import resource
 import struct
 import subprocess
 import sys
@@ -188,6 +190,41 @@ def what_is_no_solid_is_refused():
     check("nothing is written", not (WORK / "x.pbfshape").exists())
 
 
+def bake_with(limit, *words):
+    """No file may become larger than that, as on a full disk."""
+    def set_limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    return subprocess.run([str(BAKE), *map(str, words)], capture_output=True, text=True, check=False, cwd=WORK, preexec_fn=set_limit)
+
+
+def what_is_written_is_whole_or_as_before():
+    write_obj("cube.obj", *box((1, 1, 1)))
+    check("a cube is baked", bake("cube.obj", "kept.pbfshape", "--cell", 0.2).returncode == 0)
+    before = (WORK / "kept.pbfshape").read_bytes()
+    (WORK / "kept.pbfshape").chmod(0o600)
+    ended = bake_with(5000, "cube.obj", "kept.pbfshape", "--cell", 0.1)
+    check("a full disk is told", ended.returncode == 1 and "can't be written" in ended.stderr)
+    check("the old file is left", (WORK / "kept.pbfshape").read_bytes() == before)
+    check("nothing is left beside it", not list(WORK.glob("kept.pbfshape.*")))
+    (WORK / "link.pbfshape").symlink_to("kept.pbfshape")
+    check("through a link", bake("cube.obj", "link.pbfshape", "--cell", 0.1).returncode == 0)
+    check("the link is one", (WORK / "link.pbfshape").is_symlink())
+    check("the file is another", (WORK / "kept.pbfshape").read_bytes() != before)
+    check("its permissions stay", (WORK / "kept.pbfshape").stat().st_mode & 0o777 == 0o600)
+
+
+def readers_may_go_away():
+    pipe = WORK / "pipe.pbfshape"
+    os.mkfifo(pipe)
+    with subprocess.Popen(["head", "-c", "10", str(pipe)], stdout=subprocess.DEVNULL):
+        ended = bake("cube.obj", "pipe.pbfshape", "--cell", 0.03)
+    check("a reader that goes away is told", ended.returncode == 1 and "can't be written" in ended.stderr)
+    check("the pipe is left", pipe.is_fifo())
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        shown = subprocess.run([str(BAKE), "--show", "kept.pbfshape"], stdout=full, stderr=subprocess.PIPE, check=False, cwd=WORK)
+    check("lost output is told", shown.returncode == 1 and b"can't be written" in shown.stderr)
+
+
 for left in WORK.glob("*.pbfshape"):
     left.unlink()
 balls_have_their_distances()
@@ -195,4 +232,6 @@ boxes_are_placed()
 open_meshes_are_shells()
 collapsed_triangles_are_left_out()
 what_is_no_solid_is_refused()
+what_is_written_is_whole_or_as_before()
+readers_may_go_away()
 sys.exit(1 if failures else 0)

@@ -153,6 +153,19 @@ void a_recording_has_the_shapes_of_its_scene(void **) {
   expect_contains(run_program(folder, "replay wrong.record").err, "wrong.record:4");
 }
 
+void output_that_is_lost_exits_with_1(void **) {
+  const std::string folder = work_folder("lost"), errors = folder + "/err.txt";
+  const std::string program = "'" PBF_TEST_PROGRAM "' ", told = " 2>'" + errors + "'";
+  const int full = std::system((program + "list >/dev/full" + told).c_str());
+  assert_int_equal(WEXITSTATUS(full), 1);
+  expect_contains(read_text(errors), "the standard output can't be written: No space left");
+  const int gone =
+      std::system(("( " + program + "list; echo $? >'" + errors + "' ) | true").c_str());
+  assert_int_equal(WEXITSTATUS(gone), 0);
+  const std::string code = read_text(errors);
+  assert_true(code == "1\n" || code == "0\n"); /* 141 would be a signal */
+}
+
 void a_file_that_cant_be_written_exits_with_1(void **) {
   const std::string folder = work_folder("unwritable");
   skip_unless_available(folder, "reference");
@@ -330,6 +343,7 @@ int main() {
       cmocka_unit_test(a_backend_that_is_not_there_exits_with_3),
       cmocka_unit_test(help_tells_the_exit_codes),
       cmocka_unit_test(list_shows_scenes_and_backends),
+      cmocka_unit_test(output_that_is_lost_exits_with_1),
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
       cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
