@@ -12,6 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _files
 from ._errors import InvalidArgumentError, MissingExtraError, StateError
 from ._numbers import real
 
@@ -121,7 +122,7 @@ def write_ply(path: PathLike, fluid: Particles, **columns: NDArray[Any]) -> None
                 f"{name} has shape {values.shape} of {values.dtype}; it must have one number of 32 "
                 f"or 64 bits for each of the {fluid.count} particles")
         table.append((name, values))
-    pathlib.Path(path).write_bytes(_ply(table, fluid.count))
+    _files.replace(path, _ply(table, fluid.count))
 
 
 # ---- ParaView ------------------------------------------------------------------------------------
@@ -166,7 +167,7 @@ class VtkSeries:
         lines += [f'<DataSet timestep="{time!r}" part="0" file={quoteattr(name)}/>'
                   for time, name in self._frames]
         text = "\n".join([*lines, "</Collection>", "</VTKFile>", ""])
-        self.path.write_text(text, encoding="utf-8")
+        _files.replace(self.path, text.encode("utf-8"))
 
     def __enter__(self) -> VtkSeries:
         return self
@@ -308,7 +309,7 @@ class Surface:
         if file.suffix == ".ply":
             table = [*_axes(self.vertices.astype(np.float32), "x y z"),
                      *_axes(self.normals.astype(np.float32), "nx ny nz")]
-            file.write_bytes(_ply(table, len(self.vertices), self.triangles))
+            _files.replace(file, _ply(table, len(self.vertices), self.triangles))
             return
         meshio = _need("meshio", "meshio", f"a {file.suffix} file")
         data = {} if file.suffix in (".obj", ".stl") else {"normals": self.normals}

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError, MissingExtraError
 from ._numbers import real, reals
-from . import _drawn_solids
+from . import _drawn_solids, _files
 from .colliders import Box, Capsule, Collider, Solid, Sphere
 
 if TYPE_CHECKING:
@@ -315,7 +315,7 @@ def png_bytes(image: Image) -> bytes:
 
 
 def save_png(path: Union[str, os.PathLike[str]], image: Image) -> None:
-    pathlib.Path(path).write_bytes(png_bytes(image))
+    _files.replace(path, png_bytes(image))
 
 
 class Movie:
@@ -354,7 +354,7 @@ class Movie:
             first.save(self.path, save_all=True, append_images=others, loop=0,
                        duration=round(1000 / self.fps))
         else:
-            self.path.write_bytes(_animated(self._frames, self.fps))
+            _files.replace(self.path, _animated(self._frames, self.fps))
         self._frames = []
 
     def __enter__(self) -> Movie:
