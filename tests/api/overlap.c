@@ -455,6 +455,51 @@ static void a_saved_overlap_goes_on(void **state) {
   }
 }
 
+/* ---- Solids that jump ------------------------------------------------------------------------ */
+
+/* A plate across the tank, turned by an angle about z. */
+static pbf_collider plate_at(double height, double angle) {
+  pbf_collider plate;
+  assert_ok(pbf_collider_init(&plate, sizeof plate, PBF_COLLIDER_BOX));
+  plate.position[0] = 0.35;
+  plate.position[1] = height;
+  plate.position[2] = 0.2;
+  plate.half_extents[0] = 0.3;
+  plate.half_extents[1] = plate.half_extents[2] = 0.06;
+  plate.orientation[2] = sin(0.5 * angle);
+  plate.orientation[3] = cos(0.5 * angle);
+  return plate;
+}
+
+/* Whether a plate that is set from one pose to another counts as one that is put there. */
+static int counts_as_put(uint32_t dimension, double height, double angle) {
+  const pbf_collider before = plate_at(0.57, 0), after = plate_at(height, angle);
+  uint64_t hash[2];
+  for (int put = 0; put < 2; ++put) {
+    pbf_solver *s = pool(dimension, PBF_FLOAT32, 10, 1.0 / 120);
+    assert_ok(pbf_set_colliders(s, 1, &before));
+    assert_ok(pbf_step(s, 20));
+    if (put) assert_ok(pbf_set_colliders(s, 0, NULL));
+    assert_ok(pbf_set_colliders(s, 1, &after));
+    assert_ok(pbf_step(s, 5));
+    hash[put] = test_hash(s);
+    pbf_destroy(s);
+  }
+  return hash[0] == hash[1];
+}
+
+/* By more than h, h being 0.1, along or about; what goes or turns by less has moved on. */
+static void solids_that_jump_are_as_put_there(void **state) {
+  (void)state;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
+    assert_true(counts_as_put(dimension, 0.3, 0));
+    assert_true(counts_as_put(dimension, 0.45, 0));
+    assert_true(counts_as_put(dimension, 0.57, 0.4));
+    assert_false(counts_as_put(dimension, 0.49, 0));
+    assert_false(counts_as_put(dimension, 0.57, 0.25));
+  }
+}
+
 /* The stub solves nothing. */
 int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
@@ -469,6 +514,7 @@ int main(void) {
       cmocka_unit_test(a_pause_without_gravity_moves_nothing),
       cmocka_unit_test(a_saved_grid_goes_on),
       cmocka_unit_test(a_saved_overlap_goes_on),
+      cmocka_unit_test(solids_that_jump_are_as_put_there),
   };
   return TEST_RUN(tests);
 }
