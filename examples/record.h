@@ -16,6 +16,7 @@
 #include <pbf/pbf.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static inline void record_line(FILE *file, pbf_solver *solver, const char *kind, const char *more,
                                const void *bytes, uint64_t size) {
@@ -53,10 +54,17 @@ static inline void record_colliders(FILE *file, pbf_solver *solver, uint32_t cou
   record_line(file, solver, "colliders", "", colliders, count * sizeof *colliders);
 }
 
+/* With a point, whatever the program's locale writes, which may have several bytes. */
+static inline void record_number(char text[40], double number) {
+  snprintf(text, 40, "%.17g ", number);
+  char *point = text + strspn(text, "-0123456789"), *rest = point + strcspn(point, "0123456789 e");
+  if (point > text && rest > point) memmove(point + 1, rest, strlen(rest) + 1), *point = '.';
+}
+
 static inline void record_move(FILE *file, pbf_solver *solver, uint32_t count,
                                const pbf_collider *targets, double duration) {
   char more[40];
-  snprintf(more, sizeof more, "%.17g ", duration);
+  record_number(more, duration);
   record_line(file, solver, "move", more, targets, count * sizeof *targets);
 }
 

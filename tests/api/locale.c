@@ -2,6 +2,7 @@
 #include <locale.h>
 #include <stdio.h>
 
+#include "../../examples/record.h"
 #include "support.h"
 
 static char folder[] = "/tmp/pbf-locale-XXXXXX";
@@ -60,6 +61,29 @@ static void numbers_have_points(void **state) {
   pbf_destroy(solver);
 }
 
+/* The header that programs copy: what it writes is read with points. */
+static void recordings_have_points(void **state) {
+  (void)state;
+  static const double durations[] = {0.015625, 1e-5, 2, 4.5, 0.1};
+  static const char *const written[] = {"move 0 0.015625 ", "move 0 1.0000000000000001e-05 ",
+                                        "move 0 2 ", "move 0 4.5 ", "move 0 0.10000000000000001 "};
+  if (!take_comma()) test_skip("no locale with a comma, and none can be made");
+  pbf_solver *solver = test_solver(3, PBF_FLOAT32, 8);
+  pbf_collider ball;
+  char line[64];
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  FILE *file = tmpfile();
+  assert_non_null(file);
+  for (int k = 0; k < 5; ++k) record_move(file, solver, 0, &ball, durations[k]);
+  rewind(file);
+  for (int k = 0; k < 5; ++k) {
+    assert_non_null(fgets(line, sizeof line, file));
+    assert_memory_equal(line, written[k], strlen(written[k]));
+  }
+  fclose(file);
+  pbf_destroy(solver);
+}
+
 static int drop_locale(void **state) {
   (void)state;
   char command[128];
@@ -70,6 +94,7 @@ static int drop_locale(void **state) {
 
 int main(void) {
   const struct CMUnitTest locales[] = {
+      cmocka_unit_test(recordings_have_points),
       cmocka_unit_test_teardown(numbers_have_points, drop_locale),
   };
   return TEST_RUN(locales);
