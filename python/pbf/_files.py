@@ -7,8 +7,8 @@ import shutil
 
 
 def replace(path: str | os.PathLike[str], content: bytes) -> None:
-    """Beside the file that is there, and in its place once it is whole: where it can't be written, as on a full disk, the
-    old one stays. What is no file, as a pipe, has none beside it."""
+    """Beside the file that is there, and in its place once it is whole: where it can't be written,
+    as on a full disk, the old one stays. What is no file, as a pipe, has none beside it."""
     if os.path.exists(path) and not os.path.isfile(path):
         pathlib.Path(path).write_bytes(content)
         return
