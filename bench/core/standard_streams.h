@@ -32,15 +32,16 @@ inline void prepare_standard_streams() {
 }
 
 // After all else: a program has failed whose output is lost. Of a reader that has read enough
-// nothing is said.
+// nothing is said, nor where it is known that something has failed.
 inline int exit_after_output(int code, int failure, const char *program) {
   errno = 0;
   std::cout.flush();
   if (std::fflush(stdout) == 0 && !std::ferror(stdout) && std::cout) return code;
+  if (code != 0) return code;
   if (errno != EPIPE)
     std::fprintf(stderr, "%s: the standard output can't be written: %s\n", program,
                  std::strerror(errno ? errno : EIO));
-  return code == 0 ? failure : code;
+  return failure;
 }
 
 }  // namespace bench
