@@ -7,6 +7,7 @@
 #include "cpu/pressure_grid.h"
 #include "physics/adhesion.h"
 #include "physics/friction.h"
+#include "physics/grid_loads.h"
 
 namespace {
 
@@ -104,6 +105,13 @@ static pbf_real grid_lambda_of(const worker *w, uint32_t i) {
                                            field_at(&w->b.x, i));
 }
 
+/* Of the pressure grid, over the reference density. */
+static pbf_real grid_pressure_at(const worker *w, pbf_vec x) {
+  const pbf_real scale = w->s->constants.pressure;
+  return -scale * pbf_pressure_grid_particle_lambda(&w->s->pressure_grid, scale,
+                                                    (pbf_real)(1 / w->s->params.time_step), x);
+}
+
 static load_particle load_particle_at(const worker *w, const pbf_load_scales *scales,
                                       const near_surfaces &near, uint32_t i) {
   const load_particle p = {field_at(&w->b.x, i), field_at(&w->b.v, i), field_at(&w->s->push, i),
@@ -123,13 +131,12 @@ static load_particle load_momentum_at(const worker *w, const pbf_load_scales *sc
 
 /* Calls visit(near, particles) for some particles of a range after others. */
 template <class Visit>
-static void each_near_surfaces(const worker *w, const pbf_load_scales *scales, range all,
-                               Visit visit) {
+static void each_near_surfaces(const worker *w, double reach, range all, Visit visit) {
   near_surfaces near;
   for (range r = {all.first, all.first}; r.first < all.last; r.first = r.last) {
     const uint32_t left = all.last - r.first, most = near_surfaces::PARTICLES;
     r.last = r.first + (left < most ? left : most);
-    near.find(&w->obstacles, &w->b.x, (pbf_real)scales->reach, r);
+    near.find(&w->obstacles, &w->b.x, (pbf_real)reach, r);
     visit(near, r);
   }
 }
@@ -152,7 +159,7 @@ static void friction_task(void *context, uint32_t task) {
   loads.begin(s->load_tally);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last)) {
-    each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
+    each_near_surfaces(w, scales.loads.reach, r, [&](const near_surfaces &near, range some) {
       for (uint32_t i = some.first; i < some.last; ++i) {
         load_particle p = load_particle_at(w, &scales.loads, near, i);
         const pbf_real mobility = s->mobility ? s->mobility[i] : 1;
@@ -194,7 +201,7 @@ static void adhesion_task(void *context, uint32_t task) {
   loads.begin(s->load_tally);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
-    each_near_surfaces(w, &scales.loads, r, [&](const near_surfaces &near, range some) {
+    each_near_surfaces(w, scales.loads.reach, r, [&](const near_surfaces &near, range some) {
       for (uint32_t i = some.first; i < some.last && near.any; ++i) {
         const pbf_vec x = field_at(&w->b.x, i);
         const pbf_vec change = adhesion_change(
@@ -217,15 +224,26 @@ static void loads_task(void *context, uint32_t task) {
   pbf_wide_sum change[PBF_DIM] = {};
   recent_loads loads;
   loads.begin(w->s->load_tally);
-  each_near_surfaces(w, &scales, all, [&](const near_surfaces &near, range some) {
+  const double reach =
+      has_grid_pressure(w) ? fmax(scales.reach, pbf_grid_load_reach(scales.spacing)) : scales.reach;
+  each_near_surfaces(w, reach, all, [&](const near_surfaces &near, range some) {
     for (uint32_t i = some.first; i < some.last; ++i) {
-      const load_particle p = load_momentum_at(w, &scales, near, i);
+      load_particle p = load_momentum_at(w, &scales, near, i);
+      const bool has_grid = p.has_grid;
       int last = -1;
+      p.has_grid = false;
       for (int k = 0; k < PBF_DIM; ++k)
         pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));
       if (!near.any && !is_pushed(w, i)) continue;
+      if (has_grid && near.any)
+        share_grid_pressure(
+            &scales, w->obstacles, near, p.x, [&](pbf_vec x) { return grid_pressure_at(w, x); },
+            [&](const pbf_load_plane &plane, const load_share &share) {
+              add_part(loads.of(plane.solid),
+                       load_part_beside(&scales, w->obstacles, p.x, plane, share), false);
+            });
       share_push(
-          &w->constants, &scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
+          &w->constants, &scales, w->obstacles, near, p, [] { return (pbf_real)0; },
           [&](const pbf_load_plane &plane, const load_share &share) {
             const load_part part = load_part_of(&scales, w->obstacles, p.x, plane, share);
             add_part(loads.of(plane.solid), part, part.touches && plane.solid != last);

@@ -7,6 +7,7 @@
 #include "cuda/launches.h"
 #include "cuda/pressures.h"
 #include "physics/adhesion.h"
+#include "physics/grid_loads.h"
 #include "physics/no_slip_loads.h"
 
 /* ---- Sums ----------------------------------------------------------------------------------- */
@@ -313,9 +314,19 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     else if (n.particles.mobility)
       p = with_mass(p, n.particles.mobility[i]);
     int last = -1;
+    if (PBF_HAS_PRESSURE_GRID && p.has_grid)
+      share_grid_pressure(
+          &scales, o, solids_near<LISTED>(o, p.x, pbf_grid_load_reach(scales.spacing)), p.x,
+          [&](pbf_vec x) { return grid_pressure_at(source.grid, x); },
+          [&](const pbf_load_plane &plane, const load_share &share) {
+            pbf_load_sums *to =
+                plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
+            add_shared_part(to, load_part_beside(&scales, o, p.x, plane, share), false);
+          });
+    p.has_grid = false;
     share_push(
         constants_for<LISTED>(o, &n.constants), &scales, o,
-        solids_near<LISTED>(o, p.x, scales.reach), p, [&] { return grid_lambda_of(source, own); },
+        solids_near<LISTED>(o, p.x, scales.reach), p, [] { return (pbf_real)0; },
         [&](const pbf_load_plane &plane, const load_share &share) {
           const load_part part = load_part_of(&scales, o, p.x, plane, share);
           pbf_load_sums *to =

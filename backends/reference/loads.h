@@ -3,6 +3,7 @@
 #define PBF_REFERENCE_LOADS_H
 
 #include "physics/adhesion.h"
+#include "physics/grid_loads.h"
 #include "physics/no_slip_loads.h"
 #include "physics/passes/predict.h"
 #include "reference/pressure_grid.h"
@@ -54,6 +55,13 @@ static inline bool has_grid_pressure(const solver *s) {
 static inline pbf_real grid_lambda_of(const solver *s, uint32_t i) {
   return pbf_pressure_grid_particle_lambda(&s->pressure_grid, s->constants.pressure,
                                            (pbf_real)(1 / s->params.time_step), s->moved[i]);
+}
+
+/* Of the pressure grid, over the reference density. */
+static inline pbf_real grid_pressure_at(const solver *s, pbf_vec x) {
+  const pbf_real scale = s->constants.pressure;
+  return -scale * pbf_pressure_grid_particle_lambda(&s->pressure_grid, scale,
+                                                    (pbf_real)(1 / s->params.time_step), x);
 }
 
 static inline load_particle load_particle_at(const solver *s, uint32_t i) {
@@ -117,8 +125,16 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
                                  [&] { return grid_lambda_of(s, i); });
     add_change(s, scales.velocity, p.change);
     int last = -1;
+    if (p.has_grid)
+      share_grid_pressure(
+          &scales, *o, all_surfaces{}, p.x, [&](pbf_vec x) { return grid_pressure_at(s, x); },
+          [&](const pbf_load_plane &plane, const load_share &share) {
+            add_part(&tally->sums[plane.solid], load_part_beside(&scales, *o, p.x, plane, share),
+                     false);
+          });
+    p.has_grid = false;
     share_push(
-        c, &scales, *o, all_surfaces{}, p, [&] { return grid_lambda_of(s, i); },
+        c, &scales, *o, all_surfaces{}, p, [] { return (pbf_real)0; },
         [&](const pbf_load_plane &plane, const load_share &share) {
           const load_part part = load_part_of(&scales, *o, p.x, plane, share);
           add_part(&tally->sums[plane.solid], part, part.touches && plane.solid != last);
