@@ -12,6 +12,7 @@
 #include "reservoir.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
+#include "solver/solver_time.h"
 
 /* From the middle of the box and along its axes. */
 static void local_of(const pbf_solver *solver, const pbf_reservoir_frame *f, const pbf_numbers *x,
@@ -288,7 +289,7 @@ static pbf_status push_rows(pbf_solver *solver, pbf_emission *e, const pbf_reser
                             uint32_t count) {
   const pbf_rows rows = pbf_ids_rows(solver, first, count);
   const uint32_t n = solver->kind.dimension;
-  const double gain = r->pressure / r->depth * solver->params.time_step;
+  const double gain = r->pressure / r->depth * pbf_part_time_step(solver);
   pbf_status status = pbf_emission_reserve(solver, e, count);
   if (status == PBF_OK)
     status = pbf_read_rows(solver, PBF_FIELD_VELOCITY, first, count, e->particles);

@@ -125,9 +125,9 @@ static batch batch_of(const pbf_solver *solver, const pbf_source *source) {
   const double d = pbf_derive_spacing(&solver->params);
   batch b = {.opening = pbf_opening_of(&source->emitter, solver->kind.dimension, d),
              .due = source->due};
-  b.way = b.opening.speed * solver->params.time_step;
+  b.way = b.opening.speed * pbf_part_time_step(solver);
   b.a_step =
-      b.opening.rate * solver->params.time_step / (solver->kind.dimension == 3 ? d * d * d : d * d);
+      b.opening.rate * pbf_part_time_step(solver) / (solver->kind.dimension == 3 ? d * d * d : d * d);
   b.count = (uint64_t)floor(fmin(b.due + b.a_step, most));
   return b;
 }
@@ -247,11 +247,12 @@ static pbf_status write_guided(pbf_solver *solver, pbf_emission *e, const batch 
 static pbf_status guide(pbf_solver *solver, pbf_emission *e) {
   batch streams[PBF_MAX_EMITTERS];
   uint32_t kept = 0, first = UINT32_MAX, last = 0;
+  const double since = solver->part > 0 ? pbf_part_time_step(solver) : solver->params.time_step;
   for (uint32_t i = 0; i < e->head.source_count; ++i) streams[i] = batch_of(solver, &e->sources[i]);
   for (uint32_t i = 0; i < e->head.guided_count; ++i) {
     pbf_guided g = e->guided[i];
     uint32_t row;
-    if (!e->is_advanced) g.ahead += streams[g.source].way;
+    if (!e->is_advanced) g.ahead += streams[g.source].opening.speed * since;
     if (g.ahead > solver->params.smoothing_radius || !pbf_ids_find(solver, g.id, &row)) continue;
     first = row < first ? row : first;
     last = row > last ? row : last;
@@ -299,6 +300,33 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
 }
 
 /* ---- A step ---------------------------------------------------------------------------------- */
+
+void pbf_emission_begin_part(pbf_solver *solver) {
+  if (solver->emission) solver->emission->head.stage = solver->emission->is_advanced = 0;
+}
+
+/* The next step takes it that they have gone on for a whole one since they were set to their
+ * places, and it was a part. */
+void pbf_emission_end_parts(pbf_solver *solver) {
+  pbf_emission *e = solver->emission;
+  const double d = pbf_derive_spacing(&solver->params);
+  if (!e) return;
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) {
+    const pbf_emitter *emitter = &e->sources[e->guided[i].source].emitter;
+    const double speed = pbf_opening_of(emitter, solver->kind.dimension, d).speed;
+    e->guided[i].ahead += speed * (pbf_part_time_step(solver) - solver->params.time_step);
+  }
+}
+
+double pbf_emission_speed(const pbf_solver *solver) {
+  const pbf_emission *e = solver->emission;
+  const double d = pbf_derive_spacing(&solver->params);
+  double fastest = 0;
+  for (uint32_t i = 0; e && i < e->head.source_count; ++i)
+    fastest = fmax(
+        fastest, pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension, d).speed);
+  return fastest;
+}
 
 pbf_status pbf_emission_work(pbf_solver *solver) {
   pbf_emission *e = solver->emission;

@@ -2,6 +2,7 @@
  * no array in a backend that follows the particles. */
 #include "accelerations.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "error.h"
@@ -10,19 +11,35 @@
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "solver/solver_time.h"
 #include "values.h"
 
 enum { GIVEN, BEFORE, AFTER };
 
-static int is_zero(const pbf_solver *solver, uint32_t row) {
+static double component(const pbf_solver *solver, uint32_t row, uint32_t k) {
   const char *a = pbf_acceleration_values(solver, GIVEN, row);
+  return solver->kind.precision == PBF_FLOAT32 ? (double)((const float *)a)[k]
+                                               : ((const double *)a)[k];
+}
+
+static int is_zero(const pbf_solver *solver, uint32_t row) {
   double sum = 0;
-  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
-    const double value = solver->kind.precision == PBF_FLOAT32 ? (double)((const float *)a)[k]
-                                                               : ((const double *)a)[k];
-    sum += value < 0 ? -value : value;
-  }
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) sum += fabs(component(solver, row, k));
   return !(sum > 0);
+}
+
+double pbf_largest_acceleration(const pbf_solver *solver) {
+  const double *gravity = solver->params.gravity;
+  double largest2 = 0;
+  for (uint32_t row = 0; row < solver->acceleration_count; ++row) {
+    double sum2 = 0;
+    for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+      const double a = gravity[k] + component(solver, row, k);
+      sum2 += a * a;
+    }
+    largest2 = fmax(largest2, sum2);
+  }
+  return sqrt(largest2);
 }
 
 /* Without those that have none at both ends: what is not written does not wake. */
@@ -40,11 +57,11 @@ static void find_velocities_after(const pbf_solver *solver, const pbf_accelerate
              *before = pbf_acceleration_values(solver, BEFORE, 0);
   void *after = pbf_acceleration_values(solver, AFTER, 0);
   if (solver->kind.precision == PBF_FLOAT32) {
-    const float time_step = (float)solver->params.time_step;
+    const float time_step = (float)pbf_part_time_step(solver);
     for (uint64_t i = 0; i < numbers; ++i)
       ((float *)after)[i] = ((const float *)before)[i] + time_step * ((const float *)a)[i];
   } else {
-    const double time_step = solver->params.time_step;
+    const double time_step = pbf_part_time_step(solver);
     for (uint64_t i = 0; i < numbers; ++i)
       ((double *)after)[i] = ((const double *)before)[i] + time_step * ((const double *)a)[i];
   }

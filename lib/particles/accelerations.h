@@ -20,6 +20,9 @@ static inline int pbf_has_accelerations(const pbf_solver *solver) {
   return solver->accelerations != NULL;
 }
 
+/* The largest sum of gravity and one of them. */
+double pbf_largest_acceleration(const pbf_solver *solver);
+
 /* Rows of which velocities have been changed. */
 typedef struct pbf_accelerated_rows {
   uint32_t first, count;

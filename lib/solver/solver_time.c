@@ -1,7 +1,14 @@
 #include "solver_time.h"
 
+double pbf_part_time_step(const pbf_solver *solver) {
+  const double step = solver->params.time_step;
+  return solver->parts > 1 ? step / solver->parts : step;
+}
+
+/* Between two steps a part is 0. */
 double pbf_solver_time(const pbf_solver *solver) {
-  return solver->time_base + (double)solver->steps_since * solver->params.time_step;
+  const double time = solver->time_base + (double)solver->steps_since * solver->params.time_step;
+  return solver->part == 0 ? time : time + solver->part * pbf_part_time_step(solver);
 }
 
 double pbf_time_of_step(const pbf_solver *solver, uint32_t steps) {

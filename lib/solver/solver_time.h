@@ -5,6 +5,9 @@
 
 double pbf_solver_time(const pbf_solver *solver);
 
+/* How long the step is that is next, or the part of one where parts are made one by one. */
+double pbf_part_time_step(const pbf_solver *solver);
+
 /* When the last of so many steps more ends. */
 double pbf_time_of_step(const pbf_solver *solver, uint32_t steps);
 

@@ -36,6 +36,15 @@ pbf_status pbf_time_to_backend(pbf_solver *solver, double time) {
   return run_backend(solver, time, 0, 0, &done);
 }
 
+/* So much of a step has been done: a shorter one. */
+static void end_shorter(pbf_solver *solver, double begin, double length) {
+  if (!(length > 0)) return;
+  solver->time_base = begin + length;
+  solver->steps_since = 0;
+  solver->overlap.moved = 1;
+  ++solver->generation;
+}
+
 /* All parts of one step, the nth of their length as if all steps had been divided so: what is done
  * every third step would else be done in the third part of each alone, or never. What fails between
  * two of them is a shorter step that has been done. */
@@ -45,11 +54,7 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
   const uint64_t before = solver->steps_since * substeps;
   pbf_status status = run_backend(solver, solver->time_base, before, substeps, &parts);
   *done = parts == substeps;
-  if (*done || parts == 0) return status;
-  solver->time_base = begin + parts * (solver->params.time_step / substeps);
-  solver->steps_since = 0;
-  solver->overlap.moved = 1;
-  ++solver->generation;
+  if (!*done) end_shorter(solver, begin, parts * (solver->params.time_step / substeps));
   return status;
 }
 
@@ -65,14 +70,19 @@ static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
 
 /* So many of the steps as go alike. */
 static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
-  uint32_t substeps, alike = solver->params.max_substeps > 1 ? 1 : steps_at_once(solver, steps);
-  pbf_status status = pbf_substeps_of(solver, &substeps);
+  uint32_t substeps = solver->parts;
+  uint32_t alike = solver->params.max_substeps > 1 ? 1 : steps_at_once(solver, steps);
+  pbf_status status = substeps == 0 ? pbf_substeps_of(solver, &substeps) : PBF_OK;
   if (status == PBF_OK) status = pbf_divide_step(solver, substeps);
   if (status != PBF_OK) return status;
   pbf_overlap_note_step(solver, solver->time_step_there);
   status = pbf_overlap_to_backend(solver, &alike);
   if (status != PBF_OK) return status;
   solver->substeps = substeps;
+  if (solver->parts > 0) {
+    const uint64_t before = solver->steps_since * substeps + solver->part;
+    return run_backend(solver, solver->time_base, before, 1, done);
+  }
   if (substeps > 1) return run_divided(solver, substeps, done);
   return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
 }
@@ -104,14 +114,57 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   return status;
 }
 
+/* What the host does before a step it does before each part of a divided one, since it goes by how
+ * long that is: a stream whose columns of a whole step came at once would run into itself, and
+ * accelerations would be blows. */
+static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
+  const double begin = pbf_solver_time(solver);
+  pbf_status status = PBF_OK;
+  for (uint32_t done = 1; status == PBF_OK && done && solver->part < solver->parts;) {
+    done = 0;
+    if (solver->part > 0) {
+      pbf_emission_begin_part(solver);
+      status = pbf_emission_work(solver);
+      if (status == PBF_OK) status = pbf_plan_step(solver);
+    }
+    if (status == PBF_OK && solver->count > 0) status = run_placed(solver, 1, &done);
+    if (status == PBF_OK && solver->count == 0) done = 1;
+    solver->overlap.moved |= done > 0 && solver->count > 0;
+    solver->part += done;
+  }
+  *advanced = solver->part == solver->parts;
+  if (*advanced) pbf_emission_end_parts(solver);
+  const double length = solver->part * pbf_part_time_step(solver);
+  solver->part = solver->parts = 0;
+  if (!*advanced) end_shorter(solver, begin, length);
+  if (*advanced && status == PBF_OK && solver->count == 0)
+    status = pbf_time_to_backend(solver, pbf_time_of_step(solver, 1));
+  return status;
+}
+
+/* Of the next step; 0: it is made as a whole. */
+static pbf_status find_parts(pbf_solver *solver) {
+  uint32_t parts = 0;
+  if (solver->params.max_substeps <= 1 ||
+      !(pbf_emission_is_active(solver) || pbf_has_accelerations(solver)))
+    return PBF_OK;
+  pbf_status status = pbf_substeps_of(solver, &parts);
+  if (status == PBF_OK && parts > 1) solver->parts = parts;
+  return status;
+}
+
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
-  pbf_status status = pbf_emission_work(solver);
+  pbf_status status = find_parts(solver);
+  if (status == PBF_OK) status = pbf_emission_work(solver);
   if (pbf_emission_is_active(solver) || pbf_has_accelerations(solver)) steps = 1;
   if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, &steps);
   if (status == PBF_OK) status = pbf_plan_step(solver);
+  if (status != PBF_OK) solver->parts = 0;
   if (status != PBF_OK) return status;
-  if (solver->count > 0) {
+  if (solver->parts > 0) {
+    status = run_parts(solver, &done);
+  } else if (solver->count > 0) {
     status = run_placed(solver, steps, &done);
     solver->overlap.moved |= done > 0;
   } else {

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "handles.h"
 #include "params.h"
+#include "particles/accelerations.h"
 #include "physics/capillary.h"
 #include "physics/step_limit.h"
 #include "solver_time.h"
@@ -29,10 +30,11 @@ pbf_step_limits pbf_step_limits_of(const pbf_solver *solver, double particle_spe
   const uint32_t dimension = solver->kind.dimension;
   const pbf_params params = pbf_params_for_backend(&solver->params, dimension);
   const double d = pbf_derive_spacing(&params), now = pbf_solver_time(solver);
+  const double falls = fmax(pbf_motion_length(params.gravity), pbf_largest_acceleration(solver));
   const double pull = pbf_attraction_acceleration(&params, dimension, solver->count, now);
   return (pbf_step_limits){{
       [PBF_LIMIT_NONE] = INFINITY,
-      [PBF_LIMIT_GRAVITY] = pbf_limit_of_acceleration(d, pbf_motion_length(params.gravity)),
+      [PBF_LIMIT_GRAVITY] = pbf_limit_of_acceleration(d, falls),
       [PBF_LIMIT_ATTRACTION] = pbf_limit_of_acceleration(d, pull),
       [PBF_LIMIT_PARTICLES] = pbf_limit_of_speed(d, particle_speed),
       [PBF_LIMIT_WALLS] = pbf_limit_of_speed(d, pbf_fastest_wall(&params, dimension)),

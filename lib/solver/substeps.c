@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "emission/emission.h"
 #include "set_params.h"
 #include "step_limit.h"
 
@@ -10,9 +11,11 @@ pbf_status pbf_substeps_of(pbf_solver *solver, uint32_t *substeps) {
   double speed;
   uint32_t cause;
   *substeps = 1;
-  if (solver->params.max_substeps <= 1 || solver->count == 0) return PBF_OK;
+  const double stream = pbf_emission_speed(solver);
+  if (solver->params.max_substeps <= 1 || (solver->count == 0 && !(stream > 0))) return PBF_OK;
   pbf_status status = pbf_max_speed(solver, &speed);
   if (status != PBF_OK) return status;
+  speed = fmax(speed, stream);
   const pbf_step_limits limits = pbf_step_limits_of(solver, speed);
   pbf_warn_of_long_steps(solver, &limits, 1u << PBF_LIMIT_PARTICLES);
   double parts = solver->params.time_step / pbf_shortest_limit(&limits, &cause);
