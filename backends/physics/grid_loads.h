@@ -3,10 +3,11 @@
  * The grid moves particles by the slope of its pressure p, wherever they are, so that what it does
  * to solids is no sum of pushes of theirs: it is the integral of p n over their surfaces. Where a
  * weight psi is 1 on a solid and 0 on all others, that is by Gauss's theorem the sum over particles
- * of volume times the slope of psi p, whatever the solid's shape. The density that solids lend would
- * weigh p by the first layer of particles alone, and by how far off that is. psi falls from 1 to 0
- * between half a spacing and two and a half, so that its slope is that of a tent two spacings wide:
- * layers a spacing apart are one together, wherever they are, and no gap of a spacing counts. */
+ * of volume times the slope of psi p, whatever the solid's shape. The density that solids lend
+ * would weigh p by the first layer of particles alone, and by how far off that is. psi falls from 1
+ * to 0 between half a spacing and two and a half, so that its slope is that of a tent two spacings
+ * wide: layers a spacing apart are one together, wherever they are, and no gap of a spacing counts.
+ */
 #ifndef PBF_PHYSICS_GRID_LOADS_H
 #define PBF_PHYSICS_GRID_LOADS_H
 
@@ -47,15 +48,15 @@ PBF_FN pbf_real solid_distance(const Obstacles &o, int solid, pbf_vec x, pbf_vec
   return pbf_wall_distance(&o.domain, solid, x);
 }
 
-/* What of it is nearest lies in another solid, and so at no fluid. */
+/* What is just before its nearest place is in another solid, and so no fluid is at it. */
 template <class Obstacles>
 PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solid *of, int count, int k,
                       double spacing, pbf_vec x) {
   const pbf_load_plane &p = of[k].plane;
-  const pbf_vec foot = pbf_add_scaled(x, -p.distance, p.normal);
+  const pbf_vec before = pbf_add_scaled(x, (pbf_real)(spacing / 4) - p.distance, p.normal);
   pbf_vec normal;
   for (int i = 0; i < count; ++i)
-    if (i != k && (double)solid_distance(o, of[i].plane.solid, foot, &normal) < -0.05 * spacing)
+    if (i != k && (double)solid_distance(o, of[i].plane.solid, before, &normal) < -0.05 * spacing)
       return true;
   return false;
 }

@@ -295,6 +295,89 @@ static void steps_may_be_divided(void **state) {
 }
 
 /* Without any, a state and its hash are what they were. */
+/* A jet at 60 degrees, in steps of 0.05 that the library divides. */
+typedef struct jet {
+  pbf_solver *solver;
+  uint32_t dimension, precision, count;
+  void *x, *v;
+} jet;
+
+static const double jet_speed = 4.75, jet_time = 0.6, jet_along[2] = {0.5, 0.8660254037844386};
+
+static jet jet_of(uint32_t dimension, uint32_t precision, double gravity) {
+  const pbf_desc desc = test_desc(dimension, precision, CAPACITY);
+  jet j = {.dimension = dimension, .precision = precision};
+  pbf_params params = test_params();
+  for (int k = 0; k < 3; ++k) params.domain_min[k] = -4, params.domain_max[k] = 4;
+  params.gravity[1] = -gravity;
+  params.time_step = 0.05;
+  params.max_substeps = 10;
+  j.solver = test_create(&desc, &params);
+  pbf_emitter e = emitter_of(PBF_EMITTER_DISC);
+  for (int k = 0; k < 3; ++k) e.position[k] = 0;
+  for (int k = 0; k < 2; ++k) e.velocity[k] = jet_speed * jet_along[k];
+  assert_ok(pbf_set_emitters(j.solver, 1, &e));
+  assert_ok(pbf_step(j.solver, (uint32_t)lround(jet_time / params.time_step)));
+  j.count = count_of(j.solver);
+  j.x = calloc((size_t)j.count * dimension, precision);
+  j.v = calloc((size_t)j.count * dimension, precision);
+  assert_ok(pbf_get_positions(j.solver, 0, j.count, j.x));
+  assert_ok(pbf_get_velocities(j.solver, 0, j.count, j.v));
+  return j;
+}
+
+static void jet_end(jet *j) {
+  pbf_destroy(j->solver);
+  free(j->x);
+  free(j->v);
+}
+
+static double jet_number(const jet *j, const void *array, uint64_t i, uint32_t k) {
+  return test_value(array, i * j->dimension + k, j->precision);
+}
+
+/* As much comes as in whole steps, and its first column is where it must be by then. */
+static void check_divided_stream(uint32_t dimension, uint32_t precision) {
+  jet j = jet_of(dimension, precision, 0);
+  const double columns = dimension == 3 ? 32 : 6, way = jet_speed * jet_time;
+  double farthest = 0;
+  for (uint64_t i = 0; i < j.count; ++i) {
+    double along = 0;
+    for (uint32_t k = 0; k < 2; ++k) along += jet_along[k] * jet_number(&j, j.x, i, k);
+    farthest = fmax(farthest, along);
+  }
+  assert_true(fabs(j.count - columns * way / d) <= 1);
+  assert_true(fabs(farthest - way) < d);
+  jet_end(&j);
+}
+
+/* What is within h of its opening is led, and so its height there is given to it; from then on
+ * energy is kept. */
+static void check_divided_jet(uint32_t dimension, uint32_t precision) {
+  const double g = 9.81, led = test_params().smoothing_radius * jet_along[1];
+  jet j = jet_of(dimension, precision, g);
+  double energy = 0;
+  for (uint64_t i = 0; i < j.count; ++i) {
+    energy += g * jet_number(&j, j.x, i, 1) / j.count;
+    for (uint32_t k = 0; k < dimension; ++k)
+      energy += 0.5 * pow(jet_number(&j, j.v, i, k), 2) / j.count;
+  }
+  const double right = 0.5 * jet_speed * jet_speed + g * led;
+  if (!(fabs(energy / right - 1) < 0.03))
+    fail_msg("a particle of the jet has the energy %g, it must be %g", energy, right);
+  jet_end(&j);
+}
+
+static void check_divided_jets(uint32_t dimension, uint32_t precision) {
+  check_divided_stream(dimension, precision);
+  check_divided_jet(dimension, precision);
+}
+
+static void jets_keep_their_energy_in_divided_steps(void **state) {
+  (void)state;
+  test_for_long_kinds(check_divided_jets);
+}
+
 static void unused(void **state) {
   (void)state;
   pbf_solver *s = test_filled(3, PBF_FLOAT32, 50, 100);
@@ -487,6 +570,7 @@ int main(void) {
       cmocka_unit_test(a_closed_tank_fills),
       cmocka_unit_test(a_channel_keeps_its_level),
       cmocka_unit_test(steps_may_be_divided),
+      cmocka_unit_test(jets_keep_their_energy_in_divided_steps),
       cmocka_unit_test(unused),
       cmocka_unit_test(failures),
       cmocka_unit_test(lifetimes),

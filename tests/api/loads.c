@@ -174,6 +174,107 @@ static void bodies_are_buoyant(void **state) {
   test_for_long_kinds(check_bodies);
 }
 
+/* ---- Under a pressure grid ------------------------------------------------------------------- */
+
+static const double raft[2] = {0.3, 0.2}, raft_at[2] = {1.5, 0.75};
+static double raft_angle;
+
+static int outside_raft(const double x[3]) {
+  const double c = cos(raft_angle), s = sin(raft_angle);
+  const double u = x[0] - raft_at[0], w = x[1] - raft_at[1], margin = load_spacing / 4;
+  return fabs(c * u + s * w) > raft[0] + margin || fabs(c * w - s * u) > raft[1] + margin;
+}
+
+/* What of it is below a level, by strips along x. */
+static double raft_below(double level) {
+  enum { STRIPS = 4000 };
+  const double c = cos(raft_angle), s = sin(raft_angle), wide = 0.4;
+  double area = 0;
+  for (int i = 0; i < STRIPS; ++i) {
+    const double u = wide * (2 * (i + 0.5) / STRIPS - 1);
+    double lower = -1, upper = level - raft_at[1];
+    const double from_sides[2] = {fabs(s) > 0 ? raft[0] / s - u * c / s : 1,
+                                  fabs(s) > 0 ? -raft[0] / s - u * c / s : -1};
+    if (!(fabs(s) > 0) && fabs(u) > raft[0]) continue;
+    lower = fmax(lower, fmax(from_sides[1], (-raft[1] + s * u) / c));
+    upper = fmin(upper, fmin(from_sides[0], (raft[1] + s * u) / c));
+    area += fmax(upper - lower, 0) * 2 * wide / STRIPS;
+  }
+  return area;
+}
+
+/* A raft that is held in water which a grid carries. The first layer below it may hang up to a
+ * spacing off, which counts as the raft's volume. */
+static void check_raft(uint32_t precision, double angle, double time_step) {
+  const double domain[3] = {3, 3, 1}, size[3] = {3, 0.8, 1};
+  pbf_params params = load_params(2, domain);
+  params.pressure_grid = 2;
+  params.time_step = time_step;
+  pbf_collider body = load_collider(PBF_COLLIDER_BOX, raft_at[0], raft_at[1], 0);
+  for (int k = 0; k < 2; ++k) body.half_extents[k] = raft[k];
+  body.orientation[2] = sin(angle / 2);
+  body.orientation[3] = cos(angle / 2);
+  raft_angle = angle;
+  load_scene s = load_scene_of(2, precision, &params, size, outside_raft, 1, &body);
+  pbf_collider_load load;
+  double low = 0, high = 2;
+  for (int i = 0; i < 50; ++i) {
+    const double level = 0.5 * (low + high);
+    if (level * domain[0] - raft_below(level) < s.count * s.mass)
+      low = level;
+    else
+      high = level;
+  }
+  const double lift = load_gravity * raft_below(low),
+               skin = load_gravity * 2 * raft[0] * load_spacing;
+  assert_ok(pbf_step(s.solver, (uint32_t)(6 / time_step)));
+  load_colliders(&s, 1, &load);
+  assert_ok(pbf_step(s.solver, (uint32_t)(6 / time_step)));
+  load_colliders(&s, 1, &load);
+  if (!(fabs(force(&load, 1) - lift) < skin))
+    fail_msg("the lift is %g, it must be %g to %g", force(&load, 1), lift, skin);
+  if (!(fabs(force(&load, 0)) < 0.05 * lift))
+    fail_msg("it is pushed aside by %g of %g", force(&load, 0), lift);
+  load_end(&s);
+}
+
+/* A plate a spacing thick lies on another one: that has no water at it. */
+static void check_covered(uint32_t precision) {
+  const double domain[3] = {0.4, 3, 1}, size[3] = {0.4, 1.5, 1};
+  pbf_params params = load_params(2, domain);
+  pbf_collider plates[2] = {load_collider(PBF_COLLIDER_BOX, 0.2, -load_spacing / 2, 0),
+                            load_collider(PBF_COLLIDER_BOX, 0.2, -0.1 - load_spacing, 0)};
+  params.pressure_grid = 2;
+  params.domain_min[1] = -0.2 - load_spacing;
+  for (int k = 0; k < 2; ++k) {
+    plates[k].half_extents[0] = 0.3;
+    plates[k].half_extents[1] = k == 0 ? load_spacing / 2 : 0.1;
+  }
+  load_scene s = load_scene_of(2, precision, &params, size, load_everywhere, 2, plates);
+  const double weight = s.count * s.mass * load_gravity;
+  pbf_collider_load loads[2];
+  assert_ok(pbf_step(s.solver, 200));
+  load_colliders(&s, 2, loads);
+  assert_ok(pbf_step(s.solver, 100));
+  load_colliders(&s, 2, loads);
+  check_near("the weight on the upper plate", -force(&loads[0], 1), weight, 0.01);
+  assert_true(fabs(force(&loads[1], 1)) < 0.01 * weight);
+  load_end(&s);
+}
+
+static void check_rafts(uint32_t dimension, uint32_t precision) {
+  if (dimension != 2) return;
+  check_covered(precision);
+  check_raft(precision, 0, 1.0 / 60);
+  check_raft(precision, 0.35, 1.0 / 60);
+  check_raft(precision, 0.35, 1.0 / 30);
+}
+
+static void bodies_are_buoyant_under_a_grid(void **state) {
+  (void)state;
+  test_for_long_kinds(check_rafts);
+}
+
 /* ---- A jet ---------------------------------------------------------------------------------- */
 
 static int in_jet(const double x[3]) { return x[1] > 0.8 && x[1] < 1.2; }
@@ -458,6 +559,7 @@ int main(void) {
       cmocka_unit_test(water_weighs_on_its_floor),
       cmocka_unit_test(halves_of_a_floor_share_it),
       cmocka_unit_test(bodies_are_buoyant),
+      cmocka_unit_test(bodies_are_buoyant_under_a_grid),
       cmocka_unit_test(a_jet_pushes_a_plate),
       cmocka_unit_test(a_channel_drags_its_walls_along),
       cmocka_unit_test(solids_get_what_the_fluid_loses),
