@@ -126,8 +126,8 @@ static batch batch_of(const pbf_solver *solver, const pbf_source *source) {
   batch b = {.opening = pbf_opening_of(&source->emitter, solver->kind.dimension, d),
              .due = source->due};
   b.way = b.opening.speed * pbf_part_time_step(solver);
-  b.a_step =
-      b.opening.rate * pbf_part_time_step(solver) / (solver->kind.dimension == 3 ? d * d * d : d * d);
+  b.a_step = b.opening.rate * pbf_part_time_step(solver) /
+             (solver->kind.dimension == 3 ? d * d * d : d * d);
   b.count = (uint64_t)floor(fmin(b.due + b.a_step, most));
   return b;
 }
@@ -323,8 +323,8 @@ double pbf_emission_speed(const pbf_solver *solver) {
   const double d = pbf_derive_spacing(&solver->params);
   double fastest = 0;
   for (uint32_t i = 0; e && i < e->head.source_count; ++i)
-    fastest = fmax(
-        fastest, pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension, d).speed);
+    fastest =
+        fmax(fastest, pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension, d).speed);
   return fastest;
 }
 

@@ -114,6 +114,20 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   return status;
 }
 
+/* Whether something is done before each step, which are then made one at a time. */
+static int needs_work_before(const pbf_solver *solver) {
+  return pbf_emission_is_active(solver) || pbf_has_accelerations(solver);
+}
+
+/* What comes and goes, and room for what follows from that. */
+static pbf_status prepare(pbf_solver *solver, uint32_t *steps) {
+  pbf_status status = pbf_emission_work(solver);
+  if (needs_work_before(solver)) *steps = 1;
+  if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, steps);
+  if (status == PBF_OK) status = pbf_plan_step(solver);
+  return status;
+}
+
 /* What the host does before a step it does before each part of a divided one, since it goes by how
  * long that is: a stream whose columns of a whole step came at once would run into itself, and
  * accelerations would be blows. */
@@ -123,9 +137,9 @@ static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
   for (uint32_t done = 1; status == PBF_OK && done && solver->part < solver->parts;) {
     done = 0;
     if (solver->part > 0) {
+      uint32_t one = 1;
       pbf_emission_begin_part(solver);
-      status = pbf_emission_work(solver);
-      if (status == PBF_OK) status = pbf_plan_step(solver);
+      status = prepare(solver, &one);
     }
     if (status == PBF_OK && solver->count > 0) status = run_placed(solver, 1, &done);
     if (status == PBF_OK && solver->count == 0) done = 1;
@@ -145,9 +159,7 @@ static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
 /* Of the next step; 0: it is made as a whole. */
 static pbf_status find_parts(pbf_solver *solver) {
   uint32_t parts = 0;
-  if (solver->params.max_substeps <= 1 ||
-      !(pbf_emission_is_active(solver) || pbf_has_accelerations(solver)))
-    return PBF_OK;
+  if (solver->params.max_substeps <= 1 || !needs_work_before(solver)) return PBF_OK;
   pbf_status status = pbf_substeps_of(solver, &parts);
   if (status == PBF_OK && parts > 1) solver->parts = parts;
   return status;
@@ -156,10 +168,7 @@ static pbf_status find_parts(pbf_solver *solver) {
 static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *advanced) {
   uint32_t done = 0;
   pbf_status status = find_parts(solver);
-  if (status == PBF_OK) status = pbf_emission_work(solver);
-  if (pbf_emission_is_active(solver) || pbf_has_accelerations(solver)) steps = 1;
-  if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, &steps);
-  if (status == PBF_OK) status = pbf_plan_step(solver);
+  if (status == PBF_OK) status = prepare(solver, &steps);
   if (status != PBF_OK) solver->parts = 0;
   if (status != PBF_OK) return status;
   if (solver->parts > 0) {

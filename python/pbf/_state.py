@@ -42,7 +42,8 @@ class State(Reading):
     @classmethod
     def restore(cls, source: PathLike | bytes | bytearray | memoryview, *,
                 capacity: int | None = None, **desc: Any) -> Self:
-        """A new solver in a saved state, of its dimension and precision."""
+        """A new solver in a saved state, of its dimension and precision. Without `capacity` it has
+        room for the particles of the state alone: emitters and reservoirs need more."""
         state = state_of(source)
         dimension, precision, count = _kind_of(state)
         make: Any = cls

@@ -1,4 +1,5 @@
 /* What comes and goes in steps, against what it must be by time and volume alone. */
+#include <pbf/diffuse.h>
 #include <pbf/emit.h>
 
 #include "support.h"
@@ -295,7 +296,8 @@ static void steps_may_be_divided(void **state) {
 }
 
 /* Without any, a state and its hash are what they were. */
-/* A jet at 60 degrees, in steps of 0.05 that the library divides. */
+/* A jet at 60 degrees, in steps of 0.05 that the library divides, which has spray: room for that
+ * follows what comes in each part. */
 typedef struct jet {
   pbf_solver *solver;
   uint32_t dimension, precision, count;
@@ -317,6 +319,9 @@ static jet jet_of(uint32_t dimension, uint32_t precision, double gravity) {
   for (int k = 0; k < 3; ++k) e.position[k] = 0;
   for (int k = 0; k < 2; ++k) e.velocity[k] = jet_speed * jet_along[k];
   assert_ok(pbf_set_emitters(j.solver, 1, &e));
+  pbf_diffuse_desc spray;
+  assert_ok(pbf_diffuse_init(j.solver, &spray, sizeof spray));
+  assert_ok(pbf_set_diffuse(j.solver, &spray));
   assert_ok(pbf_step(j.solver, (uint32_t)lround(jet_time / params.time_step)));
   j.count = count_of(j.solver);
   j.x = calloc((size_t)j.count * dimension, precision);
