@@ -105,13 +105,6 @@ static pbf_real grid_lambda_of(const worker *w, uint32_t i) {
                                            field_at(&w->b.x, i));
 }
 
-/* Of the pressure grid, over the reference density. */
-static pbf_real grid_pressure_at(const worker *w, pbf_vec x) {
-  const pbf_real scale = w->s->constants.pressure;
-  return -scale * pbf_pressure_grid_particle_lambda(&w->s->pressure_grid, scale,
-                                                    (pbf_real)(1 / w->s->params.time_step), x);
-}
-
 static load_particle load_particle_at(const worker *w, const pbf_load_scales *scales,
                                       const near_surfaces &near, uint32_t i) {
   const load_particle p = {field_at(&w->b.x, i), field_at(&w->b.v, i), field_at(&w->s->push, i),
@@ -237,7 +230,11 @@ static void loads_task(void *context, uint32_t task) {
       if (!near.any && !is_pushed(w, i)) continue;
       if (has_grid && near.any)
         share_grid_pressure(
-            &scales, w->obstacles, near, p.x, [&](pbf_vec x) { return grid_pressure_at(w, x); },
+            &scales, w->obstacles, near, p.x,
+            [&](pbf_vec x, double slope[]) {
+              return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x,
+                                                slope);
+            },
             [&](const pbf_load_plane &plane, const load_share &share) {
               add_part(loads.of(plane.solid),
                        load_part_beside(&scales, w->obstacles, p.x, plane, share), false);

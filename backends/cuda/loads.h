@@ -317,7 +317,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     if (PBF_HAS_PRESSURE_GRID && p.has_grid)
       share_grid_pressure(
           &scales, o, solids_near<LISTED>(o, p.x, pbf_grid_load_reach(scales.spacing)), p.x,
-          [&](pbf_vec x) { return grid_pressure_at(source.grid, x); },
+          [&](pbf_vec x, double slope[]) { return grid_pressure_sloped(source.grid, x, slope); },
           [&](const pbf_load_plane &plane, const load_share &share) {
             pbf_load_sums *to =
                 plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];

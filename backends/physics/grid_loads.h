@@ -101,21 +101,15 @@ PBF_FN load_share grid_load_share(const grid_load_solid *of, int count, int k, d
 }
 
 /* Calls take(plane, share) for each solid that the grid's pressure at a particle at x presses on;
- * pressure(x) is over the reference density. */
+ * pressure(x, slope) is over the reference density. */
 template <class Obstacles, class Near, class Pressure, class Take>
 PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, const Near &near,
                                 pbf_vec x, Pressure pressure, Take take) {
   grid_load_solid of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
-  const double p = (double)pressure(x), step = s->spacing / 4;
   double slope[PBF_DIM];
-  for (int k = 0; k < PBF_DIM; ++k) {
-    pbf_vec before = x, behind = x;
-    before.c[k] += (pbf_real)step;
-    behind.c[k] -= (pbf_real)step;
-    slope[k] = ((double)pressure(before) - (double)pressure(behind)) / (2 * step);
-  }
+  const double p = pressure(x, slope);
   for (int k = 0; k < count; ++k) {
     load_share share = grid_load_share(of, count, k, p, slope);
     const int solid = of[k].plane.solid;

@@ -57,13 +57,6 @@ static inline pbf_real grid_lambda_of(const solver *s, uint32_t i) {
                                            (pbf_real)(1 / s->params.time_step), s->moved[i]);
 }
 
-/* Of the pressure grid, over the reference density. */
-static inline pbf_real grid_pressure_at(const solver *s, pbf_vec x) {
-  const pbf_real scale = s->constants.pressure;
-  return -scale * pbf_pressure_grid_particle_lambda(&s->pressure_grid, scale,
-                                                    (pbf_real)(1 / s->params.time_step), x);
-}
-
 static inline load_particle load_particle_at(const solver *s, uint32_t i) {
   return {s->moved[i], s->v[i], s->push[i], s->lambda[i], has_grid_pressure(s)};
 }
@@ -127,7 +120,10 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
     int last = -1;
     if (p.has_grid)
       share_grid_pressure(
-          &scales, *o, all_surfaces{}, p.x, [&](pbf_vec x) { return grid_pressure_at(s, x); },
+          &scales, *o, all_surfaces{}, p.x,
+          [&](pbf_vec x, double slope[]) {
+            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x, slope);
+          },
           [&](const pbf_load_plane &plane, const load_share &share) {
             add_part(&tally->sums[plane.solid], load_part_beside(&scales, *o, p.x, plane, share),
                      false);

@@ -116,8 +116,9 @@ pbf_status pbf_emitter_check_place(const pbf_emitter *emitter, uint32_t index,
   const double a_step = opening.rate * solver->params.time_step / (n == 3 ? d * d * d : d * d);
   if (a_step > solver->capacity)
     return pbf_fail(PBF_ERROR_CAPACITY,
-                    "emitters[%u] would add %.9g particles in each step; desc.capacity is %u",
-                    index, a_step, solver->capacity);
+                    "emitters[%u] would add %.9g particles in each step of params.time_step, %.3g; "
+                    "desc.capacity is %u",
+                    index, a_step, solver->params.time_step, solver->capacity);
   return PBF_OK;
 }
 

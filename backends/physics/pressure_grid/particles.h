@@ -106,4 +106,17 @@ PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c,
   return c->width * c->width * pbf_lesser(pbf_pressure_grid_in_cell(values, at, PBF_DIM), 0);
 }
 
+/* And its slope. */
+PBF_FN double pbf_pressure_grid_lambda_sloped(const pbf_pressure_grid *c,
+                                              const pbf_pressure_grid_topology *t,
+                                              const double *lambda, uint32_t compartment,
+                                              const double at[PBF_DIM], double slope[PBF_DIM]) {
+  double values[PBF_CORNERS];
+  pbf_pressure_grid_corners(c, t, lambda, compartment, values);
+  const double value = pbf_pressure_grid_in_cell(values, at, PBF_DIM);
+  for (int k = 0; k < PBF_DIM; ++k)
+    slope[k] = value < 0 ? c->width * pbf_pressure_grid_in_cell(values, at, k) : 0;
+  return c->width * c->width * pbf_lesser(value, 0);
+}
+
 #endif
