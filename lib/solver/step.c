@@ -156,12 +156,12 @@ static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
   return status;
 }
 
-/* Of the next step; 0: it is made as a whole. */
+/* Of the next step; 0: nothing is done before them. */
 static pbf_status find_parts(pbf_solver *solver) {
   uint32_t parts = 0;
   if (solver->params.max_substeps <= 1 || !needs_work_before(solver)) return PBF_OK;
   pbf_status status = pbf_substeps_of(solver, &parts);
-  if (status == PBF_OK && parts > 1) solver->parts = parts;
+  if (status == PBF_OK) solver->parts = parts;
   return status;
 }
 
