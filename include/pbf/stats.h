@@ -57,8 +57,8 @@ enum {
                                much acts */
 };
 
-/* The longest time_step that the present parameters, colliders and velocities stand, undivided;
- * infinite where nothing moves or falls. Beyond it water at rest lies down or boils, and what moves
+/* The longest time_step that the present parameters, accelerations, colliders and velocities stand,
+ * undivided; infinite where nothing moves or falls. Beyond it water at rest lies down or boils, and what moves
  * squeezes it: up to 1 spacing a step by less than a tenth, at 3 by three quarters (measured at 4
  * iterations). The bound on speed is that of Courant, Friedrichs and Lewy (Mathematische Annalen
  * 100, 1928). Drag is solved exactly and limits nothing. pbf_desc.log is told of longer steps: once

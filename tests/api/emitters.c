@@ -341,16 +341,21 @@ static double jet_number(const jet *j, const void *array, uint64_t i, uint32_t k
   return test_value(array, i * j->dimension + k, j->precision);
 }
 
-/* As much comes as in whole steps, and its first column is where it must be by then. */
+/* As much comes as in whole steps, the first of it is where it must be by then, and behind that is
+ * the same in each spacing. */
 static void check_divided_stream(uint32_t dimension, uint32_t precision) {
   jet j = jet_of(dimension, precision, 0);
   const double columns = dimension == 3 ? 32 : 6, way = jet_speed * jet_time;
+  enum { ROWS = 50 };
   double farthest = 0;
+  uint32_t rows[ROWS] = {0};
   for (uint64_t i = 0; i < j.count; ++i) {
     double along = 0;
     for (uint32_t k = 0; k < 2; ++k) along += jet_along[k] * jet_number(&j, j.x, i, k);
     farthest = fmax(farthest, along);
+    if (along > 0 && along < ROWS * d) ++rows[(int)(along / d)];
   }
+  for (int row = 1; row < ROWS; ++row) assert_true(fabs(rows[row] / columns - 1) <= 0.5);
   assert_true(fabs(j.count - columns * way / d) <= 1);
   assert_true(fabs(farthest - way) < d);
   jet_end(&j);
