@@ -58,12 +58,12 @@ enum {
 };
 
 /* The longest time_step that the present parameters, accelerations, colliders and velocities stand,
- * undivided; infinite where nothing moves or falls. Beyond it water at rest lies down or boils, and what moves
- * squeezes it: up to 1 spacing a step by less than a tenth, at 3 by three quarters (measured at 4
- * iterations). The bound on speed is that of Courant, Friedrichs and Lewy (Mathematische Annalen
- * 100, 1928). Drag is solved exactly and limits nothing. pbf_desc.log is told of longer steps: once
- * for each cause, and again only after it has ended; when steps are made, of particles when
- * pbf_get_stats or max_substeps looks at them. Looks at all particles. */
+ * undivided; infinite where nothing moves or falls. Beyond it water at rest lies down or boils, and
+ * what moves squeezes it: up to 1 spacing a step by less than a tenth, at 3 by three quarters
+ * (measured at 4 iterations). The bound on speed is that of Courant, Friedrichs and Lewy
+ * (Mathematische Annalen 100, 1928). Drag is solved exactly and limits nothing. pbf_desc.log is
+ * told of longer steps: once for each cause, and again only after it has ended; when steps are
+ * made, of particles when pbf_get_stats or max_substeps looks at them. Looks at all particles. */
 PBF_API pbf_status pbf_get_step_limit(pbf_solver *solver, double *limit);
 
 #ifdef __cplusplus
