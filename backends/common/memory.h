@@ -15,7 +15,7 @@ typedef struct pbf_array {
 } pbf_array;
 
 /* More than a plan has entries for: the last ones are in its bytes alone. */
-enum { PBF_MEMORY_ARRAYS = PBF_MAX_ARRAYS + 8 };
+enum { PBF_MEMORY_ARRAYS = PBF_MAX_ARRAYS + 16 };
 
 typedef struct pbf_memory {
   pbf_allocator allocator;
