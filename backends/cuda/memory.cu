@@ -8,7 +8,7 @@ pbf_status pbf_cuda_take(pbf_cuda_memory *memory, const char *name, uint64_t byt
   char call[96];
   void *taken = nullptr;
   snprintf(call, sizeof call, "cudaMalloc of %llu bytes for '%s'", (unsigned long long)bytes, name);
-  if (memory->count == PBF_MAX_ARRAYS) return pbf_cuda_check(cudaErrorMemoryAllocation, call);
+  if (memory->count == PBF_CUDA_ARRAYS) return pbf_cuda_check(cudaErrorMemoryAllocation, call);
   if (pbf_status status = pbf_cuda_check(cudaMalloc(&taken, bytes), call)) return status;
   if (pbf_status status =
           pbf_cuda_check(cudaMemsetAsync(taken, 0, bytes, memory->stream), "cudaMemsetAsync")) {
@@ -35,12 +35,14 @@ void pbf_cuda_free_all(pbf_cuda_memory *memory) {
 }
 
 void pbf_cuda_memory_plan(const pbf_cuda_memory *memory, uint32_t capacity, pbf_plan *plan) {
-  for (uint32_t k = 0; k < memory->count && plan->array_count < PBF_MAX_ARRAYS; ++k) {
+  for (uint32_t k = 0; k < memory->count; ++k) {
+    const uint64_t bytes = memory->arrays[k].bytes;
+    plan->bytes += bytes;
+    plan->bytes_per_particle += (double)bytes / capacity;
+    if (plan->array_count == PBF_MAX_ARRAYS) continue;
     pbf_plan_array *entry = &plan->arrays[plan->array_count++];
     snprintf(entry->name, sizeof entry->name, "%s", memory->arrays[k].name);
-    entry->bytes = memory->arrays[k].bytes;
-    entry->bytes_per_particle = (double)entry->bytes / capacity;
-    plan->bytes += entry->bytes;
-    plan->bytes_per_particle += entry->bytes_per_particle;
+    entry->bytes = bytes;
+    entry->bytes_per_particle = (double)bytes / capacity;
   }
 }

@@ -13,8 +13,11 @@ struct pbf_cuda_array {
   uint64_t bytes;
 };
 
+/* More than a plan has entries for: the last ones are in its bytes alone. */
+enum { PBF_CUDA_ARRAYS = PBF_MAX_ARRAYS + 16 };
+
 struct pbf_cuda_memory {
-  pbf_cuda_array arrays[PBF_MAX_ARRAYS];
+  pbf_cuda_array arrays[PBF_CUDA_ARRAYS];
   uint32_t count;
   cudaStream_t stream; /* where arrays are zeroed */
 };
