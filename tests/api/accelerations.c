@@ -88,13 +88,17 @@ static fallen fall(uint32_t dimension, uint32_t precision, int by_gravity, uint3
   return end;
 }
 
-/* A GPU rounds a velocity's change by gravity once, and the same of the caller's twice. */
+/* A GPU rounds a velocity's change by gravity once, and the same of the caller's twice, and has
+ * another way for few particles without accelerations: of long divided steps that is a part of a
+ * spacing, which is 0.05. */
 static void check_same_fall(uint32_t dimension, uint32_t precision, uint32_t substeps) {
+  const int is_gpu = strcmp(test_backend(), "cuda") == 0;
+  const double most = is_gpu && substeps > 0 ? 0.02 * 0.05 : 1e-5;
   const fallen by_gravity = fall(dimension, precision, 1, substeps);
   const fallen by_all = fall(dimension, precision, 0, substeps);
   for (uint32_t k = 0; k < dimension; ++k)
-    assert_true(fabs(by_gravity.center[k] - by_all.center[k]) < 1e-5);
-  if (strcmp(test_backend(), "cuda") != 0) assert_true(by_gravity.hash == by_all.hash);
+    assert_true(fabs(by_gravity.center[k] - by_all.center[k]) < most);
+  if (!is_gpu) assert_true(by_gravity.hash == by_all.hash);
 }
 
 static void check_gravity(uint32_t dimension, uint32_t precision) {
