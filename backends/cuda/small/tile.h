@@ -181,15 +181,10 @@ static __device__ __forceinline__ uint32_t number_cells(const small_tile &t, mar
   for (uint32_t k = first; k < end; ++k) sum += (uint32_t)__popc(t.marks[k]);
   uint32_t next = scan_block(sum, &count);
   if (count > t.layout.cell_capacity) return count;
-  for (uint32_t k = first; sum && k < end; next += (uint32_t)__popc(t.marks[k++]))
+  for (uint32_t k = first; sum && k < end; ++k) {
     t.before[k] = (uint16_t)next;
-  __syncthreads();
-  /* A warp a word, a lane a bit. */
-  const uint32_t lane = threadIdx.x % 32, below = (1u << lane) - 1;
-#pragma unroll 4
-  for (uint32_t k = words.first + threadIdx.x / 32; k <= words.last; k += SMALL_THREADS / 32) {
-    const uint32_t bits = t.marks[k];
-    if (bits >> lane & 1) t.cells[t.before[k] + (uint32_t)__popc(bits & below)] = k * 32 + lane;
+    for (uint32_t bits = t.marks[k]; bits; bits &= bits - 1)
+      t.cells[next++] = k * 32 + (uint32_t)__ffs((int)bits) - 1;
   }
   return count;
 }
