@@ -31,7 +31,7 @@ inline void prepare_standard_streams() {
 #endif
 }
 
-// After all else: a program has failed whose output is lost. Of a reader that has read enough
+// After all else: a program that lost its output has failed. Of a reader that has read enough
 // nothing is said, nor where it is known that something has failed.
 inline int exit_after_output(int code, int failure, const char *program) {
   errno = 0;

@@ -70,8 +70,8 @@ static inline void pbf_emission_bound_stage(pbf_emission *e) {
 pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission);
 void pbf_emission_free(pbf_solver *solver, pbf_emission *emission);
 
-/* What comes and goes before the next step, or the next part of one whose parts are made one by
- * one: each but the first begins by itself, and then they end. */
+/* What comes and goes before the next step, or the next part of one that is made part by
+ * part: each but the first begins by itself, and then they end. */
 pbf_status pbf_emission_work(pbf_solver *solver);
 void pbf_emission_begin_part(pbf_solver *solver);
 void pbf_emission_end_parts(pbf_solver *solver);

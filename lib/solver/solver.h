@@ -126,7 +126,7 @@ struct pbf_solver {
 
   uint32_t substeps;      /* of the last step */
   double time_step_there; /* as the backend has it: params.time_step, or a part */
-  uint32_t part, parts;   /* that is made of a step whose parts are made one by one; 0, 0: none */
+  uint32_t part, parts;   /* of a step that is made part by part; 0, 0: none */
   uint32_t said; /* PBF_LIMIT_…, a bit each: steps are too long for it, and it was said */
   uint32_t step_length_checked; /* 1: nothing has changed since by which steps could be too long */
 

@@ -129,7 +129,7 @@ static pbf_status prepare(pbf_solver *solver, uint32_t *steps) {
 }
 
 /* What the host does before a step it does before each part of a divided one, since it goes by how
- * long that is: a stream whose columns of a whole step came at once would run into itself, and
+ * long that is: a stream that got the columns of a whole step at once would run into itself, and
  * accelerations would be blows. */
 static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
   const double begin = pbf_solver_time(solver);

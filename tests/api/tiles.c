@@ -301,7 +301,7 @@ static double speed_at_rest(const wall *w, uint32_t precision, double support) {
   return sqrt(sum / all / (load_gravity * load_spacing));
 }
 
-/* As in front of one box, whose water is not quite at rest. With h = 3 d it moves on by 0.1 and
+/* As in front of one box, where water is not quite at rest. With h = 3 d it moves on by 0.1 and
  * more before either, and by how much is chance. */
 static void check_rest(uint32_t dimension, uint32_t precision) {
   const double d = load_spacing;

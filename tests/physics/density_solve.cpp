@@ -278,7 +278,7 @@ static void the_last_pressure_counts(void **state) {
   assert_near(smoothed(-1, -1, 0.8), -1 - 0.05 * (1 / 0.64 - 1), tiny);
 }
 
-/* Without a length, or one whose square is no number, there is none. */
+/* Without a length, or where its square is no number, there is none. */
 static void steps_of_no_time_keep_no_pressure(void **state) {
   (void)state;
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
