@@ -70,13 +70,20 @@ static __device__ __forceinline__ uint32_t own_slot(const small_tile &t, const c
   return found;
 }
 
-/* Lists what is near in so many runs, AHEAD candidates at a time. Each thread finds the first and
- * last slot of some runs, slots_of(run), for all threads of its particle: to find a run takes
- * longer than to look at its candidates. Those of a warp call it together. */
+/* Lists what is near in the cells around a place, AHEAD candidates at a time; slots_in(cell, cells)
+ * has the first slot of a run of cells, and above 16 bits its end. Each thread finds some runs for
+ * all threads of its particle: to find a run takes longer than to look at its candidates. Those of
+ * a warp call it together, with `real` for those that have a particle. */
 template <uint32_t AHEAD, class Tile, class Slots>
-static __device__ __forceinline__ void search_runs(const Tile &t, const small_search &s,
-                                                   uint32_t own, uint32_t runs, Slots slots_of,
-                                                   small_list *list) {
+static __device__ __forceinline__ void search_runs(const Tile &t, const cell_grid &grid,
+                                                   const small_search &s, uint32_t own, bool real,
+                                                   Slots slots_in, small_list *list) {
+  const uint32_t runs = most_runs(grid), own_runs = real ? runs_around(grid, s.place) : 0;
+  const auto slots_of = [&](uint32_t run) -> uint32_t {
+    uint32_t cell, cells;
+    if (run >= own_runs || !run_around(grid, s.place, run, &cell, &cells)) return 0;
+    return slots_in(cell, cells);
+  };
   uint32_t seen = 0;
   uint16_t *next = list->entries, *full = &list->at(list->max_size);
 #pragma unroll 1
@@ -108,14 +115,11 @@ static __device__ __forceinline__ void search_runs(const Tile &t, const small_se
 static __device__ __forceinline__ void search_tile(const small_tile &t, const cell_grid &grid,
                                                    const small_search &s, uint32_t own, bool real,
                                                    small_list *list) {
-  const uint32_t own_runs = real ? runs_around(grid, s.place) : 0;
-  const auto slots_of = [&](uint32_t run) -> uint32_t {
-    uint32_t cell, cells;
-    if (run >= own_runs || !run_around(grid, s.place, run, &cell, &cells)) return 0;
+  const auto slots_in = [&](uint32_t cell, uint32_t cells) {
     const uint32_t index = t.index_of(cell);
     return t.starts[index] | (uint32_t)t.starts[index + cells] << 16;
   };
-  search_runs<4>(t, s, own, most_runs(grid), slots_of, list);
+  search_runs<4>(t, grid, s, own, real, slots_in, list);
   if (list->size > list->max_size) return;
   for (uint32_t k = 0; k < list->size; ++k) t.used[list->at(k)] = 1;
 }

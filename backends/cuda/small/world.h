@@ -153,13 +153,10 @@ static __device__ __forceinline__ bool fill_world(const world_tile &t, const sma
 static __device__ __forceinline__ void search_world(const world_tile &t, const cell_grid &grid,
                                                     const small_search &s, uint32_t own, bool real,
                                                     small_list *list) {
-  const uint32_t own_runs = real ? runs_around(grid, s.place) : 0;
-  const auto slots_of = [&](uint32_t run) -> uint32_t {
-    uint32_t cell, cells;
-    if (run >= own_runs || !run_around(grid, s.place, run, &cell, &cells)) return 0;
+  const auto slots_in = [&](uint32_t cell, uint32_t cells) {
     return t.starts[cell] | (uint32_t)t.starts[cell + cells] << 16;
   };
-  search_runs<WORLD_AHEAD>(t, s, own, most_runs(grid), slots_of, list);
+  search_runs<WORLD_AHEAD>(t, grid, s, own, real, slots_in, list);
 }
 
 /* A thread's list goes to memory, as far as the longest of its particle's. */
