@@ -24,6 +24,7 @@ const pbf_struct_kind pbf_kind_shape_info = KIND(pbf_shape_info, hash);
 const pbf_struct_kind pbf_kind_collider_load = KIND(pbf_collider_load, wetted_area);
 const pbf_struct_kind pbf_kind_view = KIND(pbf_view, ids);
 const pbf_struct_kind pbf_kind_read_desc = KIND(pbf_read_desc, w_value);
+const pbf_struct_kind pbf_kind_write_desc = KIND(pbf_write_desc, stream);
 const pbf_struct_kind pbf_kind_anisotropy_desc = KIND(pbf_anisotropy_desc, stretches);
 const pbf_struct_kind pbf_kind_snapshot = KIND(pbf_snapshot, owner);
 const pbf_struct_kind pbf_kind_stats = KIND(pbf_stats, density_mean);

@@ -29,6 +29,7 @@ extern const pbf_struct_kind pbf_kind_shape_info;
 extern const pbf_struct_kind pbf_kind_collider_load;
 extern const pbf_struct_kind pbf_kind_view;
 extern const pbf_struct_kind pbf_kind_read_desc;
+extern const pbf_struct_kind pbf_kind_write_desc;
 extern const pbf_struct_kind pbf_kind_anisotropy_desc;
 extern const pbf_struct_kind pbf_kind_snapshot;
 extern const pbf_struct_kind pbf_kind_stats;

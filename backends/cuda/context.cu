@@ -1,28 +1,18 @@
 #include "cuda/context.h"
 
+#include "cuda/driver_function.h"
 #include "cuda/status.h"
 
 namespace {
-
-/* Functions of the driver, found at run time: the plugin must load where there is no driver. */
-template <class Function>
-Function driver_function(const char *name) {
-  void *address = nullptr;
-  cudaDriverEntryPointQueryResult result;
-  cudaError_t error =
-      cudaGetDriverEntryPointByVersion(name, &address, 12000, cudaEnableDefault, &result);
-  if (error != cudaSuccess) cudaGetLastError();
-  return error == cudaSuccess ? reinterpret_cast<Function>(address) : nullptr;
-}
 
 typedef int (*get_current_fn)(pbf_cuda_context *);
 typedef int (*set_current_fn)(pbf_cuda_context);
 typedef int (*stream_context_fn)(void *, pbf_cuda_context *);
 
 struct driver {
-  get_current_fn get_current = driver_function<get_current_fn>("cuCtxGetCurrent");
-  set_current_fn set_current = driver_function<set_current_fn>("cuCtxSetCurrent");
-  stream_context_fn stream_context = driver_function<stream_context_fn>("cuStreamGetCtx");
+  get_current_fn get_current = pbf_cuda_driver_function<get_current_fn>("cuCtxGetCurrent");
+  set_current_fn set_current = pbf_cuda_driver_function<set_current_fn>("cuCtxSetCurrent");
+  stream_context_fn stream_context = pbf_cuda_driver_function<stream_context_fn>("cuStreamGetCtx");
   bool complete() const { return get_current && set_current && stream_context; }
 };
 

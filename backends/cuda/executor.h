@@ -12,7 +12,7 @@ static inline uint32_t launches_of(const solver *s, pbf_stage stage) {
   const uint32_t ghosts = s->ghosts != nullptr, starts = s->starts != nullptr,
                  phases = s->phase != nullptr, solids = s->topology_memory != nullptr,
                  boundary = s->boundary_densities != nullptr, collides = collides_after_moves(s),
-                 loads = notes_pushes(s);
+                 loads = notes_pushes(s), colliders = surfaces_of(s) != NO_SURFACES;
   const uint32_t launches[] = {
 #define PBF_STAGE(ID, name, feature, times, launches) launches,
 #include "physics/stages.def"
@@ -224,11 +224,12 @@ struct executor : launcher {
       });
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
-      with_surfaces(s, [&](auto surfaces) {
-        launch(apply_correction_kernel<decltype(surfaces)::value>, n.particles, s->pressure_grid,
-               arrays, torn, extras.obstacles, collides_with_surfaces(), (pbf_real)carried,
-               (pbf_real)(1 / s->params.time_step));
-      });
+      const bool collides = collides_with_surfaces();
+      launch(s->shapes.count ? apply_correction_kernel<FIELD_SURFACES>
+                             : apply_correction_kernel<FEW_SURFACES>,
+             n.particles, s->pressure_grid, arrays, torn, (pbf_real)carried,
+             (pbf_real)(1 / s->params.time_step), collides ? moved : nullptr);
+      if (collides) collide_on_way(extras.rest.activity, n.particles.velocities, nullptr);
     });
   }
 
@@ -376,16 +377,24 @@ struct executor : launcher {
 
   /* By what velocities change by. */
   void launch_way(const pbf_real *activity, const pbf_vec *changes, pbf_vec *velocities) {
-    const surfaces_met met = surfaces_of(s);
-    auto kernel = met == LISTED_SURFACES  ? way_kernel<LISTED_SURFACES>
-                  : met == FIELD_SURFACES ? way_kernel<FIELD_SURFACES>
-                  : met == MANY_SURFACES  ? way_kernel<MANY_SURFACES>
-                  : met == FEW_SURFACES   ? way_kernel<FEW_SURFACES>
-                                          : way_kernel<NO_SURFACES>;
-    const uint32_t first = n.particles.first; /* above 0 on ranks, where nothing sleeps */
-    launch(kernel, n.particles.points + first, own_count(n), activity, extras.obstacles,
-           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes + first,
-           velocities + first, notes_pushes(s) ? s->push : nullptr);
+    const bool collides = surfaces_of(s) != NO_SURFACES;
+    pbf_vec *push = notes_pushes(s) ? s->push : nullptr;
+    launch(way_kernel, n.particles, activity, extras.obstacles.domain,
+           (pbf_real)s->params.time_step, (pbf_real)pbf_per_time_step(&s->params), changes,
+           velocities, push, collides ? moved : nullptr);
+    if (collides) collide_on_way(activity, velocities, push);
+  }
+
+  /* Takes particles that have come from `moved` out of solids. */
+  void collide_on_way(const pbf_real *activity, pbf_vec *velocities, pbf_vec *push) {
+    neighborhood from = n;
+    from.particles.points = moved;
+    iteration_extras unwatched = extras;
+    unwatched.watch = {};
+    unwatched.rest.activity = activity;
+    const iteration_place first = {true, false, false};
+    launch_collide(s, from, n.particles.points, unwatched, {first, 1, 0},
+                   (pbf_real)pbf_per_time_step(&s->params), velocities, push);
   }
 
   /* … as do mean velocities, … */
@@ -402,11 +411,9 @@ struct executor : launcher {
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         with_surfaces(s, [&](auto surfaces) {
-          constexpr surfaces_met SURFACES = decltype(surfaces)::value;
-          launch(s->torques ? compensate_damping_kernel<F | PBF_FEATURE_TORQUE, SURFACES>
-                            : compensate_damping_kernel<F, SURFACES>,
-                 n, extras.obstacles, s->schedule.wall_density,
-                 (pbf_real)pbf_per_time_step(&s->params), s->other, s->torques, s->velocities);
+          launch(compensate_damping_kernel<F, decltype(surfaces)::value>, n, extras.obstacles,
+                 s->schedule.wall_density, (pbf_real)pbf_per_time_step(&s->params), s->other,
+                 s->torques, s->velocities);
         });
       });
     });

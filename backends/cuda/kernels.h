@@ -463,8 +463,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (i < n.particles.count) store(flow, i, point_at(v));
 }
 
-/* Lambda of the step is in the points. Images take a quarter more registers, so that scenes without
- * them have an instance of their own. */
+/* Lambda of the step is in the points. The torque is summed up in all scenes, and kept where
+ * `torques` is not null: instances without would be as many again. */
 template <int FEATURES, surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     compensate_damping_kernel(const __grid_constant__ neighborhood n,
@@ -475,10 +475,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_constants *c = &n.constants;
   const point here = load(n.particles.points, own);
   const pbf_vec x = position_of(here), mean = position_of(load(flow, own));
-  const damping_compensation_pass<fixed<FEATURES>> pass = {c, {}};
+  const damping_compensation_pass<fixed<FEATURES | PBF_FEATURE_TORQUE>> pass = {c, {}};
   const auto sums = sums_around(pass, n, i, x, {here.lambda, lanes_of(mean)}, flow);
   if (i >= n.particles.count) return;
-  if (FEATURES & PBF_FEATURE_TORQUE)
+  if (torques)
     for (int k = 0; k < PBF_CURL_DIM; ++k) torques[i].c[k] -= sums.torque[k];
   pbf_vec change = pass.change(sums);
   if (wall_density)
@@ -560,18 +560,20 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     changes[i] = pass.finish(sums, position_of(push), mobility ? mobility[i] : (pbf_real)1);
 }
 
-/* What velocities change by moves particles at once. What solids then do is added to `push`, unless
- * that is null. */
-template <surfaces_met SURFACES>
+/* What velocities change by moves particles at once. Where there are colliders, collide_kernel
+ * comes next, and reads where particles have come from in `from`; elsewhere it is null, and what
+ * walls then do is added to `push`, unless that is null. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    way_kernel(point *points, uint32_t count, const pbf_real *activity,
-               const __grid_constant__ step_obstacles obstacles, pbf_real time_step,
-               pbf_real inv_time_step, const pbf_vec *changes, pbf_vec *velocities, pbf_vec *push) {
-  const uint32_t i = thread_index();
-  if (i >= count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
-  point here = load(points, i);
-  const pbf_vec from = position_of(here), to = pbf_add_scaled(from, time_step, changes[i]);
-  const pbf_vec x = resolve_collisions<SURFACES>(obstacles, 0, from, to);
+    way_kernel(sorted_particles p, const pbf_real *activity,
+               const __grid_constant__ pbf_domain domain, pbf_real time_step,
+               pbf_real inv_time_step, const pbf_vec *changes, pbf_vec *velocities, pbf_vec *push,
+               point *from) {
+  const uint32_t i = own_index(p);
+  if (i >= p.count || (PBF_SLEEP && activity && pbf_is_asleep(activity[i]))) return;
+  point here = load(p.points, i);
+  if (from) store(from, i, here);
+  const pbf_vec to = pbf_add_scaled(position_of(here), time_step, changes[i]);
+  const pbf_vec x = from ? to : pbf_keep_in_domain(&domain, to);
   const pbf_vec v = pbf_add_scaled(velocities[i], 1, changes[i]);
   const pbf_vec pushed = pbf_velocity(inv_time_step, v, to, x);
   velocities[i] = pushed;
@@ -579,7 +581,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     push[i] = pbf_add_scaled(push[i], 1, pbf_sub(pushed, v));
   point after = point_at(x);
   after.lambda = here.lambda;
-  store(points, i, after);
+  store(p.points, i, after);
 }
 
 /* From `velocities` to `smoothed`. */

@@ -272,12 +272,13 @@ static inline bool collides_after_moves(const solver *s) {
 }
 
 static inline void launch_collide(solver *s, const neighborhood &n, point *moved,
-                                  const iteration_extras &extras, const move_end &end,
-                                  const pushes_by_solids &pushes) {
+                                  const iteration_extras &extras, const pushes_by_solids &pushes,
+                                  pbf_real inv_time_step, pbf_vec *velocities, pbf_vec *push) {
   const uint32_t blocks = blocks_for(own_count(n));
+  if (!blocks) return;
   with_colliders(s, [&](auto surfaces) {
     collide_kernel<decltype(surfaces)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
-        n, moved, extras, end.place, pushes, end.inv_time_step, end.velocities);
+        n, moved, extras, pushes, inv_time_step, velocities, push);
   });
 }
 
@@ -285,7 +286,7 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
                                const iteration_extras &extras, move_end end) {
   uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
-  const pushes_by_solids pushes = {end.collide, end.collide_last};
+  const pushes_by_solids pushes = {end.place, end.collide, end.collide_last};
   if (collides_after_moves(s)) end.collide = end.collide_last = 0;
   with_features(s->schedule.features, [&](auto features) {
     constexpr int F = decltype(features)::value;
@@ -296,7 +297,8 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
       if (s->activity) kernel = move_kernel<F, true, true, true>;
     kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
   });
-  if (collides_after_moves(s)) launch_collide(s, n, moved, extras, end, pushes);
+  if (collides_after_moves(s))
+    launch_collide(s, n, moved, extras, pushes, end.inv_time_step, end.velocities, nullptr);
 }
 
 /* Those that move in the step that begins at a time. */

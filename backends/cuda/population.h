@@ -178,7 +178,8 @@ static inline void launch_densities(const solver *s, const neighborhood &n,
   });
 }
 
-static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
+/* Of these rows, to where lists lie. */
+static inline pbf_status stage_densities(solver *s, const pbf_rows *rows) {
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);
@@ -191,8 +192,12 @@ static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_rea
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(densities, s->other_ids, s->count, range,
                                                           staged);
-  if (pbf_status status = pbf_cuda_check_launch("density_kernel")) return status;
-  return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
+  return pbf_cuda_check_launch("density_kernel");
+}
+
+static inline pbf_status read_densities(solver *s, const pbf_rows *rows, pbf_real *out) {
+  if (pbf_status status = stage_densities(s, rows)) return status;
+  return copy_out(s, out, s->list_storage, rows->count * sizeof(pbf_real));
 }
 
 static inline pbf_status population_read_rest(solver *s, const pbf_rows *rows, void *out) {
@@ -310,8 +315,8 @@ static inline pbf_status find_pressures(solver *s, pbf_real *out) {
   return pbf_cuda_check_launch("fit_pressures_kernel");
 }
 
-static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
-  if (!rows->count) return PBF_OK;
+/* Of these rows, to where lists lie. */
+static inline pbf_status stage_pressures(solver *s, const pbf_rows *rows) {
   row_range range;
   pbf_real *pressures = reinterpret_cast<pbf_real *>(s->other_velocities);
   pbf_real *staged = static_cast<pbf_real *>(s->list_storage);
@@ -319,8 +324,13 @@ static inline pbf_status population_read_pressures(solver *s, const pbf_rows *ro
   if (pbf_status status = upload_rows(s, rows, &range)) return status;
   read_values_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(pressures, s->ids, s->count,
                                                                         range, staged);
-  if (pbf_status status = pbf_cuda_check_launch("read_values_kernel")) return status;
-  return copy_out(s, out, staged, rows->count * sizeof(pbf_real));
+  return pbf_cuda_check_launch("read_values_kernel");
+}
+
+static inline pbf_status population_read_pressures(solver *s, const pbf_rows *rows, pbf_real *out) {
+  if (!rows->count) return PBF_OK;
+  if (pbf_status status = stage_pressures(s, rows)) return status;
+  return copy_out(s, out, s->list_storage, rows->count * sizeof(pbf_real));
 }
 
 /* Into s->pressures. */

@@ -361,25 +361,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index);
 }
 
-template <surfaces_met SURFACES>
-static __device__ __forceinline__ pbf_vec move_past_obstacles(const step_obstacles &o, pbf_vec x,
-                                                              pbf_vec move) {
-  if constexpr (SURFACES == LISTED_SURFACES)
-    return pbf_sub(resolve_collisions<SURFACES>(o, 0, x, pbf_add_scaled(x, 1, move)), x);
-  else
-    return pbf_move_past_obstacles(obstacles_met<SURFACES>(o), x, move);
-}
-
-/* What the grid adds to the moves; of a fluid of the density `carried` where phases differ. */
+/* What the grid adds to the moves; of a fluid of the density `carried` where phases differ. Where
+ * colliders push, collide_kernel comes next, and reads where particles have come from in `from`;
+ * elsewhere it is null. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, const __grid_constant__ pbf_pressure_grid grid,
                             const __grid_constant__ pressure_grid_arrays a, bool torn,
-                            const __grid_constant__ step_obstacles obstacles, bool collide,
-                            pbf_real carried, pbf_real inv_time_step) {
+                            pbf_real carried, pbf_real inv_time_step, point *from) {
   uint32_t i = thread_index();
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
+  if (from) store(from, i, own);
   pbf_vec x = position_of(own);
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_cell(&grid, x, at);
@@ -387,7 +380,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (cell == PBF_NO_INDEX) return;
   pbf_vec u = pbf_pressure_grid_correction(&grid, &a.topology, pressure_grid_lambda(a), cell, at);
   if (p.mobility) u = pbf_scaled(u, carried * p.mobility[i]);
-  if (collide) u = move_past_obstacles<SURFACES>(obstacles, x, u);
   for (int k = 0; k < PBF_DIM; ++k) own.c[k] += u.c[k];
   store(p.points, i, own);
   p.velocities[i] = pbf_add_scaled(p.velocities[i], inv_time_step, u);

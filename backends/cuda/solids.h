@@ -40,6 +40,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
 
 /* How often solids push in this iteration: what a collider pushes another may push again. */
 struct pushes_by_solids {
+  iteration_place place;
   int in_iteration, in_last;
 };
 
@@ -52,14 +53,16 @@ static __device__ __forceinline__ pbf_vec predicted_place(const neighborhood &n,
   return pbf_add_scaled(x, -1 / inv_time_step, pbf_sub(v, n.particles.velocities[i]));
 }
 
-/* Takes particles that the move has taken from n.particles.points to `moved` out of solids. */
+/* Takes particles that something has moved from n.particles.points to `moved` out of solids. What
+ * these do to velocities is added to `push`, unless that is null. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
     collide_kernel(const __grid_constant__ neighborhood n, point *moved,
-                   const __grid_constant__ iteration_extras extras, iteration_place place,
-                   pushes_by_solids pushes, pbf_real inv_time_step, pbf_vec *velocities) {
+                   const __grid_constant__ iteration_extras extras, pushes_by_solids pushes,
+                   pbf_real inv_time_step, pbf_vec *velocities, pbf_vec *push) {
   const uint32_t i = own_index(n.particles);
   if (i >= n.particles.count || is_idle(extras, i)) return;
+  const iteration_place &place = pushes.place;
   const bool last = place.last || (PBF_TOLERANCE && extras.watch.watch && has_ended(extras.watch));
   const pbf_real *activity = PBF_SLEEP ? extras.rest.activity : nullptr;
   if (activity && pbf_is_asleep(activity[i])) return;
@@ -67,7 +70,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
   if (!collisions) return;
   point to = load(moved, i);
   const pbf_vec before = position_of(to);
-  pbf_vec x = before, v = velocities[i];
+  const pbf_vec velocity = velocities[i];
+  pbf_vec x = before, v = velocity;
   const bool just_woke = activity && last && pbf_just_woke(&extras.rest.sleep, activity[i]);
   const pbf_vec predicted = predicted_place(n, i, place, just_woke ? 0 : inv_time_step, before, v);
   for (; collisions > 0; --collisions) {
@@ -81,6 +85,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)
   for (int k = 0; k < PBF_DIM; ++k) to.c[k] = x.c[k];
   store(moved, i, to);
   if (!just_woke) velocities[i] = v;
+  if (PBF_BUILT & PBF_FEATURE_LOADS && push)
+    push[i] = pbf_add_scaled(push[i], 1, pbf_sub(v, velocity));
 }
 
 #endif

@@ -118,6 +118,9 @@ struct solver {
   bool works_alone;    /* … or something in its own stream */
   steps_put_off put_off;
   pbf_status late_failure;     /* of what had been put off, until a call can tell */
+  cudaEvent_t handed;          /* between the caller's stream and its own, once there is one */
+  uint32_t *refused;           /* row of what the caller has written last, on the device, … */
+  uint32_t *told;              /* … and in the host's memory until a call can tell */
   uint32_t owned, owned_steps; /* particles that `owners` orders, and for how many steps */
 
   uint32_t collider_count;

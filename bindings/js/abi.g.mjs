@@ -458,7 +458,7 @@ export const structs = {
     },
   },
   pbf_read_desc: {
-    size: 64,
+    size: 80,
     fields: {
       structSize: ["u32", 0],
       field: ["u32", 4],
@@ -472,6 +472,9 @@ export const structs = {
       data: ["pointer", 40],
       behind: ["f64", 48],
       wValue: ["f64", 56],
+      deviceType: ["u32", 64],
+      reserved: ["u32", 68],
+      stream: ["pointer", 72],
     },
   },
   pbf_samples: {

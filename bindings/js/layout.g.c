@@ -282,7 +282,7 @@ _Static_assert(offsetof(pbf_view, component_stride) == 40, "as abi.g.mjs has it"
 _Static_assert(offsetof(pbf_view, generation) == 48, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_view, data) == 56, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_view, ids) == 60, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_read_desc) == 64, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_read_desc) == 80, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, field) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, first) == 8, "as abi.g.mjs has it");
@@ -295,6 +295,9 @@ _Static_assert(offsetof(pbf_read_desc, stride) == 32, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, data) == 40, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, behind) == 48, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_read_desc, w_value) == 56, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_read_desc, device_type) == 64, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_read_desc, reserved) == 68, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_read_desc, stream) == 72, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_samples) == 28, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_samples, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_samples, count) == 4, "as abi.g.mjs has it");

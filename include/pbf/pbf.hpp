@@ -915,6 +915,10 @@ class solver {
     wanted.struct_size = sizeof wanted;
     return detail::checked(pbf_read(handle(), &wanted));
   }
+  result<void> write(pbf_write_desc given) noexcept {
+    given.struct_size = sizeof given;
+    return detail::checked(pbf_write(handle(), &given));
+  }
   result<void> anisotropies(pbf_anisotropy_desc wanted) noexcept {
     wanted.struct_size = sizeof wanted;
     return detail::checked(pbf_get_anisotropies(handle(), &wanted));

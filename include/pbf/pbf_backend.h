@@ -214,6 +214,40 @@ typedef struct pbf_backend_worlds {
   void (*put_off)(pbf_backend_solver *world, uint32_t on);
   pbf_status (*run)(pbf_backend_solver *const *worlds, uint32_t count);
 } pbf_backend_worlds;
+
+/* Rows in the caller's memory on the device, as pbf_read_desc and pbf_write_desc describe them. */
+typedef struct pbf_device_rows {
+  uint32_t struct_size;
+  uint32_t field;        /* PBF_FIELD_… */
+  const pbf_rows *rows;  /* at least one */
+  uint32_t element_type; /* PBF_TYPE_FLOAT32 or _FLOAT64, of ids _UINT32 */
+  uint32_t components;   /* of a vector, dimension … 4; else 1 */
+  uint32_t w;            /* PBF_W_… */
+  uint32_t order;        /* PBF_ORDER_… */
+  uint64_t stride;       /* bytes */
+  void *data;
+  void *stream; /* the caller's; null: the solver's own */
+  double w_value;
+  double most;      /* that a number may have in size, where they are written */
+  const char *name; /* of `data`, for sentences */
+} pbf_device_rows;
+
+/* The extension of a backend whose solvers read and write such rows. What it does comes after what
+ * `stream` has been given before the call, and before what it is given after. `data` that is not
+ * memory of the device, or too little of it, is PBF_ERROR_INVALID_ARGUMENT. */
+#define PBF_BACKEND_DEVICE_ROWS "pbf.device_rows/1"
+typedef struct pbf_backend_device_rows {
+  uint32_t struct_size;
+  uint32_t reserved;
+  pbf_status (*read)(pbf_backend_solver *solver, const pbf_device_rows *to);
+  /* PBF_FIELD_VELOCITY. Where numbers are not finite, or larger than `most`, none is written, and
+   * `step` or `synchronize` returns PBF_ERROR_INVALID_ARGUMENT once the device has found them.
+   * Wakes all. */
+  pbf_status (*write)(pbf_backend_solver *solver, const pbf_device_rows *from);
+  /* To the host's memory, without gaps; waits for it. */
+  pbf_status (*fetch)(pbf_backend_solver *solver, const pbf_device_rows *from, void *to);
+} pbf_backend_device_rows;
+
 typedef struct pbf_backend_api pbf_backend_api;
 
 /* All members must be set, except those marked optional. */

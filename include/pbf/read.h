@@ -1,5 +1,5 @@
-/* pbf/read.h: particles in the layout that the caller wants, as a vertex buffer has it, and where
- * they were between two steps.
+/* pbf/read.h: particles in the layout that the caller has, as a vertex buffer has it, in host
+ * memory or a GPU's; and where they were between two steps.
  *
  * The rules of pbf.h hold here, too.
  */
@@ -49,11 +49,43 @@ typedef struct pbf_read_desc {
                     1: as they were before the last step, and between these along a straight line;
                     0 … 1. Above 0 it needs pbf_keep_previous */
   double w_value;
+  uint32_t device_type; /* of `data`: PBF_DEVICE_CPU or 0: host memory; PBF_DEVICE_CUDA: memory of
+                           the GPU that the solver runs on, be it allocated by CUDA or a buffer of
+                           Vulkan, Direct3D or OpenGL that CUDA has mapped */
+  uint32_t reserved;    /* 0 */
+  void *stream; /* of that memory: a cudaStream_t, after whose work so far `data` is written,
+                   and which has it before its work to come; null: pbf_desc.stream */
 } pbf_read_desc;
 
-/* Writes nothing but what it is asked for, at about the speed of memory, from a device by way of
- * host memory. Looks for neighbours only where densities or pressures are read. */
+/* Writes nothing but what it is asked for, at about the speed of memory: to memory of a GPU by a
+ * kernel, for which the host does not wait; from a GPU to host memory by a copy. Looks for
+ * neighbours only where densities or pressures are read. Memory of a GPU is PBF_ERROR_UNSUPPORTED
+ * of a solver on a CPU or on ranks, and with `behind`. */
 PBF_API pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
+
+/* ---- Writing from the caller's own layout ---------------------------------------------------- */
+
+/* Which numbers of which particles, and where they come from, as pbf_read_desc has it. */
+typedef struct pbf_write_desc {
+  uint32_t struct_size;
+  uint32_t field; /* PBF_FIELD_POSITION or _VELOCITY */
+  uint32_t first; /* rows, as for pbf_set_positions */
+  uint32_t count;
+  uint32_t element_type; /* PBF_TYPE_FLOAT32 or _FLOAT64; 0: the solver's own */
+  uint32_t components;   /* numbers of a particle in `data`, of which those of the dimension count:
+                            up to 4; 0: as many as these */
+  uint64_t stride;       /* bytes from a particle to the next; 0: no gap */
+  const void *data;
+  uint32_t device_type; /* as in pbf_read_desc */
+  uint32_t reserved;    /* 0 */
+  void *stream;         /* as there: what it has been given so far makes `data` */
+} pbf_write_desc;
+
+/* As pbf_set_positions and pbf_set_velocities. Velocities in memory of a GPU are written there, and
+ * the host does not wait: where some are not finite none is written, and the first pbf_step or
+ * pbf_synchronize after the GPU has found that returns PBF_ERROR_INVALID_ARGUMENT with their row.
+ * Positions there are copied to the host first, which has to see them. */
+PBF_API pbf_status pbf_write(pbf_solver *solver, const pbf_write_desc *write);
 
 /* 1: from now on pbf_step keeps the positions from before its last step, for pbf_read_desc.behind,
  * in host memory that is taken now, a position for each particle of capacity. That costs a reading

@@ -91,6 +91,11 @@ pbf_status pbf_batch_observe(pbf_batch *batch, const uint8_t *mask, const pbf_re
   if (!theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "read is null; it says what to read");
   pbf_status status = pbf_struct_in(&pbf_kind_read_desc, theirs, &r.desc);
   if (status != PBF_OK) return status;
+  if (r.desc.device_type > PBF_DEVICE_CPU)
+    return pbf_fail(PBF_ERROR_UNSUPPORTED,
+                    "read.device_type is %u; worlds are read into host memory, 0 or 1: on a device "
+                    "pbf_batch_export_dlpack has them",
+                    r.desc.device_type);
   const uint32_t element = element_bytes(batch, &r.desc);
   if (r.desc.count > PBF_MAX_CAPACITY)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "read.count is %u; it must be at most %u",

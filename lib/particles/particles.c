@@ -71,6 +71,13 @@ static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t c
   return PBF_OK;
 }
 
+pbf_status pbf_write_field(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
+                           const void *in) {
+  return field == PBF_FIELD_POSITION
+             ? write_positions(solver, first, count, in)
+             : write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, in);
+}
+
 pbf_status pbf_check_pressures(const pbf_solver *solver) {
   if (!solver->api.read_pressures)
     return pbf_fail(PBF_ERROR_UNSUPPORTED, "the backend \"%s\" keeps no pressures",
@@ -122,15 +129,14 @@ pbf_status pbf_set_positions(pbf_solver *solver, uint32_t first, uint32_t count,
                              const void *positions) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, write_positions(solver, first, count, positions));
+  return pbf_leave(solver, pbf_write_field(solver, PBF_FIELD_POSITION, first, count, positions));
 }
 
 pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
                               const void *velocities) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
-  status = write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, velocities);
-  return pbf_leave(solver, status);
+  return pbf_leave(solver, pbf_write_field(solver, PBF_FIELD_VELOCITY, first, count, velocities));
 }
 
 static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {

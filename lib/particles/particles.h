@@ -13,6 +13,10 @@ pbf_status pbf_check_rows(const pbf_solver *solver, uint32_t first, uint32_t cou
 pbf_status pbf_read_rows(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
                          void *out);
 
+/* Overwrites PBF_FIELD_POSITION or PBF_FIELD_VELOCITY, checked. */
+pbf_status pbf_write_field(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
+                           const void *in);
+
 /* Reads a field (PBF_BACKEND_FIELD_REST, too) of all particles, ascending by id. */
 pbf_status pbf_read_all(pbf_solver *solver, uint32_t field, void *out);
 

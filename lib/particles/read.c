@@ -5,6 +5,7 @@
 
 #include "error.h"
 #include "compiler.h"
+#include "device_rows.h"
 #include "memory.h"
 #include "numbers.h"
 #include "particles.h"
@@ -111,6 +112,18 @@ static pbf_status check_place(const pbf_solver *solver, const pbf_read_desc *rea
   return pbf_values_check_pointer("read.data", read->data, size);
 }
 
+static pbf_status check_device(const pbf_solver *solver, const pbf_read_desc *read) {
+  int is_device;
+  const pbf_status status = pbf_device_rows_check(solver, "read", read->device_type, read->reserved,
+                                                  read->stream, &is_device);
+  if (status != PBF_OK || !is_device || read->behind == 0) return status;
+  return pbf_fail(
+      PBF_ERROR_UNSUPPORTED,
+      "read.behind is %.9g; positions before a step are in host memory, and read.device_type "
+      "is 2 (PBF_DEVICE_CUDA)",
+      read->behind);
+}
+
 static pbf_status check(const pbf_solver *solver, const pbf_read_desc *read) {
   if (read->field < PBF_FIELD_POSITION || read->field > PBF_FIELD_PRESSURE)
     return fail_on("field", read->field, "1 … 5 (PBF_FIELD_…)");
@@ -120,6 +133,7 @@ static pbf_status check(const pbf_solver *solver, const pbf_read_desc *read) {
   if (status == PBF_OK) status = check_w(solver, read);
   if (status == PBF_OK) status = check_order(solver, read);
   if (status == PBF_OK) status = check_behind(solver, read);
+  if (status == PBF_OK) status = check_device(solver, read);
   if (status == PBF_OK) status = check_place(solver, read);
   if (status == PBF_OK && read->field == PBF_FIELD_PRESSURE) status = pbf_check_pressures(solver);
   return status;
@@ -352,6 +366,24 @@ static pbf_status read_ids(const reading *r) {
   return status;
 }
 
+static pbf_status read_to_device(const reading *r) {
+  const pbf_read_desc *desc = r->desc;
+  const pbf_rows rows = pbf_ids_rows(r->solver, desc->first, desc->count);
+  const pbf_device_rows to = {.struct_size = sizeof to,
+                              .field = desc->field,
+                              .rows = &rows,
+                              .element_type = r->type,
+                              .components = r->components,
+                              .w = desc->w,
+                              .order = desc->order,
+                              .stride = r->stride,
+                              .data = desc->data,
+                              .stream = desc->stream,
+                              .w_value = desc->w_value,
+                              .name = "read.data"};
+  return pbf_device_rows_read(r->solver, &to);
+}
+
 static pbf_status read_as(pbf_solver *solver, const pbf_read_desc *theirs) {
   pbf_read_desc read;
   if (!theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "read is null; it says what to read");
@@ -364,6 +396,7 @@ static pbf_status read_as(pbf_solver *solver, const pbf_read_desc *theirs) {
                .components = components_of(solver, &read),
                .elements = read.count};
   r.stride = read.stride ? read.stride : (uint64_t)r.components * bytes_of(r.type);
+  if (read.device_type == PBF_DEVICE_CUDA) return read_to_device(&r);
   return read.field == PBF_FIELD_ID ? read_ids(&r) : read_numbers(&r);
 }
 

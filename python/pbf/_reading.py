@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from ._arrays import CPU, pointer
+from ._arrays import CPU, AnyArray, numpy_of, pointer
 from ._choices import FIELDS, ORDERS, TYPES, W, choice
+from ._device import DeviceArray, SupportsCuda, device_array_of, place
 from ._errors import InvalidArgumentError, StateError
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -26,20 +27,24 @@ class Anisotropies(NamedTuple):
 class Reading(Handle):
     """How a solver's particles are read."""
 
-    def read(self, field: str, out: NDArray[Any] | None = None, *, first: int = 0,
+    def read(self, field: str, out: Any = None, *, first: int = 0,
              count: int | None = None, dtype: DTypeLike | None = None, components: int = 0,
              w: str | float | None = None, order: str = "added",
-             behind: float = 0.0) -> NDArray[Any]:
-        """One field ("position", "velocity", "id", "density" or "pressure") into an array.
+             behind: float = 0.0, stream: Any = None) -> Any:
+        """One field ("position", "velocity", "id", "density" or "pressure") into an array, which it
+        gives: NumPy's, or `out`.
 
         out         the array to write to, whatever its stride from row to row, so that no other
-                    memory is taken: a column of a vertex buffer, shared memory
+                    memory is taken: a column of a vertex buffer, shared memory; of a solver on a
+                    GPU an array there, too, of PyTorch, CuPy, …, for which the host does not wait
         first, count  rows; all those after `first` unless told
         dtype       "float32" or "float64"; the solver's own unless told
         components  numbers a particle: 3 or 4 for vectors in 2D, too
         w           what the fourth is: a number, "speed", "density" or "pressure"
         order       "added", or "stored": as they lie in memory, which is read fastest
         behind      positions so many steps back, 0 … 1; see `keep_previous`
+        stream      of an array on a GPU: the stream that works on it, where that is not the array's
+                    own or the current one
         """
         struct = new_struct("pbf_read_desc")
         struct.field = choice("field", field, FIELDS)
@@ -58,42 +63,90 @@ class Reading(Handle):
             usual = np.uint32 if field == "id" else self.dtype
             shape = (uint32("count", count), components)[:1 if components == 1 else 2]
             result = out = np.empty(shape, usual if dtype is None else dtype)
+            device_array_of("out", out, stream)
         else:
             result = out
-            out, count, components = self._layout(out, count, components)
+            out, count, components = self._layout(out, count, components, stream)
         struct.element_type = choice("dtype", out.dtype.name, TYPES)
         struct.count, struct.components = count, components
         struct.stride = out.strides[0] if len(out) > 1 else 0
-        struct.data = pointer(out)
+        if isinstance(out, DeviceArray):
+            place(struct, out, lib.PBF_DEVICE_CUDA)
+        else:
+            struct.data = pointer(out)
         if count:
             self._call(lib.pbf_read, struct)
         return result
 
-    def _layout(self, out: Any, count: int | None, components: int) -> tuple[NDArray[Any], int, int]:
+    def _layout(self, out: Any, count: int | None, components: int, stream: Any
+                ) -> tuple[NDArray[Any] | DeviceArray, int, int]:
         """The caller's array, how many rows of it are written to, and how many numbers of each."""
-        array = out
-        if not isinstance(out, np.ndarray):
-            device = getattr(out, "__dlpack_device__", lambda: None)()
-            if device is None or device[0] != CPU:
-                raise InvalidArgumentError(
-                    f"out is a {type(out).__name__}; it must be an array in host memory")
-            array = np.from_dlpack(out)
-        if not array.flags.writeable or array.ndim not in (1, 2):
+        array: NDArray[Any] | DeviceArray | None = device_array_of("out", out, stream)
+        if array is None:
+            array = self._host_array(out)
+        writeable = array.writeable if isinstance(array, DeviceArray) else array.flags.writeable
+        if not writeable or array.ndim not in (1, 2):
             raise InvalidArgumentError(
-                f"out has {array.ndim} dimensions and is {'' if array.flags.writeable else 'not '}"
+                f"out has {array.ndim} dimensions and is {'' if writeable else 'not '}"
                 "writeable; it must be an array of one or two, writeable")
-        tight = array.ndim == 1 or array.shape[1] == 1 or array.strides[1] == array.itemsize
-        if not tight or array.strides[0] < 0:
-            raise InvalidArgumentError(
-                f"out has the strides {array.strides}; the numbers of a row must lie side by side, "
-                "and the rows one after another")
-        width = 1 if array.ndim == 1 else array.shape[1]
+        width = self._check_rows_of("out", array)
         if count is None:
             count = len(array)
         if count > len(array) or components > width:
             raise InvalidArgumentError(
                 f"out has the shape {array.shape}: too small for {count} rows of {components}")
         return array, uint32("count", count), components or width
+
+    @staticmethod
+    def _host_array(out: Any) -> NDArray[Any]:
+        if isinstance(out, np.ndarray):
+            return out
+        device = getattr(out, "__dlpack_device__", lambda: None)()
+        if device is None or device[0] != CPU:
+            raise InvalidArgumentError(
+                f"out is a {type(out).__name__}; it must be an array in host memory, or one with "
+                "__cuda_array_interface__")
+        return np.from_dlpack(out)
+
+    @staticmethod
+    def _check_rows_of(name: str, array: NDArray[Any] | DeviceArray) -> int:
+        """How many numbers a row has, which must lie side by side."""
+        tight = array.ndim == 1 or array.shape[1] == 1 or array.strides[1] == array.itemsize
+        if not tight or array.strides[0] < 0:
+            raise InvalidArgumentError(
+                f"{name} has the strides {array.strides}; the numbers of a row must lie side by "
+                "side, and the rows one after another")
+        return 1 if array.ndim == 1 else array.shape[1]
+
+    def write(self, field: str, array: AnyArray | SupportsCuda, *, first: int = 0,
+              stream: Any = None) -> None:
+        """Positions or velocities of the rows `first`, `first` + 1, … from an array of shape
+        (count, dimension) or wider, whose further columns are left alone.
+
+        On a GPU that the solver runs on it may be an array of PyTorch, CuPy, …: velocities are then
+        written there, and the host does not wait. Some that are not finite are told by the next
+        `step` or `synchronize`, and none is written. `stream` as in `read`.
+        """
+        struct = new_struct("pbf_write_desc")
+        struct.field = choice("field", field, FIELDS)
+        struct.first = uint32("first", first)
+        found: NDArray[Any] | DeviceArray | None = device_array_of("array", array, stream)
+        if found is None:
+            given = numpy_of("array", array)
+            found = given if given.dtype.name in ("float32", "float64") else given.astype(self.dtype)
+        if found.ndim != 2 or not self.dimension <= found.shape[1] <= 4:
+            raise InvalidArgumentError(
+                f"array has the shape {found.shape}; it must be (count, {self.dimension} … 4)")
+        struct.components = self._check_rows_of("array", found)
+        struct.count = uint32("count", len(found))
+        struct.element_type = choice("dtype", found.dtype.name, TYPES)
+        struct.stride = found.strides[0] if len(found) > 1 else 0
+        if isinstance(found, DeviceArray):
+            place(struct, found, lib.PBF_DEVICE_CUDA)
+        else:
+            struct.data = pointer(found)
+        if len(found):
+            self._call(lib.pbf_write, struct)
 
     def anisotropies(self, *, smoothing: float = 0.9, radius: float = 0.0, max_ratio: float = 0.0,
                      lone_scale: float = 0.0, min_neighbors: int = 0, first: int = 0,

@@ -179,7 +179,7 @@ AT(pbf_anisotropy_desc, lone_scale, 40);
 AT(pbf_anisotropy_desc, positions, 48);
 AT(pbf_anisotropy_desc, stretches, 56);
 
-SIZE(pbf_read_desc, 64);
+SIZE(pbf_read_desc, 80);
 AT(pbf_read_desc, struct_size, 0);
 AT(pbf_read_desc, field, 4);
 AT(pbf_read_desc, first, 8);
@@ -192,6 +192,22 @@ AT(pbf_read_desc, stride, 32);
 AT(pbf_read_desc, data, 40);
 AT(pbf_read_desc, behind, 48);
 AT(pbf_read_desc, w_value, 56);
+AT(pbf_read_desc, device_type, 64);
+AT(pbf_read_desc, reserved, 68);
+AT(pbf_read_desc, stream, 72);
+
+SIZE(pbf_write_desc, 56);
+AT(pbf_write_desc, struct_size, 0);
+AT(pbf_write_desc, field, 4);
+AT(pbf_write_desc, first, 8);
+AT(pbf_write_desc, count, 12);
+AT(pbf_write_desc, element_type, 16);
+AT(pbf_write_desc, components, 20);
+AT(pbf_write_desc, stride, 24);
+AT(pbf_write_desc, data, 32);
+AT(pbf_write_desc, device_type, 40);
+AT(pbf_write_desc, reserved, 44);
+AT(pbf_write_desc, stream, 48);
 
 SIZE(pbf_snapshot, 64);
 AT(pbf_snapshot, struct_size, 0);

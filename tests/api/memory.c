@@ -87,6 +87,16 @@ static pbf_status set_velocities(scene *s) {
   float v[60] = {0};
   return pbf_set_velocities(s->solver, 0, 20, v);
 }
+static pbf_status write_quads(scene *s) {
+  double quads[80] = {0};
+  const pbf_write_desc write = {.struct_size = sizeof write,
+                                .field = PBF_FIELD_VELOCITY,
+                                .count = 20,
+                                .element_type = PBF_TYPE_FLOAT64,
+                                .components = 4,
+                                .data = quads};
+  return pbf_write(s->solver, &write);
+}
 static pbf_status stats(scene *s) {
   return pbf_get_stats(s->solver, &(pbf_stats){.struct_size = sizeof(pbf_stats)});
 }
@@ -213,11 +223,13 @@ static void fail_in_turn(beginning start, action act) {
 
 static void each_call(void **state) {
   (void)state;
-  const action actions[] = {add,           drop,          step,          set_params,
-                            set_colliders, load,          save,          hash,
-                            stats,         get_positions, get_densities, set_velocities,
-                            export,        timing,        read_quads,    keep_previous,
-                            drop_box,      set_snapshots, step_apart,    get_anisotropies,
+  const action actions[] = {add,           drop,          step,
+                            set_params,    set_colliders, load,
+                            save,          hash,          stats,
+                            get_positions, get_densities, set_velocities,
+                            write_quads,   export,        timing,
+                            read_quads,    keep_previous, drop_box,
+                            set_snapshots, step_apart,    get_anisotropies,
                             ask,           find_in_ball};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(LATTICE, actions[i]);
   fail_in_turn(PLACED, step);

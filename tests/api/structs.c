@@ -19,6 +19,7 @@ static void sizes_out_of_range(void **state) {
     pbf_collider collider = {.struct_size = size};
     pbf_view view = {.struct_size = size};
     pbf_read_desc read = {.struct_size = size};
+    pbf_write_desc write = {.struct_size = size};
     pbf_snapshot snapshot = {.struct_size = size};
     pbf_stats stats = {.struct_size = size};
     pbf_plan plan = {.struct_size = size};
@@ -38,6 +39,7 @@ static void sizes_out_of_range(void **state) {
     assert_fails(pbf_get_collider(s, 0, &collider), bad, "pbf_collider");
     assert_fails(pbf_map(s, PBF_FIELD_POSITION, &view), bad, "pbf_view");
     assert_fails(pbf_read(s, &read), bad, "pbf_read_desc");
+    assert_fails(pbf_write(s, &write), bad, "pbf_write_desc");
     assert_fails(pbf_acquire_snapshot(s, &snapshot), bad, "pbf_snapshot");
     assert_fails(pbf_get_stats(s, &stats), bad, "pbf_stats");
     assert_fails(pbf_get_plan(s, &plan), bad, "pbf_plan");

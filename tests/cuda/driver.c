@@ -95,6 +95,12 @@ void cuda_read(void *to, cuda_address from, uint64_t bytes) {
   CALL("cuMemcpyDtoH_v2", (void *, cuda_address, size_t), to, from, bytes);
 }
 
+void cuda_write(cuda_address to, const void *from, uint64_t bytes) {
+  CALL("cuMemcpyHtoD_v2", (cuda_address, const void *, size_t), to, from, bytes);
+}
+
+int cuda_can_hold(void) { return 1; }
+
 static const char kernels[] =
     ".version 7.0\n"
     ".target sm_80\n"

@@ -29,6 +29,10 @@ uint64_t cuda_free_bytes(void);
 cuda_address cuda_take(uint64_t bytes); /* 0: there is none */
 void cuda_give_back(cuda_address address);
 void cuda_read(void *to, cuda_address from, uint64_t bytes);
+void cuda_write(cuda_address to, const void *from, uint64_t bytes);
+
+/* Whether cuda_hold does: on a device that the CPU emulates it does nothing. */
+int cuda_can_hold(void);
 
 /* A kernel that keeps `stream` busy until *go is 1, or for ten seconds; go: see cuda_new_switch. */
 void cuda_hold(cuda_stream stream, volatile uint32_t *go);

@@ -291,16 +291,20 @@ char *take_guarded(size_t bytes, allocation *a) {
   return a->mapping + a->mapped - PAGE - bytes;
 }
 
+/* Whose memory this is; the end: of none. */
+typedef std::map<char *, allocation> allocations;
+allocations::const_iterator allocation_around(const allocations &memory, const void *at) {
+  char *place = static_cast<char *>(const_cast<void *>(at));
+  auto next = memory.upper_bound(place);
+  if (next == memory.begin()) return memory.end();
+  --next;
+  return place < next->first + next->second.bytes ? next : memory.end();
+}
+
 /* Whether a call's memory is the device's or the page-locked of the host. */
 bool is_known(const void *at) {
-  char *place = static_cast<char *>(const_cast<void *>(at));
-  for (const auto *memory : {&device_memory, &host_memory}) {
-    auto next = memory->upper_bound(place);
-    if (next == memory->begin()) continue;
-    --next;
-    if (place < next->first + next->second.bytes) return true;
-  }
-  return false;
+  return allocation_around(device_memory, at) != device_memory.end() ||
+         allocation_around(host_memory, at) != host_memory.end();
 }
 
 }  // namespace
@@ -354,6 +358,17 @@ cudaError_t cudaFreeHost(void *memory) {
   std::lock_guard<std::recursive_mutex> held(lock);
   host_memory.erase(static_cast<char *>(memory));
   free(memory);
+  return tell();
+}
+
+cudaError_t cudaPointerGetAttributes(cudaPointerAttributes *attributes, const void *memory) {
+  std::lock_guard<std::recursive_mutex> held(lock);
+  attributes->type = cudaMemoryTypeUnregistered;
+  if (allocation_around(host_memory, memory) != host_memory.end())
+    attributes->type = cudaMemoryTypeHost;
+  if (allocation_around(device_memory, memory) != device_memory.end())
+    attributes->type = cudaMemoryTypeDevice;
+  cudaGetDevice(&attributes->device);
   return tell();
 }
 
@@ -421,6 +436,45 @@ cudaError_t cudaMemsetAsync(void *to, int value, size_t bytes, cudaStream_t stre
     if (!is_known(to)) return fails(cudaErrorInvalidValue);
   }
   return emulated::run_on(stream, new set_work(to, value, bytes));
+}
+
+cudaError_t cudaMemcpy2DAsync(void *to, size_t to_pitch, const void *from, size_t from_pitch,
+                              size_t width, size_t height, cudaMemcpyKind kind,
+                              cudaStream_t stream) {
+  for (size_t row = 0; row < height; ++row)
+    if (cudaError_t error = cudaMemcpyAsync(static_cast<char *>(to) + row * to_pitch,
+                                            static_cast<const char *>(from) + row * from_pitch,
+                                            width, kind, stream))
+      return error;
+  return cudaSuccess;
+}
+
+/* ---- What tests do as a caller with work of its own ---------------------------------------- */
+
+extern "C" __attribute__((visibility("default"))) void *pbf_emulated_take(size_t bytes) {
+  void *memory = nullptr;
+  return cudaMalloc(&memory, bytes) == cudaSuccess ? memory : nullptr;
+}
+extern "C" __attribute__((visibility("default"))) void pbf_emulated_give_back(void *memory) {
+  cudaFree(memory);
+}
+extern "C" __attribute__((visibility("default"))) void pbf_emulated_copy(void *to, const void *from,
+                                                                         size_t bytes,
+                                                                         cudaStream_t stream) {
+  cudaMemcpyAsync(to, from, bytes, is_known(to) ? cudaMemcpyHostToDevice : cudaMemcpyDeviceToHost,
+                  stream);
+}
+extern "C" __attribute__((visibility("default"))) cudaStream_t pbf_emulated_create_stream() {
+  cudaStream_t stream = nullptr;
+  cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking);
+  return stream;
+}
+extern "C" __attribute__((visibility("default"))) void pbf_emulated_wait(cudaStream_t stream) {
+  cudaStreamSynchronize(stream);
+}
+extern "C" __attribute__((visibility("default"))) void pbf_emulated_destroy_stream(
+    cudaStream_t stream) {
+  cudaStreamDestroy(stream);
 }
 
 /* ---- Launches ------------------------------------------------------------------------------ */
@@ -597,6 +651,14 @@ int stream_context(void *stream, void **context) {
   *context = contexts + static_cast<CUstream_st *>(stream)->device;
   return 0;
 }
+int address_range(unsigned long long *base, size_t *bytes, unsigned long long address) {
+  std::lock_guard<std::recursive_mutex> held(lock);
+  const auto found = allocation_around(device_memory, reinterpret_cast<const void *>(address));
+  if (found == device_memory.end()) return 1;
+  *base = reinterpret_cast<uintptr_t>(found->first);
+  *bytes = found->second.bytes;
+  return 0;
+}
 
 }  // namespace
 
@@ -608,7 +670,8 @@ cudaError_t cudaGetDriverEntryPointByVersion(const char *name, void **function, 
     void *function;
   } functions[] = {{"cuCtxGetCurrent", reinterpret_cast<void *>(get_current)},
                    {"cuCtxSetCurrent", reinterpret_cast<void *>(set_current)},
-                   {"cuStreamGetCtx", reinterpret_cast<void *>(stream_context)}};
+                   {"cuStreamGetCtx", reinterpret_cast<void *>(stream_context)},
+                   {"cuMemGetAddressRange", reinterpret_cast<void *>(address_range)}};
   *function = nullptr;
   *result = cudaDriverEntryPointSuccess;
   for (const auto &f : functions)

@@ -69,7 +69,12 @@ static pbf_status set_positions(pbf_solver *s, void *context) {
 
 static pbf_status set_velocities(pbf_solver *s, void *context) {
   arguments *a = context;
-  return pbf_set_velocities(s, a->first, a->count, a->v);
+  if (!a->with_velocities) return pbf_set_velocities(s, a->first, a->count, a->v);
+  return pbf_write(s, &(pbf_write_desc){.struct_size = sizeof(pbf_write_desc),
+                                        .field = PBF_FIELD_VELOCITY,
+                                        .first = a->first,
+                                        .count = a->count,
+                                        .data = a->v});
 }
 
 static pbf_status get_rows(pbf_solver *s, void *context) {

@@ -289,6 +289,18 @@ void call_set_accelerations(actor *a) {
 
 void call_set_velocities(actor *a) { set_rows(a, set_velocities, get_velocities, speeds); }
 
+static pbf_status write_velocities(pbf_solver *solver, int twin, void *context) {
+  rows *r = context;
+  (void)twin;
+  return pbf_write(solver, &(pbf_write_desc){.struct_size = sizeof(pbf_write_desc),
+                                             .field = PBF_FIELD_VELOCITY,
+                                             .first = r->first,
+                                             .count = r->count,
+                                             .data = r->v});
+}
+
+void call_write(actor *a) { set_rows(a, write_velocities, get_velocities, speeds); }
+
 /* ---- Into another layout ---- */
 
 static pbf_status read_fields(pbf_solver *solver, int twin, void *context) {

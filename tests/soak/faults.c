@@ -224,7 +224,7 @@ static pbf_status wrongly(pbf_solver *s, int twin, void *context) {
     case 18:
       return pbf_set_velocities(s, 1, UINT32_MAX, numbers);
     case 19:
-      return pbf_read(s, NULL);
+      return pbf_write(s, NULL) == PBF_OK ? PBF_OK : pbf_read(s, NULL);
     case 20:
       return pbf_keep_previous(s, 77);
     case 21:

@@ -63,6 +63,7 @@ const entry table[] = {
     {"pbf_get_densities", 2, call_get_densities},
     {"pbf_get_pressures", 2, call_get_pressures},
     {"pbf_read", 4, call_read},
+    {"pbf_write", 2, call_write},
     {"pbf_get_anisotropies", 2, call_get_anisotropies},
     {"pbf_keep_previous", 2, call_keep_previous},
     {"pbf_volume_init", 1, call_volume_init},

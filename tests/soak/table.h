@@ -61,6 +61,7 @@ void call_get_positions(actor *a);
 void call_set_positions(actor *a);
 void call_get_velocities(actor *a);
 void call_set_velocities(actor *a);
+void call_write(actor *a);
 void call_set_accelerations(actor *a);
 void call_phase_init(actor *a);
 void call_set_phases(actor *a);

@@ -12,7 +12,7 @@ from .words import COMMENT
 SCALARS = {"char": ("text", 1), "uint8_t": ("u8", 1), "int32_t": ("i32", 4), "uint32_t": ("u32", 4),
            "int64_t": ("i64", 8), "uint64_t": ("u64", 8), "double": ("f64", 8)}
 # In JavaScript: memory of others' and threads have no place there.
-LEFT_OUT = ("pbf_export_dlpack", "pbf_batch_export_dlpack", "pbf_load_backend", "pbf_read", "pbf_get_anisotropies", "pbf_begin_step",
+LEFT_OUT = ("pbf_export_dlpack", "pbf_batch_export_dlpack", "pbf_load_backend", "pbf_read", "pbf_write", "pbf_get_anisotropies", "pbf_begin_step",
             "pbf_end_step", "pbf_cancel", "pbf_set_snapshots", "pbf_acquire_snapshot", "pbf_release_snapshot",
             "pbf_get_backend_count", "pbf_get_backend_info", "pbf_keep_previous")
 # Structs that programs see, by the names that they have there.

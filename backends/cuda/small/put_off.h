@@ -3,6 +3,7 @@
 #ifndef PBF_CUDA_SMALL_PUT_OFF_H
 #define PBF_CUDA_SMALL_PUT_OFF_H
 
+#include "cuda/device_rows.h"
 #include "cuda/small/worlds.h"
 
 /* The solver's own way to do them: backend.cu. */
@@ -47,7 +48,7 @@ static pbf_status tell_late_failure(solver *s) {
   const pbf_status status = s->late_failure;
   s->late_failure = PBF_OK;
   if (status) pbf_cuda_host->set_error("steps that had been put off failed on the device");
-  return status;
+  return status ? status : tell_refusal(s);
 }
 
 /* Before anything else happens in the world's own stream. */

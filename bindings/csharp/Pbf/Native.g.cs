@@ -265,6 +265,25 @@ namespace Pbf
         public IntPtr Data;
         public double Behind;
         public double WValue;
+        public uint DeviceType;
+        public uint Reserved;
+        public IntPtr Stream;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public partial struct WriteDesc
+    {
+        public uint StructSize;
+        public uint Field;
+        public uint First;
+        public uint Count;
+        public uint ElementType;
+        public uint Components;
+        public ulong Stride;
+        public IntPtr Data;
+        public uint DeviceType;
+        public uint Reserved;
+        public IntPtr Stream;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -790,6 +809,8 @@ namespace Pbf
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_read(SolverHandle solver, IntPtr read);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Status pbf_write(SolverHandle solver, IntPtr write);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_keep_previous(SolverHandle solver, uint enabled);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Status pbf_map(SolverHandle solver, uint field, ref NativeView view);
@@ -999,7 +1020,8 @@ namespace Pbf
             { typeof(Params), new[] { "592", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580", "WallAdhesion=584" } },
             { typeof(NativeCollider), new[] { "288", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272", "Adhesion=280" } },
             { typeof(ColliderLoad), new[] { "128", "StructSize=0", "Contacts=4", "Impulse=8", "AngularImpulse=32", "ImpulseSum=56", "AngularImpulseSum=80", "TimeSum=104", "Penetration=112", "WettedArea=120" } },
-            { typeof(NativeReadDesc), new[] { "64", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56" } },
+            { typeof(NativeReadDesc), new[] { "80", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56", "DeviceType=64", "Reserved=68", "Stream=72" } },
+            { typeof(WriteDesc), new[] { "56", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "Stride=24", "Data=32", "DeviceType=40", "Reserved=44", "Stream=48" } },
             { typeof(NativeView), new[] { "72", "StructSize=0", "Field=4", "DeviceType=8", "DeviceId=12", "ElementType=16", "Components=20", "Count=24", "Reserved=28", "ParticleStride=32", "ComponentStride=40", "Generation=48", "Data=56", "Ids=64" } },
             { typeof(NativeSnapshot), new[] { "64", "StructSize=0", "Count=4", "Dimension=8", "ElementType=12", "Step=16", "Time=24", "Positions=32", "Velocities=40", "Ids=48", "Owner=56" } },
             { typeof(NativeAnisotropyDesc), new[] { "64", "StructSize=0", "First=4", "Count=8", "MinNeighbors=12", "Radius=16", "Smoothing=24", "MaxRatio=32", "LoneScale=40", "Positions=48", "Stretches=56" } },

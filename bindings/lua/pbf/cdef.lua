@@ -267,7 +267,23 @@ typedef struct pbf_read_desc {
   void *data;
   double behind;
   double w_value;
+  uint32_t device_type;
+  uint32_t reserved;
+  void *stream;
 } pbf_read_desc;
+typedef struct pbf_write_desc {
+  uint32_t struct_size;
+  uint32_t field;
+  uint32_t first;
+  uint32_t count;
+  uint32_t element_type;
+  uint32_t components;
+  uint64_t stride;
+  const void *data;
+  uint32_t device_type;
+  uint32_t reserved;
+  void *stream;
+} pbf_write_desc;
 typedef struct pbf_view {
   uint32_t struct_size;
   uint32_t field;
@@ -584,6 +600,7 @@ pbf_status pbf_get_collider(pbf_solver *solver, uint32_t index, pbf_collider *co
 pbf_status pbf_get_collider_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
 pbf_status pbf_get_wall_loads(pbf_solver *solver, uint32_t count, pbf_collider_load *loads);
 pbf_status pbf_read(pbf_solver *solver, const pbf_read_desc *read);
+pbf_status pbf_write(pbf_solver *solver, const pbf_write_desc *write);
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled);
 pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view);
 pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
@@ -691,7 +708,8 @@ return {
   pbf_params = {size = 592, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568, periodic = 576, reserved = 580, wall_adhesion = 584},
   pbf_collider = {size = 288, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224, geometry = 232, scale = 240, scale_rate = 248, friction = 256, static_friction = 264, no_slip = 272, adhesion = 280},
   pbf_collider_load = {size = 128, struct_size = 0, contacts = 4, impulse = 8, angular_impulse = 32, impulse_sum = 56, angular_impulse_sum = 80, time_sum = 104, penetration = 112, wetted_area = 120},
-  pbf_read_desc = {size = 64, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56},
+  pbf_read_desc = {size = 80, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, w = 24, order = 28, stride = 32, data = 40, behind = 48, w_value = 56, device_type = 64, reserved = 68, stream = 72},
+  pbf_write_desc = {size = 56, struct_size = 0, field = 4, first = 8, count = 12, element_type = 16, components = 20, stride = 24, data = 32, device_type = 40, reserved = 44, stream = 48},
   pbf_view = {size = 72, struct_size = 0, field = 4, device_type = 8, device_id = 12, element_type = 16, components = 20, count = 24, reserved = 28, particle_stride = 32, component_stride = 40, generation = 48, data = 56, ids = 64},
   pbf_snapshot = {size = 64, struct_size = 0, count = 4, dimension = 8, element_type = 12, step = 16, time = 24, positions = 32, velocities = 40, ids = 48, owner = 56},
   pbf_anisotropy_desc = {size = 64, struct_size = 0, first = 4, count = 8, min_neighbors = 12, radius = 16, smoothing = 24, max_ratio = 32, lone_scale = 40, positions = 48, stretches = 56},

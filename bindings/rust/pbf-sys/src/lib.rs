@@ -281,6 +281,25 @@ pub struct pbf_read_desc {
     pub data: *mut c_void,
     pub behind: f64,
     pub w_value: f64,
+    pub device_type: u32,
+    pub reserved: u32,
+    pub stream: *mut c_void,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct pbf_write_desc {
+    pub struct_size: u32,
+    pub field: u32,
+    pub first: u32,
+    pub count: u32,
+    pub element_type: u32,
+    pub components: u32,
+    pub stride: u64,
+    pub data: *const c_void,
+    pub device_type: u32,
+    pub reserved: u32,
+    pub stream: *mut c_void,
 }
 
 #[repr(C)]
@@ -728,6 +747,10 @@ extern "C" {
     pub fn pbf_read(
         solver: *mut pbf_solver,
         read: *const pbf_read_desc,
+    ) -> pbf_status;
+    pub fn pbf_write(
+        solver: *mut pbf_solver,
+        write: *const pbf_write_desc,
     ) -> pbf_status;
     pub fn pbf_keep_previous(
         solver: *mut pbf_solver,
@@ -1344,7 +1367,7 @@ mod layout {
 
     #[test]
     fn pbf_read_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_read_desc>(), 64);
+        assert_eq!(size_of::<pbf_read_desc>(), 80);
         assert_eq!(offset!(pbf_read_desc, struct_size), 0);
         assert_eq!(offset!(pbf_read_desc, field), 4);
         assert_eq!(offset!(pbf_read_desc, first), 8);
@@ -1357,6 +1380,25 @@ mod layout {
         assert_eq!(offset!(pbf_read_desc, data), 40);
         assert_eq!(offset!(pbf_read_desc, behind), 48);
         assert_eq!(offset!(pbf_read_desc, w_value), 56);
+        assert_eq!(offset!(pbf_read_desc, device_type), 64);
+        assert_eq!(offset!(pbf_read_desc, reserved), 68);
+        assert_eq!(offset!(pbf_read_desc, stream), 72);
+    }
+
+    #[test]
+    fn pbf_write_desc_lies_as_in_c() {
+        assert_eq!(size_of::<pbf_write_desc>(), 56);
+        assert_eq!(offset!(pbf_write_desc, struct_size), 0);
+        assert_eq!(offset!(pbf_write_desc, field), 4);
+        assert_eq!(offset!(pbf_write_desc, first), 8);
+        assert_eq!(offset!(pbf_write_desc, count), 12);
+        assert_eq!(offset!(pbf_write_desc, element_type), 16);
+        assert_eq!(offset!(pbf_write_desc, components), 20);
+        assert_eq!(offset!(pbf_write_desc, stride), 24);
+        assert_eq!(offset!(pbf_write_desc, data), 32);
+        assert_eq!(offset!(pbf_write_desc, device_type), 40);
+        assert_eq!(offset!(pbf_write_desc, reserved), 44);
+        assert_eq!(offset!(pbf_write_desc, stream), 48);
     }
 
     #[test]
