@@ -87,6 +87,7 @@ static pbf_status take_for_scene(solver *s, const pbf_schedule &has, const pbf_p
                                  bool small) {
   if (pbf_status status = take_for_small(s, small)) return status;
   if (pbf_status status = keep_arrays(s, has, params)) return status;
+  if (pbf_status status = keep_rank_sums(s)) return status;
   return keep_many_loads(s, has.runs[PBF_STAGE_LOADS] != 0);
 }
 

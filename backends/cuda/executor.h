@@ -135,7 +135,6 @@ struct executor : launcher {
   }
 
   void begin_solve() {
-    if (status == PBF_OK && !s->schedule.runs[PBF_STAGE_GRID]) part_edges();
     if (status != PBF_OK || !s->schedule.checks_convergence) return;
     extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, s->count),
                     pbf_inactive_error_units(&s->params), 0};
@@ -206,7 +205,10 @@ struct executor : launcher {
       s->pressure_grid_scale = carried / (s->params.time_step * s->params.time_step);
       place_pressure_grid(s, domain(), time);
       const pressure_grid_arrays arrays = pressure_grid_of(s);
-      status = clear_pressure_grid(s, arrays);
+      pressure_grid_arrays own = arrays; /* on ranks what their own particles add */
+      if (has_ranks(s)) own.sums = rank_sums(s->ranks.room, s->ranks.count, s->ranks.halo_room);
+      if (has_ranks(s)) own.places = own.sums + (arrays.places - arrays.sums);
+      status = clear_pressure_grid(s, arrays, own.sums);
       const pbf_moving_obstacles moving = moving_obstacles_at(s, time - s->params.time_step);
       const bool stand = !moving.surfaces && !moving.others;
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
@@ -220,8 +222,10 @@ struct executor : launcher {
       });
       with_surfaces(s, [&](auto surfaces) {
         launch(deposit_kernel<decltype(surfaces)::value>, n, extras, densities, s->pressure_grid,
-               arrays, torn);
+               own, torn);
       });
+      if (has_ranks(s)) status = add_sums_of_ranks(s, arrays);
+      if (status != PBF_OK) return;
       status = solve_pressure_grid(s, extras.obstacles);
       if (status != PBF_OK) return;
       const bool collides = collides_with_surfaces();
@@ -231,6 +235,7 @@ struct executor : launcher {
              (pbf_real)(1 / s->params.time_step), collides ? moved : nullptr);
       if (collides) collide_on_way(extras.rest.activity, n.particles.velocities, nullptr);
     });
+    moves_later = true;
   }
 
   bool collides_with_surfaces() const {
@@ -244,6 +249,7 @@ struct executor : launcher {
     place = {k == 0, k == 1, k + 1 == s->params.iterations};
     extras.watch.iteration = k;
     pbf_set_iteration(&n.constants, k);
+    if (place.first && status == PBF_OK) part_edges();
   }
 
   template <int FEATURES>

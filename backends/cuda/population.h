@@ -69,7 +69,8 @@ static inline pbf_status add_weight(solver *s) {
   pressure_source source = pressures_of(s);
   s->pressure_grid.nodes = 0;
   if (!source.grid.arrays.control || !s->count) return PBF_OK;
-  add_weight_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, source);
+  add_weight_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->first,
+                                                                       s->count, source);
   return pbf_cuda_check_launch("add_weight_kernel");
 }
 

@@ -90,7 +90,7 @@ static __device__ __forceinline__ auto *topology_met(const pressure_grid_arrays 
 template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
     grid_density_kernel(neighborhood n, const lambda_sums<pbf_real> *ghosts, pbf_real *densities) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   const density_pass<fixed<FEATURES>> pass = {&n.constants, {}};
   const pbf_vec x = position_of(load(n.particles.points, min(i, n.particles.count - 1)));
   const no_value *nothing = nullptr;
@@ -105,7 +105,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                    const __grid_constant__ iteration_extras extras, const pbf_real *densities,
                    const __grid_constant__ pbf_pressure_grid grid,
                    const __grid_constant__ pressure_grid_arrays a, bool torn) {
-  const uint32_t i = thread_index();
+  const uint32_t i = own_index(n.particles);
   const pbf_constants *c = &n.constants;
   if (i >= n.particles.count) return;
   const pbf_vec x = position_of(load(n.particles.points, i));
@@ -369,7 +369,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     apply_correction_kernel(sorted_particles p, const __grid_constant__ pbf_pressure_grid grid,
                             const __grid_constant__ pressure_grid_arrays a, bool torn,
                             pbf_real carried, pbf_real inv_time_step, point *from) {
-  uint32_t i = thread_index();
+  const uint32_t i = own_index(p);
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
   point own = load(p.points, i);
   if (from) store(from, i, own);

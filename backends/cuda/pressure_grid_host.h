@@ -85,17 +85,32 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
 
 /* Indices of cells and nodes that a kernel over all of them has threads for. */
 static inline uint32_t pressure_grid_indices(const solver *s) {
-  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_max_nodes(s->capacity)
+  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_max_nodes(s->scene_capacity)
                                  : s->pressure_grid.nodes;
 }
 
-/* Before the particles are summed up. */
-static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arrays &arrays) {
+/* Before the particles are summed up, in sums that lie elsewhere on ranks. */
+static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arrays &arrays,
+                                             unsigned long long *sums) {
+  const uint64_t bytes = 2 * pressure_grid_indices(s) * sizeof *sums;
+  const bool apart = sums != arrays.sums;
+  if (apart)
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemsetAsync(sums, 0, bytes, s->stream), "cudaMemsetAsync"))
+      return status;
   return pbf_cuda_check(
-      cudaMemsetAsync(arrays.control, 0,
-                      sizeof *arrays.control + 2 * pressure_grid_indices(s) * sizeof *arrays.sums,
-                      s->stream),
+      cudaMemsetAsync(arrays.control, 0, sizeof *arrays.control + (apart ? 0 : bytes), s->stream),
       "cudaMemsetAsync");
+}
+
+/* From those of all ranks, which lie alike. */
+static inline pbf_status add_sums_of_ranks(solver *s, const pressure_grid_arrays &arrays) {
+  const uint32_t count = 2 * pressure_grid_indices(s), halo = s->ranks.halo_room;
+  meet_ranks(s, [&](const rank_place &place) {
+    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, halo, count,
+                                                                       arrays.sums);
+  });
+  return s->ranks.failed ? s->ranks.failed : pbf_cuda_check_launch("add_sums_kernel");
 }
 
 static inline pbf_status clear_topology(solver *s, const pressure_grid_arrays &arrays) {

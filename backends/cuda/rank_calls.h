@@ -21,9 +21,6 @@ static inline const char *refusal_on_ranks(const solver *s, const pbf_params *pa
     return "params.loads is 1: ranks do not know what others' particles do to solids; 0 is without";
   if (schedule.runs[PBF_STAGE_FRICTION])
     return "walls or colliders have friction, which ranks do not share; 0 is without";
-  if (schedule.may_have_grid)
-    return "params.pressure_grid is -1 or above 0 in a scene that can get a pressure grid, which "
-           "ranks can't solve together; 0 is without";
   if (schedule.checks_convergence)
     return "params.tolerance is not 0: ranks of \"cuda\" do not know when others' solve has ended; "
            "0 is without";

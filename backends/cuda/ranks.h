@@ -70,8 +70,16 @@ static inline __host__ __device__ uint64_t rank_mail_bytes(uint32_t halo) {
   return (uint64_t)halo * RANK_REALS * sizeof(pbf_real);
 }
 
-static inline __host__ __device__ uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo) {
-  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo);
+/* Behind it, what its own particles add to the cells of a pressure grid, which the others read. One
+ * is enough: shares, which all find together, come between one step's and the next. */
+static inline __host__ __device__ unsigned long long *rank_sums(char *room, uint32_t ranks,
+                                                                uint32_t halo) {
+  return reinterpret_cast<unsigned long long *>(room + rank_mail_begin(ranks) +
+                                                2 * rank_mail_bytes(halo));
+}
+
+static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t sums) {
+  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) + sums * sizeof(unsigned long long);
 }
 
 /* Particles that a rank gets, in the room of its lists: a field after another. */
@@ -123,7 +131,8 @@ struct rank_state {
   rank_report *report; /* the host's */
   rank_report *device_report;
   char *room;
-  uint32_t halo_room, cell_room; /* as on all ranks */
+  uint32_t halo_room, cell_room; /* as on all ranks, … */
+  uint64_t sum_room;             /* … as is this: sums of a pressure grid's cells */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
   uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */

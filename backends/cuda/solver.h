@@ -187,15 +187,15 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory) return pressure_grid_arrays{};
   const bool torn = s->topology_memory && s->pressure_grid_solids;
-  const uint64_t limit = pbf_pressure_grid_max_nodes(s->capacity);
-  pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->capacity,
+  const uint64_t limit = pbf_pressure_grid_max_nodes(s->scene_capacity);
+  pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->scene_capacity,
                                                    torn ? (uint32_t)limit : s->pressure_grid.nodes);
   if (!torn) return a;
   a.topology =
       pbf_pressure_grid_topology_in(s->topology_memory, limit, pbf_pressure_grid_limit(s->planned));
   a.topology.surfaces = s->pressure_grid_solids > PBF_FEW_COLLIDERS
                             ? s->many.divided
-                            : pressure_grid_surfaces(s->topology_memory, s->capacity);
+                            : pressure_grid_surfaces(s->topology_memory, s->scene_capacity);
   a.topology.surface_count = s->pressure_grid_solids;
   a.topology.domain = s->pressure_grid_domain;
   return a;

@@ -13,6 +13,7 @@ typedef struct scene {
   uint32_t dimension, precision;
   pbf_params params;
   int comes_and_goes; /* particles, between steps */
+  int has_plate;      /* that divides the fluid, and a ball */
   uint64_t hash;
   pbf_stats stats;
   void *densities;
@@ -64,7 +65,21 @@ static void fill(const scene *c, pbf_solver *s, uint32_t count, double shift) {
   free(v);
 }
 
+/* Thin for a cell of a pressure grid; the ball moves into the fluid. */
+static void set_plate(pbf_solver *s) {
+  pbf_collider list[2];
+  EXPECT_OK(pbf_collider_init(&list[0], sizeof list[0], PBF_COLLIDER_BOX));
+  EXPECT_OK(pbf_collider_init(&list[1], sizeof list[1], PBF_COLLIDER_SPHERE));
+  for (int k = 0; k < 3; ++k) list[0].position[k] = 0.35, list[0].half_extents[k] = 0.4;
+  list[0].half_extents[0] = 0.012;
+  list[1].position[0] = 0.9, list[1].position[1] = 0.3, list[1].position[2] = 0.3;
+  list[1].radius = 0.12;
+  list[1].velocity[0] = -1;
+  EXPECT_OK(pbf_set_colliders(s, 2, list));
+}
+
 static void run_scene(const scene *c, pbf_solver *s) {
+  if (c->has_plate) set_plate(s);
   fill(c, s, COUNT, 0);
   EXPECT_OK(pbf_step(s, STEPS / 2));
   if (c->comes_and_goes) {
@@ -176,6 +191,44 @@ static void check_stages(uint32_t dimension, uint32_t precision) {
   check("divided steps", &c);
 }
 
+/* Whether the scene that has been run had a pressure grid. */
+static void expect_grid(scene *c) {
+  const pbf_desc desc = desc_of(c);
+  pbf_plan plan = {.struct_size = sizeof plan};
+  pbf_solver *s = test_create(&desc, &c->params);
+  run_scene(c, s);
+  assert_ok(pbf_get_plan(s, &plan));
+  int found = 0;
+  for (uint32_t k = 0; k < plan.stage_count; ++k)
+    found |= strcmp(plan.stages[k].name, "pressure grid") == 0;
+  assert_true(found);
+  pbf_destroy(s);
+}
+
+/* Of a grid that is asked for, one that a plate tears, and one that deep water has by default. */
+static void check_grids(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.params.pressure_grid = 2;
+  c.comes_and_goes = 1;
+  expect_grid(&c);
+  check("a pressure grid", &c);
+  c.has_plate = 1;
+  check("a pressure grid that a plate divides", &c);
+  c = scene_of(dimension, precision);
+  c.params.pressure_grid = -1;
+  c.params.shear_stress_correction = -1;
+  c.params.domain_max[0] = dimension == 3 ? 0.72 : 2;
+  c.params.domain_max[2] = 0.85;
+  c.params.domain_max[1] = 6;
+  expect_grid(&c);
+  check("deep water", &c);
+}
+
+static void so_are_pressure_grids(void **state) {
+  (void)state;
+  test_for_each_kind(check_grids);
+}
+
 static void a_dam_break_is_the_same(void **state) {
   (void)state;
   test_for_each_kind(check_plain);
@@ -213,19 +266,16 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
 
 static void refuse(const pbf_ranks *ranks, void *context) {
   scene *c = context;
-  pbf_params ends = c->params, turns = c->params, deep = c->params;
+  pbf_params ends = c->params, turns = c->params;
   const pbf_desc desc = desc_of(c);
   pbf_solver *s = NULL;
   float pressure;
   ends.tolerance = 0.01;
   turns.periodic = PBF_PERIODIC_X;
-  deep.pressure_grid = 2;
   EXPECT_FAILS(pbf_create_on_ranks(&desc, &ends, ranks, &s), PBF_ERROR_UNSUPPORTED,
                "params.tolerance is not 0");
   EXPECT_FAILS(pbf_create_on_ranks(&desc, &turns, ranks, &s), PBF_ERROR_UNSUPPORTED,
                "params.periodic is not 0");
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &deep, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.pressure_grid is -1 or above 0");
   if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
   fill(c, s, COUNT, 0);
   EXPECT_FAILS(pbf_get_pressures(s, 0, 1, &pressure), PBF_ERROR_UNSUPPORTED, "on ranks");
@@ -281,6 +331,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup(a_dam_break_is_the_same, count_devices),
       cmocka_unit_test(so_are_all_stages),
+      cmocka_unit_test(so_are_pressure_grids),
       cmocka_unit_test(so_are_mirrors_and_sparse_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
