@@ -2,7 +2,8 @@
  * r has device r, modulo those that there are.
  *
  *   gpu_ranks same [RANKS]             bits of one solver, stage by stage
- *   gpu_ranks time N RANKS [f64]       a shallow dam break of about N particles, h = 2 d
+ *   gpu_ranks time N RANKS [f64|grid]  a shallow dam break of about N particles, h = 2 d; with a
+ *                                      pressure grid of cells of 2 h
  *
  * RANKS 0 of `time` is a solver without ranks. With PBF_RANKS_PROCESSES ranks are processes, with
  * PBF_RANKS_BRIEF the default stages alone are checked. Prints
@@ -275,6 +276,8 @@ static int same_of_kind(uint32_t dimension, uint32_t precision, uint32_t ranks) 
   s = checked(dimension);
   add_colliders(&s);
   good &= same("colliders", &s, precision, 20, ranks);
+  s.params.pressure_grid = 2;
+  good &= same("a pressure grid and colliders", &s, precision, 20, ranks);
   s = checked(dimension);
   s.params.solver = PBF_SOLVER_JACOBI;
   s.params.viscosity = 0.01;
@@ -315,7 +318,7 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision) {
+static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision, int has_grid) {
   const int large = particles > 5000000;
   job j = {.s = shallow_dam_break(particles, 2),
            .precision = precision,
@@ -323,7 +326,7 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision) {
            .lead_in = large ? 30 : 150,
            .steps = large ? 20 : 100,
            .runs = 5};
-  j.s.params.pressure_grid = 0;
+  j.s.params.pressure_grid = has_grid ? 2 : 0;
   const uint32_t count = scene_count(&j.s);
   /* Its share, and what is within a cell of its ends: two layers of the lattice and a row, which
    * waves press together. */
@@ -337,18 +340,19 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision) {
     exchanged += j.exchanged[r];
   }
   printf(
-      "{\"time\": \"shallow-dam-break\", \"device\": \"%s\", \"devices\": %u, \"ranks\": %u, "
+      "{\"time\": \"shallow-dam-break%s\", \"device\": \"%s\", \"devices\": %u, \"ranks\": %u, "
       "\"particles\": %u, \"precision\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
       "\"max\": %.5f, \"bytes\": %llu, \"bytes_of_rooms\": %llu, \"section\": %u, "
       "\"neighbors_mean\": %.3f, \"density_error_mean\": %.5f}\n",
-      j.name, devices, ranks, count, 8 * precision, j.steps, j.ms[j.runs / 2], j.ms[0],
-      j.ms[j.runs - 1], (unsigned long long)bytes, (unsigned long long)exchanged,
-      j.s.counts[0] * j.s.counts[1], j.stats[0].neighbors_mean, j.stats[0].density_error_mean);
+      has_grid ? ", pressure grid" : "", j.name, devices, ranks, count, 8 * precision, j.steps,
+      j.ms[j.runs / 2], j.ms[0], j.ms[j.runs - 1], (unsigned long long)bytes,
+      (unsigned long long)exchanged, j.s.counts[0] * j.s.counts[1], j.stats[0].neighbors_mean,
+      j.stats[0].density_error_mean);
   fflush(stdout);
 }
 
 static int usage(void) {
-  fprintf(stderr, "usage: gpu_ranks same [RANKS] | time N RANKS [f64]\n");
+  fprintf(stderr, "usage: gpu_ranks same [RANKS] | time N RANKS [f64|grid]\n");
   return 2;
 }
 
@@ -362,7 +366,7 @@ int main(int argc, char **argv) {
   } else if (strcmp(command, "time") == 0 && argc > 3) {
     const uint32_t precision = argc > 4 && strcmp(argv[4], "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
     time_scene((uint32_t)strtoul(argv[2], NULL, 10), (uint32_t)strtoul(argv[3], NULL, 10),
-               precision);
+               precision, argc > 4 && strcmp(argv[4], "grid") == 0);
     return 0;
   }
   return usage();
