@@ -330,7 +330,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK) exchange_kernel(rank_place p
 /* Adds up what all ranks' particles make of the cells: integers, whose order does not matter. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     add_sums_kernel(rank_place p, uint32_t halo, uint32_t count, unsigned long long *sums) {
-  if (p.phases & RANK_GIVES && blockIdx.x == 0) tell_ranks(p);
+  if (p.phases & RANK_GIVES) tell_ranks(p); /* each block: which comes first is not known */
   if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
   for (uint32_t k = thread_index(); k < count; k += gridDim.x * blockDim.x) {
