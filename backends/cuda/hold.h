@@ -132,7 +132,8 @@ static inline bool grow_rooms(solver *s) {
   }
   pbf_status status = PBF_OK;
   if (cells > r->cell_room) status = take_cells(s, cells + cells / 16);
-  if (status == PBF_OK && halo > r->halo_room) status = take_room(s, halo + halo / 8, r->sum_room);
+  if (status == PBF_OK && halo > r->halo_room)
+    status = take_room(s, halo + halo / 8, r->index_room);
   if (!on_all_ranks(s, status == PBF_OK)) {
     refuse_on_ranks(s, PBF_ERROR_OUT_OF_MEMORY,
                     "a rank has no memory for the particles near its own; more ranks would do");

@@ -103,11 +103,27 @@ static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arra
       "cudaMemsetAsync");
 }
 
-/* From those of all ranks, which lie alike. */
+/* From those of all ranks. */
 static inline pbf_status add_sums_of_ranks(solver *s, const pressure_grid_arrays &arrays) {
-  const uint32_t count = 2 * pressure_grid_indices(s), halo = s->ranks.halo_room;
+  const rank_state &r = s->ranks;
+  const pbf_pressure_grid_topology &t = arrays.topology;
+  const bool torn = s->pressure_grid_solids > 0;
+  const rank_indices indices = {pressure_grid_indices(s),
+                                torn ? t.first : PBF_NO_INDEX,
+                                t.max_further,
+                                t.counts + PBF_FURTHER_COMPARTMENTS,
+                                t.further,
+                                t.home,
+                                r.index_room};
+  if (torn)
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemcpyAsync(rank_further(r.room, r.count, r.halo_room, r.index_room),
+                                           t.further, s->pressure_grid.nodes * sizeof *t.further,
+                                           cudaMemcpyDeviceToDevice, s->stream),
+                           "cudaMemcpyAsync"))
+      return status;
   meet_ranks(s, [&](const rank_place &place) {
-    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, halo, count,
+    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, r.halo_room, indices,
                                                                        arrays.sums);
   });
   return s->ranks.failed ? s->ranks.failed : pbf_cuda_check_launch("add_sums_kernel");

@@ -327,17 +327,44 @@ static __global__ void __launch_bounds__(PBF_BLOCK) exchange_kernel(rank_place p
 
 /* ---- A pressure grid ------------------------------------------------------------------------- */
 
-/* Adds up what all ranks' particles make of the cells: integers, whose order does not matter. */
+/* Indices of a pressure grid: those of cells, and from `first` on of further compartments, of which
+ * `taken`, and at most `most`, have a cell. `further` is where those of each cell begin here,
+ * `home` the cells that they are of. */
+struct rank_indices {
+  uint32_t count, first, most;
+  const uint32_t *taken, *further, *home;
+  uint64_t room; /* indices that there is room for */
+};
+
+/* The index that rank r has in place of this one; n.count: none. */
+static __device__ __forceinline__ uint32_t index_on(const rank_place &p, uint32_t halo,
+                                                    const rank_indices &n, uint32_t r,
+                                                    uint32_t index) {
+  if (index < n.first || r == p.rank) return index;
+  if (index - n.first >= min(*n.taken, n.most)) return n.count;
+  const uint32_t cell = n.home[index - n.first];
+  const uint32_t *its = rank_further(p.control->rooms[r], p.count, halo, n.room);
+  return min(__ldcv(its + cell) + (index - n.further[cell]), n.count);
+}
+
+/* Adds up what all ranks' particles make of the cells: integers, whose order does not matter. Sums
+ * of all indices come before their places. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    add_sums_kernel(rank_place p, uint32_t halo, uint32_t count, unsigned long long *sums) {
+    add_sums_kernel(rank_place p, uint32_t halo, rank_indices n, unsigned long long *sums) {
   if (p.phases & RANK_GIVES) tell_ranks(p); /* each block: which comes first is not known */
   if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
-  for (uint32_t k = thread_index(); k < count; k += gridDim.x * blockDim.x) {
-    unsigned long long sum = 0;
-    for (uint32_t r = 0; r < p.count; ++r)
-      sum += __ldcv(rank_sums(p.control->rooms[r], p.count, halo) + k);
+  for (uint32_t k = thread_index(); k < n.count; k += gridDim.x * blockDim.x) {
+    unsigned long long sum = 0, place = 0;
+    for (uint32_t r = 0; r < p.count; ++r) {
+      const unsigned long long *its = rank_sums(p.control->rooms[r], p.count, halo);
+      const uint32_t at = index_on(p, halo, n, r, k);
+      if (at == n.count) continue;
+      sum += __ldcv(its + at);
+      place += __ldcv(its + n.count + at);
+    }
     sums[k] = sum;
+    sums[n.count + k] = place;
   }
 }
 

@@ -257,26 +257,26 @@ static inline bool agree_on_step(solver *s, const pbf_step_times &times, uint32_
 
 /* ---- Memory -------------------------------------------------------------------------------- */
 
-static inline pbf_status take_room(solver *s, uint32_t halo, uint64_t sums) {
+static inline pbf_status take_room(solver *s, uint32_t halo, uint64_t indices) {
   rank_state *r = &s->ranks;
   void *room = nullptr;
   if (pbf_status status = pbf_cuda_take(&s->memory, "exchanged with ranks",
-                                        rank_room_bytes(r->count, halo, sums), &room))
+                                        rank_room_bytes(r->count, halo, indices), &room))
     return status;
   pbf_cuda_free(&s->memory, r->room);
   r->room = static_cast<char *>(room);
   r->halo_room = halo;
-  r->sum_room = sums;
+  r->index_room = indices;
   r->changed = true;
   return PBF_OK;
 }
 
 /* For the sums and places of a pressure grid's cells, where there can be one. */
 static inline pbf_status keep_rank_sums(solver *s) {
-  const uint64_t sums =
-      s->pressure_grid_memory ? 2 * pbf_pressure_grid_max_nodes(s->scene_capacity) : 0;
-  if (!has_ranks(s) || sums == s->ranks.sum_room) return PBF_OK;
-  return take_room(s, s->ranks.halo_room, sums);
+  const uint64_t indices =
+      s->pressure_grid_memory ? pbf_pressure_grid_max_nodes(s->scene_capacity) : 0;
+  if (!has_ranks(s) || indices == s->ranks.index_room) return PBF_OK;
+  return take_room(s, s->ranks.halo_room, indices);
 }
 
 static inline pbf_status take_cells(solver *s, uint32_t cells) {

@@ -78,8 +78,16 @@ static inline __host__ __device__ unsigned long long *rank_sums(char *room, uint
                                                 2 * rank_mail_bytes(halo));
 }
 
-static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t sums) {
-  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) + sums * sizeof(unsigned long long);
+/* And behind two sums of each index, where the further compartments of each cell begin: what a thin
+ * solid divides each device numbers as it comes to it. */
+static inline __host__ __device__ uint32_t *rank_further(char *room, uint32_t ranks, uint32_t halo,
+                                                         uint64_t indices) {
+  return reinterpret_cast<uint32_t *>(rank_sums(room, ranks, halo) + 2 * indices);
+}
+
+static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t indices) {
+  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) +
+         indices * (2 * sizeof(unsigned long long) + sizeof(uint32_t));
 }
 
 /* Particles that a rank gets, in the room of its lists: a field after another. */
@@ -132,7 +140,7 @@ struct rank_state {
   rank_report *device_report;
   char *room;
   uint32_t halo_room, cell_room; /* as on all ranks, … */
-  uint64_t sum_room;             /* … as is this: sums of a pressure grid's cells */
+  uint64_t index_room;           /* … as is this: indices of a pressure grid */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
   uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */
