@@ -89,6 +89,10 @@ void test_skip(const char *why) {
   skip();
 }
 
+void test_skip_if_watched(void) {
+  if (TEST_INSTRUMENTED && !test_is_long()) test_skip("it follows a fluid for long");
+}
+
 void test_steps_without_memory(pbf_solver *s, pbf_solver *other, int steps) {
   uint32_t failed = 0;
   for (int step = 0; step < steps; ++step) {
@@ -155,15 +159,18 @@ void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision)
   }
 }
 
+static int has_all_kinds_at_length(const char *backend) {
+  if (strcmp(backend, "reference") == 0 || strcmp(backend, "threads") == 0) return 0;
+  return strcmp(backend, "cuda") == 0 || (test_is_long() && !TEST_INSTRUMENTED);
+}
+
 void test_for_long_kinds(void (*function)(uint32_t dimension, uint32_t precision)) {
-  const int is_reference = strcmp(test_backend(), "reference") == 0;
-  const int as_serial = strcmp(test_backend(), "threads") == 0;
-  if (!is_reference && !as_serial && !TEST_INSTRUMENTED) {
+  if (has_all_kinds_at_length(test_backend())) {
     test_for_each_kind(function);
     return;
   }
   with_kind(function, 2, PBF_FLOAT64);
-  if (!is_reference) with_kind(function, 3, PBF_FLOAT32);
+  if (strcmp(test_backend(), "reference") != 0) with_kind(function, 3, PBF_FLOAT32);
 }
 
 double test_value(const void *values, uint64_t index, uint32_t precision) {

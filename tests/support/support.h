@@ -15,6 +15,7 @@
 #include <pbf/pbf.h>
 
 #include "allocator.h"
+#include "amount.h"
 #include "ballistic.h"
 
 enum { TEST_SKIPPED = 77 };
@@ -32,6 +33,10 @@ ballistic_control *test_stub_control(void);
 
 /* Ends the test as skipped, and says why. */
 void test_skip(const char *why);
+
+/* For what follows a fluid for long: ends the test as skipped where a sanitizer looks at code, which
+ * shorter tests run as well, unless all is asked for. */
+void test_skip_if_watched(void);
 
 /* Steps of s with each allocation failing in turn, which fail and begin again: it comes to what
  * another one comes to that is alike and has memory. */
@@ -54,9 +59,10 @@ int test_has_kind(uint32_t dimension, uint32_t precision);
 /* Calls for 2D and 3D, float32 and float64, as far as the build has them. */
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
 
-/* For what takes long and is the same physics everywhere. `threads` has the bits of `serial`
- * (cpu.threads), and a sanitizer looks at code: two kinds, one of each number and dimension. The
- * reference has what it computes in the others compared with `serial` (cpu.stages): one kind. */
+/* For what takes long and is the same physics everywhere: two kinds, one of each number and
+ * dimension, and of the reference, which has what it computes in the others compared with `serial`
+ * (cpu.stages), one. `serial` has all where all is asked for, and no sanitizer looks at code;
+ * `threads` has its bits (cpu.threads). A GPU, whose kinds are compiled apart, always has. */
 void test_for_long_kinds(void (*function)(uint32_t dimension, uint32_t precision));
 
 /* `count` positions on a lattice in the lower middle of the unit box, in the element type; freed by
